@@ -1,10 +1,11 @@
-"""Open every page of the built site, or a report, in headless Chromium, and say what a reader would stumble over.
+"""Open every page of the built site, or a report, in headless Chromium, and say what a reader would
+stumble over.
 
-``python docs/check_pages.py docs/_build/html --out screenshots`` needs Chromium, its driver and selenium;
-``python docs/check_pages.py pit.html`` looks at one file. Each page is opened once and looked at with 1,300 and 400
-pixels, light and dark. What fails: pages wider than their window, text that is cut off, navigation in two rows,
-requests to other machines, links that lead nowhere, pictures that are missing, errors in the console. Screenshots are
-kept.
+``python docs/check_pages.py docs/_build/html --out screenshots`` needs Chromium, its driver and
+selenium; ``python docs/check_pages.py pit.html`` looks at one file. Each page is opened once and
+looked at with 1,300 and 400 pixels, light and dark. What fails: pages wider than their window, text
+that is cut off, navigation in two rows, requests to other machines, links that lead nowhere,
+pictures that are missing, errors in the console. Screenshots are kept.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from urllib.parse import unquote, urldefrag, urljoin, urlparse
 
 SIZES = {"wide": 1300, "narrow": 400}
 SCHEMES = ("light", "dark")
-#: What a page is asked: texts that are cut off, how far it stands out, heights of the navigation, pictures without an
-#: image, links, and names that links can lead to.
+#: What a page is asked: texts that are cut off, how far it stands out, heights of the navigation,
+#: pictures without an image, links, and names that links can lead to.
 ASK = """
 const wide = document.documentElement.clientWidth, out = [];
 for (const e of document.querySelectorAll('main *')) {
@@ -71,10 +72,17 @@ def browser():
 
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or shutil.which("google-chrome") or ""
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"):
+    for argument in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-dev-shm-usage",
+        "--hide-scrollbars",
+    ):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    return webdriver.Chrome(options=options, service=webdriver.ChromeService(shutil.which("chromedriver")))
+    return webdriver.Chrome(
+        options=options, service=webdriver.ChromeService(shutil.which("chromedriver"))
+    )
 
 
 def visit(driver, address: str, picture: Callable[[str], Path | None]) -> dict[str, dict]:
@@ -82,13 +90,19 @@ def visit(driver, address: str, picture: Callable[[str], Path | None]) -> dict[s
     driver.get(address)
     found = {}
     for (size, width), scheme in product(SIZES.items(), SCHEMES):
-        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                               {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False})  # fmt: skip
-        driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
-                               {"features": [{"name": "prefers-color-scheme", "value": scheme}]})  # fmt: skip
+        driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False},
+        )
+        driver.execute_cdp_cmd(
+            "Emulation.setEmulatedMedia",
+            {"features": [{"name": "prefers-color-scheme", "value": scheme}]},
+        )
         name = f"{size}, {scheme}"
         found[name] = driver.execute_script(ASK)
-        found[name]["console"] = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+        found[name]["console"] = [
+            entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"
+        ]
         if (file := picture(name)) is not None:
             file.parent.mkdir(parents=True, exist_ok=True)
             driver.save_screenshot(str(file))
@@ -98,13 +112,23 @@ def visit(driver, address: str, picture: Callable[[str], Path | None]) -> dict[s
 def complaints(found: dict, host: str) -> list[str]:
     """What is wrong with a page by itself."""
     outside = [r for r in found["requests"] if not r.startswith((host, "data:", "blob:"))]
-    return [f"{kind}: {', '.join(map(str, what[:4]))}" for kind, what in (
-        ("stands out", found["overflow"]), ("cut off", found["cut"]), ("navigation in rows", found["rows"]),
-        ("missing picture", found["pictures"]),
-        ("external request", outside), ("console", found["console"])) if what]  # fmt: skip
+    return [
+        f"{kind}: {', '.join(map(str, what[:4]))}"
+        for kind, what in (
+            ("stands out", found["overflow"]),
+            ("cut off", found["cut"]),
+            ("navigation in rows", found["rows"]),
+            ("missing picture", found["pictures"]),
+            ("external request", outside),
+            ("console", found["console"]),
+        )
+        if what
+    ]
 
 
-def broken_links(links: dict[str, list[str]], ids: dict[str, set[str]], host: str, site: Path) -> list[str]:
+def broken_links(
+    links: dict[str, list[str]], ids: dict[str, set[str]], host: str, site: Path
+) -> list[str]:
     """Links within the site whose file or place does not exist."""
     broken = []
     for page, targets in links.items():
@@ -123,7 +147,9 @@ def broken_links(links: dict[str, list[str]], ids: dict[str, set[str]], host: st
 
 def main() -> int:
     """Visit all pages; 1 if something is wrong."""
-    parser = argparse.ArgumentParser(description="Open every page of the site in headless Chromium.")
+    parser = argparse.ArgumentParser(
+        description="Open every page of the site in headless Chromium."
+    )
     parser.add_argument("site", type=Path, help="folder of the site, or one page")
     parser.add_argument("--out", type=Path, help="folder for screenshots")
     parser.add_argument("--only", default="", help="pages whose path contains this")
@@ -131,8 +157,13 @@ def main() -> int:
     given = arguments.site.resolve()
     site = given.parent if given.is_file() else given
     host = serve(site)
-    pages = [given.name] if given.is_file() else sorted(
-        str(p.relative_to(site)) for p in site.rglob("*.html") if "_static" not in p.parts)
+    pages = (
+        [given.name]
+        if given.is_file()
+        else sorted(
+            str(p.relative_to(site)) for p in site.rglob("*.html") if "_static" not in p.parts
+        )
+    )
     wrong: list[str] = []
     links: dict[str, list[str]] = {}
     ids: dict[str, set[str]] = {}
@@ -140,7 +171,9 @@ def main() -> int:
     for page in (page for page in pages if arguments.only in page):
 
         def picture(name: str, page: str = page) -> Path | None:
-            return arguments.out and arguments.out / name.replace(", ", "-") / (page.replace("/", "_") + ".png")
+            return arguments.out and arguments.out / name.replace(", ", "-") / (
+                page.replace("/", "_") + ".png"
+            )
 
         for name, found in visit(driver, urljoin(host, page), picture).items():
             wrong += [f"{page} ({name}): {text}" for text in complaints(found, host)]

@@ -62,7 +62,10 @@ python_maximum_signature_line_length = 88
 numpydoc_show_class_members = False  # the class template lists them
 
 pyvista.OFF_SCREEN = pyvista.BUILDING_GALLERY = True
-os.environ |= {"PYVISTA_OFF_SCREEN": "true", "PYVISTA_BUILDING_GALLERY": "true"}  # for the processes of the gallery
+os.environ |= {
+    "PYVISTA_OFF_SCREEN": "true",
+    "PYVISTA_BUILDING_GALLERY": "true",
+}  # for the processes of the gallery
 
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
@@ -93,6 +96,7 @@ def skip_tuple_fields(app, what, name, obj, skip, options):
 
 
 def setup(app):
-    """Connect our handlers; formulas without a network only name a file, so pages are read by several processes."""
+    """Connect our handlers; formulas without a network only name a file, so pages are read by
+    several processes."""
     app.connect("autodoc-skip-member", skip_tuple_fields)
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

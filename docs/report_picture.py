@@ -1,7 +1,7 @@
 """Make ``docs/_static/report.png``, the picture of a report in the guide, with headless Chromium.
 
-``python docs/report_picture.py`` runs the example of a propped excavation and takes a picture of the report it writes.
-"""
+``python docs/report_picture.py`` runs the example of a propped excavation and takes a picture of
+the report it writes."""
 
 from __future__ import annotations
 
@@ -25,8 +25,10 @@ def main() -> None:
         os.chdir(folder)
         runpy.run_path(str(EXAMPLE), run_name="__main__")
         driver = browser()
-        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                               {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False})  # fmt: skip
+        driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False},
+        )
         driver.get((Path(folder) / "propped_excavation.html").as_uri())
         driver.save_screenshot(str(DOCS / "_static" / "report.png"))
         driver.quit()

@@ -10,7 +10,12 @@ from pathlib import Path
 from PIL import Image
 
 HERE = Path(__file__).parent
-PICTURES = ("from_drawing_003", "slope_with_bracket_002", "tunnel_with_lining_002", "pile_in_space_001")
+PICTURES = (
+    "from_drawing_003",
+    "slope_with_bracket_002",
+    "tunnel_with_lining_002",
+    "pile_in_space_001",
+)
 COLUMNS, WIDTH, HEIGHT, GAP = 2, 680, 420, 20
 
 
@@ -23,9 +28,13 @@ def strip(folder: Path) -> Image.Image:
         picture.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
         row, column = divmod(number, COLUMNS)
         left, top = column * (WIDTH + GAP), row * (HEIGHT + GAP)
-        sheet.paste(picture, (left + (WIDTH - picture.width) // 2, top + (HEIGHT - picture.height) // 2))
+        sheet.paste(
+            picture, (left + (WIDTH - picture.width) // 2, top + (HEIGHT - picture.height) // 2)
+        )
     return sheet
 
 
 if __name__ == "__main__":
-    strip(HERE / "gallery" / "1_short_scripts" / "images").save(HERE / "_static" / "strip.png", optimize=True)
+    strip(HERE / "gallery" / "1_short_scripts" / "images").save(
+        HERE / "_static" / "strip.png", optimize=True
+    )

@@ -1,4 +1,5 @@
 """Output in terminals and notebooks: progress bars and tables."""
+
 from __future__ import annotations
 
 import csv
@@ -37,12 +38,17 @@ def in_notebook() -> bool:
 
 
 def progress_bar(show: bool | None, **options: Any) -> Any:
-    """Return a bar of tqdm, as a widget in a notebook that has them; shown by default in terminals and notebooks."""
-    return tqdm(disable=not (sys.stderr.isatty() or in_notebook() if show is None else show), **options)
+    """Return a bar of tqdm, as a widget in a notebook that has them; shown by default in terminals
+    and notebooks.
+    """
+    return tqdm(
+        disable=not (sys.stderr.isatty() or in_notebook() if show is None else show), **options
+    )
 
 
 class Bars:
-    """Bars of a run: one for every stage where somebody looks on, otherwise a line of the log now and then.
+    """Bars of a run: one for every stage where somebody looks on, otherwise a line of the log now
+    and then.
 
     Parameters
     ----------
@@ -61,12 +67,18 @@ class Bars:
     def stage(self, name: str) -> Iterator[None]:
         """Show the bar of the next stage."""
         self._number, self._name = self._number + 1, name
-        with progress_bar(self._show, total=1.0, desc=f"{name} ({self._number}/{self._stages})",
-                          bar_format="{desc:20} {percentage:3.0f}% |{bar}|{postfix}") as self._bar:
+        with progress_bar(
+            self._show,
+            total=1.0,
+            desc=f"{name} ({self._number}/{self._stages})",
+            bar_format="{desc:20} {percentage:3.0f}% |{bar}|{postfix}",
+        ) as self._bar:
             yield
 
     def update(self, share: float, increments: int, iterations: int, displacement: float) -> None:
-        """Show the share of the stage, its increments, their iterations and the largest displacement so far."""
+        """Show the share of the stage, its increments, their iterations and the largest
+        displacement so far.
+        """
         now = perf_counter()
         done = (self._number - 1 + share) / self._stages
         left = tqdm.format_interval(round((now - self._began) * (1.0 / done - 1.0)))
@@ -74,13 +86,21 @@ class Bars:
         self._bar.update(share - self._bar.n)
         self._bar.set_postfix_str(text)
         if self._bar.disable and (share == 1.0 or now - self._logged > _SELDOM):
-            logger.info("stage '%s' (%d of %d): %.0f%%, %s", self._name, self._number, self._stages, 100 * share, text)
+            logger.info(
+                "stage '%s' (%d of %d): %.0f%%, %s",
+                self._name,
+                self._number,
+                self._stages,
+                100 * share,
+                text,
+            )
             self._logged = now
 
 
 @dataclass(frozen=True)
 class Table:
-    """Table of a result: printed as text, shown by notebooks as HTML; ``table["M"]`` is a column as an array.
+    """Table of a result: printed as text, shown by notebooks as HTML; ``table["M"]`` is a column as
+    an array.
 
     Attributes
     ----------
@@ -125,8 +145,13 @@ class Table:
     def __str__(self) -> str:
         texts = [self.head, *self.texts()]
         widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-        lines = ("  ".join(text.rjust(n) if right else text.ljust(n) for text, n, right
-                           in zip(row, widths, self._right, strict=True)).rstrip() for row in texts)
+        lines = (
+            "  ".join(
+                text.rjust(n) if right else text.ljust(n)
+                for text, n, right in zip(row, widths, self._right, strict=True)
+            ).rstrip()
+            for row in texts
+        )
         return "\n".join((*([self.caption] if self.caption else ()), *lines))
 
     __repr__ = __str__  # in a terminal as in print
@@ -134,8 +159,10 @@ class Table:
     def _repr_html_(self) -> str:
         def cells(tag: str, row: Sequence[str]) -> str:
             sides = ("right" if right else "left" for right in self._right)
-            return "".join(f'<{tag} style="text-align:{side}">{escape(text)}</{tag}>'
-                           for side, text in zip(sides, row, strict=True))
+            return "".join(
+                f'<{tag} style="text-align:{side}">{escape(text)}</{tag}>'
+                for side, text in zip(sides, row, strict=True)
+            )
 
         body = "".join(f"<tr>{cells('td', row)}</tr>" for row in self.texts())
         above = f"<caption>{escape(self.caption)}</caption>" if self.caption else ""
@@ -144,15 +171,24 @@ class Table:
     def to_markdown(self) -> str:
         """Return the table in Markdown, figures with four digits and aligned on the right."""
         rule = "|" + "|".join("--:" if right else ":--" for right in self._right) + "|"
-        head, *body = ("| " + " | ".join(text.replace("|", "\\|") for text in row) + " |"
-                       for row in (self.head, *self.texts()))
+        head, *body = (
+            "| " + " | ".join(text.replace("|", "\\|") for text in row) + " |"
+            for row in (self.head, *self.texts())
+        )
         return "\n".join((head, rule, *body))
 
     def to_csv(self, file: str | Path | None = None) -> str:
-        """Return comma-separated values with all digits, and write them to a file if one is given."""
+        """Return comma-separated values with all digits, and write them to a file if one is
+        given.
+        """
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerows((self.head, *([None if _missing(value) else value for value in row] for row in self.rows)))
+        writer.writerows(
+            (
+                self.head,
+                *([None if _missing(value) else value for value in row] for row in self.rows),
+            )
+        )
         if file is not None:
             Path(file).write_text(text.getvalue(), encoding="utf-8")
         return text.getvalue()
@@ -166,15 +202,26 @@ class Table:
     @property
     def _right(self) -> list[bool]:
         """True for each column of figures, which is aligned on the right."""
-        columns = [[text for text in column if text not in ("", "–")] for column in zip(*self.texts(), strict=True)]
-        return [all(text.lstrip("<>= -−")[:1].isdigit() or text == "inf" for text in column) and bool(column)
-                for column in columns] or [False] * len(self.head)
+        columns = [
+            [text for text in column if text not in ("", "–")]
+            for column in zip(*self.texts(), strict=True)
+        ]
+        return [
+            all(text.lstrip("<>= -−")[:1].isdigit() or text == "inf" for text in column)
+            and bool(column)
+            for column in columns
+        ] or [False] * len(self.head)
 
     def texts(self) -> list[list[str]]:
         """Return the cells as text: figures with four digits, a dash for nothing."""
-        sizes = [max((abs(v) for v in column if isinstance(v, float) and np.isfinite(v)), default=0.0)
-                 for column in zip(*self.rows, strict=True)]
-        return [[_written(value, size) for value, size in zip(row, sizes, strict=True)] for row in self.rows]
+        sizes = [
+            max((abs(v) for v in column if isinstance(v, float) and np.isfinite(v)), default=0.0)
+            for column in zip(*self.rows, strict=True)
+        ]
+        return [
+            [_written(value, size) for value, size in zip(row, sizes, strict=True)]
+            for row in self.rows
+        ]
 
 
 def _missing(value: Any) -> bool:
@@ -182,7 +229,9 @@ def _missing(value: Any) -> bool:
 
 
 def _written(value: Any, size: float) -> str:
-    """Return a figure with four digits, zero for the round-off of a column, a name as it is, a dash for nothing."""
+    """Return a figure with four digits, zero for the round-off of a column, a name as it is, a dash
+    for nothing.
+    """
     if _missing(value):
         return "–"
     if isinstance(value, float):

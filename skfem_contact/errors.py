@@ -1,4 +1,5 @@
 """Errors, warnings and remarks."""
+
 from __future__ import annotations
 
 import sys
@@ -18,7 +19,9 @@ class AnalysisWarning(UserWarning):
 def warn(text: str, kind: type[Warning] = AnalysisWarning) -> None:
     """Warn at the line outside the package whose call led here."""
     ours, level, frame = (__name__.partition(".")[0], "contextlib"), 1, sys._getframe()
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in ours:
+    while (
+        frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in ours
+    ):
         level, frame = level + 1, frame.f_back
     warnings.warn(text, kind, stacklevel=level)
 
@@ -42,25 +45,34 @@ class NotConverged(RuntimeError):
 
     result: Any = None
 
-    def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = (),
-                 dof: int | None = None, cycle: Sequence[ndarray] = ()) -> None:
+    def __init__(
+        self,
+        message: str,
+        x: ndarray | None = None,
+        residuals: Sequence[float] = (),
+        dof: int | None = None,
+        cycle: Sequence[ndarray] = (),
+    ) -> None:
         super().__init__(message)
         self.x, self.residuals, self.dof, self.cycle = x, tuple(residuals), dof, tuple(cycle)
 
 
 class NoEquilibrium(NotConverged):
-    """Collapse under a load: displacements grow without bound, and the load does more work than the bodies resist.
+    """Collapse under a load: displacements grow without bound, and the load does more work than the
+    bodies resist.
 
-    With associated flow the residual is the gradient of a convex potential. A line search along this energy finds the
-    minimum. At collapse there is no minimum, and the search runs away along the mechanism: displacements of a hundred
-    times the elastic ones count as collapse. With friction and non-associated flow there is no potential, but the
-    mechanism is found in the same way.
+    With associated flow the residual is the gradient of a convex potential. A line search along
+    this energy finds the minimum. At collapse there is no minimum, and the search runs away along
+    the mechanism: displacements of a hundred times the elastic ones count as collapse. With
+    friction and non-associated flow there is no potential, but the mechanism is found in the same
+    way.
     """
 
 
 @dataclass(frozen=True)
 class Failure:
-    """Failure of Newton's method, for a form that may return a regularised one, see :meth:`Form.begin`.
+    """Failure of Newton's method, for a form that may return a regularised one, see
+    :meth:`Form.begin`.
 
     Attributes
     ----------
@@ -75,7 +87,9 @@ class Failure:
 
 
 class InadmissibleStress(ValueError):
-    """Initial stress that a material does not admit, worst at a point: the flat index (C order) among those given."""
+    """Initial stress that a material does not admit, worst at a point: the flat index (C order)
+    among those given.
+    """
 
     def __init__(self, message: str, point: int) -> None:
         super().__init__(message)
@@ -83,7 +97,9 @@ class InadmissibleStress(ValueError):
 
 
 class IncrementTooLarge(RuntimeError):
-    """Error of a material's update or of :meth:`Form.outer`: the increment is too large and must be cut."""
+    """Error of a material's update or of :meth:`Form.outer`: the increment is too large and must be
+    cut.
+    """
 
 
 @dataclass(frozen=True)
@@ -125,7 +141,11 @@ class Remarks:
     def __enter__(self) -> Remarks:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-                 ) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         for _, text in self._worst.values():
             warn(text)

@@ -1,7 +1,9 @@
-"""Degrees of freedom of an analysis: displacements of the basis first, then the fields that forms bring.
+"""Degrees of freedom of an analysis: displacements of the basis first, then the fields that forms
+bring.
 
 The displacements of a node follow each other, component by component.
 """
+
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -26,7 +28,9 @@ Kind = Literal["displacement", "rotation", "pressure", "multiplier"]
 
 
 def different(n: int, *numbers: ndarray) -> ndarray:
-    """Return the different ones of some numbers from 0 to n - 1, sorted, in a tenth of the time of ``np.unique``."""
+    """Return the different ones of some numbers from 0 to n - 1, sorted, in a tenth of the time of
+    ``np.unique``.
+    """
     there = np.zeros(n, bool)
     for part in numbers:
         there[part] = True
@@ -52,19 +56,23 @@ class Field:
     coordinates : ndarray, shape (dim, n)
         Coordinates of the dofs, for the elimination order and for messages.
     kind
-        Displacements and rotations become zero when displacements are reset; pressures and multipliers stay.
+        Displacements and rotations become zero when displacements are reset; pressures and
+        multipliers stay.
     scale
-        Change of the dof that goes with a unit of displacement: E/h for a pressure, 1/h for a rotation. Linear systems
-        are solved in scaled dofs: without the scale a direct solver leaves its elimination order.
+        Change of the dof that goes with a unit of displacement: E/h for a pressure, 1/h for a
+        rotation. Linear systems are solved in scaled dofs: without the scale a direct solver leaves
+        its elimination order.
     shared
-        Name under which several forms share one field, such as the pore pressure of two parts of the ground.
+        Name under which several forms share one field, such as the pore pressure of two parts of
+        the ground.
     taken
-        Dofs that are those of another field or of the basis: pairs of indices and of :class:`FieldDofs` or numbers.
+        Dofs that are those of another field or of the basis: pairs of indices and of
+        :class:`FieldDofs` or numbers.
 
     Notes
     -----
-    The model numbers the dofs and hands the numbers to the form: see :meth:`Form.numbered`. A field is known by its
-    identity, which :func:`dataclasses.replace` keeps.
+    The model numbers the dofs and hands the numbers to the form: see :meth:`Form.numbered`. A field
+    is known by its identity, which :func:`dataclasses.replace` keeps.
 
     Examples
     --------
@@ -114,12 +122,14 @@ class FieldDofs:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Numbers of all dofs of an analysis: the displacements of the basis, then the fields one behind the other.
+    """Numbers of all dofs of an analysis: the displacements of the basis, then the fields one
+    behind the other.
 
     Attributes
     ----------
     fields
-        The fields in the order of their numbers; the first one holds the displacements of the basis.
+        The fields in the order of their numbers; the first one holds the displacements of the
+        basis.
     parts
         Dofs of each field in a vector.
     """
@@ -138,14 +148,23 @@ class Layout:
             if twin is None:
                 fields.append(new)
             elif not np.array_equal(twin.coordinates, new.coordinates):
-                raise ValueError(f"two forms share the field '{new.shared}', but at other coordinates")
+                raise ValueError(
+                    f"two forms share the field '{new.shared}', but at other coordinates"
+                )
         ends = np.cumsum([f.n for f in fields])
-        return cls(tuple(fields), tuple(slice(int(end) - f.n, int(end)) for f, end in zip(fields, ends, strict=True)))
+        return cls(
+            tuple(fields),
+            tuple(slice(int(end) - f.n, int(end)) for f, end in zip(fields, ends, strict=True)),
+        )
 
     def numbers(self, fields: Iterable[Field]) -> Mapping[Field, ndarray]:
         """Return the dofs of some fields."""
-        return {sought: self._with_taken(sought, np.arange(part.start, part.stop)) for sought in fields
-                for f, part in zip(self.fields, self.parts, strict=True) if _same(f, sought)}
+        return {
+            sought: self._with_taken(sought, np.arange(part.start, part.stop))
+            for sought in fields
+            for f, part in zip(self.fields, self.parts, strict=True)
+            if _same(f, sought)
+        }
 
     def _with_taken(self, field: Field, own: ndarray) -> ndarray:
         """Return the dofs of a field from those that are its own."""
@@ -155,24 +174,36 @@ class Layout:
         found[field.own] = own
         for at, other in field.taken:
             field_dofs = isinstance(other, FieldDofs)
-            found[at] = self.numbers([other.field])[other.field][other.indices] if field_dofs else other
+            found[at] = (
+                self.numbers([other.field])[other.field][other.indices] if field_dofs else other
+            )
         return found
 
     def dofs(self, given: Any) -> ndarray:
-        """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of both."""
-        several = isinstance(given, list | tuple) and any(isinstance(p, FieldDofs) or np.ndim(p) for p in given)
+        """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of
+        both.
+        """
+        several = isinstance(given, list | tuple) and any(
+            isinstance(p, FieldDofs) or np.ndim(p) for p in given
+        )
         parts = given if several else [given]
         numbers = []
         for part in parts:
             if isinstance(part, FieldDofs):
                 if not (known := self.numbers([part.field])):
-                    raise ValueError(f"fixed dofs belong to the field '{part.field.name}', which no form of the model "
-                                     "brings")
+                    raise ValueError(
+                        f"fixed dofs belong to the field '{part.field.name}', which no form of the "
+                        f"model "
+                        "brings"
+                    )
                 part = known[part.field][part.indices]
             numbers.append(np.asarray(part).ravel())
             if len(numbers[-1]) and numbers[-1].dtype.kind not in "iu":
-                raise ValueError("fixed must be dofs, integers such as basis.get_dofs('bottom').all(), those of beams "
-                                 "as *beam.dofs((x, y))")
+                raise ValueError(
+                    "fixed must be dofs, integers such as basis.get_dofs('bottom').all(), those of "
+                    "beams "
+                    "as *beam.dofs((x, y))"
+                )
         found = np.unique(np.concatenate(numbers).astype(int))
         if len(found) and (found[0] < 0 or found[-1] >= self.size):
             raise ValueError(f"fixed dofs must lie between 0 and {self.size - 1}")
@@ -222,7 +253,9 @@ class Layout:
         return np.flatnonzero(np.repeat(chosen, [f.n for f in self.fields]))
 
     def describe(self, dof: int) -> str:
-        """Return the coordinates of a dof, and its field unless it is a displacement, for a message."""
+        """Return the coordinates of a dof, and its field unless it is a displacement, for a
+        message.
+        """
         k = next(k for k, part in enumerate(self.parts) if dof < part.stop)
         what = f"the {self.fields[k].name} " if k else ""
         return f"{what}at {format_point(self.fields[k].coordinates[:, dof - self.parts[k].start])}"
@@ -234,7 +267,9 @@ def _same(a: Field, b: Field) -> bool:
 
 
 def nodes(basis: CellBasis) -> ndarray:
-    """Return the nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
+    """Return the nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces,
+    centre.
+    """
     dim = basis.mesh.dim()
     return np.asarray(basis.element_dofs[0::dim].T) // dim
 
@@ -251,8 +286,10 @@ def linear_element(mesh: Mesh) -> Element:
 
 def _first_components(basis: CellBasis, part: str | None) -> ndarray:
     """Return the dofs of the first component at all nodes, or at those of a subdomain."""
-    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
-    return np.unique(basis.dofs.element_dofs[::basis.mesh.dim(), elements])
+    elements = (
+        slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
+    )
+    return np.unique(basis.dofs.element_dofs[:: basis.mesh.dim(), elements])
 
 
 def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -> ndarray:
@@ -287,26 +324,41 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     dim = basis.mesh.dim()
     x = np.atleast_2d(finite(coordinates, "coordinates"))
     if x.ndim != 2 or x.shape[1] != dim:
-        raise ValueError(f"coordinates must be finite points of {dim} components, not {coordinates!r}")
+        raise ValueError(
+            f"coordinates must be finite points of {dim} components, not {coordinates!r}"
+        )
     numbers = _first_components(basis, part)
-    tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())
+    tree, near = (
+        cKDTree(basis.doflocs[:, numbers].T),
+        _AT * float(np.ptp(basis.doflocs, axis=1).max()),
+    )
     for point, found in zip(x, tree.query_ball_point(x, near)):
         if len(found) != 1:
             at = format_point(basis.doflocs[:, numbers[tree.query(point)[1]]])
-            raise ValueError(f"there are {len(found)} nodes at {format_point(point)}" + (
-                "; say by `part` which body is meant" if found else f"; the nearest one is at {at}"))
+            raise ValueError(
+                f"there are {len(found)} nodes at {format_point(point)}"
+                + (
+                    "; say by `part` which body is meant"
+                    if found
+                    else f"; the nearest one is at {at}"
+                )
+            )
     return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
 
 
-def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed") -> ndarray:
-    """Return the dofs that the supports of a box of ground hold: its base, and its sides in normal direction.
+def box_supports(
+    basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed"
+) -> ndarray:
+    """Return the dofs that the supports of a box of ground hold: its base, and its sides in normal
+    direction.
 
     Parameters
     ----------
     basis
         ``Basis`` of the mesh; the last axis is upright.
     part
-        Subdomain whose lowest nodes are the base and whose outermost ones are the sides; by default the whole mesh.
+        Subdomain whose lowest nodes are the base and whose outermost ones are the sides; by default
+        the whole mesh.
     base
         ``"fixed"``: nothing moves there; ``"rollers"``: the base holds the upright direction only.
 
@@ -335,9 +387,11 @@ def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed
 
 
 def rigid_modes(locations: ndarray, dofs: ndarray) -> ndarray:
-    """Return small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
+    """Return small rigid motions of a body: translations, then rotations about its centre, scaled
+    by its size.
 
-    From the coordinates of all dofs, (dim, N), and the n dofs of the body: displacements, (n, 3), in space (n, 6).
+    From the coordinates of all dofs, (dim, N), and the n dofs of the body: displacements, (n, 3),
+    in space (n, 6).
     """
     x = locations[:, dofs]
     dim = len(x)

@@ -1,4 +1,5 @@
 """Model: forms and supports of an analysis, and everything that can be asked of them."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -22,25 +23,28 @@ from .stages.stage import AtRest, Force, Stage
 class Model(Setup):
     """Forms and supports of an analysis, with the settings that its runs and searches share.
 
-    The model completes the forms (contact takes its default penalty from the stiffness of the bodies), numbers all
-    dofs and checks that the forms fit together.
+    The model completes the forms (contact takes its default penalty from the stiffness of the
+    bodies), numbers all dofs and checks that the forms fit together.
 
     Parameters
     ----------
     forms
-        Solids, contact pairs and other forms by name, those included that are active in some stages only.
+        Solids, contact pairs and other forms by name, those included that are active in some stages
+        only.
     fixed
-        Dofs that are held (or moved by ``Stage.prescribed``): numbers, dofs of a field such as ``water.dofs("top")``,
-        or a list of both.
+        Dofs that are held (or moved by ``Stage.prescribed``): numbers, dofs of a field such as
+        ``water.dofs("top")``, or a list of both.
     solver
-        A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
-        solver with an ordering of its own; for large bodies in space multigrid where it is faster and installed.
+        A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By
+        default a direct solver with an ordering of its own; for large bodies in space multigrid
+        where it is faster and installed.
     newton
         Settings of Newton's method; by default those of each method.
     gravity
         Direction of gravity, a unit vector (dim,); by default against the last axis.
     seismic
-        Horizontal acceleration over that of gravity, one number or a component for each horizontal axis.
+        Horizontal acceleration over that of gravity, one number or a component for each horizontal
+        axis.
     water_unit_weight
         Unit weight of water, for water levels.
 
@@ -56,8 +60,8 @@ class Model(Setup):
     Raises
     ------
     ValueError
-        Objects that are no forms, forms of different meshes or coordinate systems, fields that two forms bring, dofs
-        that do not exist, weights across the axis.
+        Objects that are no forms, forms of different meshes or coordinate systems, fields that two
+        forms bring, dofs that do not exist, weights across the axis.
 
     Examples
     --------
@@ -76,20 +80,28 @@ class Model(Setup):
     def __repr__(self) -> str:
         return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {', '.join(self.forms)}>"
 
-    def initial_state(self, load: Force = None, *, stress: Callable[[ndarray], ndarray], water: AtRest = None,
-                      name: str = "initial") -> Result:
+    def initial_state(
+        self,
+        load: Force = None,
+        *,
+        stress: Callable[[ndarray], ndarray],
+        water: AtRest = None,
+        name: str = "initial",
+    ) -> Result:
         """Return a start with a given field of stresses; nothing has moved.
 
-        Where a stress is not admissible it is returned to the yield surface, and counted as yielded. Contact
-        pairs get the tractions that balance the stresses on both sides.
+        Where a stress is not admissible it is returned to the yield surface, and counted as
+        yielded. Contact pairs get the tractions that balance the stresses on both sides.
 
         Parameters
         ----------
         load
-            External forces besides the weight of the forms, (N,): stresses, weight and these are in equilibrium.
+            External forces besides the weight of the forms, (N,): stresses, weight and these are in
+            equilibrium.
         stress
-            Stress (xx, yy, zz, xy), tension positive, at coordinates (2, n_elements, n_points): (4, n_elements,
-            n_points); in three dimensions 6 components at coordinates (3, n_elements, n_points).
+            Stress (xx, yy, zz, xy), tension positive, at coordinates (2, n_elements, n_points): (4,
+            n_elements, n_points); in three dimensions 6 components at coordinates (3, n_elements,
+            n_points).
         water
             Water at rest, as in :class:`Stage`.
         name
@@ -98,8 +110,8 @@ class Model(Setup):
         Returns
         -------
         Result
-            A start for :meth:`run`; its residual is that of the equilibrium. A stage with the same load, a
-            *null step*, removes the rest.
+            A start for :meth:`run`; its residual is that of the equilibrium. A stage with the same
+            load, a *null step*, removes the rest.
 
         Warns
         -----
@@ -108,10 +120,18 @@ class Model(Setup):
         """
         return initial_state(self, load, stress, water, name)
 
-    def k0_state(self, load: Force = None, *, K0: float | Mapping[str, float],
-                 unit_weights: float | Mapping[str, float] | None = None, surcharge: float = 0.0, water: AtRest = None,
-                 name: str = "initial") -> Result:
-        """Return the K0 state of level ground: vertical stress from the weight above, horizontal stress K0 times it.
+    def k0_state(
+        self,
+        load: Force = None,
+        *,
+        K0: float | Mapping[str, float],
+        unit_weights: float | Mapping[str, float] | None = None,
+        surcharge: float = 0.0,
+        water: AtRest = None,
+        name: str = "initial",
+    ) -> Result:
+        """Return the K0 state of level ground: vertical stress from the weight above, horizontal
+        stress K0 times it.
 
         Where the surface or the layers are not level use :meth:`gravity_state`.
 
@@ -122,19 +142,21 @@ class Model(Setup):
         K0
             Ratio of the effective stresses: one number, or by subdomain.
         unit_weights
-            Unit weights, one number or by subdomain; by default those of the forms. Subdomains that are not named are
-            weightless.
+            Unit weights, one number or by subdomain; by default those of the forms. Subdomains that
+            are not named are weightless.
         surcharge
             Pressure on the surface, that of water above it included.
         water
-            Water at rest: its level, points of it, or the pore pressure as a function of the coordinates or at the
-            vertices, (n_vertices,). Stresses are then effective, everywhere. A wall that is wished in place begins as
-            ground. Where the forms have unit weights the load of the water is added, otherwise `load` holds it.
+            Water at rest: its level, points of it, or the pore pressure as a function of the
+            coordinates or at the vertices, (n_vertices,). Stresses are then effective, everywhere.
+            A wall that is wished in place begins as ground. Where the forms have unit weights the
+            load of the water is added, otherwise `load` holds it.
 
         Raises
         ------
         ValueError
-            Unknown subdomain, elements without K0, different unit weights at the same height (the ground is not level).
+            Unknown subdomain, elements without K0, different unit weights at the same height (the
+            ground is not level).
 
         Examples
         --------
@@ -150,20 +172,28 @@ class Model(Setup):
         """
         return k0_state(self, load, K0, unit_weights, surcharge, water, name)
 
-    def gravity_state(self, load: Force = None, *, K0: float | Mapping[str, float] | None = None, water: AtRest = None,
-                      name: str = "initial", increments: int = 1) -> Result:
+    def gravity_state(
+        self,
+        load: Force = None,
+        *,
+        K0: float | Mapping[str, float] | None = None,
+        water: AtRest = None,
+        name: str = "initial",
+        increments: int = 1,
+    ) -> Result:
         """Turn gravity on in ground of any shape; the displacements are then set to zero.
 
-        Contact has followed the bodies: where it does not balance once it is back, equilibrium is found from there.
+        Contact has followed the bodies: where it does not balance once it is back, equilibrium is
+        found from there.
 
         Parameters
         ----------
         load, water, name
             As for :meth:`initial_state`. Excess pressures of :class:`PoreWater` are zero.
         K0
-            Where it is given, for all regions or by the name of a region, gravity first acts on elastic ground with
-            Poisson's ratio K0 / (1 + K0), which gives this ratio under a level surface; then the ground's own
-            materials find their equilibrium.
+            Where it is given, for all regions or by the name of a region, gravity first acts on
+            elastic ground with Poisson's ratio K0 / (1 + K0), which gives this ratio under a level
+            surface; then the ground's own materials find their equilibrium.
         increments
             Number of increments to begin with.
 
@@ -174,8 +204,14 @@ class Model(Setup):
         """
         return gravity_state(self, load, K0, water, name, increments)
 
-    def run(self, stages: Sequence[Stage], *, start: Result | StageResult | None = None,
-            on_increment: Observer | None = None, progress: bool | None = None) -> Result:
+    def run(
+        self,
+        stages: Sequence[Stage],
+        *,
+        start: Result | StageResult | None = None,
+        on_increment: Observer | None = None,
+        progress: bool | None = None,
+    ) -> Result:
         """Run stages one after the other.
 
         Parameters
@@ -183,9 +219,11 @@ class Model(Setup):
         stages
             Stages in their order.
         start
-            Result, or one stage, to continue from, with what its stages have changed; forms it lacks are inactive.
+            Result, or one stage, to continue from, with what its stages have changed; forms it
+            lacks are inactive.
         on_increment
-            Function of every accepted increment, a :class:`StageResult`, such as ``sc.results.Append(file)``.
+            Function of every accepted increment, a :class:`StageResult`, such as
+            ``sc.results.Append(file)``.
         progress
             Show a progress bar; by default where the output is a terminal.
 
@@ -197,59 +235,77 @@ class Model(Setup):
         Raises
         ------
         ValueError
-            Bad input, before anything is computed: sizes, NaN, unknown or repeated names, a body that nothing holds.
+            Bad input, before anything is computed: sizes, NaN, unknown or repeated names, a body
+            that nothing holds.
         NotConverged
-            With the partial result, whose last entry is the last increment that was accepted; so has the
-            ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute ``result``.
+            With the partial result, whose last entry is the last increment that was accepted; so
+            has the ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute
+            ``result``.
 
         Warns
         -----
         AnalysisWarning
-            Remarks of the forms on their states, each kind once; stages and supports that change nothing.
+            Remarks of the forms on their states, each kind once; stages and supports that change
+            nothing.
         """
         return run(self, stages, start, on_increment, progress)
 
-    def strength_reduction(self, load: Force = None, *, start: Result | StageResult | None = None, water: AtRest = None,
-                           reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
-                           method: Literal["continuation", "bracket"] = "continuation", flow: Flow = "given",
-                           tolerance: float = 0.01, step: float = 0.1, max_value: float = 100.0,
-                           certify: bool | Literal["auto"] | Mapping[str, Any] = "auto",
-                           undrained: bool = False, progress: bool | None = None) -> CollapseResult:
+    def strength_reduction(
+        self,
+        load: Force = None,
+        *,
+        start: Result | StageResult | None = None,
+        water: AtRest = None,
+        reduce: str | Collection[str] | None = None,
+        exclude: str | Collection[str] = (),
+        method: Literal["continuation", "bracket"] = "continuation",
+        flow: Flow = "given",
+        tolerance: float = 0.01,
+        step: float = 0.1,
+        max_value: float = 100.0,
+        certify: bool | Literal["auto"] | Mapping[str, Any] = "auto",
+        undrained: bool = False,
+        progress: bool | None = None,
+    ) -> CollapseResult:
         """Reduce the strength until the structure collapses under its load.
 
         Parameters
         ----------
         load
-            External forces besides the weight of the forms and the water, (N,); by default those of ``start``.
+            External forces besides the weight of the forms and the water, (N,); by default those of
+            ``start``.
         start
-            Where to start: a result (its last stage) or a stage. By default the load is applied to the unstrained
-            bodies first.
+            Where to start: a result (its last stage) or a stage. By default the load is applied to
+            the unstrained bodies first.
         water
             Water at rest, as of a :class:`Stage`; by default that of ``start``. ``False``: none.
         reduce
-            Names of forms and of regions whose strength is reduced, or one; by default all that have a strength:
-            regions of solids, and friction and adhesion of contact pairs.
+            Names of forms and of regions whose strength is reduced, or one; by default all that
+            have a strength: regions of solids, and friction and adhesion of contact pairs.
         exclude
             Names of forms and of regions that keep their strength, or one.
         method
-            ``"continuation"``: the work of the load is prescribed and the factor follows, up to its plateau;
-            ``"bracket"``: fixed factors, each from the last stable state.
+            ``"continuation"``: the work of the load is prescribed and the factor follows, up to its
+            plateau; ``"bracket"``: fixed factors, each from the last stable state.
         flow
-            Flow rule: ``"given"``, ``"associated"``, ``"davis_a"``, ``"davis_b"``, ``"davis_c"`` or ``"lagged"``, see
+            Flow rule: ``"given"``, ``"associated"``, ``"davis_a"``, ``"davis_b"``, ``"davis_c"`` or
+            ``"lagged"``, see
             :doc:`theory </theory/plasticity>`.
         tolerance
             Width of the bracket; the curve is followed until a quarter of it is left.
         step
-            First step of the factor, at least `tolerance`: over less a curve looks like its plateau.
+            First step of the factor, at least `tolerance`: over less a curve looks like its
+            plateau.
         max_value
             The search ends above this factor.
         certify
-            Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if that takes
-            no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02}``: on meshes of
-            their own. The load must be a sum of weights and linear tractions on boundaries; water at rest is known.
+            Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane
+            search if that takes no more than about its time. True, or arguments of :meth:`bounds`
+            such as ``{"gap": .02}``: on meshes of their own. The load must be a sum of weights and
+            linear tractions on boundaries; water at rest is known.
         undrained
-            Let no water flow in ground with :class:`PoreWater`: a collapse just after a quick change. By default its
-            pressures stay: a collapse as slow as the drainage.
+            Let no water flow in ground with :class:`PoreWater`: a collapse just after a quick
+            change. By default its pressures stay: a collapse as slow as the drainage.
         progress
             Show a progress bar; by default where the output is a terminal.
 
@@ -261,8 +317,9 @@ class Model(Setup):
         Warns
         -----
         AnalysisWarning
-            The factor is below 1, outside of the proven bounds, or needs displacements beyond a tenth of the model; no
-            collapse was shown (:attr:`CollapseResult.stop`); elements lock; pressures are kept that have yet to drain.
+            The factor is below 1, outside of the proven bounds, or needs displacements beyond a
+            tenth of the model; no collapse was shown (:attr:`CollapseResult.stop`); elements lock;
+            pressures are kept that have yet to drain.
 
         Examples
         --------
@@ -278,24 +335,50 @@ class Model(Setup):
         >>> f"{model.strength_reduction(load).factor:.2f} {model.limit_load(load).multiplier:.2f}"
         '2.00 2.00'
         """
-        return strength_reduction(self, load, start, water, reduce, exclude, method, flow, tolerance, step, max_value,
-                                  certify, undrained, progress)
+        return strength_reduction(
+            self,
+            load,
+            start,
+            water,
+            reduce,
+            exclude,
+            method,
+            flow,
+            tolerance,
+            step,
+            max_value,
+            certify,
+            undrained,
+            progress,
+        )
 
-    def limit_load(self, load: Force, *, start: Result | StageResult | None = None, tolerance: float = 0.005,
-                   step: float = 1.0, max_value: float = np.inf, flow: Flow = "given", max_step: float = np.inf,
-                   min_displacement: float = 0.0, certify: bool | Mapping[str, Any] = False,
-                   undrained: bool = False, progress: bool | None = None) -> CollapseResult:
+    def limit_load(
+        self,
+        load: Force,
+        *,
+        start: Result | StageResult | None = None,
+        tolerance: float = 0.005,
+        step: float = 1.0,
+        max_value: float = np.inf,
+        flow: Flow = "given",
+        max_step: float = np.inf,
+        min_displacement: float = 0.0,
+        certify: bool | Mapping[str, Any] = False,
+        undrained: bool = False,
+        progress: bool | None = None,
+    ) -> CollapseResult:
         """Multiply a load until the structure collapses.
 
-        The work of the load is prescribed and its multiplier follows, until the curve over the work has levelled off.
+        The work of the load is prescribed and its multiplier follows, until the curve over the work
+        has levelled off.
 
         Parameters
         ----------
         load
             Reference load, (N,).
         start
-            Where to start: a result (its last stage) or a stage, whose load stays. By default the bodies are
-            unstrained, and the weight of the forms stays.
+            Where to start: a result (its last stage) or a stage, whose load stays. By default the
+            bodies are unstrained, and the weight of the forms stays.
         tolerance
             The curve ends when its last slope lets the multiplier rise by no more than this share.
         step
@@ -303,9 +386,10 @@ class Model(Setup):
         max_value
             The curve ends when the multiplier exceeds this.
         flow
-            Flow rule. With psi < phi the law as given takes hundreds of iterations or stalls; one that is ``"lagged"``
-            (Krabbenhoft and others 2012) does not, but must start from equilibrium with its own friction, and in long
-            steps it resists more than the given law: `max_step` keeps them short.
+            Flow rule. With psi < phi the law as given takes hundreds of iterations or stalls; one
+            that is ``"lagged"`` (Krabbenhoft and others 2012) does not, but must start from
+            equilibrium with its own friction, and in long steps it resists more than the given law:
+            `max_step` keeps them short.
         max_step
             Work of the longest step over that of the first one. Steps grow up to it.
         min_displacement
@@ -321,17 +405,38 @@ class Model(Setup):
         Warns
         -----
         AnalysisWarning
-            The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why. Or the value lies
-            outside of the proven bounds by more than `tolerance`, or needs displacements beyond a tenth of the model.
+            The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says
+            why. Or the value lies outside of the proven bounds by more than `tolerance`, or needs
+            displacements beyond a tenth of the model.
         """
-        return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
-                          undrained, progress)
+        return limit_load(
+            self,
+            load,
+            start,
+            tolerance,
+            step,
+            max_value,
+            flow,
+            max_step,
+            min_displacement,
+            certify,
+            undrained,
+            progress,
+        )
 
-    def is_stable(self, load: Force = None, *, start: Result | StageResult | None = None, water: AtRest = None,
-                  undrained: bool = False) -> bool:
-        """Return True if the structure resists its load: a factor of safety above 1, asked in one step.
+    def is_stable(
+        self,
+        load: Force = None,
+        *,
+        start: Result | StageResult | None = None,
+        water: AtRest = None,
+        undrained: bool = False,
+    ) -> bool:
+        """Return True if the structure resists its load: a factor of safety above 1, asked in one
+        step.
 
-        An equilibrium means True; displacements that run away along a mechanism (:class:`NoEquilibrium`) mean False.
+        An equilibrium means True; displacements that run away along a mechanism
+        (:class:`NoEquilibrium`) mean False.
 
         Parameters
         ----------
@@ -341,10 +446,13 @@ class Model(Setup):
         Raises
         ------
         NotConverged
-            Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by step.
+            Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by
+            step.
         """
         return is_stable(self, load, start, water, undrained)
 
     def bounds(self, **options: Any) -> Bounds:
-        """Return proven bounds of the factor of safety or of the limit load, see :func:`~.limit_analysis.bounds`."""
+        """Return proven bounds of the factor of safety or of the limit load, see
+        :func:`~.limit_analysis.bounds`.
+        """
         return bounds(self.forms, self.fixed, **{"seismic": self.seismic, **options})

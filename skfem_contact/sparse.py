@@ -1,4 +1,5 @@
 """Sparse matrices on patterns that stay: sums, blocks and the contributions of contact points."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -19,7 +20,9 @@ def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
 
 
 def constant(K: csr_matrix) -> csr_matrix:
-    """Return a matrix after its data have become read-only: where they are met again, they are the same."""
+    """Return a matrix after its data have become read-only: where they are met again, they are the
+    same.
+    """
     K.data.flags.writeable = False
     return K
 
@@ -27,7 +30,9 @@ def constant(K: csr_matrix) -> csr_matrix:
 def padded(K: csr_matrix, n: int) -> csr_matrix:
     """Pad a matrix of the first dofs to n dofs; its data are shared."""
     indptr = np.concatenate((K.indptr, np.repeat(K.indptr[-1:], n - K.shape[0])))
-    return with_data(csr_matrix((K.data, K.indices, indptr), shape=(n, n)), K.data)  # scipy takes a view of them
+    return with_data(
+        csr_matrix((K.data, K.indices, indptr), shape=(n, n)), K.data
+    )  # scipy takes a view of them
 
 
 def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
@@ -37,7 +42,9 @@ def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
 
 
 class Gathering:
-    """Forces and tangents of points among n dofs; slots in the matrix are found again only for other nodes."""
+    """Forces and tangents of points among n dofs; slots in the matrix are found again only for
+    other nodes.
+    """
 
     def __init__(self, n: int) -> None:
         self._n = n
@@ -54,11 +61,14 @@ class Gathering:
             self._find(dofs)
         if len(self._first) < len(dofs):
             matrices = np.add.reduceat(matrices, self._first, axis=0)
-        data = np.bincount(self._slots, matrices[self._moving], minlength=len(self._pattern.indices))
+        data = np.bincount(
+            self._slots, matrices[self._moving], minlength=len(self._pattern.indices)
+        )
         return with_data(self._pattern, data)
 
     def _find(self, dofs: ndarray) -> None:
-        """Find the slots of the entries, once for all points on the same dofs, such as those of one facet.
+        """Find the slots of the entries, once for all points on the same dofs, such as those of one
+        facet.
 
         Points on the same dofs that follow each other, such as those of a piece, are added first.
         """
@@ -68,15 +78,19 @@ class Gathering:
         alike, number = _unique_rows(dofs[self._first])
         alike = alike.astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
         moving = (alike >= 0)[:, :, None] & (alike >= 0)[:, None]
-        entries, found = np.unique((alike[:, :, None] * self._n + alike[:, None])[moving], return_inverse=True)
+        entries, found = np.unique(
+            (alike[:, :, None] * self._n + alike[:, None])[moving], return_inverse=True
+        )
         slots = np.zeros(moving.shape, found.dtype)
         slots[moving] = found
         self._moving = moving[number]
         self._slots = slots[number][self._moving]
         row, column = np.divmod(entries, self._n)
         ends = np.append(0, np.cumsum(np.bincount(row, minlength=self._n)))
-        self._pattern = csr_matrix((np.ones(len(row)), column.astype(np.int32), ends.astype(np.int32)),
-                                   shape=(self._n, self._n))
+        self._pattern = csr_matrix(
+            (np.ones(len(row)), column.astype(np.int32), ends.astype(np.int32)),
+            shape=(self._n, self._n),
+        )
 
 
 def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
@@ -90,7 +104,9 @@ def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
 
 
 class FreeBlock:
-    """K[order][:, order], gathered through an index map that is kept as long as the pattern of K stays."""
+    """K[order][:, order], gathered through an index map that is kept as long as the pattern of K
+    stays.
+    """
 
     def __init__(self, order: ndarray) -> None:
         self.order = order
@@ -105,10 +121,14 @@ class FreeBlock:
 
     def _map(self, K: csr_matrix) -> None:
         pattern = with_data(K, np.empty(K.nnz, dtype=bool))
-        changes = K.indices.flags.writeable or K.indptr.flags.writeable  # scipy changes a pattern in place
+        changes = (
+            K.indices.flags.writeable or K.indptr.flags.writeable
+        )  # scipy changes a pattern in place
         self._pattern = pattern.copy() if changes else pattern
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
-        self._entries = numbers[self.order][:, self.order]  # numpy copies indices of 32 bits in every call
+        self._entries = numbers[self.order][
+            :, self.order
+        ]  # numpy copies indices of 32 bits in every call
         self._entries.sort_indices()
         self._entries.has_canonical_format = True
 
@@ -132,13 +152,15 @@ _SPARE = 0.05
 class Total:
     """Sum of matrices on the union of their patterns.
 
-    scipy drops entries that add up to zero, and contacts open and close. Here all entries keep their slots, so that an
-    order of elimination and an index map serve for many iterations.
+    scipy drops entries that add up to zero, and contacts open and close. Here all entries keep
+    their slots, so that an order of elimination and an index map serve for many iterations.
     """
 
     def __init__(self) -> None:
         self._pattern: csr_matrix | None = None
-        self._parts: list[tuple[csr_matrix, ndarray]] = []  # masks: a sorted part fills its slots in order
+        self._parts: list[
+            tuple[csr_matrix, ndarray]
+        ] = []  # masks: a sorted part fills its slots in order
         self._sum: tuple[list[ref[ndarray]], csr_matrix] | None = None
         self._scaled: tuple[csr_matrix, csr_matrix] | None = None
 
@@ -149,8 +171,10 @@ class Total:
         values = [matrix.data for matrix in matrices]
         if self._sum is not None:
             known, total = self._sum
-            if len(known) == len(values) and all(old() is new and not new.flags.writeable
-                                                 for old, new in zip(known, values, strict=True)):
+            if len(known) == len(values) and all(
+                old() is new and not new.flags.writeable
+                for old, new in zip(known, values, strict=True)
+            ):
                 return total  # the same constants as last time
             del known, total
             self._sum = self._scaled = None  # their memory is free for the next sum
@@ -209,19 +233,27 @@ def _canonical(matrix: csr_matrix) -> csr_matrix:
 def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
     """Return the entries of any of the matrices."""
     ones = [with_data(matrix, np.ones(matrix.nnz, dtype=np.int8)) for matrix in matrices]
-    union = reduce(csr_matrix.maximum, sorted(ones, key=lambda one: one.nnz))  # the largest one is gone through once
+    union = reduce(
+        csr_matrix.maximum, sorted(ones, key=lambda one: one.nnz)
+    )  # the largest one is gone through once
     union.has_canonical_format = True  # as those of the matrices
-    union.indices.flags.writeable = union.indptr.flags.writeable = False  # a known pattern need not be compared again
+    union.indices.flags.writeable = union.indptr.flags.writeable = (
+        False  # a known pattern need not be compared again
+    )
     return union
 
 
 def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
-    """Return the slots of a matrix in a pattern: numbers or, if many, a mask; None if one is missing."""
+    """Return the slots of a matrix in a pattern: numbers or, if many, a mask; None if one is
+    missing.
+    """
     counts, have = np.diff(matrix.indptr), np.diff(pattern.indptr)
     if (counts > have).any():
         return None
     position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
-    rows = np.flatnonzero((counts > 0) & (counts < have))  # the others are as in the pattern, or not within it
+    rows = np.flatnonzero(
+        (counts > 0) & (counts < have)
+    )  # the others are as in the pattern, or not within it
     if len(rows):
         n, entry, within = matrix.shape[1], _entries(matrix, rows), _entries(pattern, rows)
         keys = np.repeat(rows * n, have[rows]) + pattern.indices[within]

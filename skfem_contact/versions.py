@@ -1,4 +1,5 @@
 """Versions of the package, of what it uses, and of the machine, for reports and questions."""
+
 from __future__ import annotations
 
 import platform
@@ -11,8 +12,14 @@ from threadpoolctl import threadpool_info
 #: What the package uses, by the names of the distributions.
 _USED = ("scikit-fem", "numpy", "scipy", "meshio", "pyvista", "vtk", "matplotlib", "tqdm")
 #: What it uses where it is installed, and what for.
-_OPTIONAL = {"pypardiso": "fast direct solver", "pyamg": "multigrid", "gmsh": "meshes", "pandas": "data frames",
-             "ipywidgets": "bars in notebooks", "dask": "many runs"}
+_OPTIONAL = {
+    "pypardiso": "fast direct solver",
+    "pyamg": "multigrid",
+    "gmsh": "meshes",
+    "pandas": "data frames",
+    "ipywidgets": "bars in notebooks",
+    "dask": "many runs",
+}
 
 
 def own_version() -> str:
@@ -21,18 +28,26 @@ def own_version() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the package, Python, the machine and all packages in use, and the threads, by name."""
-    threads = {f"{pool.get('user_api')} ({pool.get('internal_api')})": pool.get("num_threads")
-               for pool in threadpool_info()}
-    return {"skfem_contact": own_version(), "Python": platform.python_version(),
-            "platform": f"{platform.system()} {platform.release()}, {platform.machine()}",
-            **{name: _of(name) or "missing" for name in _USED},
-            **{name: _of(name) or f"not installed: {purpose}" for name, purpose in _OPTIONAL.items()},
-            "threads": ", ".join(f"{kind}: {number}" for kind, number in threads.items()) or "unknown"}
+    """Return the versions of the package, Python, the machine and all packages in use, and the
+    threads, by name.
+    """
+    threads = {
+        f"{pool.get('user_api')} ({pool.get('internal_api')})": pool.get("num_threads")
+        for pool in threadpool_info()
+    }
+    return {
+        "skfem_contact": own_version(),
+        "Python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.release()}, {platform.machine()}",
+        **{name: _of(name) or "missing" for name in _USED},
+        **{name: _of(name) or f"not installed: {purpose}" for name, purpose in _OPTIONAL.items()},
+        "threads": ", ".join(f"{kind}: {number}" for kind, number in threads.items()) or "unknown",
+    }
 
 
 def show_versions() -> None:
-    """Print versions of the package, Python, the machine and all packages in use, optional ones included, and threads.
+    """Print versions of the package, Python, the machine and all packages in use, optional ones
+    included, and threads.
 
     Examples
     --------

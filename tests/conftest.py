@@ -27,7 +27,10 @@ def bars(monkeypatch) -> list[tuple[str, str, str]]:
     import matplotlib.pyplot as plt
 
     found: list[tuple[str, str, str]] = []
-    monkeypatch.setattr("skfem_contact.plot.sheet.bar_figure",
-                        lambda scale, title, note, extremes, size, marks: found.append((title, note, extremes))
-                        or plt.figure())
+    monkeypatch.setattr(
+        "skfem_contact.plot.sheet.bar_figure",
+        lambda scale, title, note, extremes, size, marks: (
+            found.append((title, note, extremes)) or plt.figure()
+        ),
+    )
     return found

@@ -1,4 +1,5 @@
-"""Effect of the numbers that steer convergence: each is halved and doubled, and the iterations are counted again.
+"""Effect of the numbers that steer convergence: each is halved and doubled, and the iterations are
+counted again.
 
 Run from the root of the repository; it prints the table of docs/theory/constants.md::
 
@@ -31,7 +32,9 @@ NAME = re.compile(r"_?[A-Z][A-Z_0-9]*$")
 
 def limit() -> int:
     """A strip load on soil without dilation, to its limit."""
-    basis = vector_basis(grid("Q1", np.linspace(0, 6, 19), np.linspace(-3, 0, 10)), "Q1", intorder=2)
+    basis = vector_basis(
+        grid("Q1", np.linspace(0, 6, 19), np.linspace(-3, 0, 10)), "Q1", intorder=2
+    )
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=20.0, psi=0.0)
     top, load = basis.get_dofs("top").all("u^2"), basis.zeros()
     load[top[basis.doflocs[0, top] < 1.1]] = -1.0
@@ -43,14 +46,22 @@ def limit() -> int:
     )
 
 
-def two_bodies(gap: float, mu: float, penalty: float | None = None, **options: Any) -> tuple[Any, ...]:
+def two_bodies(
+    gap: float, mu: float, penalty: float | None = None, **options: Any
+) -> tuple[Any, ...]:
     base = grid("Q1", np.linspace(0, 4, 13), np.linspace(0, 1, 4))
     block = grid("Q1", np.linspace(1, 2.5, 8), np.linspace(1 + gap, 2 + gap, 6))
     basis = vector_basis(sc.join_bodies({"base": base, "block": block}), "Q1", intorder=2)
     forms = {
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.3)),
         "joint": sc.ContactPair(
-            basis, "block:bottom", "base:top", sc.Coulomb(mu), quadrature=2, penalty=penalty, **options
+            basis,
+            "block:bottom",
+            "base:top",
+            sc.Coulomb(mu),
+            quadrature=2,
+            penalty=penalty,
+            **options,
         ),
     }
     return basis, forms, basis.get_dofs("base:bottom").all()
@@ -63,18 +74,28 @@ def count(result: Result) -> int:
 def dropped() -> int:
     """A block that nothing but contact holds, above a gap, then pushed aside."""
     basis, forms, fixed = two_bodies(0.02, 0.4)
-    weight, push = sc.weight(basis, {"base": 0.0, "block": 20.0}), traction(basis, "block:left", (4.0, 0.0))
+    weight, push = (
+        sc.weight(basis, {"base": 0.0, "block": 20.0}),
+        traction(basis, "block:left", (4.0, 0.0)),
+    )
     return count(
-        sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)])
+        sc.Model(forms, fixed).run(
+            [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)]
+        )
     )
 
 
 def hard() -> int:
     """Friction with a penalty a million times the stiffness."""
     basis, forms, fixed = two_bodies(0.0, 0.3, penalty=1e11)
-    weight, push = sc.weight(basis, {"base": 0.0, "block": 200.0}), traction(basis, "block:left", (60.0, 0.0))
+    weight, push = (
+        sc.weight(basis, {"base": 0.0, "block": 200.0}),
+        traction(basis, "block:left", (60.0, 0.0)),
+    )
     return count(
-        sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=2)])
+        sc.Model(forms, fixed).run(
+            [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=2)]
+        )
     )
 
 
@@ -82,7 +103,9 @@ def augmented() -> int:
     """The augmented method, pressed and unloaded."""
     basis, forms, fixed = two_bodies(0.0, 0.3, enforcement=sc.AugmentedLagrangian())
     weight = sc.weight(basis, {"base": 0.0, "block": 200.0})
-    return count(sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("less", 0.3 * weight)]))
+    return count(
+        sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("less", 0.3 * weight)])
+    )
 
 
 def interference() -> int:
@@ -90,25 +113,37 @@ def interference() -> int:
     mesh = sc.join_bodies({"pin": ring(0.5, 1.004, 48), "plate": ring(1.0, 2.0, 60)})
     around = {"skin": (1.001, 1.003), "hole": (0.997, 1.0), "rim": (1.9, 2.1), "bore": (0.4, 0.6)}
     mesh = mesh.with_boundaries(
-        {name: lambda x, a=a, b=b: (a < np.hypot(*x)) & (np.hypot(*x) < b) for name, (a, b) in around.items()}
+        {
+            name: lambda x, a=a, b=b: (a < np.hypot(*x)) & (np.hypot(*x) < b)
+            for name, (a, b) in around.items()
+        }
     )
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
         "steel": sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=0.3), strain="b_bar"),
-        "joint": sc.ContactPair(basis, "skin", "hole", sc.Coulomb(mu=0.2), quadrature=2, initial="ramped"),
+        "joint": sc.ContactPair(
+            basis, "skin", "hole", sc.Coulomb(mu=0.2), quadrature=2, initial="ramped"
+        ),
     }
     bore = basis.get_dofs("bore").all()
     turned, x, y = basis.zeros(), basis.doflocs[0, bore], basis.doflocs[1, bore]
     turned[bore] = 0.01 * np.where(bore % 2 == 0, -y, x)
     fixed = np.append(basis.get_dofs("rim").all(), bore)
-    stages = [sc.Stage("fit", basis.zeros()), sc.Stage("turn", basis.zeros(), prescribed=turned, increments=3)]
+    stages = [
+        sc.Stage("fit", basis.zeros()),
+        sc.Stage("turn", basis.zeros(), prescribed=turned, increments=3),
+    ]
     return count(sc.Model(forms, fixed).run(stages))
 
 
 SCENES: dict[str, Callable[[], int]] = {
-    **RECORD, "limit load": limit, "dropped": dropped, "hard penalty": hard, "augmented": augmented,
+    **RECORD,
+    "limit load": limit,
+    "dropped": dropped,
+    "hard penalty": hard,
+    "augmented": augmented,
     "interference": interference,
-}  # fmt: skip
+}
 
 
 def constants() -> Iterator[tuple[Any, str, float]]:
@@ -138,11 +173,17 @@ def outcome(scene: Callable[[], int]) -> int | None:
 
 def changed(new: dict[str, int | None], old: dict[str, int | None]) -> str:
     """What differs, for the table."""
-    cells = {name: "fails" if n is None else f"{n - (old[name] or 0):+d}" for name, n in new.items() if n != old[name]}
+    cells = {
+        name: "fails" if n is None else f"{n - (old[name] or 0):+d}"
+        for name, n in new.items()
+        if n != old[name]
+    }
     return "; ".join(f"{name}: {cell}" for name, cell in cells.items()) or "–"
 
 
-def row(module: Any, name: str, value: float, old: dict[str, int | None]) -> tuple[str, str, str, str]:
+def row(
+    module: Any, name: str, value: float, old: dict[str, int | None]
+) -> tuple[str, str, str, str]:
     """Name, value, and what changes where the number is halved and doubled."""
     cells = []
     for factor in (0.5, 2.0):
@@ -150,7 +191,12 @@ def row(module: Any, name: str, value: float, old: dict[str, int | None]) -> tup
         setattr(module, name, type(value)(math.ceil(new)) if isinstance(value, int) else new)
         cells.append(changed({n: outcome(scene) for n, scene in SCENES.items()}, old))
         setattr(module, name, value)
-    return f"`{module.__name__.removeprefix('skfem_contact.')}.{name}`", f"{value:g}", cells[0], cells[1]
+    return (
+        f"`{module.__name__.removeprefix('skfem_contact.')}.{name}`",
+        f"{value:g}",
+        cells[0],
+        cells[1],
+    )
 
 
 HEAD = """# Numbers that steer convergence
@@ -187,7 +233,10 @@ def main() -> None:
     for cells in rows:
         if cells[2:] != ("–", "–"):
             print("| " + " | ".join(cells) + " |")
-    print(REST + "\n".join(f"| {name} | {value} |" for name, value, *cells in rows if cells == ["–", "–"]))
+    print(
+        REST
+        + "\n".join(f"| {name} | {value} |" for name, value, *cells in rows if cells == ["–", "–"])
+    )
 
 
 if __name__ == "__main__":

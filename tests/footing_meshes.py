@@ -13,10 +13,16 @@ def graded(length: float, n: int, ratio: float = 3.0) -> ndarray:
 
 
 def ground(n: int, width: float, depth: float) -> MeshQuad:
-    """Half of the ground below a footing of half width 1, finest at its edge, with n elements below the footing."""
+    """Half of the ground below a footing of half width 1, finest at its edge, with n elements below
+    the footing.
+    """
     x = np.concatenate((1 - graded(1.0, n, 2.0)[::-1], 1 + graded(width - 1, 2 * n, 4.0)[1:]))
     mesh = MeshQuad.init_tensor(x, -graded(depth, 3 * n // 2)[::-1])
-    return mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (p[0] < 1 + 1e-9),
-                                 "beside": lambda p: (p[1] > -1e-9) & (p[0] > 1 - 1e-9),
-                                 "bottom": lambda p: p[1] < -depth + 1e-9,
-                                 "sides": lambda p: (p[0] < 1e-9) | (p[0] > width - 1e-9)})  # fmt: skip
+    return mesh.with_boundaries(
+        {
+            "footing": lambda p: (p[1] > -1e-9) & (p[0] < 1 + 1e-9),
+            "beside": lambda p: (p[1] > -1e-9) & (p[0] > 1 - 1e-9),
+            "bottom": lambda p: p[1] < -depth + 1e-9,
+            "sides": lambda p: (p[0] < 1e-9) | (p[0] > width - 1e-9),
+        }
+    )

@@ -60,7 +60,9 @@ def vector_basis(mesh: Mesh, element: str, **options) -> Basis:
 
 def grid(element: str, x: ndarray, y: ndarray) -> Mesh:
     """A tensor grid with the boundaries left, right, bottom and top."""
-    return ELEMENTS[element][0].init_tensor(np.asarray(x, float), np.asarray(y, float)).with_defaults()
+    return (
+        ELEMENTS[element][0].init_tensor(np.asarray(x, float), np.asarray(y, float)).with_defaults()
+    )
 
 
 def traction(basis: Basis, facets: str, force) -> ndarray:
@@ -90,10 +92,14 @@ def line_normals(line: ndarray, closed: bool = False) -> ndarray:
     if not closed:
         before[0], after[-1] = line[0], line[-1]
     tangent = after - before
-    return np.stack((-tangent[:, 1], tangent[:, 0]), axis=1) / np.linalg.norm(tangent, axis=1)[:, None]
+    return (
+        np.stack((-tangent[:, 1], tangent[:, 0]), axis=1) / np.linalg.norm(tangent, axis=1)[:, None]
+    )
 
 
-def body_along(line: ndarray, element: str = "Q1", thickness: float = 1.0, closed: bool = False) -> Mesh:
+def body_along(
+    line: ndarray, element: str = "Q1", thickness: float = 1.0, closed: bool = False
+) -> Mesh:
     """One layer of elements to the right of a line, which becomes the boundary "face".
 
     Parameters
@@ -156,11 +162,16 @@ def moved_rigidly(
 
 
 def rough_pair(
-    element: str, quadrature: str | int, law: sc.Coulomb | sc.Tied, rng: np.random.Generator, **options
+    element: str,
+    quadrature: str | int,
+    law: sc.Coulomb | sc.Tied,
+    rng: np.random.Generator,
+    **options,
 ) -> tuple[Basis, sc.ContactPair, ndarray, ContactState]:
     """Two bodies that overlap along a bent line, displaced at random, with stick points at random.
 
-    The master of five segments is both convex and concave; the slave's four segments lie within its ends.
+    The master of five segments is both convex and concave; the slave's four segments lie within its
+    ends.
     """
     t = np.linspace(0, 3, 6)
     floor = np.stack((t, 0.25 * np.sin(2.2 * t)), axis=1)
@@ -174,12 +185,18 @@ def rough_pair(
 
 
 def slipped(state: ContactState, amount: float, rng: np.random.Generator) -> ContactState:
-    """The state with its stick points moved at random, by about an amount where facets have the length one."""
-    return replace(state, stick_point=state.stick_point + 2 * amount * rng.standard_normal(state.slip.shape))
+    """The state with its stick points moved at random, by about an amount where facets have the
+    length one.
+    """
+    return replace(
+        state, stick_point=state.stick_point + 2 * amount * rng.standard_normal(state.slip.shape)
+    )
 
 
 def arcs(pair: sc.ContactPair, points: MaterialPoints) -> ndarray:
-    """Arc positions of material points of a pair's master in the plane, NaN of those that are none."""
+    """Arc positions of material points of a pair's master in the plane, NaN of those that are
+    none.
+    """
     return np.where(points.exist, along_chain(pair.master, *points), np.nan)
 
 
@@ -188,11 +205,15 @@ def sticking_at(pair: sc.ContactPair, state: ContactState, arc: ndarray) -> Cont
     length = pair.master.area
     start = np.concatenate(([0.0], np.cumsum(length)[:-1]))
     facet = np.clip(np.searchsorted(start, arc, side="right") - 1, 0, len(start) - 1)
-    return state.with_stick(MaterialPoints(facet, (2 * (arc - start[facet]) / length[facet] - 1)[:, None]))
+    return state.with_stick(
+        MaterialPoints(facet, (2 * (arc - start[facet]) / length[facet] - 1)[:, None])
+    )
 
 
 def closest(pair: sc.ContactPair, state: ContactState, x: ndarray) -> Projection:
-    """Closest points on the master of the points of a state at the displacements x, at any depth."""
+    """Closest points on the master of the points of a state at the displacements x, at any
+    depth.
+    """
     points = pair.points(state).positions(pair.slave.positions(x))
     depth = np.full(len(points), np.inf)
     return project(pair.master, pair.master.positions(x), points, depth, state.facet)
@@ -201,14 +222,18 @@ def closest(pair: sc.ContactPair, state: ContactState, x: ndarray) -> Projection
 def directional_error(
     force: Callable[[ndarray], ndarray], K, x: ndarray, directions: ndarray, h: float
 ) -> float:
-    """Largest difference of ``K d`` and the central difference of the force over the largest ``K d``."""
+    """Largest difference of ``K d`` and the central difference of the force over the largest ``K
+    d``.
+    """
     exact = np.array([K @ d for d in directions])
     numeric = np.array([(force(x + h * d) - force(x - h * d)) / (2 * h) for d in directions])
     return float(np.abs(exact - numeric).max() / np.abs(exact).max())
 
 
 def resultant(basis: Basis, x: ndarray, force: ndarray) -> ndarray:
-    """Sum of nodal forces and their moment about the origin in the current configuration, (3,), or (6,) in space."""
+    """Sum of nodal forces and their moment about the origin in the current configuration, (3,), or
+    (6,) in space.
+    """
     dim = basis.mesh.dim()
     f, present = force.reshape(-1, dim), basis.doflocs[:, ::dim].T + x.reshape(-1, dim)
     moment = present[:, 0] * f[:, 1] - present[:, 1] * f[:, 0] if dim == 2 else np.cross(present, f)
@@ -248,21 +273,32 @@ class PlainLaw:
 def two_soils(element: str) -> Basis:
     """A square of two subdomains, a to the left of b."""
     kind = MeshTri if element[0] == "P" else MeshQuad
-    mesh = kind.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 4)).with_defaults().with_subdomains(
-        {"a": lambda x: x[0] < 0.5, "b": lambda x: x[0] >= 0.5})  # fmt: skip
+    mesh = (
+        kind.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
+        .with_defaults()
+        .with_subdomains({"a": lambda x: x[0] < 0.5, "b": lambda x: x[0] >= 0.5})
+    )
     return vector_basis(mesh, element, intorder=4)
 
 
 def check_tangent_of_water(water, E: float, coordinates: str) -> tuple[sc.Form, ndarray]:
-    """Compare the tangent of water in elastic soil with central differences; return its form and the displacements."""
+    """Compare the tangent of water in elastic soil with central differences; return its form and
+    the displacements.
+    """
     basis, rng = water.ground, np.random.default_rng(0)
     solid = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.2), coordinates=coordinates)
-    form = sc.Model({"soil": solid, "water": water}, basis.get_dofs("bottom").all()).forms["water"].over(0.7)
+    form = (
+        sc.Model({"soil": solid, "water": water}, basis.get_dofs("bottom").all())
+        .forms["water"]
+        .over(0.7)
+    )
     scale = np.append(np.full(form.first, 1e-2), np.full(form.size - form.first, 3.0))
     x, along = scale * rng.standard_normal((2, form.size))
     state, step = form.initial_state(0.3 * x), 1e-6
     ahead, behind = (form.assemble(x + sign * step * along, state).force for sign in (1, -1))
     expected, found = (ahead - behind) / (2 * step), form.assemble(x, state).stiffness @ along
     for part in (slice(0, form.first), slice(form.first, None)):
-        np.testing.assert_allclose(found[part], expected[part], atol=1e-7 * np.abs(expected[part]).max())
+        np.testing.assert_allclose(
+            found[part], expected[part], atol=1e-7 * np.abs(expected[part]).max()
+        )
     return form, x

@@ -16,12 +16,18 @@ BETA, DEPTH, GAMMA = 20.0, 3.0, 18.0
 def ties(one: ndarray, other: ndarray, stiffness: float, n: int) -> Springs:
     """Stiff springs between pairs of unknowns."""
     ones, pairs = np.ones(len(one)), np.arange(len(one))
-    stretch = csr_matrix((np.append(ones, -ones), (np.append(pairs, pairs), np.append(one, other))), (len(one), n))
+    stretch = csr_matrix(
+        (np.append(ones, -ones), (np.append(pairs, pairs), np.append(one, other))), (len(one), n)
+    )
     return Springs((stiffness * stretch.T @ stretch).tocsr())
 
 
-def infinite_slope(soil: sc.MohrCoulomb, rows: int = 12, element: str = "Q2") -> tuple[Basis, dict, ndarray, ndarray]:
-    """Basis, forms, fixed unknowns and weight of a layer on an inclined base; rows shrink towards the base."""
+def infinite_slope(
+    soil: sc.MohrCoulomb, rows: int = 12, element: str = "Q2"
+) -> tuple[Basis, dict, ndarray, ndarray]:
+    """Basis, forms, fixed unknowns and weight of a layer on an inclined base; rows shrink towards
+    the base.
+    """
     heights = DEPTH * np.expm1(3.0 * np.linspace(0, 1, rows + 1)) / np.expm1(3.0)
     mesh = grid(element, np.array([0.0, 0.5]), heights)
     places = mesh.p.copy()
@@ -32,6 +38,8 @@ def infinite_slope(soil: sc.MohrCoulomb, rows: int = 12, element: str = "Q2") ->
     for side in ("left", "right"):
         dofs = np.setdiff1d(basis.get_dofs(side).all(), basis.get_dofs("bottom").all())
         tied.append(dofs[np.lexsort((np.round(basis.doflocs[1, dofs], 9), dofs % 2))])
-    forms = {"soil": sc.SolidForm(basis, soil, "b_bar" if element == "Q1" else "full"),
-             "ties": ties(*tied, 1e3 * soil.E, basis.N)}  # fmt: skip
+    forms = {
+        "soil": sc.SolidForm(basis, soil, "b_bar" if element == "Q1" else "full"),
+        "ties": ties(*tied, 1e3 * soil.E, basis.N),
+    }
     return basis, forms, basis.get_dofs("bottom").all(), sc.weight(basis, GAMMA)

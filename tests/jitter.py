@@ -2,10 +2,10 @@
 
     python -m pytest -p tests.jitter --jitter 1
 
-Another processor, another BLAS or another order of elimination changes solutions in their last digits.  Relative noise
-of 1e-14 on all right-hand sides has the same effect on one machine.  Equal right-hand sides get equal noise, so runs
-repeat.  A test that fails under one seed asserts a result that round-off decides: the code needs a criterion, or the
-test a derived tolerance.
+Another processor, another BLAS or another order of elimination changes solutions in their last
+digits.  Relative noise of 1e-14 on all right-hand sides has the same effect on one machine.  Equal
+right-hand sides get equal noise, so runs repeat.  A test that fails under one seed asserts a result
+that round-off decides: the code needs a criterion, or the test a derived tolerance.
 """
 
 from __future__ import annotations
@@ -22,7 +22,12 @@ SIZE = 1e-14
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the seed of the noise."""
-    parser.addoption("--jitter", type=int, default=None, help="seed of relative noise of 1e-14 on right-hand sides")
+    parser.addoption(
+        "--jitter",
+        type=int,
+        default=None,
+        help="seed of relative noise of 1e-14 on right-hand sides",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -44,4 +49,6 @@ def pytest_configure(config: pytest.Config) -> None:
 def noise(b: np.ndarray, seed: int) -> np.ndarray:
     """Draw normal numbers that depend on the vector and the seed alone."""
     digest = hashlib.blake2b(np.ascontiguousarray(b).tobytes(), digest_size=8).digest()
-    return np.random.default_rng((seed, int.from_bytes(digest, "little"))).standard_normal(np.shape(b))
+    return np.random.default_rng((seed, int.from_bytes(digest, "little"))).standard_normal(
+        np.shape(b)
+    )

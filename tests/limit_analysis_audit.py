@@ -1,4 +1,6 @@
-"""Both theorems of limit analysis checked by other code: scikit-fem's own elements and quadrature."""
+"""Both theorems of limit analysis checked by other code: scikit-fem's own elements and
+quadrature.
+"""
 
 from __future__ import annotations
 
@@ -44,10 +46,11 @@ class Ground(NamedTuple):
 
 
 class Violations(NamedTuple):
-    """Of the lower bound: equilibrium inside and across facets, tractions and yield; of the upper: supports and flow.
+    """Of the lower bound: equilibrium inside and across facets, tractions and yield; of the upper:
+    supports and flow.
 
-    Equilibrium is relative to the weight of the whole height, yield to the cohesion, flow to the largest shear.
-    `dissipation` is that of the mechanism over the power of the loads.
+    Equilibrium is relative to the weight of the whole height, yield to the cohesion, flow to the
+    largest shear. `dissipation` is that of the mechanism over the power of the loads.
     """
 
     inside: float
@@ -92,7 +95,9 @@ def _stresses(found: Bounds, ground: Ground, factor: float) -> tuple[float, floa
         x[cells.element_dofs] = values.T
         fields.append(x)
     body = body_force(ground, mesh)
-    size = np.abs(body).max() * np.ptp(mesh.p[1]) + max((np.abs(t).max() for t in ground.tractions.values()), default=0)
+    size = np.abs(body).max() * np.ptp(mesh.p[1]) + max(
+        (np.abs(t).max() for t in ground.tractions.values()), default=0
+    )
     xx, yy, xy = (cells.interpolate(x).grad for x in fields)
     h = np.sqrt(cells.dx.sum(axis=1))[:, None]
     unbalanced = xx[0] + xy[1] + body[0, :, None], xy[0] + yy[1] + body[1, :, None]
@@ -102,7 +107,11 @@ def _stresses(found: Bounds, ground: Ground, factor: float) -> tuple[float, floa
     boundary = 0.0
     sides = {name: np.asarray(mesh.boundaries[name]) for name in ground.held}
     supported = {(f, k) for name, which in ground.held.items() for f in sides[name] for k in which}
-    given = {int(f): np.array(t) for name, t in ground.tractions.items() for f in np.asarray(mesh.boundaries[name])}
+    given = {
+        int(f): np.array(t)
+        for name, t in ground.tractions.items()
+        for f in np.asarray(mesh.boundaries[name])
+    }
     outer = FacetBasis(mesh, element, intorder=3)
     t = _traction(outer, fields, outer.normals)
     for i, f in enumerate(outer.find):
@@ -114,7 +123,12 @@ def _stresses(found: Bounds, ground: Ground, factor: float) -> tuple[float, floa
     radius, mean = np.hypot((s[0] - s[1]) / 2, s[2]), (s[0] + s[1]) / 2
     over = radius + mean * np.sin(phi)[:, None] - (c * np.cos(phi))[:, None]
     over = np.maximum(over, (mean + radius) - tension[:, None])
-    return inside / size, np.abs(jump).max(initial=0) / size, boundary / size, float((over / c[:, None]).max())
+    return (
+        inside / size,
+        np.abs(jump).max(initial=0) / size,
+        boundary / size,
+        float((over / c[:, None]).max()),
+    )
 
 
 def _traction(basis, fields: list[ndarray], n: ndarray) -> ndarray:
@@ -129,7 +143,9 @@ def _velocities(found: Bounds, ground: Ground, factor: float) -> tuple[float, fl
     x = basis.zeros()
     x[basis.nodal_dofs] = found.mechanism[:, : mesh.nvertices]
     x[basis.facet_dofs] = found.mechanism[:, mesh.nvertices :]
-    held = [basis.get_dofs(name).all(f"u^{k + 1}") for name, which in ground.held.items() for k in which]
+    held = [
+        basis.get_dofs(name).all(f"u^{k + 1}") for name, which in ground.held.items() for k in which
+    ]
     supports = float(np.abs(x[np.concatenate(held)]).max() / np.abs(x).max())
     v = basis.interpolate(x)
     exx, eyy, shear = v.grad[0, 0], v.grad[1, 1], v.grad[0, 1] + v.grad[1, 0]
@@ -140,7 +156,9 @@ def _velocities(found: Bounds, ground: Ground, factor: float) -> tuple[float, fl
     # largest power of the stresses within yield: at the apex, or at the two corners of the cut-off
     with np.errstate(divide="ignore", invalid="ignore"):
         apex = np.where(phi[:, None] > 0, (c / np.tan(phi))[:, None] * volume, c[:, None] * radius)
-        p = ((tension - c * np.cos(phi)) / (1 - np.sin(phi)))[:, None]  # of the circle that touches both lines
+        p = ((tension - c * np.cos(phi)) / (1 - np.sin(phi)))[
+            :, None
+        ]  # of the circle that touches both lines
         corner = np.maximum(p * volume + (tension[:, None] - p) * radius, tension[:, None] * volume)
     cut = tension < np.where(phi > 0, c / np.maximum(np.tan(phi), 1e-300), np.inf)
     spent = (np.where(cut[:, None], corner, apex) * basis.dx).sum()

@@ -17,8 +17,12 @@ def rotations(n: int, ncomp: int, rng: np.random.Generator) -> np.ndarray:
     return matrices
 
 
-def components(principal: np.ndarray, rotation: np.ndarray, ncomp: int, shear: float = 1.0) -> np.ndarray:
-    """Components (ncomp, n) of Q diag(principal) Q^T; ``shear`` is 2 for engineering shear strains."""
+def components(
+    principal: np.ndarray, rotation: np.ndarray, ncomp: int, shear: float = 1.0
+) -> np.ndarray:
+    """Components (ncomp, n) of Q diag(principal) Q^T; ``shear`` is 2 for engineering shear
+    strains.
+    """
     tensor = np.einsum("nij,nj,nkj->nik", rotation, principal, rotation)
     rows, columns = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
     return (tensor[:, rows, columns] * np.array([1, 1, 1, shear, shear, shear]))[:, :ncomp].T.copy()
@@ -33,7 +37,10 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
 
 def random_strains(n: int, rng: np.random.Generator, size: float = 4e-3) -> np.ndarray:
     """Principal strains (n, 3) in all directions; a tenth has two equal values, some have three."""
-    strain = rng.normal(size=(n, 3)) * size * rng.uniform(0, 1, (n, 1)) + rng.normal(size=(n, 1)) * size / 3
+    strain = (
+        rng.normal(size=(n, 3)) * size * rng.uniform(0, 1, (n, 1))
+        + rng.normal(size=(n, 1)) * size / 3
+    )
     strain[: n // 20, 1] = strain[: n // 20, 0]
     strain[n // 20 : n // 10, 2] = strain[n // 20 : n // 10, 1]
     strain[: n // 100] = strain[: n // 100, :1]
@@ -52,7 +59,9 @@ def update(material, strain: np.ndarray, stress: np.ndarray | None = None):
 
 
 def assert_tangent(material, strain: np.ndarray, stress: np.ndarray | None = None) -> None:
-    """The tangent is that of central differences wherever the step has no kink, and kinks are rare."""
+    """The tangent is that of central differences wherever the step has no kink, and kinks are
+    rare.
+    """
     ncomp, n = strain.shape
     step = 1e-9
     result = update(material, strain, stress)
@@ -64,10 +73,13 @@ def assert_tangent(material, strain: np.ndarray, stress: np.ndarray | None = Non
     for j, direction in enumerate(np.eye(ncomp)):
         forward = update(material, strain + step * direction[:, None], stress).stress
         backward = update(material, strain - step * direction[:, None], stress).stress
-        kinked |= np.abs(forward - 2 * result.stress + backward).max(axis=0) > 1e-3 * step * material.E
+        kinked |= (
+            np.abs(forward - 2 * result.stress + backward).max(axis=0) > 1e-3 * step * material.E
+        )
         slope = ((forward - backward) / (2 * step)).T
         error = np.maximum(error, np.abs(slope - tangent[:, :, j]).max(axis=1))
-    # Round-off of the differences: 1e-13 in the stress over a step of 2e-9, against E = 2e4, is 3e-9.
+    # Round-off of the differences: 1e-13 in the stress over a step of 2e-9, against E = 2e4, is
+    # 3e-9.
     assert error[~kinked].max() <= 1e-6 * np.max(material.E)
     assert kinked.mean() < 0.01
 
@@ -75,7 +87,8 @@ def assert_tangent(material, strain: np.ndarray, stress: np.ndarray | None = Non
 def assert_history(
     material, excess, ncomp: int, steps: int = 60, points: int = 300, size: float = 1e-3
 ) -> None:
-    """Random increments dissipate, stay on the surface without drift, and add up the plastic shear strain.
+    """Random increments dissipate, stay on the surface without drift, and add up the plastic shear
+    strain.
 
     ``excess`` is the yield function of the Cartesian components and the internal variable.
     """
@@ -102,9 +115,11 @@ def assert_history(
 
 
 class Specimen:
-    """One point under mixed control: given strain increments, and given stresses at the free components.
+    """One point under mixed control: given strain increments, and given stresses at the free
+    components.
 
-    On an edge the tangent leaves the difference of two strains open, hence the least-squares solution.
+    On an edge the tangent leaves the difference of two strains open, hence the least-squares
+    solution.
     """
 
     def __init__(self, material, stress: list[float], ncomp: int = 4) -> None:
@@ -116,7 +131,9 @@ class Specimen:
         self.plastic_strain = np.zeros(ncomp)
 
     def step(self, strain: dict[int, float], stress: dict[int, float]) -> None:
-        """Load by strain increments; the strains of the components in ``stress`` give these stresses."""
+        """Load by strain increments; the strains of the components in ``stress`` give these
+        stresses.
+        """
         increment = np.zeros_like(self.stress)
         for i, value in strain.items():
             increment[i] = value
@@ -126,11 +143,17 @@ class Specimen:
             residual = target - result.stress[free, 0]
             if np.abs(residual).max(initial=0) <= 1e-12 * np.abs(result.stress).max():
                 break
-            tangent = result.tangent()[0] if result.plastic.size else self.material.elasticity(len(increment))
+            tangent = (
+                result.tangent()[0]
+                if result.plastic.size
+                else self.material.elasticity(len(increment))
+            )
             increment[free, 0] += np.linalg.lstsq(tangent[np.ix_(free, free)], residual)[0]
         else:
             raise AssertionError(f"no equilibrium, residual {residual}")
-        elastic = np.linalg.solve(self.material.elasticity(len(increment)), result.stress - self.stress)
+        elastic = np.linalg.solve(
+            self.material.elasticity(len(increment)), result.stress - self.stress
+        )
         self.plastic_strain += (increment - elastic)[:, 0]
         self.strain += increment
         self.stress, self.internal = result.stress, result.internal

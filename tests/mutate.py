@@ -1,7 +1,8 @@
-"""``python -m tests.mutate`` changes one line of a copy of the package at a time: the tests must fail each time.
+"""``python -m tests.mutate`` changes one line of a copy of the package at a time: the tests must
+fail each time.
 
-``python -m tests.mutate limit_analysis`` tries the files whose path holds a text. The table of lines is that of
-``docs/contributing.md``.
+``python -m tests.mutate limit_analysis`` tries the files whose path holds a text. The table of
+lines is that of ``docs/contributing.md``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ LONGEST = 600.0
 
 
 class Mutation(NamedTuple):
-    """Row of the table: a file, what the line computes, its unique text, a wrong one, and the tests that fail."""
+    """Row of the table: a file, what the line computes, its unique text, a wrong one, and the tests
+    that fail.
+    """
 
     file: str
     what: str
@@ -32,12 +35,18 @@ class Mutation(NamedTuple):
 def table() -> list[Mutation]:
     """Read the rows; each text must occur once in its file."""
     lines = (ROOT / "docs" / "contributing.md").read_text(encoding="utf-8").splitlines()
-    rows = [[cell.strip().strip("`") for cell in line.strip("|").split(" | ")] for line in lines if ".py | " in line]
+    rows = [
+        [cell.strip().strip("`") for cell in line.strip("|").split(" | ")]
+        for line in lines
+        if ".py | " in line
+    ]
     found = [Mutation(*row) for row in rows if len(row) == 5]
     for one in found:
         count = (ROOT / "skfem_contact" / one.file).read_text(encoding="utf-8").count(one.old)
         if count != 1 or one.old == one.new:
-            raise ValueError(f"{one.file} holds {one.old!r} {count} times instead of once: choose another text")
+            raise ValueError(
+                f"{one.file} holds {one.old!r} {count} times instead of once: choose another text"
+            )
     return found
 
 
@@ -50,22 +59,34 @@ def survives(folder: Path, file: str, tests: str, old: str, new: str) -> bool:
     names = [f"tests/{name}.py{colons}{test}" for name, colons, test in parts]
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *names]
     try:
-        done = subprocess.run(command, cwd=folder, env={**os.environ, "PYTHONPATH": str(folder)}, timeout=LONGEST,
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+        done = subprocess.run(
+            command,
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": str(folder)},
+            timeout=LONGEST,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
     except subprocess.TimeoutExpired:
         return False
     finally:
         path.write_text(original, encoding="utf-8")
     if done.returncode not in (0, 1):
-        raise RuntimeError(f"{file}, {old!r}: pytest ends with status {done.returncode}, no test has failed")
+        raise RuntimeError(
+            f"{file}, {old!r}: pytest ends with status {done.returncode}, no test has failed"
+        )
     return done.returncode == 0
 
 
 def main(part: str = "") -> int:
-    """Try all mutations of files whose path holds a text; return 1 if a mutation survives, else 0."""
+    """Try all mutations of files whose path holds a text; return 1 if a mutation survives, else
+    0.
+    """
     chosen, survivors = [one for one in table() if part in one.file], 0
     with tempfile.TemporaryDirectory() as name:
-        shutil.copytree(ROOT, name, dirs_exist_ok=True, ignore=shutil.ignore_patterns(".*", "_build", "gallery"))
+        shutil.copytree(
+            ROOT, name, dirs_exist_ok=True, ignore=shutil.ignore_patterns(".*", "_build", "gallery")
+        )
         for tests in dict.fromkeys(one.tests for one in chosen):
             if not survives(Path(name), "__init__.py", tests, "", ""):
                 raise RuntimeError(f"{tests} fail without a mutation")

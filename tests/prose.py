@@ -2,9 +2,10 @@
 
     python -m tests.prose [root folder] [part of a path ...]
 
-A line is printed for every finding, and the exit status is 1 if there is one.  Code, mathematics, tables and the lines
-of doctests are not prose.  Four rules hold: a docstring begins with a noun of the field or, that of a function, with a
-verb in the imperative; a standard term stands before a private one; old names are gone; sentences are short.
+A line is printed for every finding, and the exit status is 1 if there is one.  Code, mathematics,
+tables and the lines of doctests are not prose.  Four rules hold: a docstring begins with a noun of
+the field or, that of a function, with a verb in the imperative; a standard term stands before a
+private one; old names are gone; sentences are short.
 """
 
 from __future__ import annotations
@@ -62,15 +63,15 @@ _VERBS = """
 """
 NEVER_FIRST, VERBS = frozenset(_NEVER_FIRST.split()), frozenset(_VERBS.split())
 
-#: Private terms and the standard ones.  Ordinary meanings of a word are left out by what stands beside it.
+#: Private terms and the standard ones.  Ordinary meanings of a word are left out by what stands
+#: beside it.
 WORDS = {
     r"unknowns|(?:an|the|each|every|first|free|per|of) unknown": "dofs",
     r"(?<!decimal )(?<!takes )(?<!take )(?<!took )(?<!takes its )places": "coordinates",
     r"(?<!in )(?<!takes )(?<!take )(?<!taking )(?<!takes its )(?<!take its )(?<!took its )(?<!decimal )(?<!taken )"
     r"(?<!to )(?<!one )place(?! the| a | it| them|holder)": "coordinates, position",
     r"behind the (?:displacements|dofs|unknowns)": "after the displacements",
-    r"(?:is|are|was|were|be|being|has been) (?:not )?there(?! (?:is|are|was|were|a|an|no|any|one)\b)|not there":
-        "active, inactive",
+    r"(?:is|are|was|were|be|being|has been) (?:not )?there(?! (?:is|are|was|were|a|an|no|any|one)\b)|not there": "active, inactive",
     r"go(?:es|ing)? on(?: and on)?(?: otherwise)?|went on": "continues",
     r"answers?|answered|answering": "response, return value",
     r"tells?|told|telling": "reported",
@@ -85,21 +86,36 @@ WORDS = {
     r"stands?(?! for\b)": "is stable, is",
     r"tol": "tolerance",
     r"whereabouts|willy-nilly|the house|knows of": "plain words",
-}  # fmt: skip
+}
 #: Old names, in code as well.
 NAMES = {
-    "RigidFooting": "RigidBoundary", "SpaceSectionForces": "SectionForces",
-    "FirstGeometry": "linearised contact", "HeldState": "linearised contact", "Easing": "regularisation",
-    "Answers": "a base class", "unknowns_at": "dofs_at", "reset_displacements": "reset",
-    "goes_on": "continues", "goes_on_otherwise": "state_changes", "moved_back": "rebased",
-    "first_geometry": "fixed_geometry", "all_unknowns": "Layout", "jacked": "prestressed",
-    "Kw": "bulk_modulus_water", "first_behind": "Layout",
-}  # fmt: skip
-_WORDS = {re.compile(rf"(?<![\w.'’-])(?:{pattern})(?![\w-])", re.IGNORECASE): then for pattern, then in WORDS.items()}
+    "RigidFooting": "RigidBoundary",
+    "SpaceSectionForces": "SectionForces",
+    "FirstGeometry": "linearised contact",
+    "HeldState": "linearised contact",
+    "Easing": "regularisation",
+    "Answers": "a base class",
+    "unknowns_at": "dofs_at",
+    "reset_displacements": "reset",
+    "goes_on": "continues",
+    "goes_on_otherwise": "state_changes",
+    "moved_back": "rebased",
+    "first_geometry": "fixed_geometry",
+    "all_unknowns": "Layout",
+    "jacked": "prestressed",
+    "Kw": "bulk_modulus_water",
+    "first_behind": "Layout",
+}
+_WORDS = {
+    re.compile(rf"(?<![\w.'’-])(?:{pattern})(?![\w-])", re.IGNORECASE): then
+    for pattern, then in WORDS.items()
+}
 _NAMES = re.compile(rf"(?<!\w)({'|'.join(NAMES)})(?!\w)")
 _CODE = re.compile(r"(?::\w+:|\{\w+\})?(`+)(?:(?!\1).)+\1_*|\$\$.*?\$\$|\$[^$]+\$", re.DOTALL)
-_HEADINGS = re.compile(r"^\s*(Parameters|Returns|Yields|Raises|Warns|Attributes|See Also|Notes|Examples"
-                       r"|References)\s*$")
+_HEADINGS = re.compile(
+    r"^\s*(Parameters|Returns|Yields|Raises|Warns|Attributes|See Also|Notes|Examples"
+    r"|References)\s*$"
+)
 _FIELDS = ("Parameters", "Attributes", "Returns", "Yields", "Raises", "Warns", "See Also")
 
 
@@ -119,8 +135,12 @@ Line = tuple[int, str]  # its number and its text; an empty one ends a sentence
 
 
 def without_code(lines: list[Line]) -> list[Line]:
-    """Replace inline code and mathematics, which may run over several lines, by `X` and keep the numbers of lines."""
-    text = _CODE.sub(lambda match: "X" + "\n" * match[0].count("\n"), "\n".join(line for _, line in lines))
+    """Replace inline code and mathematics, which may run over several lines, by `X` and keep the
+    numbers of lines.
+    """
+    text = _CODE.sub(
+        lambda match: "X" + "\n" * match[0].count("\n"), "\n".join(line for _, line in lines)
+    )
     return [(number, line) for (number, _), line in zip(lines, text.split("\n"), strict=True)]
 
 
@@ -144,7 +164,13 @@ def prose_of_docstring(text: str, first: int) -> list[Line]:
         elif not bare:
             margin = None
         named = section in _FIELDS and indent == base and number > first
-        if heading or margin is not None or named or not bare.strip("-=") or re.match(r"\.\. (math|code)", bare):
+        if (
+            heading
+            or margin is not None
+            or named
+            or not bare.strip("-=")
+            or re.match(r"\.\. (math|code)", bare)
+        ):
             found.append((number, ""))
         else:
             found.append((number, bare.removesuffix("::")))
@@ -154,7 +180,9 @@ def prose_of_docstring(text: str, first: int) -> list[Line]:
 
 
 def prose_of_page(text: str) -> list[Line]:
-    """Keep the prose of a page: no code, table, picture, directive or formula, and links by their texts."""
+    """Keep the prose of a page: no code, table, picture, directive or formula, and links by their
+    texts.
+    """
     found: list[Line] = []
     fence = ""
     for number, line in enumerate(text.split("\n"), 1):
@@ -203,11 +231,23 @@ def first_word(path: str, line: int, text: str, node: ast.AST) -> Iterator[Findi
     summary = text.strip().split("\n\n")[0]
     word = re.sub(r"[^\w'-].*", "", summary.split()[0]) if summary else ""
     function = isinstance(node, ast.FunctionDef) and not any(
-        re.search("property|setter|fixture", ast.unparse(decorator)) for decorator in node.decorator_list)  # fmt: skip
+        re.search("property|setter|fixture", ast.unparse(decorator))
+        for decorator in node.decorator_list
+    )
     if word.lower() in NEVER_FIRST:
-        yield Finding(path, line, word or "(empty)", "a docstring begins with a verb, or with a noun of the field")
+        yield Finding(
+            path,
+            line,
+            word or "(empty)",
+            "a docstring begins with a verb, or with a noun of the field",
+        )
     elif function and (word.lower() not in VERBS or re.match(r"\w+ of\b", summary)):
-        yield Finding(path, line, word or summary[:12], "begin with a verb in the imperative (of the list VERBS)")
+        yield Finding(
+            path,
+            line,
+            word or summary[:12],
+            "begin with a verb in the imperative (of the list VERBS)",
+        )
     if summary.rstrip().endswith("?"):
         yield Finding(path, line, "?", "a docstring is no question")
 
@@ -220,8 +260,12 @@ class Module:
         tree, own = ast.parse(source), set()
         for node in ast.walk(tree):
             body = getattr(node, "body", None)
-            if not isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) or not body \
-                    or not isinstance(body[0], ast.Expr) or not isinstance(body[0].value, ast.Constant):
+            if (
+                not isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+                or not body
+                or not isinstance(body[0], ast.Expr)
+                or not isinstance(body[0].value, ast.Constant)
+            ):
                 continue
             doc = body[0].value
             if isinstance(doc.value, str):
@@ -229,9 +273,16 @@ class Module:
                 self.docstrings.append(prose_of_docstring(doc.value, doc.lineno))
                 self.findings += first_word(path, doc.lineno, doc.value, node)
         self.messages = list(self._messages(tree, own))
-        self.comments = [[(token.start[0], re.sub(r"^#:?\s*|\bfmt: skip|\b(noqa|type: ignore).*", "", token.string))]
-                         for token in tokenize.generate_tokens(io.StringIO(source).readline)
-                         if token.type == tokenize.COMMENT]  # fmt: skip
+        self.comments = [
+            [
+                (
+                    token.start[0],
+                    re.sub(r"^#:?\s*|\bfmt: skip|\b(noqa|type: ignore).*", "", token.string),
+                )
+            ]
+            for token in tokenize.generate_tokens(io.StringIO(source).readline)
+            if token.type == tokenize.COMMENT
+        ]
         for lines in (*self.docstrings, *self.messages, *map(without_code, self.comments)):
             self.findings += words_of(path, lines)
         self.findings += names_of(path, source)
@@ -242,8 +293,15 @@ class Module:
         for node in ast.walk(tree):
             if isinstance(node, ast.JoinedStr):
                 inside |= {id(part) for part in ast.walk(node)} - {id(node)}
-                text = "".join(str(part.value) if isinstance(part, ast.Constant) else "X" for part in node.values)
-            elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings | inside:
+                text = "".join(
+                    str(part.value) if isinstance(part, ast.Constant) else "X"
+                    for part in node.values
+                )
+            elif (
+                isinstance(node, ast.Constant)
+                and isinstance(node.value, str)
+                and id(node) not in docstrings | inside
+            ):
                 text = node.value
             else:
                 continue
@@ -266,7 +324,9 @@ def too_long(path: str, lengths: list[int]) -> Iterator[Finding]:
 
 
 def findings(root: Path = ROOT, parts: tuple[str, ...] = ("",)) -> list[Finding]:
-    """Check the package, the pages and the README below a folder, as far as their paths hold one of the parts."""
+    """Check the package, the pages and the README below a folder, as far as their paths hold one of
+    the parts.
+    """
     found: list[Finding] = []
     rooms: dict[str, list[int]] = {}
     for file in sorted((root / "skfem_contact").rglob("*.py")):
@@ -275,22 +335,32 @@ def findings(root: Path = ROOT, parts: tuple[str, ...] = ("",)) -> list[Finding]
             module = Module(path, file.read_text(encoding="utf-8"))
             found += module.findings
             room = path if path.count("/") == 1 else path.rsplit("/", 1)[0]
-            rooms.setdefault(room, []).extend(n for lines in module.docstrings for n in sentences(lines))
+            rooms.setdefault(room, []).extend(
+                n for lines in module.docstrings for n in sentences(lines)
+            )
     for room, lengths in rooms.items():
         found += too_long(room, lengths)
     for file in (*sorted(root.glob("*.md")), *sorted((root / "docs").rglob("*.md"))):
         path = file.relative_to(root).as_posix()
-        if any(part in path for part in parts) and path not in _RECORDS and not path.startswith(_GENERATED):
+        if (
+            any(part in path for part in parts)
+            and path not in _RECORDS
+            and not path.startswith(_GENERATED)
+        ):
             source = file.read_text(encoding="utf-8")
             lines = prose_of_page(source)
-            found += [*words_of(path, lines), *names_of(path, source), *too_long(path, list(sentences(lines)))]
+            found += [
+                *words_of(path, lines),
+                *names_of(path, source),
+                *too_long(path, list(sentences(lines))),
+            ]
     return sorted(set(found))
 
 
 def main(arguments: list[str]) -> int:
     """Print the findings, and return the exit status."""
     root = Path(arguments[0]) if arguments and Path(arguments[0]).is_dir() else None
-    found = findings(root or ROOT, tuple(arguments[root is not None:]) or ("",))
+    found = findings(root or ROOT, tuple(arguments[root is not None :]) or ("",))
     print(*found, sep="\n", end="\n" if found else "")
     print(f"{len(found)} findings", file=sys.stderr)
     return bool(found)

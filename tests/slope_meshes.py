@@ -30,7 +30,9 @@ def slope_mesh(run: float, crest: float, depth: float, beyond: float, n: int) ->
 
     def towards_toe(length: float, power: float) -> ndarray:
         """Distances from the toe."""
-        return length * np.linspace(0.0, 1.0, int(np.ceil(length / HEIGHT * n / power)) + 1) ** power
+        return (
+            length * np.linspace(0.0, 1.0, int(np.ceil(length / HEIGHT * n / power)) + 1) ** power
+        )
 
     x, y = -towards_toe(run + crest, 1.2)[::-1], HEIGHT * np.linspace(0.0, 1.0, n + 1) ** 1.3
     if depth > 0.0:
@@ -40,19 +42,26 @@ def slope_mesh(run: float, crest: float, depth: float, beyond: float, n: int) ->
     middle = grid.p[:, grid.t].mean(axis=1)
     mesh = grid.restrict(np.flatnonzero((middle[0] < 0) | (middle[1] < 0)))
     x, y = mesh.p
-    behind = np.where(x < 0, 1.0 + x / (run + crest), (x <= 0) * 1.0)  # 0 at the left end, 1 at the face
+    behind = np.where(
+        x < 0, 1.0 + x / (run + crest), (x <= 0) * 1.0
+    )  # 0 at the left end, 1 at the face
     face = run * np.clip(y / HEIGHT, 0.0, 1.0)
     return MeshQuad(np.array([x - behind * face, y]), mesh.t).to_meshtri(style="x")
 
 
 def pieces(*parts: tuple[float, float, float]) -> ndarray:
     """Points from start to end in steps of about a size, piece after piece."""
-    lines = [np.linspace(start, end, max(1, round((end - start) / size)) + 1) for start, end, size in parts]
+    lines = [
+        np.linspace(start, end, max(1, round((end - start) / size)) + 1)
+        for start, end, size in parts
+    ]
     return np.concatenate([line[:-1] for line in lines] + [lines[-1][-1:]])
 
 
 def crossed_below(x: ndarray, y: ndarray, surface: Callable[[ndarray], ndarray]) -> MeshTri:
-    """Rectangles cut along both diagonals, below a surface that goes along grid lines and diagonals."""
+    """Rectangles cut along both diagonals, below a surface that goes along grid lines and
+    diagonals.
+    """
     mesh = MeshQuad.init_tensor(x, y).to_meshtri(style="x")
     middle = mesh.p[:, mesh.t].mean(axis=1)
     return mesh.restrict(np.flatnonzero(middle[1] < surface(middle[0])))
@@ -63,11 +72,22 @@ def held(basis: Basis) -> ndarray:
     x, y = basis.doflocs
     across = np.zeros(basis.N, dtype=bool)
     across[basis.nodal_dofs[0]] = across[basis.facet_dofs[0]] = True
-    return np.flatnonzero(np.isclose(y, y.min()) | (across & (np.isclose(x, x.min()) | np.isclose(x, x.max()))))
+    return np.flatnonzero(
+        np.isclose(y, y.min()) | (across & (np.isclose(x, x.min()) | np.isclose(x, x.max())))
+    )
 
 
-def reduced_slope(mesh: MeshTri, materials, unit_weight: float = 20.0, **settings) -> CollapseResult:
+def reduced_slope(
+    mesh: MeshTri, materials, unit_weight: float = 20.0, **settings
+) -> CollapseResult:
     """Strength reduction under the weight."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     forms = {"soil": sc.SolidForm(basis, materials)}
-    return analysis("strength_reduction", forms, held(basis), sc.weight(basis, unit_weight), progress=False, **settings)
+    return analysis(
+        "strength_reduction",
+        forms,
+        held(basis),
+        sc.weight(basis, unit_weight),
+        progress=False,
+        **settings,
+    )

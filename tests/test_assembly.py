@@ -1,4 +1,6 @@
-"""Kernels against scikit-fem's forms: stiffness, force, B-bar, the sparsity pattern and lazy tangents."""
+"""Kernels against scikit-fem's forms: stiffness, force, B-bar, the sparsity pattern and lazy
+tangents.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,9 @@ def moduli(form: sc.SolidForm) -> np.ndarray:
     D = np.empty((4, 4, form.basis.nelems, form.basis.dx.shape[1]))
     tind = np.arange(form.basis.nelems) if form.basis.tind is None else form.basis.tind
     for k, element in enumerate(tind):
-        names = [n for n in form.materials if n == "all" or element in form.basis.mesh.subdomains[n]]
+        names = [
+            n for n in form.materials if n == "all" or element in form.basis.mesh.subdomains[n]
+        ]
         D[:, :, k] = form.materials[names[0]].elasticity(4)[:, :, None]
     return D
 
@@ -69,7 +73,9 @@ def two_materials(element: str, rng: np.random.Generator):
     """A distorted mesh whose elements belong to two regions in random order."""
     mesh = distorted(grid(element, np.linspace(0, 2, 8), np.linspace(0, 1, 6)), rng, 0.03)
     first = np.sort(rng.permutation(mesh.nelements)[: mesh.nelements // 3])
-    return mesh.with_subdomains({"hard": first, "soft": np.setdiff1d(np.arange(mesh.nelements), first)})
+    return mesh.with_subdomains(
+        {"hard": first, "soft": np.setdiff1d(np.arange(mesh.nelements), first)}
+    )
 
 
 @pytest.mark.parametrize("intorder", [None, 4, 5])
@@ -91,7 +97,10 @@ def test_restricted_basis(element, rng):
     """[X] A form on some elements has their stiffness only, in the numbering of the whole mesh."""
     whole = vector_basis(two_materials(element, rng), element)
     some = rng.permutation(whole.mesh.nelements)[:11]
-    parts = [sc.SolidForm(whole.with_elements("soft"), SOFT), sc.SolidForm(whole.with_elements(some), HARD)]
+    parts = [
+        sc.SolidForm(whole.with_elements("soft"), SOFT),
+        sc.SolidForm(whole.with_elements(some), HARD),
+    ]
     for part, D in zip(parts, (SOFT.elasticity(4), HARD.elasticity(4)), strict=True):
         D = np.broadcast_to(D[:, :, None, None], (4, 4, *part.basis.dx.shape))
         assert_equal_matrices(part.elastic_stiffness, reference_stiffness.assemble(part.basis, D=D))
@@ -103,18 +112,26 @@ def test_more_elements_than_one_batch(rng):
     mesh = distorted(grid("P1", np.linspace(0, 1, 20), np.linspace(0, 1, 30)), rng, 0.01)
     form = sc.SolidForm(vector_basis(mesh, "P1"), HARD)
     assert form.basis.nelems > 1024
-    assert_equal_matrices(form.elastic_stiffness, reference_stiffness.assemble(form.basis, D=moduli(form)))
+    assert_equal_matrices(
+        form.elastic_stiffness, reference_stiffness.assemble(form.basis, D=moduli(form))
+    )
 
 
-@pytest.mark.parametrize("mesh_type, element", [(MeshTri2, ElementTriP2), (MeshQuad2, ElementQuad2)])
+@pytest.mark.parametrize(
+    "mesh_type, element", [(MeshTri2, ElementTriP2), (MeshQuad2, ElementQuad2)]
+)
 def test_curved_elements(mesh_type, element, rng):
     """[X] Second-order geometry: all nodes moved, those in the middle of sides as well."""
-    straight = grid("P1" if mesh_type is MeshTri2 else "Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    straight = grid(
+        "P1" if mesh_type is MeshTri2 else "Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 4)
+    )
     mesh = mesh_type.from_mesh(straight)
     mesh = replace(mesh, doflocs=mesh.doflocs + 0.02 * rng.uniform(-1, 1, mesh.doflocs.shape))
     basis = Basis(mesh, ElementVector(element()), intorder=6)
     form = sc.SolidForm(basis, HARD)
-    assert_equal_matrices(form.elastic_stiffness, reference_stiffness.assemble(basis, D=moduli(form)))
+    assert_equal_matrices(
+        form.elastic_stiffness, reference_stiffness.assemble(basis, D=moduli(form))
+    )
     # the volume strain of u = x is 2 everywhere: its integral is twice the area
     x = basis.doflocs[np.arange(basis.N) % 2, np.arange(basis.N)]
     strain = form.assemble(x, form.initial_state()).state.strain
@@ -123,7 +140,9 @@ def test_curved_elements(mesh_type, element, rng):
 
 
 def reference_b_bar(mesh, E: float, nu: float) -> np.ndarray:
-    """Dense stiffness of four-node quadrilaterals with Hughes' B-bar, written down element by element."""
+    """Dense stiffness of four-node quadrilaterals with Hughes' B-bar, written down element by
+    element.
+    """
     lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
     D = lam * np.outer([1, 1, 1, 0], [1, 1, 1, 0]) + mu * np.diag([2, 2, 2, 1])
     corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -186,7 +205,9 @@ def cook(element: str, n: int, nu: float, strain="full") -> float:
 
 
 def test_b_bar_does_not_lock():
-    """[N] Cook's membrane at nu = 0.4999; 7.77 extrapolates quadratic elements, 24, 48 and 96 a side."""
+    """[N] Cook's membrane at nu = 0.4999; 7.77 extrapolates quadratic elements, 24, 48 and 96 a
+    side.
+    """
     # 16 linear elements a side miss 3 % at the clamped corner's singularity, at nu = 1/3 as well
     assert cook("Q1", 16, 0.4999, "b_bar") == pytest.approx(7.77, rel=0.03)
     assert cook("Q2", 16, 0.4999) == pytest.approx(7.77, rel=0.03)
@@ -204,16 +225,19 @@ def smooth_punch(strain, n: int = 10) -> float:
     )
     sunk = basis.zeros()
     sunk[strip] = -0.08
-    stage = sc.Model({"clay": form}, fixed).run([sc.Stage("sink", basis.zeros(), sunk, increments=8)], progress=False)[
-        "sink"
-    ]
+    stage = sc.Model({"clay": form}, fixed).run(
+        [sc.Stage("sink", basis.zeros(), sunk, increments=8)], progress=False
+    )["sink"]
     return float(-form.assemble(stage.x, stage.states["clay"]).force[strip].sum())
 
 
 def test_plastic_flow_at_constant_volume_does_not_lock():
-    """[X] Prandtl's strip footing, 2 + pi: a coarse mesh is near it with B-bar, and locks without."""
+    """[X] Prandtl's strip footing, 2 + pi: a coarse mesh is near it with B-bar, and locks
+    without.
+    """
     averaged, plain = smooth_punch("b_bar"), smooth_punch("full")
-    # a quarter element (0.0625) of the width is the nodes' share beyond the edge, and the mesh is coarse: 9 %
+    # a quarter element (0.0625) of the width is the nodes' share beyond the edge, and the mesh is
+    # coarse: 9 %
     assert 2 + np.pi < averaged < 1.12 * (2 + np.pi)
     assert plain > 2 * averaged
 
@@ -252,9 +276,14 @@ def test_plastic_tangent_is_the_derivative_of_the_force(rng):
     x, state = 0.01 * rng.standard_normal(basis.N), form.initial_state()
     out = form.assemble(x, state)
     error = directional_error(
-        lambda y: form.assemble(y, state).force, out.stiffness, x, rng.standard_normal((5, basis.N)), 1e-8
+        lambda y: form.assemble(y, state).force,
+        out.stiffness,
+        x,
+        rng.standard_normal((5, basis.N)),
+        1e-8,
     )
-    # differences with h = 1e-8 carry 1e-8 of round-off; a point that passes a kink would show as 1e-3
+    # differences with h = 1e-8 carry 1e-8 of round-off; a point that passes a kink would show as
+    # 1e-3
     assert error < 1e-6
 
 
@@ -280,7 +309,9 @@ def test_pattern_is_that_of_the_elements_whatever_the_values(element):
     plastic = form.assemble(np.sin(np.arange(basis.N)), form.initial_state()).stiffness
     assert abs(elastic - plastic).max() > 0.01
     for K in (elastic, plastic):
-        assert np.array_equal(K.indptr, pattern.indptr) and np.array_equal(K.indices, pattern.indices)
+        assert np.array_equal(K.indptr, pattern.indptr) and np.array_equal(
+            K.indices, pattern.indices
+        )
         assert K.has_canonical_format
 
 
@@ -293,7 +324,9 @@ def test_matrices_that_share_a_pattern_are_independent(rng):
     total = K + K
     total.data *= 3.0
     condense(K, basis.zeros(), D=np.arange(4))
-    assert np.array_equal(form.assemble(basis.zeros(), form.initial_state()).stiffness.toarray(), before)
+    assert np.array_equal(
+        form.assemble(basis.zeros(), form.initial_state()).stiffness.toarray(), before
+    )
 
 
 def test_forces_and_element_matrices(rng):
@@ -303,14 +336,20 @@ def test_forces_and_element_matrices(rng):
     stress, weight, force = rng.standard_normal((4, 3, 2)), rng.random((3, 2)), np.zeros(18)
     # sums of eight and 48 products of order one
     force[dofs] = np.einsum("eqcb,ceq,eq->be", B, stress, weight)
-    np.testing.assert_allclose(force_matrix(B, weight, dofs, 18) @ stress.ravel(), force, atol=1e-14)
-    np.testing.assert_allclose(element_stiffness(B, D), np.einsum("eqci,eqcd,eqdj->eij", B, D, B), atol=1e-13)
+    np.testing.assert_allclose(
+        force_matrix(B, weight, dofs, 18) @ stress.ravel(), force, atol=1e-14
+    )
+    np.testing.assert_allclose(
+        element_stiffness(B, D), np.einsum("eqci,eqcd,eqdj->eij", B, D, B), atol=1e-13
+    )
 
 
 def test_response_computes_state_and_stiffness_once_and_only_when_asked():
     """[X] Counted calls."""
     calls = []
-    response = sc.Response(np.zeros(2), lambda: calls.append("state") or 5, lambda: calls.append("K") or 7)
+    response = sc.Response(
+        np.zeros(2), lambda: calls.append("state") or 5, lambda: calls.append("K") or 7
+    )
     assert calls == []
     assert response.stiffness == 7 and response.stiffness == 7 and calls == ["K"]
     assert response.state == 5 and response.state == 5 and calls == ["K", "state"]
@@ -318,7 +357,9 @@ def test_response_computes_state_and_stiffness_once_and_only_when_asked():
 
 @pytest.mark.parametrize("element", [ElementQuad1, ElementQuad2])
 def test_b_bar_strain_operator_averages_volume(element, rng):
-    """[X] One volume strain an element, the weighted mean of the plain one; the deviator is untouched."""
+    """[X] One volume strain an element, the weighted mean of the plain one; the deviator is
+    untouched.
+    """
     mesh = distorted(MeshQuad.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 4)), rng, 0.05)
     basis = Basis(mesh, ElementVector(element()), intorder=4)
     plain, averaged = (strain_operator(basis, strain, "plane") for strain in ("full", "b_bar"))
@@ -327,6 +368,8 @@ def test_b_bar_strain_operator_averages_volume(element, rng):
     np.testing.assert_allclose(mean, np.broadcast_to(weighted[:, None], mean.shape), atol=1e-12)
     # B is of the order of 10
     deviator = plain.B[:, :, :2] - plain.B[:, :, [1, 2]]
-    np.testing.assert_allclose(averaged.B[:, :, :2] - averaged.B[:, :, [1, 2]], deviator, atol=1e-12)
+    np.testing.assert_allclose(
+        averaged.B[:, :, :2] - averaged.B[:, :, [1, 2]], deviator, atol=1e-12
+    )
     assert np.array_equal(averaged.B[:, :, 3], plain.B[:, :, 3])
     np.testing.assert_array_equal(plain.weight, basis.dx)

@@ -57,12 +57,15 @@ def pair(basis=None, slave="b:bottom", master="a:top", law=None, **options):
     return sc.ContactPair(basis, slave, master, sc.Coulomb(0.3) if law is None else law, **options)
 
 
-# -- surfaces ---------------------------------------------------------------------------------------------------
+# -- surfaces
+# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("names", [{"slave": "b:botom"}, {"master": "b:botom"}])
 def test_unknown_boundary_lists_what_exists(names):
-    with pytest.raises(ValueError, match=r"no boundary 'b:botom'; existing: a:bottom, a:left, .*b:top"):
+    with pytest.raises(
+        ValueError, match=r"no boundary 'b:botom'; existing: a:bottom, a:left, .*b:top"
+    ):
         pair(**names)
 
 
@@ -74,7 +77,9 @@ def test_mesh_without_boundaries():
 def test_boundary_of_two_pieces():
     tags = blocks().boundaries
     basis = with_boundary(sides=np.concatenate((tags["a:left"], tags["a:right"])))
-    with pytest.raises(ValueError, match="boundary 'sides' is no single chain: it consists of 2 pieces"):
+    with pytest.raises(
+        ValueError, match="boundary 'sides' is no single chain: it consists of 2 pieces"
+    ):
         pair(basis, slave="sides")
 
 
@@ -126,11 +131,24 @@ def test_slave_and_master_that_share_nodes(slave):
         pair(slave=slave)
 
 
-# -- pairs ------------------------------------------------------------------------------------------------------
+# -- pairs
+# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "penalty", [0, -1.0, np.nan, np.inf, (1e3, 0.0), (-1.0, 1e3), (1e3,), (1.0, 2.0, 3.0), "stiff", [1e3, 1e3]]
+    "penalty",
+    [
+        0,
+        -1.0,
+        np.nan,
+        np.inf,
+        (1e3, 0.0),
+        (-1.0, 1e3),
+        (1e3,),
+        (1.0, 2.0, 3.0),
+        "stiff",
+        [1e3, 1e3],
+    ],
 )
 def test_penalty_that_is_none(penalty):
     with pytest.raises(ValueError, match=r"penalt|normal must be a finite number"):
@@ -156,8 +174,14 @@ def test_number_of_points_may_be_numpy():
         ({"share": 1.5}, "share must lie in"),
         ({"smoothing": 0.7}, "alpha must lie in"),
         ({"smoothing": 0.0}, "alpha must lie in"),
-        ({"enforcement": "augmented"}, "enforcement must be an AugmentedLagrangian or a DualMultipliers or None"),
-        ({"enforcement": sc.AugmentedLagrangian}, "enforcement must be an AugmentedLagrangian or a DualMultipliers"),
+        (
+            {"enforcement": "augmented"},
+            "enforcement must be an AugmentedLagrangian or a DualMultipliers or None",
+        ),
+        (
+            {"enforcement": sc.AugmentedLagrangian},
+            "enforcement must be an AugmentedLagrangian or a DualMultipliers",
+        ),
     ],
 )
 def test_bad_options(options, message):
@@ -191,7 +215,8 @@ def test_no_solid_to_take_a_penalty_from():
         choose_penalties({"joint": pair()})
 
 
-# -- elements, meshes and materials -----------------------------------------------------------------------------
+# -- elements, meshes and materials
+# -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -214,7 +239,9 @@ def test_unsupported_element(element, mesh, name):
         lambda: sc.ContactPair(basis, "left", "right", sc.Coulomb(), quadrature="nodal"),
         lambda: sc.weight(basis, 1.0),
     ):
-        with pytest.raises(ValueError, match=f"unsupported element .*{name}.*supported are ElementVector"):
+        with pytest.raises(
+            ValueError, match=f"unsupported element .*{name}.*supported are ElementVector"
+        ):
             make()
 
 
@@ -234,8 +261,14 @@ def test_no_basis_at_all(what):
     "materials, message",
     [
         ({"clay": ELASTIC}, "no subdomain 'clay'; existing: a, all, b, void"),
-        ({"a": ELASTIC}, r"12 of 21 elements have no material; they lie in the subdomains \['b', 'all'\]"),
-        ({"a": ELASTIC, "all": ELASTIC}, r"9 elements have more than one material.*\['a', 'all'\] overlap"),
+        (
+            {"a": ELASTIC},
+            r"12 of 21 elements have no material; they lie in the subdomains \['b', 'all'\]",
+        ),
+        (
+            {"a": ELASTIC, "all": ELASTIC},
+            r"9 elements have more than one material.*\['a', 'all'\] overlap",
+        ),
         ({"all": ELASTIC, "void": ELASTIC}, "subdomain 'void' holds no element"),
         ({}, "there is no material"),
         ({"a": ELASTIC, "b": None}, "material of 'b': None is no material"),
@@ -295,22 +328,30 @@ def test_bad_weights():
         sc.weight(basis, {"a": np.nan})
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))}
     with pytest.raises(ValueError, match="9 elements get their K0 twice"):
-        sc.Model(forms, np.arange(2)).k0_state(basis.zeros(), unit_weights=20.0, K0={"a": 0.5, "all": 0.6})
+        sc.Model(forms, np.arange(2)).k0_state(
+            basis.zeros(), unit_weights=20.0, K0={"a": 0.5, "all": 0.6}
+        )
 
 
 @pytest.mark.parametrize("direction", [(0.0, -2.0), (0.0, 0.0, -1.0), (np.nan, 1.0), -1.0])
 def test_direction_of_weight_that_is_no_unit_vector(direction):
-    with pytest.raises(ValueError, match=r"direction must be (a unit vector with 2|several values, each a finite)"):
+    with pytest.raises(
+        ValueError, match=r"direction must be (a unit vector with 2|several values, each a finite)"
+    ):
         sc.weight(vector_basis(blocks(), "Q1"), 1.0, direction=direction)
 
 
 @pytest.mark.parametrize("unit_weight", [0.0, -9.81, np.nan, np.inf])
 def test_bad_unit_weight_of_water(unit_weight):
-    with pytest.raises(ValueError, match=r"unit weight of water must be positive|unit_weight must be a finite number"):
+    with pytest.raises(
+        ValueError,
+        match=r"unit weight of water must be positive|unit_weight must be a finite number",
+    ):
         sc.hydrostatic(1.0, unit_weight=unit_weight)
 
 
-# -- analyses ---------------------------------------------------------------------------------------------------
+# -- analyses
+# ---------------------------------------------------------------------------------------------------
 
 
 def problem(mesh=None):
@@ -374,7 +415,9 @@ def test_bad_load(load, message):
         run(forms, [sc.Stage("gravity", load)], fixed)
 
 
-@pytest.mark.parametrize("value, message", [(np.zeros(3), "has shape"), (np.full(72, np.nan), "holds NaN")])
+@pytest.mark.parametrize(
+    "value, message", [(np.zeros(3), "has shape"), (np.full(72, np.nan), "holds NaN")]
+)
 def test_bad_prescribed_displacement(value, message):
     basis, forms, _, fixed = problem()
     with pytest.raises(ValueError, match=f"stage 'push': the prescribed displacement {message}"):
@@ -410,7 +453,9 @@ def test_bad_fixed_unknowns(fixed):
 
 def test_body_held_by_nothing():
     _, forms, stages, fixed = problem()
-    with pytest.raises(ValueError, match=r"body 'b' is not held: 0 of the dofs are fixed.* 3 of 3 rigid motions"):
+    with pytest.raises(
+        ValueError, match=r"body 'b' is not held: 0 of the dofs are fixed.* 3 of 3 rigid motions"
+    ):
         run({"solid": forms["solid"]}, stages, fixed)
 
 
@@ -421,22 +466,30 @@ def test_body_held_by_nothing():
 def test_body_that_is_held_too_little(boundary, component, left):
     basis, forms, stages, fixed = problem()
     more = np.concatenate((fixed, basis.get_dofs(boundary).all(component)))
-    with pytest.raises(ValueError, match=f"body 'b' is not held: .*leaves {left} of 3 rigid motions free"):
+    with pytest.raises(
+        ValueError, match=f"body 'b' is not held: .*leaves {left} of 3 rigid motions free"
+    ):
         run({"solid": forms["solid"]}, stages, more)
 
 
 def test_two_fixed_unknowns_leave_a_rotation():
     basis, forms, stages, fixed = problem()
     corner = unknowns_of(basis, "b")[0]
-    with pytest.raises(ValueError, match=r"body 'b' is not held: 2 .*leaves 1 of 3 rigid motions free"):
+    with pytest.raises(
+        ValueError, match=r"body 'b' is not held: 2 .*leaves 1 of 3 rigid motions free"
+    ):
         run({"solid": forms["solid"]}, stages, np.concatenate((fixed, corner)))
 
 
 def test_bodies_that_hold_only_each_other():
     basis, forms, stages, _ = problem()
-    with pytest.raises(ValueError, match=r"the bodies 'a' and 'b' hold only each other: 4 .* 1 of 3 rigid"):
+    with pytest.raises(
+        ValueError, match=r"the bodies 'a' and 'b' hold only each other: 4 .* 1 of 3 rigid"
+    ):
         run(forms, stages, basis.get_dofs("a:bottom").all("u^2"))
-    with pytest.raises(ValueError, match=r"the bodies 'a' and 'b' hold only each other: 0 .* 3 of 3 rigid"):
+    with pytest.raises(
+        ValueError, match=r"the bodies 'a' and 'b' hold only each other: 0 .* 3 of 3 rigid"
+    ):
         run(forms, stages, [])
 
 
@@ -466,19 +519,28 @@ def test_forms_on_different_bases():
     with pytest.raises(ValueError, match="different bases"):
         run(halves | {"joint": pair(basis)}, stages, fixed)
     moved = vector_basis(basis.mesh.translated((1.0, 0.0)), "Q1")
-    with pytest.raises(ValueError, match="'joint' belongs to another mesh or another element than 'solid'"):
+    with pytest.raises(
+        ValueError, match="'joint' belongs to another mesh or another element than 'solid'"
+    ):
         run(forms | {"joint": pair(moved)}, stages, fixed)
 
 
 def test_elements_without_a_solid_and_with_two():
     basis, forms, stages, fixed = problem()
     half = sc.SolidForm(basis.with_elements("a"), ELASTIC)
-    with pytest.raises(ValueError, match=r"40 dofs belong to no solid .* at \(0, 1\), in the subdomains \['b'\]"):
+    with pytest.raises(
+        ValueError, match=r"40 dofs belong to no solid .* at \(0, 1\), in the subdomains \['b'\]"
+    ):
         run({"half": half}, stages, fixed)
-    with pytest.raises(ValueError, match=r"9 elements belong to more than one of the solids \['solid', 'half'\]"):
+    with pytest.raises(
+        ValueError, match=r"9 elements belong to more than one of the solids \['solid', 'half'\]"
+    ):
         run(forms | {"half": half}, stages, fixed)
     # fixed unknowns need no solid: a body that is not there yet
-    assert len(run({"half": half}, stages, np.concatenate((fixed, unknowns_of(basis, "b").ravel())))) == 1
+    assert (
+        len(run({"half": half}, stages, np.concatenate((fixed, unknowns_of(basis, "b").ravel()))))
+        == 1
+    )
 
 
 def test_coordinates_that_are_nan():
@@ -504,7 +566,12 @@ def test_start_from_another_analysis():
     basis, forms, stages, fixed = problem()
     done = run(forms, stages, fixed)
     with pytest.raises(ValueError, match=r"start.*'solid'.*'joint'"):
-        run({"other": forms["solid"], "joint": forms["joint"]}, [sc.Stage("s", basis.zeros())], fixed, start=done)
+        run(
+            {"other": forms["solid"], "joint": forms["joint"]},
+            [sc.Stage("s", basis.zeros())],
+            fixed,
+            start=done,
+        )
     finer = vector_basis(basis.mesh, "Q2")
     with pytest.raises(ValueError, match=r"start.*72.*224"):
         run(
@@ -523,18 +590,28 @@ def test_solver_that_is_none(solver):
 
 
 @pytest.mark.parametrize(
-    "settings", [{"tolerance": 0.0}, {"tolerance": -1e-8}, {"tolerance": np.nan}, {"max_iterations": 0}]
+    "settings",
+    [{"tolerance": 0.0}, {"tolerance": -1e-8}, {"tolerance": np.nan}, {"max_iterations": 0}],
 )
 def test_bad_newton_settings(settings):
     with pytest.raises(ValueError, match=next(iter(settings))):
         sc.Newton(**settings)
 
 
-@pytest.mark.parametrize(("mesh", "element", "points"), [
-    (MeshQuad(), ElementQuad1(), 1), (MeshQuad(), ElementQuad2(), 4), (MeshTri(), ElementTriP2(), 1)])
+@pytest.mark.parametrize(
+    ("mesh", "element", "points"),
+    [
+        (MeshQuad(), ElementQuad1(), 1),
+        (MeshQuad(), ElementQuad2(), 4),
+        (MeshTri(), ElementTriP2(), 1),
+    ],
+)
 def test_too_few_integration_points(mesh, element, points):
     """Elements with hourglass modes would give displacements of any size without a word."""
-    places, weights = np.random.default_rng(0).uniform(0.2, 0.4, (2, points)), np.ones(points) / points
+    places, weights = (
+        np.random.default_rng(0).uniform(0.2, 0.4, (2, points)),
+        np.ones(points) / points,
+    )
     basis = Basis(mesh.refined(1), ElementVector(element), quadrature=(places, weights))
     with pytest.raises(ValueError, match="integration points are too few"):
         sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))

@@ -1,4 +1,6 @@
-"""The contact benchmarks of the fourth chapter of the examples at their smallest sizes, and what makes them work."""
+"""The contact benchmarks of the fourth chapter of the examples at their smallest sizes, and what
+makes them work.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ AUGMENTED = sc.AugmentedLagrangian()
 def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, Result]:
     """The Hertz contact in four steps."""
     problem = hertz(n)
-    result = problem.run(problem.pair(0.0, quadrature, **options), [problem.stage("press", increments=4)])
+    result = problem.run(
+        problem.pair(0.0, quadrature, **options), [problem.stage("press", increments=4)]
+    )
     return Contact.of(problem, result[-1].x), result
 
 
@@ -34,19 +38,26 @@ def nodal_gaps(pair: sc.ContactPair, state: ContactState) -> np.ndarray:
     points = pair.points(state)
     share, n = points.values * points.weight[:, None], len(pair.slave.nodes)
     gaps = (share * (state.gap - state.clearance)[:, None]).ravel()
-    return np.bincount(points.nodes.ravel(), gaps, n) / np.bincount(points.nodes.ravel(), share.ravel(), n)
+    return np.bincount(points.nodes.ravel(), gaps, n) / np.bincount(
+        points.nodes.ravel(), share.ravel(), n
+    )
 
 
-# -- patch test ---------------------------------------------------------------------------------------------
+# -- patch test
+# ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("slave", [UPPER, LOWER])
 @pytest.mark.parametrize("stuck", [False, True])
 @pytest.mark.parametrize("element", ELEMENTS)
-def test_segments_pass_the_patch_test_on_a_level_interface(element: str, stuck: bool, slave: str) -> None:
+def test_segments_pass_the_patch_test_on_a_level_interface(
+    element: str, stuck: bool, slave: str
+) -> None:
     """[X] A9: uniform stress; what is left is round-off."""
     problem = patch(3, element, stuck=stuck)
-    result = problem.run(problem.pair(1.0 if stuck else 0.0, "segments", slave), [problem.stage("press")])
+    result = problem.run(
+        problem.pair(1.0 if stuck else 0.0, "segments", slave), [problem.stage("press")]
+    )
     assert max(patch_errors(problem, result[-1].x)) < 1e-12
 
 
@@ -54,11 +65,19 @@ def test_segments_pass_the_patch_test_on_a_level_interface(element: str, stuck: 
 @pytest.mark.parametrize("stuck", [False, True])
 @pytest.mark.parametrize("element", ["Q1", "P2"])
 def test_segments_pass_the_patch_test_on_a_slope(element: str, stuck: bool, slave: str) -> None:
-    """[X] A9, inclined: a penetration would shift the faces past each other, the augmented method leaves none."""
+    """[X] A9, inclined: a penetration would shift the faces past each other, the augmented method
+    leaves none.
+    """
     problem = patch(3, element, slope=0.3, stuck=stuck)
-    pair = problem.pair(1.0 if stuck else 0.0, "segments", slave, enforcement=sc.AugmentedLagrangian(1e-10))
-    result = problem.run(pair, [problem.stage("press", normal=10.0)], newton=sc.Newton(tolerance=1e-10))
-    assert max(patch_errors(problem, result[-1].x)) < 1e-9  # a few times the augmented method's tolerance
+    pair = problem.pair(
+        1.0 if stuck else 0.0, "segments", slave, enforcement=sc.AugmentedLagrangian(1e-10)
+    )
+    result = problem.run(
+        pair, [problem.stage("press", normal=10.0)], newton=sc.Newton(tolerance=1e-10)
+    )
+    assert (
+        max(patch_errors(problem, result[-1].x)) < 1e-9
+    )  # a few times the augmented method's tolerance
 
 
 @pytest.mark.parametrize("element", ["Q1", "P1"])
@@ -84,10 +103,16 @@ def test_a_uniform_stress_has_no_errors() -> None:
     x, y = problem.basis.doflocs[:, ::2]
     exact = np.stack((NU * (1 + NU) * x, -(1 - NU**2) * y), axis=1).ravel() / E
     assert max(patch_errors(problem, exact)) < 1e-12  # round-off
-    assert np.abs(problem.solid.assemble(exact, problem.solid.initial_state()).state.stress[1] + 1).max() < 1e-12
+    assert (
+        np.abs(
+            problem.solid.assemble(exact, problem.solid.initial_state()).state.stress[1] + 1
+        ).max()
+        < 1e-12
+    )
 
 
-# -- Hertz --------------------------------------------------------------------------------------------------
+# -- Hertz
+# --------------------------------------------------------------------------------------------------
 
 
 def test_the_exact_pressure_has_no_error() -> None:
@@ -125,7 +150,10 @@ def test_versions_of_other_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     monkeypatch.setitem(one_program.PACKAGES, "NumPy", "numpy")
-    assert (one_program.version_of("CalculiX"), one_program.version_of("NumPy")) == ("2.20", np.__version__)
+    assert (one_program.version_of("CalculiX"), one_program.version_of("NumPy")) == (
+        "2.20",
+        np.__version__,
+    )
 
 
 def test_problem_is_the_peers() -> None:
@@ -135,16 +163,22 @@ def test_problem_is_the_peers() -> None:
     assert len(problem.face.nodes) == 127
 
 
-# -- augmented Lagrangian -----------------------------------------------------------------------------------
+# -- augmented Lagrangian
+# -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
 def test_the_start_penalty_does_not_matter(quadrature: str | int) -> None:
     """[N] Penalties of 0.01 and 10,000 E/h: the same answer, with nearly the same effort."""
-    runs = [pressed(4, quadrature, penalty=factor * E * 4, enforcement=AUGMENTED) for factor in (1e-2, 1.0, 1e4)]
+    runs = [
+        pressed(4, quadrature, penalty=factor * E * 4, enforcement=AUGMENTED)
+        for factor in (1e-2, 1.0, 1e4)
+    ]
     forces = [contact.normal_force for contact, _ in runs]
     peaks = [contact.pressure.max() for contact, _ in runs]
-    assert np.ptp(forces) < 1e-6 * forces[0]  # multipliers from different starts, to the tolerance of Newton
+    assert (
+        np.ptp(forces) < 1e-6 * forces[0]
+    )  # multipliers from different starts, to the tolerance of Newton
     assert np.ptp(peaks) < 1e-6 * peaks[0]
     counts = [sum(result[-1].iterations) for _, result in runs]
     assert max(counts) <= 1.5 * min(counts)
@@ -159,7 +193,10 @@ def test_nothing_penetrates() -> None:
     stiffness = choose_penalties({"bodies": problem.solid, "contact": pair})["contact"].stiffness
     presses = state.multiplier[0] < 0.1 * state.multiplier[0].min()
     # the multipliers are one correction behind the tractions
-    assert np.abs(nodal_gaps(pair, state)[presses]).max() * stiffness < 3e-4 * np.abs(state.traction[0]).max()
+    assert (
+        np.abs(nodal_gaps(pair, state)[presses]).max() * stiffness
+        < 3e-4 * np.abs(state.traction[0]).max()
+    )
 
 
 def test_ties_are_closed_in_tension() -> None:
@@ -175,7 +212,9 @@ def test_ties_are_closed_in_tension() -> None:
     bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
     tie = sc.ContactPair(basis, "slave:face", "master:face", sc.Tied(), 4, enforcement=AUGMENTED)
     fixed = np.concatenate((top.ravel(), floor.ravel()))
-    result = sc.Model({"bodies": bodies, "tie": tie}, fixed).run([sc.Stage("pull", basis.zeros(), x)], progress=False)
+    result = sc.Model({"bodies": bodies, "tie": tie}, fixed).run(
+        [sc.Stage("pull", basis.zeros(), x)], progress=False
+    )
     state = result[-1].states["tie"]
     assert state.traction[0].min() > 0.0
     stiffness = choose_penalties({"bodies": bodies, "tie": tie})["tie"].stiffness
@@ -188,7 +227,8 @@ def test_a_start_out_of_proportion_is_brought_in() -> None:
     assert AUGMENTED.start((5.0, 0.5), 1.0) == pytest.approx([1.0, 1.0])
 
 
-# -- Cattaneo and Mindlin -----------------------------------------------------------------------------------
+# -- Cattaneo and Mindlin
+# -----------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -196,14 +236,21 @@ def reversed_shift() -> tuple[sc.ContactPair, list[Contact], Result]:
     """Pressed, shifted and shifted back past zero."""
     problem = hertz(10)
     pair = problem.pair(MU, 4)
-    stages = [problem.stage("press", increments=4), problem.stage("shift", tangential=1.0, increments=10)]
-    stages += [problem.stage(f"back to {to}", tangential=to, increments=4) for to in (0.6, 0.2, -0.2)]
+    stages = [
+        problem.stage("press", increments=4),
+        problem.stage("shift", tangential=1.0, increments=10),
+    ]
+    stages += [
+        problem.stage(f"back to {to}", tangential=to, increments=4) for to in (0.6, 0.2, -0.2)
+    ]
     result = problem.run(pair, stages)
     return pair, [Contact.of(problem, step.x) for step in result], result
 
 
 def test_cattaneo_mindlin(reversed_shift) -> None:
-    """[X] C1: the shear force within half a percent, traction and stick zone as the elements resolve them."""
+    """[X] C1: the shear force within half a percent, traction and stick zone as the elements
+    resolve them.
+    """
     _, contacts, result = reversed_shift
     contact = contacts[1]
     assert contact.shear_force / (MU * contact.normal_force) == pytest.approx(0.581, rel=0.005)
@@ -219,17 +266,23 @@ def test_reversal(reversed_shift) -> None:
         exact = contact.exact_reversed_shear(contact.x, MU, contacts[1].shear_force)
         distance = np.sqrt((contact.shear - exact) ** 2 @ contact.width)
         assert distance < 0.05 * MU * np.sqrt(contact.pressure**2 @ contact.width)
-    assert contacts[-1].shear.min() < 0 < contacts[-1].shear.max()  # in balance, not in absence of tractions
+    assert (
+        contacts[-1].shear.min() < 0 < contacts[-1].shear.max()
+    )  # in balance, not in absence of tractions
 
 
 def test_friction_is_never_exceeded(reversed_shift) -> None:
     """[X] At any point, on any part of the way."""
     for step in reversed_shift[2]:
         state = step.states["contact"]
-        assert (np.abs(state.traction[1]) <= -MU * state.traction[0] + 1e-9 * np.abs(state.traction[0]).max()).all()
+        assert (
+            np.abs(state.traction[1])
+            <= -MU * state.traction[0] + 1e-9 * np.abs(state.traction[0]).max()
+        ).all()
 
 
-# -- CalculiX -----------------------------------------------------------------------------------------------
+# -- CalculiX
+# -----------------------------------------------------------------------------------------------
 
 
 def test_faces_of_the_bricks_lie_on_the_boundary() -> None:
@@ -237,7 +290,9 @@ def test_faces_of_the_bricks_lie_on_the_boundary() -> None:
     mesh = hertz(2).basis.mesh
     quads = peers._counterclockwise(mesh.p, mesh.t)
     for boundary in (LOWER, UPPER):
-        facets = {tuple(sorted(pair)) for pair in mesh.facets[:, mesh.boundaries[boundary]].T.tolist()}
+        facets = {
+            tuple(sorted(pair)) for pair in mesh.facets[:, mesh.boundaries[boundary]].T.tolist()
+        }
         faces = [line.split(",S") for line in peers._faces(mesh, quads, boundary)]
         sides = [quads[[int(s) - 3, (int(s) - 2) % 4], int(e) - 1] for e, s in faces]
         assert {tuple(sorted(side.tolist())) for side in sides} == facets
@@ -251,4 +306,6 @@ def test_calculix_agrees() -> None:
     run = peers.calculix(problem, stages, mu=0.0)
     own = Contact.of(problem, problem.run(problem.pair(0.0, "segments"), stages)[-1].x)
     assert run.x is not None
-    assert Contact.of(problem, run.x).normal_force == pytest.approx(own.normal_force, rel=0.03)  # other penalty
+    assert Contact.of(problem, run.x).normal_force == pytest.approx(
+        own.normal_force, rel=0.03
+    )  # other penalty

@@ -10,7 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import analysis, bounds_of
-from skfem import Basis, ElementQuad1, ElementTriP1, ElementTriP2, ElementVector, MeshQuad, MeshTri, MeshTri2
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+    MeshTri,
+    MeshTri2,
+)
 
 import skfem_contact as sc
 from skfem_contact.limit_analysis import Bounds, certify, search
@@ -21,7 +30,9 @@ from skfem_contact.limit_analysis.search import Search
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 from bound_cases import CASES, ground, slope_mesh
 
-HARDENING = sc.HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
+HARDENING = sc.HardeningMohrCoulomb(
+    1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1
+)
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
 
 
@@ -40,7 +51,8 @@ def column(material, mesh=None, element=None) -> tuple[dict, np.ndarray]:
     return {"soil": sc.SolidForm(basis, material)}, fixed
 
 
-# -- closed forms -------------------------------------------------------------------------------------------
+# -- closed forms
+# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -48,8 +60,14 @@ def column(material, mesh=None, element=None) -> tuple[dict, np.ndarray]:
     [
         (sc.Tresca(E=1e3, nu=0.3, c=10.0), 20.0),
         (sc.VonMises(E=1e3, nu=0.3, strength=10.0), 20.0 / np.sqrt(3)),
-        (sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0), 20.0 * np.tan(np.radians(60.0))),
-        (sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0, tension=1.0), 20.0 * np.tan(np.radians(60.0))),
+        (
+            sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0),
+            20.0 * np.tan(np.radians(60.0)),
+        ),
+        (
+            sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0, tension=1.0),
+            20.0 * np.tan(np.radians(60.0)),
+        ),
     ],
 )
 @pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2(), ElementQuad1()])
@@ -59,7 +77,9 @@ def test_column(material, strength: float, element) -> None:
     forms, fixed = column(material, mesh, element)
     found = bounds(forms, fixed, tractions={"top": (0.0, -1.0)}, live="top")
     # the solver's accuracy on its first mesh, and the strength that it keeps in reserve
-    assert found.lower == pytest.approx(strength, rel=5e-4) and found.upper == pytest.approx(strength, rel=5e-4)
+    assert found.lower == pytest.approx(strength, rel=5e-4) and found.upper == pytest.approx(
+        strength, rel=5e-4
+    )
     assert found.lower <= strength * (1 + 1e-12) and found.upper >= strength * (1 - 1e-12)
 
 
@@ -73,28 +93,50 @@ def test_tension(tension: float | None, strength: float) -> None:
 
 
 def test_water_and_acceleration() -> None:
-    """[X] A flooded column weighs what it weighs in water; a wall of water beside it does not matter then."""
+    """[X] A flooded column weighs what it weighs in water; a wall of water beside it does not
+    matter then.
+    """
     forms, fixed = column(sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0))
     dry = bounds(forms, fixed, weight=10.0, tractions={"top": (0.0, -1.0)}, live="top")
     water = sc.hydrostatic(3.0, unit_weight=10.0)
-    wet = bounds(forms, fixed, weight=20.0, water=water, submerged=("top", "right"), tractions={"top": (0.0, -1.0)},
-                 live="top")  # fmt: skip
-    assert wet.lower == pytest.approx(dry.lower, rel=1e-4) and wet.upper == pytest.approx(dry.upper, rel=1e-4)
-    pushed = bounds(forms, fixed, weight=10.0, seismic=0.1, tractions={"top": (0.0, -1.0)}, live="top")
-    back = bounds(forms, fixed, weight=10.0, seismic=-0.1, tractions={"top": (0.0, -1.0)}, live="top")
+    wet = bounds(
+        forms,
+        fixed,
+        weight=20.0,
+        water=water,
+        submerged=("top", "right"),
+        tractions={"top": (0.0, -1.0)},
+        live="top",
+    )
+    assert wet.lower == pytest.approx(dry.lower, rel=1e-4) and wet.upper == pytest.approx(
+        dry.upper, rel=1e-4
+    )
+    pushed = bounds(
+        forms, fixed, weight=10.0, seismic=0.1, tractions={"top": (0.0, -1.0)}, live="top"
+    )
+    back = bounds(
+        forms, fixed, weight=10.0, seismic=-0.1, tractions={"top": (0.0, -1.0)}, live="top"
+    )
     assert pushed.upper < dry.lower < dry.upper < back.upper
 
 
-# -- contact ------------------------------------------------------------------------------------------------
+# -- contact
+# ------------------------------------------------------------------------------------------------
 
 
 def block(law, strength: bool, soil=None, elements: int = 600) -> Bounds:
-    """A block on a base, pushed with 1 or, for a factor, 30 kN/m; the meshes of their faces do not match."""
+    """A block on a base, pushed with 1 or, for a factor, 30 kN/m; the meshes of their faces do not
+    match.
+    """
     base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
     upper = MeshTri.init_tensor(np.linspace(2, 6, 4), np.linspace(0, 1, 2)).with_defaults()
-    basis = Basis(sc.join_bodies({"base": base, "block": upper}), ElementVector(ElementTriP2()), intorder=2)
-    forms = {"bodies": sc.SolidForm(basis, soil or replace(SOIL, c=1000.0)),
-             "joint": sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")}  # fmt: skip
+    basis = Basis(
+        sc.join_bodies({"base": base, "block": upper}), ElementVector(ElementTriP2()), intorder=2
+    )
+    forms = {
+        "bodies": sc.SolidForm(basis, soil or replace(SOIL, c=1000.0)),
+        "joint": sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal"),
+    }
     push = {"tractions": {"block:left": (30.0, 0.0)}, "reduce": "joint"}
     if not strength:
         push = {"tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}
@@ -108,29 +150,45 @@ PUSH = 4 * 2.5 + 100 * np.tan(np.radians(26.6))
 
 @pytest.mark.parametrize("soil", [None, sc.LinearElastic(E=1e5, nu=0.2)])
 def test_sliding_block(soil) -> None:
-    """[X] Adhesion and friction times the weight, and the factor on both of them; strong bodies and rigid ones."""
+    """[X] Adhesion and friction times the weight, and the factor on both of them; strong bodies and
+    rigid ones.
+    """
     load, factor = block(LAW, False, soil), block(LAW, True, soil)
     assert load.lower <= PUSH * (1 + 1e-12) and load.upper >= PUSH * (1 - 1e-12) and load.gap < 2e-4
     if soil is None:
-        assert load.lower > PUSH * (1 - 1e-5)  # fans on both sides of the joint's ends; the solver's reserve is 1e-6
-    assert factor.lower <= PUSH / 30 * (1 + 1e-12) and factor.upper >= PUSH / 30 * (1 - 1e-12) and factor.gap < 2e-4
+        assert load.lower > PUSH * (
+            1 - 1e-5
+        )  # fans on both sides of the joint's ends; the solver's reserve is 1e-6
+    assert (
+        factor.lower <= PUSH / 30 * (1 + 1e-12)
+        and factor.upper >= PUSH / 30 * (1 - 1e-12)
+        and factor.gap < 2e-4
+    )
 
 
 def test_smooth_and_tied() -> None:
-    """[X] Without friction nothing resists; a tied block is crushed at 2 c, not sheared off at 4 c along its base."""
-    # zero: the load moves a smooth block by what round-off, 1e-12 of the bodies' cohesion of 1000, dissipates in them
+    """[X] Without friction nothing resists; a tied block is crushed at 2 c, not sheared off at 4 c
+    along its base.
+    """
+    # zero: the load moves a smooth block by what round-off, 1e-12 of the bodies' cohesion of 1000,
+    # dissipates in them
     assert block(sc.Coulomb(), False, elements=50).upper < 1e-8
     tied = block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=20.0), elements=1300)
-    assert 0.999 * 40.0 < tied.lower < tied.upper < 1.05 * 40.0  # its weight and the base add a little
+    assert (
+        0.999 * 40.0 < tied.lower < tied.upper < 1.05 * 40.0
+    )  # its weight and the base add a little
     with pytest.warns(sc.AnalysisWarning, match="fixed loads alone"):
         block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=4.0), elements=300)
 
 
-# -- invariance ---------------------------------------------------------------------------------------------
+# -- invariance
+# ---------------------------------------------------------------------------------------------
 
 
 def test_units_rotation_and_place() -> None:
-    """[X] The same bounds in MN and mm, turned by 37 degrees with its loads, and far from the origin."""
+    """[X] The same bounds in MN and mm, turned by 37 degrees with its loads, and far from the
+    origin.
+    """
     reference = bounds(**ground(slope_mesh(10, 20, 12), 10.0, 20.0, 20.0), elements=300)
     mesh = slope_mesh(10, 20, 12)
 
@@ -140,7 +198,9 @@ def test_units_rotation_and_place() -> None:
         assert found.upper == pytest.approx(reference.upper, rel=1e-6)
 
     def moved(p: np.ndarray) -> MeshTri:
-        return MeshTri(p, mesh.t).with_boundaries({name: np.asarray(f) for name, f in mesh.boundaries.items()})
+        return MeshTri(p, mesh.t).with_boundaries(
+            {name: np.asarray(f) for name, f in mesh.boundaries.items()}
+        )
 
     same(moved(1e3 * mesh.p), 1e-3, 20e-6)
     same(moved(mesh.p + 1e5), 1.0, 20.0)
@@ -151,18 +211,32 @@ def test_rotation() -> None:
     mesh, factors = slope_mesh(10, 20, 12), []
     for angle in (0.0, np.radians(37.0)):
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        turned = MeshTri(turn @ mesh.p, mesh.t).with_boundaries({k: np.asarray(f) for k, f in mesh.boundaries.items()})
+        turned = MeshTri(turn @ mesh.p, mesh.t).with_boundaries(
+            {k: np.asarray(f) for k, f in mesh.boundaries.items()}
+        )
         basis = Basis(turned, ElementVector(ElementTriP2()), intorder=2)
         fixed = basis.get_dofs({"base", "sides"}).all()
         # (seismic, -1) times the weight is gravity turned
         down = turn @ [0.0, -20.0]
-        factors.append(bounds({"soil": sc.SolidForm(basis, SOIL)}, fixed, weight=-down[1], seismic=-down[0] / down[1],
-                              elements=300))  # fmt: skip
-    assert factors[1].lower == pytest.approx(factors[0].lower, rel=1e-5)  # iterations stop at 3e-6 of the gap
-    assert factors[1].upper == pytest.approx(factors[0].upper, rel=1e-5)  # iterations stop at 3e-6 of the gap
+        factors.append(
+            bounds(
+                {"soil": sc.SolidForm(basis, SOIL)},
+                fixed,
+                weight=-down[1],
+                seismic=-down[0] / down[1],
+                elements=300,
+            )
+        )
+    assert factors[1].lower == pytest.approx(
+        factors[0].lower, rel=1e-5
+    )  # iterations stop at 3e-6 of the gap
+    assert factors[1].upper == pytest.approx(
+        factors[0].upper, rel=1e-5
+    )  # iterations stop at 3e-6 of the gap
 
 
-# -- damaged solutions --------------------------------------------------------------------------------------
+# -- damaged solutions
+# --------------------------------------------------------------------------------------
 
 
 def damaged(monkeypatch, change) -> Bounds:
@@ -175,12 +249,17 @@ def damaged(monkeypatch, change) -> Bounds:
 
 
 def test_noise(monkeypatch) -> None:
-    """[X] Stresses and velocities that are off by 1e-4: the bracket holds the factor all the same, or there is none."""
+    """[X] Stresses and velocities that are off by 1e-4: the bracket holds the factor all the same,
+    or there is none.
+    """
     random = np.random.default_rng(0)
 
     def noisy(found):
-        return replace(found, stress=found.stress * (1 + 1e-4 * random.standard_normal(found.stress.shape)),
-                       velocity=found.velocity * (1 + 1e-4 * random.standard_normal(found.velocity.shape)))  # fmt: skip
+        return replace(
+            found,
+            stress=found.stress * (1 + 1e-4 * random.standard_normal(found.stress.shape)),
+            velocity=found.velocity * (1 + 1e-4 * random.standard_normal(found.velocity.shape)),
+        )
 
     found = damaged(monkeypatch, noisy)
     assert found.lower < 1.3793 and found.upper > 1.3752  # the factor lies between these two
@@ -188,7 +267,9 @@ def test_noise(monkeypatch) -> None:
 
 
 def test_overlap(monkeypatch) -> None:
-    """[X] Velocities of a block that is pressed into its base by 1e-3 of the slip are parted: the bound is not lost."""
+    """[X] Velocities of a block that is pressed into its base by 1e-3 of the slip are parted: the
+    bound is not lost.
+    """
     whole = search.solve
 
     def pressed(program, *args):
@@ -197,8 +278,12 @@ def test_overlap(monkeypatch) -> None:
         return replace(found, velocity=found.velocity + pressing, inner=[])
 
     monkeypatch.setattr(search, "solve", pressed)
-    found = block(sc.Coulomb(mu=0.0, adhesion=2.5), True, sc.LinearElastic(E=1e5, nu=0.2), elements=100)
-    assert found.upper == pytest.approx(4 * 2.5 / 30, rel=0.05)  # its weight, 10 times the force, is lifted a little
+    found = block(
+        sc.Coulomb(mu=0.0, adhesion=2.5), True, sc.LinearElastic(E=1e5, nu=0.2), elements=100
+    )
+    assert found.upper == pytest.approx(
+        4 * 2.5 / 30, rel=0.05
+    )  # its weight, 10 times the force, is lifted a little
 
 
 @pytest.mark.parametrize("iterations", [3, 8, 12])
@@ -212,14 +297,23 @@ def test_early_stop(monkeypatch, iterations: int) -> None:
 def lower_of_a_slope():
     """Lower certificate of a slope, and its program."""
     case = CASES["Griffiths and Lane 1"][0]
-    problem = read(case["forms"], case["fixed"], lambda site: named_loads(site, case["weight"], {}, None, (), 0.0, ()),
-                   False, None, (), False)  # fmt: skip
+    problem = read(
+        case["forms"],
+        case["fixed"],
+        lambda site: named_loads(site, case["weight"], {}, None, (), 0.0, ()),
+        False,
+        None,
+        (),
+        False,
+    )
     found = Search(problem, _Silent()).lower
     return found, found.program
 
 
 def test_more_plain_stiffness_where_round_off_keeps_stresses_from_equilibrium(monkeypatch) -> None:
-    """[X] The stiffness of the last iterate is useless, as that of a strong pile is by chance: the bound stays."""
+    """[X] The stiffness of the last iterate is useless, as that of a strong pile is by chance: the
+    bound stays.
+    """
     found, program = lower_of_a_slope()
     balanced = certify._balanced
 
@@ -230,13 +324,18 @@ def test_more_plain_stiffness_where_round_off_keeps_stresses_from_equilibrium(mo
     monkeypatch.setattr(certify, "_balanced", by_chance)
     again = certify.prove_lower(program, found.solution, False)
     # ten times the plain stiffness moves stresses elsewhere, within the gap of the solver
-    assert again.value == pytest.approx(found.proof.value, rel=1e-3) and again.residual <= certify.UNBALANCED
+    assert (
+        again.value == pytest.approx(found.proof.value, rel=1e-3)
+        and again.residual <= certify.UNBALANCED
+    )
 
 
 def test_equilibrium_that_is_not_reached_proves_nothing() -> None:
     """[X] A stress that is out of balance is refused."""
     found, program = lower_of_a_slope()
-    assert certify.prove_lower(program, found.solution, False).value == pytest.approx(found.proof.value)
+    assert certify.prove_lower(program, found.solution, False).value == pytest.approx(
+        found.proof.value
+    )
     program.dead = program.dead + 1e9  # more than the metric can balance within its repetitions
     assert certify.prove_lower(program, found.solution, False).value < found.proof.value
 
@@ -246,14 +345,20 @@ class _Silent:
         """Nothing is shown."""
 
 
-# -- flow, elastic moduli, results --------------------------------------------------------------------------
+# -- flow, elastic moduli, results
+# --------------------------------------------------------------------------
 
 
 def test_less_dilation() -> None:
-    """[X] The upper bound is that of associated flow, the lower one an estimate that is named so."""
+    """[X] The upper bound is that of associated flow, the lower one an estimate that is named
+    so.
+    """
     associated = ground(slope_mesh(10, 20, 12), 10.0, 20.0, 20.0)
     basis = associated["forms"]["soil"].basis
-    given = associated | {"forms": {"soil": sc.SolidForm(basis, replace(SOIL, psi=0.0))}, "elements": 700}
+    given = associated | {
+        "forms": {"soil": sc.SolidForm(basis, replace(SOIL, psi=0.0))},
+        "elements": 700,
+    }
     estimate, proven = bounds(**given), bounds(**given, flow="associated")
     assert estimate.estimate and not proven.estimate and "no bound" in str(estimate)
     assert estimate.upper == pytest.approx(proven.upper, rel=1e-12)
@@ -280,15 +385,23 @@ def test_curved_sides_are_warned_of() -> None:
     x = mesh.doflocs.copy()
     right = np.isclose(x[0], 1.0)
     x[0, right] += 0.1 * x[1, right] * (1 - x[1, right])
-    curved = MeshTri2(x, mesh.t).with_boundaries({"bottom": lambda p: p[1] < 1e-9, "left": lambda p: p[0] < 1e-9,
-                                                  "top": lambda p: p[1] > 1 - 1e-9})  # fmt: skip
+    curved = MeshTri2(x, mesh.t).with_boundaries(
+        {
+            "bottom": lambda p: p[1] < 1e-9,
+            "left": lambda p: p[0] < 1e-9,
+            "top": lambda p: p[1] > 1 - 1e-9,
+        }
+    )
     basis = Basis(curved, ElementVector(ElementTriP2()), intorder=2)
     fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-    found = bounds({"soil": sc.SolidForm(basis, SOIL)}, fixed, tractions={"top": (0.0, -1.0)}, elements=50)
+    found = bounds(
+        {"soil": sc.SolidForm(basis, SOIL)}, fixed, tractions={"top": (0.0, -1.0)}, elements=50
+    )
     assert any("curved" in remark for remark in found.remarks)
 
 
-# -- bad input ----------------------------------------------------------------------------------------------
+# -- bad input
+# ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -297,7 +410,10 @@ def test_curved_sides_are_warned_of() -> None:
         ({}, "there is no load"),
         ({"weight": np.nan}, "finite"),
         ({"weight": {"sand": 20.0}}, "no subdomain 'sand'"),
-        ({"tractions": {"roof": (0, -1)}}, "no boundary 'roof'; existing: bottom, left, right, top"),
+        (
+            {"tractions": {"roof": (0, -1)}},
+            "no boundary 'roof'; existing: bottom, left, right, top",
+        ),
         ({"tractions": {"top": (0, -1, 0)}}, "must be"),
         ({"tractions": {"top": (0, np.nan)}}, "must be"),
         ({"weight": 20.0, "live": "top"}, "no load 'top' to multiply; existing: weight"),
@@ -305,7 +421,10 @@ def test_curved_sides_are_warned_of() -> None:
         ({"weight": 20.0, "flow": "davis_b"}, "flow"),
         ({"weight": 20.0, "reduce": "rock"}, "no form or region 'rock'"),
         ({"weight": 20.0, "water": np.ones(3)}, "nodes"),
-        ({"weight": 20.0, "water": 3.0}, r"a pressure, hydrostatic\(level\) or values at 9 nodes, not 3.0"),
+        (
+            {"weight": 20.0, "water": 3.0},
+            r"a pressure, hydrostatic\(level\) or values at 9 nodes, not 3.0",
+        ),
         ({"weight": 20.0, "fixed": np.zeros(0, int)}, "without supports"),
         ({"weight": 20.0, "fixed": np.array([0, 1])}, "though no facet"),
     ],
@@ -318,11 +437,15 @@ def test_bad_loads(change: dict, message: str) -> None:
 
 
 def test_what_has_no_bounds() -> None:
-    """Other materials, elastic bodies alone, axial symmetry, forms that are neither solids nor contact."""
-    for material, message in ((HARDENING, "HardeningMohrCoulomb"),
-                              (sc.LinearElastic(E=1e3, nu=0.3), "nothing to reduce"),
-                              (sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=0.01), "between 0 and"),
-                              (sc.MohrCoulomb(E=1e3, nu=0.3, c=0.0, phi=0.0), "neither cohesion")):  # fmt: skip
+    """Other materials, elastic bodies alone, axial symmetry, forms that are neither solids nor
+    contact.
+    """
+    for material, message in (
+        (HARDENING, "HardeningMohrCoulomb"),
+        (sc.LinearElastic(E=1e3, nu=0.3), "nothing to reduce"),
+        (sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=0.01), "between 0 and"),
+        (sc.MohrCoulomb(E=1e3, nu=0.3, c=0.0, phi=0.0), "neither cohesion"),
+    ):
         forms, fixed = column(material)
         with pytest.raises(ValueError, match=message):
             sc.Model(forms, fixed).bounds(weight=20.0, progress=False)
@@ -338,9 +461,13 @@ def test_what_has_no_bounds() -> None:
 
 
 def test_clean_sand() -> None:
-    """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, and a remark says so."""
+    """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, and a
+    remark says so.
+    """
     mesh = slope_mesh(3.0, 3.0 / np.tan(np.radians(20.0)), 4.0, 1.0, 3.0)
-    with pytest.warns(sc.AnalysisWarning, match="without cohesion resists nothing at a free surface"):
+    with pytest.warns(
+        sc.AnalysisWarning, match="without cohesion resists nothing at a free surface"
+    ):
         found = bounds(**ground(mesh, 0.0, 30.0, 20.0), elements=500)
     assert 1.5863 < found.upper < 1.61 and found.lower < 1.5863
     assert any("without cohesion" in remark for remark in found.remarks)

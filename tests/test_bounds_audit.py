@@ -16,7 +16,8 @@ from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 import skfem_contact as sc
 from skfem_contact.limit_analysis import Bounds
 
-#: Violations by round-off: of equilibrium, of the flow rule, and of the yield condition as a share of the cohesion.
+#: Violations by round-off: of equilibrium, of the flow rule, and of the yield condition as a share
+#: of the cohesion.
 ROUND_OFF = 1e-12
 
 
@@ -25,9 +26,12 @@ def named(mesh: MeshTri) -> MeshTri:
     x, y = mesh.p
     low, left, right, high = y.min(), x.min(), x.max(), y.max()
     return mesh.with_boundaries(
-        {"base": lambda p: p[1] < low + 1e-9, "sides": lambda p: (p[0] < left + 1e-9) | (p[0] > right - 1e-9),
-         "crest": lambda p: p[1] > high - 1e-9}
-    ).with_subdomains({"upper": lambda p: p[1] > 0, "lower": lambda p: p[1] <= 0})  # fmt: skip
+        {
+            "base": lambda p: p[1] < low + 1e-9,
+            "sides": lambda p: (p[0] < left + 1e-9) | (p[0] > right - 1e-9),
+            "crest": lambda p: p[1] > high - 1e-9,
+        }
+    ).with_subdomains({"upper": lambda p: p[1] > 0, "lower": lambda p: p[1] <= 0})
 
 
 def outline_mesh(corners: list[tuple[float, float]], size: float) -> MeshTri:
@@ -35,10 +39,16 @@ def outline_mesh(corners: list[tuple[float, float]], size: float) -> MeshTri:
     ring = np.array(corners)
     sides = list(zip(ring, np.roll(ring, -1, axis=0)))
     steps = [max(1, round(np.linalg.norm(b - a) / size)) for a, b in sides]
-    edge = np.concatenate([a + (b - a) * np.arange(n)[:, None] / n for (a, b), n in zip(sides, steps)])
+    edge = np.concatenate(
+        [a + (b - a) * np.arange(n)[:, None] / n for (a, b), n in zip(sides, steps)]
+    )
     low, high = ring.min(axis=0), ring.max(axis=0)
-    grid = np.stack(np.meshgrid(*(np.arange(l + 0.37 * size, h, size) for l, h in zip(low, high))), -1).reshape(-1, 2)
-    grid[:, 0] += 0.5 * size * (np.round((grid[:, 1] - low[1]) / size) % 2)  # rows in turn: no crossing lines
+    grid = np.stack(
+        np.meshgrid(*(np.arange(l + 0.37 * size, h, size) for l, h in zip(low, high))), -1
+    ).reshape(-1, 2)
+    grid[:, 0] += (
+        0.5 * size * (np.round((grid[:, 1] - low[1]) / size) % 2)
+    )  # rows in turn: no crossing lines
     far = np.linalg.norm(grid[:, None] - edge, axis=2).min(axis=1) > 0.6 * size
     points = np.concatenate([edge, grid[far & inside(grid, sides)]])
     t = Delaunay(points).simplices
@@ -55,13 +65,23 @@ def inside(x: np.ndarray, sides: list) -> np.ndarray:
     return odd
 
 
-def slope_outline(run: float, crest: float, depth: float, beyond: float) -> list[tuple[float, float]]:
+def slope_outline(
+    run: float, crest: float, depth: float, beyond: float
+) -> list[tuple[float, float]]:
     """A slope 10 high that falls to the right; its toe is the origin."""
     left = -run - crest
     if depth == 0:
         return [(left, 0.0), (0.0, 0.0), (-run, 10.0), (left, 10.0)]
-    return [(left, -depth), (0.0, -depth), (beyond, -depth), (beyond, 0.0), (0.0, 0.0), (-run, 10.0), (left, 10.0),
-            (left, 0.0)]  # fmt: skip
+    return [
+        (left, -depth),
+        (0.0, -depth),
+        (beyond, -depth),
+        (beyond, 0.0),
+        (0.0, 0.0),
+        (-run, 10.0),
+        (left, 10.0),
+        (left, 0.0),
+    ]
 
 
 def soil(random: np.random.Generator) -> sc.MohrCoulomb:
@@ -75,35 +95,69 @@ def random_slope(seed: int) -> tuple[dict, Ground]:
     """Arguments of bounds, and what an audit needs: layers, surcharge, acceleration."""
     random = np.random.default_rng(seed)
     depth = random.choice([0.0, random.uniform(2, 8)])
-    outline = slope_outline(random.uniform(2, 25), random.uniform(5, 12), depth, random.uniform(3, 8))
+    outline = slope_outline(
+        random.uniform(2, 25), random.uniform(5, 12), depth, random.uniform(3, 8)
+    )
     mesh = named(outline_mesh(outline, 4.0))
     soils = {name: soil(random) for name in ("upper", "lower") if len(mesh.subdomains[name])}
     weights = {name: random.uniform(15, 22) for name in soils}
-    seismic, surcharge = random.choice([0.0, random.uniform(0.05, 0.2)]), random.choice([0.0, random.uniform(1, 30)])
+    seismic, surcharge = (
+        random.choice([0.0, random.uniform(0.05, 0.2)]),
+        random.choice([0.0, random.uniform(1, 30)]),
+    )
     tractions = {"crest": (0.0, -surcharge)} if surcharge else {}
     basis = Basis(mesh, ElementVector(random.choice([ElementTriP1(), ElementTriP2()])), intorder=2)
     fixed = np.hstack([basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1")])
-    given = {"forms": {"soil": sc.SolidForm(basis, soils)}, "fixed": fixed, "weight": weights, "seismic": seismic,
-             "tractions": tractions, "gap": 0.1, "elements": 150}  # fmt: skip
+    given = {
+        "forms": {"soil": sc.SolidForm(basis, soils)},
+        "fixed": fixed,
+        "weight": weights,
+        "seismic": seismic,
+        "tractions": tractions,
+        "gap": 0.1,
+        "elements": 150,
+    }
     body = {name: (seismic * weight, -weight) for name, weight in weights.items()}
     return given, Ground(soils, body, {"base": (0, 1), "sides": (0,)}, tractions)
 
 
 def random_footing(seed: int) -> tuple[dict, Ground]:
-    """A flexible strip on weightless or heavy ground beside a surcharge; its pressure is multiplied."""
+    """A flexible strip on weightless or heavy ground beside a surcharge; its pressure is
+    multiplied.
+    """
     random = np.random.default_rng(seed)
-    mesh = MeshTri.init_tensor(np.linspace(0, 4, 9), np.linspace(-2, 0, 5)).with_boundaries(
-        {"base": lambda p: p[1] < -2 + 1e-9, "sides": lambda p: (p[0] < 1e-9) | (p[0] > 4 - 1e-9),
-         "foot": lambda p: (p[1] > -1e-9) & (p[0] < 1), "beside": lambda p: (p[1] > -1e-9) & (p[0] > 1)}
-    ).with_subdomains({"ground": lambda p: p[1] < 1})  # fmt: skip
+    mesh = (
+        MeshTri.init_tensor(np.linspace(0, 4, 9), np.linspace(-2, 0, 5))
+        .with_boundaries(
+            {
+                "base": lambda p: p[1] < -2 + 1e-9,
+                "sides": lambda p: (p[0] < 1e-9) | (p[0] > 4 - 1e-9),
+                "foot": lambda p: (p[1] > -1e-9) & (p[0] < 1),
+                "beside": lambda p: (p[1] > -1e-9) & (p[0] > 1),
+            }
+        )
+        .with_subdomains({"ground": lambda p: p[1] < 1})
+    )
     soils = {"ground": soil(random)}
-    gamma, beside = random.choice([0.0, random.uniform(10, 20)]), random.choice([0.0, random.uniform(1, 20)])
+    gamma, beside = (
+        random.choice([0.0, random.uniform(10, 20)]),
+        random.choice([0.0, random.uniform(1, 20)]),
+    )
     tractions = {"foot": (0.0, -1.0)} | ({"beside": (0.0, -beside)} if beside else {})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     fixed = np.hstack([basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1")])
-    given = {"forms": {"soil": sc.SolidForm(basis, soils)}, "fixed": fixed, "weight": gamma, "tractions": tractions,
-             "live": "foot", "gap": 0.1, "elements": 250 if seed < 8 else 150}  # fmt: skip
-    return given, Ground(soils, {"ground": (0.0, -gamma)}, {"base": (0, 1), "sides": (0,)}, tractions)
+    given = {
+        "forms": {"soil": sc.SolidForm(basis, soils)},
+        "fixed": fixed,
+        "weight": gamma,
+        "tractions": tractions,
+        "live": "foot",
+        "gap": 0.1,
+        "elements": 250 if seed < 8 else 150,
+    }
+    return given, Ground(
+        soils, {"ground": (0.0, -gamma)}, {"base": (0, 1), "sides": (0,)}, tractions
+    )
 
 
 def bounds(given: dict) -> Bounds:
@@ -128,12 +182,16 @@ def test_slope(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_footing(seed: int) -> None:
-    """[X] The same with a multiplied load: the dissipation does not exceed the power at the upper bound."""
+    """[X] The same with a multiplied load: the dissipation does not exceed the power at the upper
+    bound.
+    """
     given, ground = random_footing(seed)
     found = bounds(given)
     assert found.lower <= found.upper < 2 * found.lower
-    for multiplier, names in ((found.lower, ("inside", "across", "boundary", "yielding")),
-                              (found.upper, ("supports", "flow"))):  # fmt: skip
+    for multiplier, names in (
+        (found.lower, ("inside", "across", "boundary", "yielding")),
+        (found.upper, ("supports", "flow")),
+    ):
         loaded = ground._replace(tractions={**ground.tractions, "foot": (0.0, -multiplier)})
         wrong = violations(found, loaded, multiplier=True)
         assert max(getattr(wrong, name) for name in names) < ROUND_OFF
@@ -156,8 +214,11 @@ def test_the_audit_sees_what_is_wrong() -> None:
     given, ground = random_slope(5)
     found = bounds(given)
     random = np.random.default_rng(1)
-    noisy = replace(found, stress=found.stress * (1 + 1e-6 * random.standard_normal(found.stress.shape)),
-                    mechanism=found.mechanism + 1e-6 * random.standard_normal(found.mechanism.shape))  # fmt: skip
+    noisy = replace(
+        found,
+        stress=found.stress * (1 + 1e-6 * random.standard_normal(found.stress.shape)),
+        mechanism=found.mechanism + 1e-6 * random.standard_normal(found.mechanism.shape),
+    )
     wrong = violations(noisy, ground)
     assert min(wrong.inside, wrong.across, wrong.boundary, wrong.supports, wrong.flow) > 1e-9
     assert violations(replace(found, lower=1.001 * found.lower), ground).yielding > 1e-5

@@ -1,4 +1,6 @@
-"""Modified Cam Clay: closed forms of its tests, its tangent and its yield condition at random points, refusals."""
+"""Modified Cam Clay: closed forms of its tests, its tangent and its yield condition at random
+points, refusals.
+"""
 
 from __future__ import annotations
 
@@ -28,15 +30,23 @@ def clay(OCR=1.0, extension=1.0, unit=1.0, **others):
 
 @pytest.mark.parametrize("increments", [1, 10])
 def test_isotropic(increments):
-    """[X] Compression to the fourfold pressure and back to half of that; single increments are as good as ten."""
-    test = sc.element_test(clay(), -P, [isotropic(-4 * P, increments), isotropic(-2 * P, increments)])
+    """[X] Compression to the fourfold pressure and back to half of that; single increments are as
+    good as ten.
+    """
+    test = sc.element_test(
+        clay(), -P, [isotropic(-4 * P, increments), isotropic(-2 * P, increments)]
+    )
     volumes = -LAMBDA * np.log(4), -LAMBDA * np.log(4) + KAPPA * np.log(2)
-    np.testing.assert_allclose(test.volume[[increments, -1], 0], volumes, rtol=1e-9)  # ten times Newton's tolerance
+    np.testing.assert_allclose(
+        test.volume[[increments, -1], 0], volumes, rtol=1e-9
+    )  # ten times Newton's tolerance
     np.testing.assert_allclose(test.variable("preconsolidation pressure")[-1], 4 * P, rtol=1e-9)
 
 
 def undrained_pressure(eta, OCR):
-    """Mean stress on the yield surface of an undrained path from isotropic stress, in closed form."""
+    """Mean stress on the yield surface of an undrained path from isotropic stress, in closed
+    form.
+    """
     plastic = np.log(OCR) - np.log(1 + eta**2 / M**2)
     return P * np.exp((eta**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * plastic) / LAMBDA)
 
@@ -49,19 +59,25 @@ def test_undrained_path(OCR, increments):
     yielding = test.variable("plastic strain")[:, 0] > 1e-6
     p, eta = test.p[yielding, 0], test.q[yielding, 0] / test.p[yielding, 0]
     np.testing.assert_allclose(p, undrained_pressure(eta, OCR), rtol=1e-7)
-    assert p[-1] / undrained_pressure(M, OCR) == pytest.approx(1.0, abs=2e-3)  # eta approaches M as exp(-strain)
+    assert p[-1] / undrained_pressure(M, OCR) == pytest.approx(
+        1.0, abs=2e-3
+    )  # eta approaches M as exp(-strain)
     assert test.iterations.max() <= 6
 
 
 def strain_of_drained_path(eta):
     """Shear strain of drained compression from isotropic normal consolidation, by quadrature."""
+
     def rate(x):
         return (1 / (3 - x) + 2 * x / (M**2 + x**2)) * 2 * x / (M**2 - x**2)
+
     return (LAMBDA - KAPPA) * quad(rate, 0, eta, epsabs=1e-12)[0] + eta / (3 * SHEAR)
 
 
 def test_drained_path():
-    """[N] Drained compression: stress ratio by quadrature within 2e-3 at 400 increments, of first order."""
+    """[N] Drained compression: stress ratio by quadrature within 2e-3 at 400 increments, of first
+    order.
+    """
     errors = []
     for increments in (200, 400):
         test = sc.element_test(clay(), -P, triaxial(-0.1, increments=increments))
@@ -76,7 +92,9 @@ def test_drained_path():
 @pytest.mark.parametrize("OCR", [1.0, 4.0])
 @pytest.mark.parametrize("sense", [-1, 1])
 def test_critical_state(OCR, sense):
-    """[X] Compression and extension end at the stress ratios of their own M, overconsolidated clay from above."""
+    """[X] Compression and extension end at the stress ratios of their own M, overconsolidated clay
+    from above.
+    """
     ratio = 0.75
     law = clay(OCR, ratio)
     test = sc.element_test(law, -P, triaxial(sense * 0.6, drained=False, increments=300))
@@ -91,13 +109,20 @@ def test_critical_state(OCR, sense):
 def test_contract(ncomp, extension, strain):
     """Shapes, admissibility, and tangent within 1e-6 of the largest modulus at smooth points."""
     law = clay(1.3, extension, attraction=1.0)
-    assert check_material(law, strain, ncomp=ncomp, dissipation=False, initial_stress=-P, tolerance=1e-6) < 1e-6
+    assert (
+        check_material(
+            law, strain, ncomp=ncomp, dissipation=False, initial_stress=-P, tolerance=1e-6
+        )
+        < 1e-6
+    )
 
 
 @pytest.mark.parametrize("size", 10.0 ** np.arange(-6, 0))
 @pytest.mark.parametrize("extension", [1.0, 0.71])
 def test_yield_condition_and_dissipation_at_random_points(size, extension):
-    """20,000 points: a zero increment changes nothing, flow dissipates; points without a solution are told."""
+    """20,000 points: a zero increment changes nothing, flow dissipates; points without a solution
+    are told.
+    """
     rng, n = np.random.default_rng(3), 20_000
     law = clay(1.0 + 9.0 * rng.random(n) ** 2, extension)
     stress = np.zeros((6, n, 1))
@@ -118,10 +143,15 @@ def test_yield_condition_and_dissipation_at_random_points(size, extension):
     again = law.update(np.zeros_like(increment), new.stress, new.internal)
     assert (np.abs(again.stress - new.stress) / pressure).max() < 1e-8
     assert (np.abs(again.internal[1] / new.internal[1] - 1)).max() < 1e-8
-    q = np.sqrt(1.5 * ((new.stress[:3] + pressure) ** 2).sum(axis=0) + 3 * (new.stress[3:] ** 2).sum(axis=0))
+    q = np.sqrt(
+        1.5 * ((new.stress[:3] + pressure) ** 2).sum(axis=0) + 3 * (new.stress[3:] ** 2).sum(axis=0)
+    )
     if extension == 1.0:  # admissible: not outside of the ellipse
-        assert (q**2 / M**2 / pressure + pressure - new.internal[1]).max() < 1e-9 * new.internal[1].max()
-    # work = change of the free energy p / k and dissipation; the work of an increment by its end stress is no less
+        assert (q**2 / M**2 / pressure + pressure - new.internal[1]).max() < 1e-9 * new.internal[
+            1
+        ].max()
+    # work = change of the free energy p / k and dissipation; the work of an increment by its end
+    # stress is no less
     plastic_volume = np.log(new.internal[1] / internal[1]) * (LAMBDA - KAPPA)
     shear = np.sqrt(np.maximum((new.internal[0] - internal[0]) ** 2 - plastic_volume**2, 0.0))
     assert (pressure * plastic_volume + q * shear).min() > -1e-12 * P
@@ -146,7 +176,9 @@ def test_no_work_in_an_elastic_cycle():
 
 @pytest.mark.parametrize("OCR", [1.0, 2.0, 10.0, 50.0])
 def test_units_and_overconsolidation(OCR):
-    """[X] All stresses scale with the unit; every overconsolidation ratio reaches the end in 400 increments."""
+    """[X] All stresses scale with the unit; every overconsolidation ratio reaches the end in 400
+    increments.
+    """
     path = [triaxial(-0.2, drained=False, increments=400)]
     base = sc.element_test(clay(OCR), -P, path)
     assert base.q[-1, 0] / base.p[-1, 0] == pytest.approx(M, rel=0.02)
@@ -167,7 +199,9 @@ def test_reversed_cycles():
 
 
 def test_history():
-    """[X] Preconsolidation pressure from OCR and POP at an anisotropic stress; arrays have one value an element."""
+    """[X] Preconsolidation pressure from OCR and POP at an anisotropic stress; arrays have one
+    value an element.
+    """
     stress = np.array([-60.0, -100.0, -60.0, 0.0])[:, None, None] * np.ones((1, 2, 3))
     law = clay(np.array([1.0, 2.0]), POP=5.0, attraction=10.0)
     p, q = 220 / 3 + 10.0, 40.0
@@ -182,11 +216,16 @@ def test_history():
 def test_bad_input():
     """Parameters out of range and stresses in tension are refused with the figure."""
     for message, changes in [
-        ("lambda_ must exceed kappa, got 0.01", {"lambda_": 0.01}), ("M must be positive", {"M": 0.0}),
-        ("kappa must be positive", {"kappa": 0.0}), ("OCR must not be less than 1, got 0.9", {"OCR": 0.9}),
-        ("nu must lie", {"nu": 0.5}), ("extension must lie", {"extension": 0.5}), ("p_ref must be", {"p_ref": 0.0}),
-        ("attraction must not be neg", {"attraction": -1.0}), ("POP must not be neg", {"POP": -1.0}),
-    ]:  # fmt: skip
+        ("lambda_ must exceed kappa, got 0.01", {"lambda_": 0.01}),
+        ("M must be positive", {"M": 0.0}),
+        ("kappa must be positive", {"kappa": 0.0}),
+        ("OCR must not be less than 1, got 0.9", {"OCR": 0.9}),
+        ("nu must lie", {"nu": 0.5}),
+        ("extension must lie", {"extension": 0.5}),
+        ("p_ref must be", {"p_ref": 0.0}),
+        ("attraction must not be neg", {"attraction": -1.0}),
+        ("POP must not be neg", {"POP": -1.0}),
+    ]:
         given = {"kappa": KAPPA, "lambda_": LAMBDA, "M": M, "nu": NU, "p_ref": P} | changes
         with pytest.raises(ValueError, match=message):
             sc.CamClay(**given)
@@ -199,7 +238,9 @@ def test_bad_input():
 
 
 def test_unloading_to_zero_is_told():
-    """The mean stress never falls to zero: an element test names the end, and keeps what was reached."""
+    """The mean stress never falls to zero: an element test names the end, and keeps what was
+    reached.
+    """
     with pytest.raises(sc.NotConverged, match="stops after") as caught:
         sc.element_test(clay(), -P, isotropic(10.0, increments=22))
     assert caught.value.result.p[-1, 0] == pytest.approx(5.0)
@@ -208,7 +249,9 @@ def test_unloading_to_zero_is_told():
 
 
 def test_column_on_normally_consolidated_clay():
-    """[N] A column from K0: settlement of a load is that of the oedometer, in at most five iterations an increment."""
+    """[N] A column from K0: settlement of a load is that of the oedometer, in at most five
+    iterations an increment.
+    """
     law = clay(1.2, attraction=1.0)
     basis = vector_basis(grid("Q2", [0.0, 1.0], np.linspace(0.0, 1.0, 3)), "Q2")
     model = sc.Model({"clay": sc.SolidForm(basis, law)}, sc.box_supports(basis, base="rollers"))
@@ -223,11 +266,15 @@ def test_column_on_normally_consolidated_clay():
 
 
 def test_undrained_column():
-    """[N] Undrained(CamClay) with stiff water follows constant volume; its water's modulus follows the pressure."""
+    """[N] Undrained(CamClay) with stiff water follows constant volume; its water's modulus follows
+    the pressure.
+    """
     soil = sc.Undrained(clay(1.5), nu_undrained=0.4999)
     water = sc.element_test(soil, -P, triaxial(-0.05, increments=50))
     constant = sc.element_test(clay(1.5), -P, triaxial(-0.05, drained=False, increments=50))
-    np.testing.assert_allclose(water.q, constant.q, atol=3e-3 * P)  # the water takes 0.9995 of the volume
+    np.testing.assert_allclose(
+        water.q, constant.q, atol=3e-3 * P
+    )  # the water takes 0.9995 of the volume
     np.testing.assert_allclose(water.pore_pressure, constant.pore_pressure, atol=3e-3 * P)
 
 
@@ -236,20 +283,28 @@ def test_undrained_block():
     soil = sc.Undrained(clay(1.5), nu_undrained=0.499)
     basis = vector_basis(grid("Q2", [0.0, 1.0], [0.0, 1.0]), "Q2")
     ground = sc.SolidForm(basis, clay(1.5), coordinates="axisymmetric")
-    model = sc.Model({"clay": ground}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+    model = sc.Model(
+        {"clay": ground}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    )
     load = P * (model.traction("top", (0.0, -1.0)) + model.traction("right", (-1.0, 0.0)))
-    start = model.initial_state(load, stress=lambda x: -P * np.array([1.0, 1.0, 1.0, 0.0])[:, None, None] + 0 * x[0])
+    start = model.initial_state(
+        load, stress=lambda x: -P * np.array([1.0, 1.0, 1.0, 0.0])[:, None, None] + 0 * x[0]
+    )
     quick = sc.Model({"clay": ground.with_materials({"all": soil})}, model.fixed)
     more = load + model.traction("top", (0.0, -0.5 * P))
     stage = quick.run([sc.Stage("quick", more, increments=5)], start=start, **QUIET)["quick"]
     test = sc.element_test(soil, -P, triaxial(stress=-1.5 * P, increments=5))
     top = stage.x[basis.get_dofs("top").all("u^2")]
-    np.testing.assert_allclose(top, test.axial[-1, 0], rtol=1e-6)  # increments end at Newton's tolerance
+    np.testing.assert_allclose(
+        top, test.axial[-1, 0], rtol=1e-6
+    )  # increments end at Newton's tolerance
     np.testing.assert_allclose(stage.pore_pressure("clay"), test.pore_pressure[-1, 0], rtol=1e-6)
 
 
 def test_increment_too_large_is_cut_in_a_model():
-    """A pull that empties the pressure in one increment: the run cuts it, and stops in words where no soil is left."""
+    """A pull that empties the pressure in one increment: the run cuts it, and stops in words where
+    no soil is left.
+    """
     basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1")
     model = sc.Model({"clay": sc.SolidForm(basis, clay())}, sc.box_supports(basis, base="rollers"))
     load = model.traction("top", (0.0, -1.0))
@@ -264,7 +319,9 @@ def test_increment_too_large_is_cut_in_a_model():
 def test_searches_are_refused_in_words():
     """No strength reduction and no bounds: the messages name the material."""
     basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1")
-    model = sc.Model({"clay": sc.SolidForm(basis, clay(attraction=1.0))}, sc.box_supports(basis, base="rollers"))
+    model = sc.Model(
+        {"clay": sc.SolidForm(basis, clay(attraction=1.0))}, sc.box_supports(basis, base="rollers")
+    )
     load = model.traction("top", (0.0, -1.0))
     with pytest.raises(ValueError, match="strength"):
         model.strength_reduction(load, **QUIET)
@@ -273,35 +330,51 @@ def test_searches_are_refused_in_words():
 
 
 def test_starts_changes_and_files(tmp_path):
-    """Gravity with and without K0, a change from Mohr-Coulomb, saved and resumed: in equilibrium, in few iterations."""
+    """Gravity with and without K0, a change from Mohr-Coulomb, saved and resumed: in equilibrium,
+    in few iterations.
+    """
     law = clay(1.5, attraction=20.0)
     basis = vector_basis(grid("Q2", np.linspace(0.0, 2.0, 3), np.linspace(0.0, 4.0, 4)), "Q2")
     load = sc.weight(basis, 20.0)
     push = sc.traction(basis, "top", (0.0, -30.0))
     model = sc.Model({"clay": sc.SolidForm(basis, law)}, sc.box_supports(basis))
     at_rest = model.gravity_state(load, K0=0.6)
-    np.testing.assert_allclose(at_rest["initial"].states["clay"].stress[0],
-                               0.6 * at_rest["initial"].states["clay"].stress[1], rtol=1e-6, atol=1e-6)  # fmt: skip
+    np.testing.assert_allclose(
+        at_rest["initial"].states["clay"].stress[0],
+        0.6 * at_rest["initial"].states["clay"].stress[1],
+        rtol=1e-6,
+        atol=1e-6,
+    )
     free = model.gravity_state(load)
     assert free["initial"].residual < 1e-8
     loaded = model.run([sc.Stage("fill", load + push, increments=4)], start=at_rest, **QUIET)
     assert max(loaded["fill"].iterations) <= 5
     loaded.save(tmp_path / "clay")
     again = sc.load_result(tmp_path / "clay", model)
-    back, resumed = (model.run([sc.Stage("off", load)], start=start, **QUIET)["off"] for start in (loaded, again))
+    back, resumed = (
+        model.run([sc.Stage("off", load)], start=start, **QUIET)["off"] for start in (loaded, again)
+    )
     np.testing.assert_array_equal(back.x, resumed.x)
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0)
     other = sc.Model({"clay": sc.SolidForm(basis, soil)}, sc.box_supports(basis))
     start = other.k0_state(load, unit_weights=20.0, K0=0.6)
-    stage = other.run([sc.Stage("change", load, change={"clay": model.forms["clay"]})], start=start, **QUIET)["change"]
+    stage = other.run(
+        [sc.Stage("change", load, change={"clay": model.forms["clay"]})], start=start, **QUIET
+    )["change"]
     assert np.abs(stage.x).max() < 1e-9 and stage.iterations[-1] <= 1
     pressure = stage.forms["clay"].variable("preconsolidation pressure", stage.states["clay"])
-    np.testing.assert_allclose(pressure, law.initial_internal(stage.states["clay"].stress)[1], rtol=1e-8)
+    np.testing.assert_allclose(
+        pressure, law.initial_internal(stage.states["clay"].stress)[1], rtol=1e-8
+    )
 
 
-@pytest.mark.parametrize(("choice", "told"), [({}, True), ({"exclude": "clay"}, False), ({"reduce": "sand"}, False)])
+@pytest.mark.parametrize(
+    ("choice", "told"), [({}, True), ({"exclude": "clay"}, False), ({"reduce": "sand"}, False)]
+)
 def test_strength_that_is_not_reduced(choice: dict, told: bool):
-    """A factor of safety beside Cam Clay is that of the other ground alone, which is told where it was not chosen."""
+    """A factor of safety beside Cam Clay is that of the other ground alone, which is told where it
+    was not chosen.
+    """
     mesh = grid("P2", np.linspace(0, 2, 5), np.linspace(0, 2, 5))
     mesh = mesh.with_subdomains({"clay": lambda x: x[1] < 1, "sand": lambda x: x[1] > 1})
     basis = vector_basis(mesh, "P2", intorder=2)
@@ -312,4 +385,7 @@ def test_strength_that_is_not_reduced(choice: dict, told: bool):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         model.strength_reduction(tolerance=0.2, progress=False, **choice)
-    assert any("ground.clay, CamClay: this law keeps its strength" in str(w.message) for w in caught) == told
+    assert (
+        any("ground.clay, CamClay: this law keeps its strength" in str(w.message) for w in caught)
+        == told
+    )

@@ -25,27 +25,41 @@ def elastic(thickness: float, bending: float = BENDING) -> sc.LinearElastic:
 
 def line_load(basis: Basis, q: float) -> ndarray:
     """Force per length on the upper face."""
-    return LinearForm(lambda v, w: -q * v[1]).assemble(FacetBasis(basis.mesh, basis.elem, facets="top"))
+    return LinearForm(lambda v, w: -q * v[1]).assemble(
+        FacetBasis(basis.mesh, basis.elem, facets="top")
+    )
 
 
 def above_floor(q: float, thickness: float = 0.05, n: int = 80):
-    """A cantilever above a floor: places and forces of contact in order, shear force and moment at the clamp."""
+    """A cantilever above a floor: places and forces of contact in order, shear force and moment at
+    the clamp.
+    """
     basis = vector_basis(beam(LENGTH, thickness, n), "Q2")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid.line((-1.0, -GAP), (3.0, -GAP)), sc.Coulomb(), "segments")
+    pair = sc.ContactPair(
+        basis, "bottom", sc.rigid.line((-1.0, -GAP), (3.0, -GAP)), sc.Coulomb(), "segments"
+    )
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     clamp, load = basis.get_dofs("left"), line_load(basis, q)
     stage = sc.Stage("load", load)
-    result = sc.Model(forms, clamp.all(), newton=sc.Newton(max_iterations=40)).run([stage], progress=False)["load"]
+    result = sc.Model(forms, clamp.all(), newton=sc.Newton(max_iterations=40)).run(
+        [stage], progress=False
+    )["load"]
     joint = result.tractions("floor")
     order = np.argsort(joint.x)
     reaction = forms["beam"].elastic_stiffness @ result.x - load
     across = clamp.all("u^1")
     moment = -reaction[across] @ (basis.doflocs[1, across] - thickness / 2)
-    return joint.x[order], (joint.weight * joint.pressure)[order], reaction[clamp.all("u^2")].sum(), moment
+    return (
+        joint.x[order],
+        (joint.weight * joint.pressure)[order],
+        reaction[clamp.all("u^2")].sum(),
+        moment,
+    )
 
 
 def test_tip_touches():
-    """[X] B13: at q = 8 EI g / L^4 = 0.25; the reaction grows as 3 q L / 8 - 3 EI g / L^3 from there, 0.5625 for q = 1.
+    """[X] B13: at q = 8 EI g / L^4 = 0.25; the reaction grows as 3 q L / 8 - 3 EI g / L^3 from
+    there, 0.5625 for q = 1.
 
     Stated: 1 to 2 %; measured 0.13 %.
     """
@@ -60,9 +74,12 @@ def test_tip_touches():
     assert above_floor(1.1 * touches)[1].sum() == pytest.approx(reaction, rel=0.05)
 
 
-@pytest.mark.parametrize(("q", "free", "edge"), [(5.0, 1.638073, 2.730121), (20.0, 1.158292, 7.721948)])
+@pytest.mark.parametrize(
+    ("q", "free", "edge"), [(5.0, 1.638073, 2.730121), (20.0, 1.158292, 7.721948)]
+)
 def test_flat_contact(q, free, edge):
-    """[X] B13: from q = 72 EI g / L^4 = 2.25 the beam lies on the floor, l = (72 EI g / q)^(1/4) of it are free.
+    """[X] B13: from q = 72 EI g / L^4 = 2.25 the beam lies on the floor, l = (72 EI g / q)^(1/4) of
+    it are free.
 
     Where it lifts off the floor bears q l / 3 in a point, and q beyond.  Stated: 1 to 2 %.
     """
@@ -76,19 +93,25 @@ def test_flat_contact(q, free, edge):
 
 
 def test_heavy_beam_is_lifted():
-    """[X] B13: by h = 0.1 at its end, q = 2: l = (24 EI h / q)^(1/4) = 2.783158 are free, the force is q l / 2 = l.
+    """[X] B13: by h = 0.1 at its end, q = 2: l = (24 EI h / q)^(1/4) = 2.783158 are free, the force
+    is q l / 2 = l.
 
     Stated: 1 to 2 %; measured 0.04 %.
     """
     q, lift, thickness, length = 2.0, 0.1, 0.1, 5.0
     basis = vector_basis(beam(length, thickness, 60), "Q2")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid.line((-1.0, 0.0), (6.0, 0.0)), sc.Coulomb(), "segments")
+    pair = sc.ContactPair(
+        basis, "bottom", sc.rigid.line((-1.0, 0.0), (6.0, 0.0)), sc.Coulomb(), "segments"
+    )
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     left, load = basis.get_dofs("left").all("u^1"), line_load(basis, q)
     middle = basis.get_dofs("right").all("u^2")
     fixed, raised = np.union1d(left, middle), basis.zeros()
     raised[middle] = lift
-    stages = [sc.Stage("lie", load, fixed=left), sc.Stage("lift", load, raised, increments=4, fixed=fixed)]
+    stages = [
+        sc.Stage("lie", load, fixed=left),
+        sc.Stage("lift", load, raised, increments=4, fixed=fixed),
+    ]
     result = sc.Model(forms, left, newton=sc.Newton(max_iterations=40)).run(stages, progress=False)
     flat = result["lie"].tractions("floor")
     np.testing.assert_allclose(flat.pressure, q, rtol=1e-6)
@@ -98,11 +121,15 @@ def test_heavy_beam_is_lifted():
     force = (forms["beam"].elastic_stiffness @ result["lift"].x - load)[middle].sum()
     assert force == pytest.approx(exact, rel=2e-3)
     carried = joint.weight * joint.pressure
-    assert joint.x[carried > 0.01 * carried.max()].max() == pytest.approx(length - exact, abs=0.1)  # the thickness
+    assert joint.x[carried > 0.01 * carried.max()].max() == pytest.approx(
+        length - exact, abs=0.1
+    )  # the thickness
 
 
 def test_two_cantilevers():
-    """[X] B13: tip on tip across a gap: R = (F / k1 - g) / (1/k1 + 1/k2), k = 3 EI / L^3; stated 1 to 2 %."""
+    """[X] B13: tip on tip across a gap: R = (F / k1 - g) / (1/k1 + 1/k2), k = 3 EI / L^3; stated 1
+    to 2 %.
+    """
     thickness, force, bending = 0.05, 2.0, (50.0, 30.0)
     meshes = {
         "upper": beam(LENGTH, thickness, 40, GAP),
@@ -120,4 +147,6 @@ def test_two_cantilevers():
     assert joint.x[joint.pressure > 0].min() > LENGTH - 0.04  # the last element
     k1, k2 = (3 * EI / LENGTH**3 for EI in bending)
     # measured 0.5 %, of which 0.4 % are that the point of contact lies 0.0026 before the tip
-    assert (joint.weight * joint.pressure).sum() == pytest.approx((force / k1 - GAP) / (1 / k1 + 1 / k2), rel=0.01)
+    assert (joint.weight * joint.pressure).sum() == pytest.approx(
+        (force / k1 - GAP) / (1 / k1 + 1 / k2), rel=0.01
+    )

@@ -24,22 +24,33 @@ def found(surface: sc.Surface, points) -> Projection:
 
 
 def column(quadrature, penalty: float):
-    """A column that closes a gap against a rigid stop; ten times the stiffness, the penalty is never changed."""
+    """A column that closes a gap against a rigid stop; ten times the stiffness, the penalty is
+    never changed.
+    """
     basis = vector_basis(grid("Q1", np.linspace(0, 1, 4), np.linspace(0, 1, 5)), "Q1")
     solid = sc.SolidForm(basis, sc.LinearElastic(E=MODULUS, nu=0.0))
     stop = sc.ContactPair(
-        basis, "bottom", sc.rigid.line((-1.0, -GAP), (2.0, -GAP)), sc.Coulomb(), quadrature,
+        basis,
+        "bottom",
+        sc.rigid.line((-1.0, -GAP), (2.0, -GAP)),
+        sc.Coulomb(),
+        quadrature,
         enforcement=sc.AugmentedLagrangian(1e-12),
-    ).with_penalty(penalty, penalty, stiffness=penalty / 10)  # fmt: skip
-    fixed = np.concatenate((basis.get_dofs("top").all(), basis.get_dofs({"left", "right"}).all("u^1")))
-    load = LinearForm(lambda v, w: -FORCE * v[1]).assemble(FacetBasis(basis.mesh, basis.elem, facets="bottom"))
+    ).with_penalty(penalty, penalty, stiffness=penalty / 10)
+    fixed = np.concatenate(
+        (basis.get_dofs("top").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
+    load = LinearForm(lambda v, w: -FORCE * v[1]).assemble(
+        FacetBasis(basis.mesh, basis.elem, facets="bottom")
+    )
     return {"column": solid, "stop": stop}, load, fixed
 
 
 @pytest.mark.parametrize("eps", [1e3, 1e4, 1e5])
 @pytest.mark.parametrize("quadrature", ["nodal", 2])
 def test_rate_of_the_augmented_method(quadrature, eps):
-    """[X] Cases A1, A2: the error of the multiplier shrinks by 1 / (1 + eps L / E) in each augmentation.
+    """[X] Cases A1, A2: the error of the multiplier shrinks by 1 / (1 + eps L / E) in each
+    augmentation.
 
     Without one, the force errs by that share of its exact value F - EA g / L = 50.
     """
@@ -77,14 +88,18 @@ def test_open_nodes_get_no_multiplier():
 
 
 def test_multipliers_vanish_where_a_body_lifts_off():
-    """[X] A block is pressed unevenly, then lifted: nothing presses on it, which takes one increment."""
+    """[X] A block is pressed unevenly, then lifted: nothing presses on it, which takes one
+    increment.
+    """
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 3)), "Q1")
     line, augmented = sc.rigid.line((-1, 0), (3, 0)), sc.AugmentedLagrangian()
     pair = sc.ContactPair(basis, "bottom", line, sc.Coulomb(), enforcement=augmented)
     top = basis.get_dofs("top")
     upwards, down, up = top.all("u^2"), basis.zeros(), basis.zeros()
     down[upwards], up[upwards] = -0.01 * (1 + basis.doflocs[0, upwards]), 0.01
-    model = sc.Model({"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)), "stop": pair}, top.all())
+    model = sc.Model(
+        {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)), "stop": pair}, top.all()
+    )
     with pytest.warns(sc.AnalysisWarning, match="gap is"):
         stages = [sc.Stage("press", prescribed=down), sc.Stage("lift", prescribed=up)]
         lifted = model.run(stages, progress=False)["lift"]
@@ -94,7 +109,9 @@ def test_multipliers_vanish_where_a_body_lifts_off():
 
 @pytest.mark.parametrize("radius", [0.5, 3.0])
 def test_foot_on_a_parabola(radius, rng):
-    """[X] Case A6: on y = x^2 / 2R the foot solves x^3 / 2R^2 + x (1 - y0 / R) - x0 = 0; one root for y0 < R."""
+    """[X] Case A6: on y = x^2 / 2R the foot solves x^3 / 2R^2 + x (1 - y0 / R) - x0 = 0; one root
+    for y0 < R.
+    """
     ends = np.linspace(2, -2, 5) * radius  # three-node segments are parabolas; the body lies above
     middle = 0.5 * (ends[1:] + ends[:-1])
     x = np.concatenate((ends, middle))
@@ -102,7 +119,12 @@ def test_foot_on_a_parabola(radius, rng):
     number = np.arange(4)
     segments = np.stack((number, number + 1, number + 5), axis=1)
     surface = sc.Surface.of(
-        "parabola", np.full((9, 2), -1), nodes, segments, Shape.of_facets(ElementTriP2()), following(4, closed=False)
+        "parabola",
+        np.full((9, 2), -1),
+        nodes,
+        segments,
+        Shape.of_facets(ElementTriP2()),
+        following(4, closed=False),
     )
     points = radius * np.stack((rng.uniform(-1.2, 1.2, 200), rng.uniform(-1.0, 0.95, 200)), axis=1)
     where = found(surface, points)
@@ -110,12 +132,14 @@ def test_foot_on_a_parabola(radius, rng):
     for (x0, y0), place, gap in zip(points, foot, where.gap, strict=True):
         roots = np.roots([1 / (2 * radius**2), 0, 1 - y0 / radius, -x0])
         exact = roots[np.argmin(np.abs(roots.imag))].real
-        assert place[0] == pytest.approx(exact, abs=1e-7 * radius)  # flat minimum near the centre of curvature
+        assert place[0] == pytest.approx(
+            exact, abs=1e-7 * radius
+        )  # flat minimum near the centre of curvature
         distance = np.hypot(x0 - exact, y0 - exact**2 / (2 * radius))
         below = y0 < x0**2 / (2 * radius)
         assert gap == pytest.approx(distance if below else -distance, abs=1e-12 * radius)
-    # at the centre of curvature the three roots are one, to which Newton's method goes in small steps; the distance
-    # is right up to the fourth power of what is left
+    # at the centre of curvature the three roots are one, to which Newton's method goes in small
+    # steps; the distance is right up to the fourth power of what is left
     where = found(surface, [0.0, radius])
     assert where.gap[0] == pytest.approx(-radius, rel=1e-4)
 
@@ -124,11 +148,15 @@ def test_centre_of_a_circle():
     """[X] Case A6: no unique foot; any point of the circle is one, at the distance R."""
     for hole, sign in ((False, -1), (True, 1)):
         where = found(sc.rigid.circle((2.0, 1.0), 3.0, hole), [[2.0, 1.0], [2.0 + 1e-14, 1.0]])
-        np.testing.assert_allclose(where.gap, sign * 3.0, rtol=1e-9)  # the radius of the smoothed polygon ripples so
+        np.testing.assert_allclose(
+            where.gap, sign * 3.0, rtol=1e-9
+        )  # the radius of the smoothed polygon ripples so
 
 
 def test_smoothed_polygon():
-    """[X] Case A8: joints at R cos(pi/n), middles at R/2 + R cos^2(pi/n) / 2; ripples for n = 16."""
+    """[X] Case A8: joints at R cos(pi/n), middles at R/2 + R cos^2(pi/n) / 2; ripples for n =
+    16.
+    """
     n = 16
     angle, c = -2 * np.pi / n * np.arange(n), np.cos(np.pi / n)
     facets = sc.rigid.polyline(np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
@@ -143,12 +171,18 @@ def test_smoothed_polygon():
 
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5])
 def test_tangents_at_the_joints(alpha, rng):
-    """[X] Case A8: C1 on any chain, whatever the lengths of its facets: unit tangents equal to 1e-14."""
+    """[X] Case A8: C1 on any chain, whatever the lengths of its facets: unit tangents equal to
+    1e-14.
+    """
     turn = np.cumsum(rng.uniform(-40, 40, 12))  # below the 45 degrees of real corners
-    steps = rng.uniform(0.2, 2.0, 12)[:, None] * np.stack((np.cos(np.radians(turn)), np.sin(np.radians(turn))), axis=1)
+    steps = rng.uniform(0.2, 2.0, 12)[:, None] * np.stack(
+        (np.cos(np.radians(turn)), np.sin(np.radians(turn))), axis=1
+    )
     curve = smoothed(sc.rigid.polyline(np.cumsum(steps, axis=0)), alpha)
     each, one = np.arange(len(curve.facets)), np.ones((len(curve.facets), 1))
     end, start = (curve.at(each, side * one, curve.nodes).x for side in (1, -1))
     np.testing.assert_allclose(end[0][:-1], start[0][1:], atol=1e-13)  # places of size 10
     unit = [rho[1] / np.linalg.norm(rho[1], axis=1)[:, None] for rho in (end, start)]
-    np.testing.assert_allclose(unit[0][:-1], unit[1][1:], atol=1e-14 * 10)  # stated; differences of places of size 10
+    np.testing.assert_allclose(
+        unit[0][:-1], unit[1][1:], atol=1e-14 * 10
+    )  # stated; differences of places of size 10

@@ -1,6 +1,7 @@
 """Punches with corners and edges, rigid on elastic ground: cases B3, B4 and B6.
 
-The exact solutions are those of small displacements: everything is pressed in less by the factor SHALLOW.
+The exact solutions are those of small displacements: everything is pressed in less by the factor
+SHALLOW.
 """
 
 from __future__ import annotations
@@ -8,7 +9,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from indentation import NU, E, Indentation, displacement, pressed
-from oracles.halfplane import contact_modulus, flat_punch, line_loads, quadrature, rounded_punch, wedge
+from oracles.halfplane import (
+    contact_modulus,
+    flat_punch,
+    line_loads,
+    quadrature,
+    rounded_punch,
+    wedge,
+)
 from scipy.integrate import quad
 
 import skfem_contact as sc
@@ -19,7 +27,9 @@ DEPTH = 4.0
 
 
 def box(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Lines of the box: n elements in the half-width 1 of the contact, which they surpass by a half."""
+    """Lines of the box: n elements in the half-width 1 of the contact, which they surpass by a
+    half.
+    """
     x = np.concatenate((np.arange(round(1.5 * n) + 1) / n, np.linspace(1.5, 3, n // 2 + 1)[1:]))
     y = -np.concatenate((np.linspace(0, 1, n + 1), np.linspace(1, DEPTH, n // 2 + 1)[1:]))
     return x, y[::-1]
@@ -36,7 +46,8 @@ def force_within(run: Indentation, width: float) -> float:
     return 2 * float((pressure * dx)[x < width].sum())
 
 
-# -- flat ---------------------------------------------------------------------------------------------------
+# -- flat
+# ---------------------------------------------------------------------------------------------------
 
 
 def flat(element: str, n: int) -> tuple[Indentation, float]:
@@ -49,16 +60,21 @@ def flat(element: str, n: int) -> tuple[Indentation, float]:
 
 
 def test_surface_beside_a_flat_punch():
-    """[X] B3: level below the punch, and v0 + 2 P / (pi E*) ln(x/a + sqrt(x^2/a^2 - 1)) beside it."""
+    """[X] B3: level below the punch, and v0 + 2 P / (pi E*) ln(x/a + sqrt(x^2/a^2 - 1)) beside
+    it.
+    """
     exact = flat_punch(MODULUS, 1.0)
     below, beside = depth(exact, 0.5), depth(exact, 1.5)
-    assert below == pytest.approx(depth(exact), abs=1e-11)  # round-off of the roots at 1e-12 below the surface
+    assert below == pytest.approx(
+        depth(exact), abs=1e-11
+    )  # round-off of the roots at 1e-12 below the surface
     assert beside - below == pytest.approx(2 / np.pi * np.log(1.5 + np.sqrt(1.25)), rel=1e-9)
 
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])
 def test_flat_punch(element):
-    """[X] B3: force, p(0) = P / (pi a), and 0.71287 P within 0.9 a, under a pressure that is singular at the corners.
+    """[X] B3: force, p(0) = P / (pi a), and 0.71287 P within 0.9 a, under a pressure that is
+    singular at the corners.
 
     The peak means nothing.  The force is not prescribed, its error is of the order 1.
     """
@@ -73,14 +89,19 @@ def test_flat_punch(element):
     share = 2 / np.pi * np.arcsin(0.9)
     assert share == pytest.approx(0.71287, abs=5e-6)  # digits printed
     # two elements from the singularity; measured 1.2 and 0.3 %
-    assert force_within(run, 0.9) / force == pytest.approx(share, rel={"Q1": 0.02, "Q2": 0.01}[element])
+    assert force_within(run, 0.9) / force == pytest.approx(
+        share, rel={"Q1": 0.02, "Q2": 0.01}[element]
+    )
 
 
-# -- rounded ------------------------------------------------------------------------------------------------
+# -- rounded
+# ------------------------------------------------------------------------------------------------
 
 
 def test_numbers_of_the_rounded_punch():
-    """[X] B4: what is printed there; the pressure has the force as integral, and flattens the surface for |x| < b."""
+    """[X] B4: what is printed there; the pressure has the force as integral, and flattens the
+    surface for |x| < b.
+    """
     force, pressure = rounded_punch(0.7, 1.0, 50.0, 1000.0)
     assert force == pytest.approx(2.954988, abs=5e-7)
     np.testing.assert_allclose(
@@ -89,15 +110,20 @@ def test_numbers_of_the_rounded_punch():
     assert 2 * quad(pressure, 0, 1, points=[0.7], epsabs=1e-10)[0] == pytest.approx(force, rel=1e-8)
     _, pressure = rounded_punch(0.7, 1.0, 50.0, MODULUS)
     exact = line_loads(*quadrature(pressure, -1.0, -0.7, 0.0, 0.7, 1.0))
-    assert depth(exact, 0.7) == pytest.approx(depth(exact), abs=1e-9)  # of 1e-3; eight Gauss points an interval
+    assert depth(exact, 0.7) == pytest.approx(
+        depth(exact), abs=1e-9
+    )  # of 1e-3; eight Gauss points an interval
     assert depth(exact, 1.0) - depth(exact) == pytest.approx(0.3**2 / 100, abs=1e-9)
 
 
-@pytest.mark.parametrize(("element", "n", "whole", "inner"), [("Q1", 20, 0.04, 0.02), ("Q2", 16, 0.02, 0.01)])
+@pytest.mark.parametrize(
+    ("element", "n", "whole", "inner"), [("Q1", 20, 0.04, 0.02), ("Q2", 16, 0.02, 0.01)]
+)
 def test_rounded_punch(element, n, whole, inner):
     """[X] B4: force, and the pressure with its finite peaks at the ends of the flat part.
 
-    Stated: 2 % in the L2 norm; linear elements reach that away from the edge only (measured 3.2 and 1.2 %).
+    Stated: 2 % in the L2 norm; linear elements reach that away from the edge only (measured 3.2 and
+    1.2 %).
     """
     force, pressure = rounded_punch(0.7, 1.0, 50.0 / SHALLOW, MODULUS)
     exact = line_loads(*quadrature(pressure, -1.0, -0.7, 0.0, 0.7, 1.0))
@@ -111,7 +137,8 @@ def test_rounded_punch(element, n, whole, inner):
     assert computed[np.argmin(places)] == pytest.approx(float(pressure(0.0)), rel=2e-3)
 
 
-# -- wedge --------------------------------------------------------------------------------------------------
+# -- wedge
+# --------------------------------------------------------------------------------------------------
 
 
 def indented(element: str, n: int, a: float) -> tuple[Indentation, float]:
@@ -136,11 +163,15 @@ def test_numbers_of_the_wedge():
 
 @pytest.mark.parametrize(("element", "error"), [("Q1", 2e-3), ("Q2", 1e-4)])
 def test_wedge(element, error):
-    """[X] B6: forces, pressures away from the logarithmic peak; width and force grow in proportion."""
+    """[X] B6: forces, pressures away from the logarithmic peak; width and force grow in
+    proportion.
+    """
     forces = []
     for a in (0.5, 1.0):
         run, force = indented(element, 20, a)
-        assert run.force == pytest.approx(force, rel=2 * error)  # measured 5e-4 (Q1) and 1e-6 (Q2) for a = 1
+        assert run.force == pytest.approx(
+            force, rel=2 * error
+        )  # measured 5e-4 (Q1) and 1e-6 (Q2) for a = 1
         x, _, computed = run.pressure
         edge = x[computed > 0.05 * computed[np.argmin(np.abs(x - 0.5 * a))]].max()
         assert edge == pytest.approx(a, abs=0.05)  # an element

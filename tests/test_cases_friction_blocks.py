@@ -14,23 +14,29 @@ from skfem_contact.results import StageResult
 from skfem_contact.results.tractions import tractions
 
 QUADRATURES = ["nodal", 4, "segments"]
-#: Where there is no equilibrium, it is not searched for long: increments are cut ten times before the analysis stops.
+#: Where there is no equilibrium, it is not searched for long: increments are cut ten times before
+#: the analysis stops.
 QUICK = sc.Newton(max_iterations=12)
 PHI = np.tan(np.radians(26.6))
 
 
 def support(forms: dict, stage: StageResult) -> tuple[np.ndarray, np.ndarray]:
-    """Nodal contact forces on the block and the places of their nodes, where it was meshed, (n, 2)."""
+    """Nodal contact forces on the block and the places of their nodes, where it was meshed, (n,
+    2).
+    """
     pair = choose_penalties(forms)["floor"]
     force = -pair.assemble(stage.x, stage.states["floor"]).force
     return force[pair.slave.dofs], pair.slave.nodes
 
 
-# -- C6: a block on a plane ---------------------------------------------------------------------------------
+# -- C6: a block on a plane
+# ---------------------------------------------------------------------------------
 
 
 def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[StageResult]]:
-    """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the whole side."""
+    """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the
+    whole side.
+    """
     basis = vector_basis(grid("Q1", np.linspace(0, 4, 17), np.linspace(0, 1, 5)), "Q1")
     plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
     forms = {
@@ -55,7 +61,8 @@ def test_push(quadrature) -> None:
     forms, stages = pushed(quadrature, sc.Coulomb(PHI, adhesion=2.5), None)
     for stage in stages[1:]:
         force = support(forms, stage)[0].sum(axis=0)
-        # penetrations, 1e-5 of the block's size, do not change the forces: what is left is the iterations' residual
+        # penetrations, 1e-5 of the block's size, do not change the forces: what is left is the
+        # iterations' residual
         np.testing.assert_allclose(force, [-60.0762698, 100.0], rtol=1e-6)
         assert (stage.states["floor"].status == Status.SLIP).all()
 
@@ -63,7 +70,9 @@ def test_push(quadrature) -> None:
 @pytest.mark.parametrize("height", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_push_off_the_base(quadrature, height: float) -> None:
-    """[X] C6: pressure moves towards the toe, the left may lift off; without adhesion the total stays."""
+    """[X] C6: pressure moves towards the toe, the left may lift off; without adhesion the total
+    stays.
+    """
     forms, stages = pushed(quadrature, sc.Coulomb(PHI), height)
     force, place = support(forms, stages[-1])
     np.testing.assert_allclose(force.sum(axis=0), [-100 * PHI, 100.0], rtol=1e-6)
@@ -91,25 +100,34 @@ def test_adhesion_where_it_touches(quadrature, height: float) -> None:
 
 
 def test_broken_bond_is_warned_of(monkeypatch) -> None:
-    """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond, and is named.
+    """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond,
+    and is named.
 
-    That is seen from the active sets, which return: 15 systems are solved; 98 were when all searches had to fail first.
+    That is seen from the active sets, which return: 15 systems are solved; 98 were when all
+    searches had to fail first.
     """
     solved, factor = [], System.factor
     monkeypatch.setattr(System, "factor", lambda self, K: solved.append(1) or factor(self, K))
-    with pytest.warns(sc.AnalysisWarning, match=r"points \[12\] of 'bottom' opened with their bond and closed without"):
+    with pytest.warns(
+        sc.AnalysisWarning,
+        match=r"points \[12\] of 'bottom' opened with their bond and closed without",
+    ):
         _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0)
     state = stages[-1].states["floor"]
     broken = (state.internal[0] > 0) & (state.status != Status.OPEN)
     assert broken.nonzero()[0].tolist() == [12] and len(solved) <= 20
     assert state.status[12] == Status.SLIP
-    assert state.traction[1][12] == pytest.approx(-PHI * state.traction[0][12], rel=1e-9)  # no adhesion
+    assert state.traction[1][12] == pytest.approx(
+        -PHI * state.traction[0][12], rel=1e-9
+    )  # no adhesion
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])
 @pytest.mark.parametrize("angle", [10.0, 26.5, 26.6])
 def test_incline(angle: float, quadrature) -> None:
-    """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its load."""
+    """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its
+    load.
+    """
     mu, weight = 0.5, 20.0  # atan(0.5) = 26.565 degrees
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 9), np.linspace(0, 1, 5)), "Q1")
     plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
@@ -127,19 +145,24 @@ def test_incline(angle: float, quadrature) -> None:
         exact = weight * np.array([np.sin(np.radians(angle)), np.cos(np.radians(angle))])
         np.testing.assert_allclose(force, exact, rtol=1e-6)
         return
-    with pytest.raises(sc.NotConverged, match=r"stage 'tilt' stopped at .*% of its load.* can move without force") as e:
+    with pytest.raises(
+        sc.NotConverged, match=r"stage 'tilt' stopped at .*% of its load.* can move without force"
+    ) as e:
         sc.Model(forms, np.zeros(0, int), newton=QUICK).run(stages, progress=False)
     # increments are cut down to 1/1024 of a stage
     assert e.value.result[-1].fraction == pytest.approx(mu / np.tan(np.radians(angle)), abs=2e-3)
 
 
-# -- D6: off the edge of a table ----------------------------------------------------------------------------
+# -- D6: off the edge of a table
+# ----------------------------------------------------------------------------
 
 BLOCK = "block"
 
 
 def table(kind: str, quadrature) -> tuple[dict, np.ndarray, int]:
-    """A unit block, 5 heavy, at the edge x = 0 of a table: forms, fixed unknowns and the one that drags."""
+    """A unit block, 5 heavy, at the edge x = 0 of a table: forms, fixed unknowns and the one that
+    drags.
+    """
     meshes = {BLOCK: grid("Q1", np.linspace(-1, 0, 9), np.linspace(0, 0.5, 5))}
     materials = {BLOCK: sc.LinearElastic(E=1e5, nu=0.2)}
     if kind == "elastic":
@@ -165,10 +188,12 @@ def table(kind: str, quadrature) -> tuple[dict, np.ndarray, int]:
     [("line", "nodal"), ("line", 4), ("corner", "nodal"), ("elastic", "nodal")],
 )
 def test_off_the_edge(kind: str, quadrature) -> None:
-    """[X] D6: the table carries W below the centroid until that passes the edge; then nothing holds the block.
+    """[X] D6: the table carries W below the centroid until that passes the edge; then nothing holds
+    the block.
 
-    Friction and drag act at the same height, so that the support's resultant lies below the centroid.  A table that
-    is a single line of length 4 ends where one of many facets does: no node beyond the edge is carried.
+    Friction and drag act at the same height, so that the support's resultant lies below the
+    centroid.  A table that is a single line of length 4 ends where one of many facets does: no node
+    beyond the edge is carried.
     """
     forms, fixed, drag = table(kind, quadrature)
     basis = forms["bodies"].basis
@@ -188,7 +213,8 @@ def test_off_the_edge(kind: str, quadrature) -> None:
         joint = stage.tractions("floor")
         # an open end goes on for 5 % of a segment of the block
         assert (joint.x[joint.pressure > 0] + stage.x[drag] < 0.05 / 8 + 1e-4).all()
-        # friction slides once the stick's elastic slip is used up; an elastic table's surface is bent a little
+        # friction slides once the stick's elastic slip is used up; an elastic table's surface is
+        # bent a little
         assert stage.name == "rest" or force[:, 0].sum() == pytest.approx(-1.0, rel=1e-3)
     # the last point of a rule lies up to half a segment before the edge, or in the 5 % beyond it
     assert result[-1].x[drag] == pytest.approx(0.5, abs=0.5 / 8)

@@ -56,19 +56,29 @@ class String(sc.Form):
         K = np.block([[block, -block], [-block, block]])
         dofs = np.concatenate((self.dofs[:-1], self.dofs[1:]), axis=1)
         rows, columns = np.repeat(dofs, 4, axis=1), np.tile(dofs, (1, 4))
-        return coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(self.n_unknowns,) * 2).tocsr()
+        return coo_matrix(
+            (K.ravel(), (rows.ravel(), columns.ravel())), shape=(self.n_unknowns,) * 2
+        ).tocsr()
 
 
 class Capstan:
-    """A weight of one hangs on the left end of the string, which lies over an angle of a drum of radius one.
+    """A weight of one hangs on the left end of the string, which lies over an angle of a drum of
+    radius one.
 
-    n nodes on the drum, where the string turns by theta / n each, and tails that lie along the tangents at the ends of
-    the angle.  The right end is pulled along its tail.  By default the string is so stiff, and the drum so hard, that
-    it is stretched by 1e-7 and sinks in by 1e-8 of the radius: all kinks keep their angle.
+    n nodes on the drum, where the string turns by theta / n each, and tails that lie along the
+    tangents at the ends of the angle.  The right end is pulled along its tail.  By default the
+    string is so stiff, and the drum so hard, that it is stretched by 1e-7 and sinks in by 1e-8 of
+    the radius: all kinks keep their angle.
     """
 
     def __init__(
-        self, n: int, mu: float, theta: float, stiffness: float = 1e7, penalty: float = 1e8, pretension: float = 0.0
+        self,
+        n: int,
+        mu: float,
+        theta: float,
+        stiffness: float = 1e7,
+        penalty: float = 1e8,
+        pretension: float = 0.0,
     ) -> None:
         kink = theta / n
         angle = (np.arange(n) + 0.5) * kink
@@ -76,13 +86,18 @@ class Capstan:
         tail = 3.0  # its end lies farther from the drum than what is adjusted to touch it
         self.end = np.array([np.sin(theta), np.cos(theta)])
         line = np.vstack((line[0] - [0, tail], line, line[-1] + tail * self.end))
-        # boundaries belong to bodies: a strip along the string, of next to no stiffness, is held at its other side
+        # boundaries belong to bodies: a strip along the string, of next to no stiffness, is held at
+        # its other side
         mesh = body_along(line[::-1], thickness=0.1)
         basis = vector_basis(mesh, "Q1")
         distance = np.linalg.norm(mesh.p[:, :, None] - line.T[:, None, :], axis=0)
-        self.string = String(basis.nodal_dofs[:, distance.argmin(axis=0)].T, line, basis.N, stiffness, pretension)
+        self.string = String(
+            basis.nodal_dofs[:, distance.argmin(axis=0)].T, line, basis.N, stiffness, pretension
+        )
         drum = sc.rigid.circle((0.0, 0.0), 1.0)
-        pair = sc.ContactPair(basis, "face", drum, sc.Coulomb(mu), quadrature="nodal", initial="adjusted")
+        pair = sc.ContactPair(
+            basis, "face", drum, sc.Coulomb(mu), quadrature="nodal", initial="adjusted"
+        )
         self.forms = {
             "string": self.string,
             "drum": pair.with_penalty(penalty, penalty, stiffness=1.0),
@@ -107,19 +122,27 @@ class Capstan:
         return self.string.bars(stage.x)[2]
 
     def ratio(self, stage: StageResult, mu: float | np.ndarray) -> float:
-        """Exact ratio of the last tension to the first where all nodes slide to the right, as they lie.
+        """Exact ratio of the last tension to the first where all nodes slide to the right, as they
+        lie.
 
-        With a bar that falls off by a from the tangent at a node, and the one after it by b: T2 cos b - T1 cos a = mu N
-        and N = T1 sin a + T2 sin b.  Friction does its work along the drum's surface: a node that has sunk in to the
-        radius r moves by r times as much, and is held by mu N / r.
+        With a bar that falls off by a from the tangent at a node, and the one after it by b: T2 cos
+        b - T1 cos a = mu N and N = T1 sin a + T2 sin b.  Friction does its work along the drum's
+        surface: a node that has sunk in to the radius r moves by r times as much, and is held by mu
+        N / r.
         """
         direction = self.string.bars(stage.x)[0]
         place = (self.string.line + stage.x[self.string.dofs])[1:-1]
         radius = np.linalg.norm(place, axis=1)
         normal, mu = place / radius[:, None], mu / radius
         before, after = direction[:-1], direction[1:]
-        sin_a, cos_a = (before * normal).sum(axis=1), before[:, 0] * normal[:, 1] - before[:, 1] * normal[:, 0]
-        sin_b, cos_b = -(after * normal).sum(axis=1), after[:, 0] * normal[:, 1] - after[:, 1] * normal[:, 0]
+        sin_a, cos_a = (
+            (before * normal).sum(axis=1),
+            before[:, 0] * normal[:, 1] - before[:, 1] * normal[:, 0],
+        )
+        sin_b, cos_b = (
+            -(after * normal).sum(axis=1),
+            after[:, 0] * normal[:, 1] - after[:, 1] * normal[:, 0],
+        )
         return float(np.prod((cos_a + mu * sin_a) / (cos_b - mu * sin_b)))
 
 
@@ -140,7 +163,9 @@ def test_figures_of_the_case() -> None:
 @pytest.mark.parametrize(("mu", "theta"), [(0.3, np.pi), (0.5, np.pi / 2)])
 @pytest.mark.parametrize("n", [8, 16, 32, 64])
 def test_equal_kinks(n: int, mu: float, theta: float) -> None:
-    """[X] C8: the exact value of the string with n kinks: hung up it slides one way, then it is pulled the other."""
+    """[X] C8: the exact value of the string with n kinks: hung up it slides one way, then it is
+    pulled the other.
+    """
     capstan = Capstan(n, mu, theta)
     hung, pulled = capstan.run(2e-6, 1)
     exact = equal_kinks(n, mu, theta)
@@ -156,11 +181,15 @@ def test_equal_kinks(n: int, mu: float, theta: float) -> None:
 
 @pytest.mark.parametrize(("mu", "theta"), [(0.3, np.pi), (0.5, np.pi / 2)])
 def test_finite_slide(mu: float, theta: float) -> None:
-    """[X] C8: slid by 0.4 of the way to the next node, the string has the exact ratio for the kinks that it has."""
+    """[X] C8: slid by 0.4 of the way to the next node, the string has the exact ratio for the kinks
+    that it has.
+    """
     capstan = Capstan(16, mu, theta, stiffness=1e3, penalty=1e4, pretension=1.0)
     result = capstan.run(0.4 * theta / 16, 20)
     tension = capstan.tensions(result[-1])
     assert (result[-1].states["drum"].status[1:-1] == Status.SLIP).all()
     exact = capstan.ratio(result[-1], mu)
-    assert abs(exact / equal_kinks(16, mu, theta) - 1) > 1e-3  # the tails leave the drum at other angles
+    assert (
+        abs(exact / equal_kinks(16, mu, theta) - 1) > 1e-3
+    )  # the tails leave the drum at other angles
     assert tension[-1] / tension[0] == pytest.approx(exact, rel=1e-6)

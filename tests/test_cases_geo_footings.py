@@ -1,7 +1,9 @@
-"""Rigid footings on soil with weight, on clay whose strength grows with depth, and round ones: cases G2 to G5.
+"""Rigid footings on soil with weight, on clay whose strength grows with depth, and round ones:
+cases G2 to G5.
 
-The load is multiplied, and stiff springs keep the footing level. On every mesh the capacity is too large, by an amount
-that falls about in proportion to the size of the elements: here there are six below half the footing, 2702 unknowns.
+The load is multiplied, and stiff springs keep the footing level. On every mesh the capacity is too
+large, by an amount that falls about in proportion to the size of the elements: here there are six
+below half the footing, 2702 unknowns.
 """
 
 from __future__ import annotations
@@ -21,16 +23,30 @@ Soil = sc.MohrCoulomb | sc.Tresca
 
 
 def rigid(basis: Basis, stiffness: float) -> Springs:
-    """Springs between the vertical unknowns of the footing: no forces where all of them move alike."""
+    """Springs between the vertical unknowns of the footing: no forces where all of them move
+    alike.
+    """
     moving = basis.get_dofs("footing").all("u^2")
     matrix = stiffness * (np.eye(len(moving)) - 1 / len(moving))
     rows, columns = np.meshgrid(moving, moving, indexing="ij")
-    return Springs(csr_matrix((matrix.ravel(), (rows.ravel(), columns.ravel())), (basis.N, basis.N)))
+    return Springs(
+        csr_matrix((matrix.ravel(), (rows.ravel(), columns.ravel())), (basis.N, basis.N))
+    )
 
 
-def capacity(n: int, soil: Callable[[Mesh], Soil], size: tuple[float, float], *, weight: float = 0.0,
-             beside: float = 0.0, rough: bool = False, round: bool = False) -> float:
-    """Mean pressure at collapse of a footing of half width 1, with a pressure beside it and K0 = 0.5."""
+def capacity(
+    n: int,
+    soil: Callable[[Mesh], Soil],
+    size: tuple[float, float],
+    *,
+    weight: float = 0.0,
+    beside: float = 0.0,
+    rough: bool = False,
+    round: bool = False,
+) -> float:
+    """Mean pressure at collapse of a footing of half width 1, with a pressure beside it and K0 =
+    0.5.
+    """
     mesh = ground(n, *size).to_meshtri(style="x")
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 
@@ -49,8 +65,12 @@ def capacity(n: int, soil: Callable[[Mesh], Soil], size: tuple[float, float], *,
     dead = sc.weight(ground_form, weight) + beside * pressure(["footing", "beside"])
     start = None
     if dead.any():
-        initial = sc.Model(forms, fixed).k0_state(dead, unit_weights=weight, K0=0.5, surcharge=beside)
-        start = sc.Model(forms, fixed).run([sc.Stage("null step", dead)], start=initial, progress=False)
+        initial = sc.Model(forms, fixed).k0_state(
+            dead, unit_weights=weight, K0=0.5, surcharge=beside
+        )
+        start = sc.Model(forms, fixed).run(
+            [sc.Stage("null step", dead)], start=initial, progress=False
+        )
     result = sc.Model(forms, fixed).limit_load(pressure("footing"), start=start, progress=False)
     assert result.stop.kind == "plateau"
     return beside + result.multiplier
@@ -66,13 +86,22 @@ def uniform(c: float, phi: float) -> Callable[[Mesh], Soil]:
 def test_sand_with_weight(rough, exact, more):
     """[N] Case G2: N_gamma for 30 degrees, with a ten thousandth of gamma B as cohesion.
 
-    Smooth 9, 6 and 5 % more on meshes of four, six and eight elements, rough 16, 10 and 7 %: none in the limit.
+    Smooth 9, 6 and 5 % more on meshes of four, six and eight elements, rough 16, 10 and 7 %: none
+    in the limit.
     """
-    assert exact < capacity(6, uniform(2e-3, 30.0), (12.0, 6.0), weight=10.0, rough=rough) / 10.0 < more * exact
+    assert (
+        exact
+        < capacity(6, uniform(2e-3, 30.0), (12.0, 6.0), weight=10.0, rough=rough) / 10.0
+        < more * exact
+    )
 
 
 #: phi, c, weight and pressure beside, with lengths over half the width.
-STRIPS = [(30.0, 10.0, 9.0, 20.0, 793.35), (20.0, 5.0, 20.0, 0.0, 126.35), (35.0, 1.0, 13.5, 10.0, 727.8)]
+STRIPS = [
+    (30.0, 10.0, 9.0, 20.0, 793.35),
+    (20.0, 5.0, 20.0, 0.0, 126.35),
+    (35.0, 1.0, 13.5, 10.0, 727.8),
+]
 
 
 @pytest.mark.parametrize(("phi", "c", "weight", "beside", "exact"), STRIPS)
@@ -84,9 +113,16 @@ def test_cohesion_surcharge_and_weight(phi, c, weight, beside, exact):
 
 @pytest.mark.filterwarnings("ignore:the initial stresses are out of balance")
 def test_finer_meshes_tend_to_the_exact_capacity():
-    """[N] Cases G3 and G5 (Cox): on meshes of four and eight elements, extrapolated; from 4 or 5 % more."""
-    strip = [capacity(n, uniform(10.0, 30.0), (12.0, 6.0), weight=9.0, beside=20.0) / 793.35 for n in (4, 8)]
-    round = [capacity(n, uniform(1.6, 30.0), (5.0, 4.0), weight=16.0, round=True) / 225.6 for n in (4, 8)]
+    """[N] Cases G3 and G5 (Cox): on meshes of four and eight elements, extrapolated; from 4 or 5 %
+    more.
+    """
+    strip = [
+        capacity(n, uniform(10.0, 30.0), (12.0, 6.0), weight=9.0, beside=20.0) / 793.35
+        for n in (4, 8)
+    ]
+    round = [
+        capacity(n, uniform(1.6, 30.0), (5.0, 4.0), weight=16.0, round=True) / 225.6 for n in (4, 8)
+    ]
     for coarse, fine in (strip, round):
         assert 1.0 < fine < coarse
         # the error falls a little faster than the size of the elements
@@ -114,7 +150,8 @@ def test_clay_whose_strength_grows_with_depth(growth, factor):
 )
 @pytest.mark.filterwarnings("ignore:the initial stresses are out of balance")
 def test_round_footing(c, phi, weight, rough, exact):
-    """[P] Case G5: 141 c after Cox, of radius 1 on a layer 4 deep; [N] on clay 5.69 c, and 6.05 c if it is rough.
+    """[P] Case G5: 141 c after Cox, of radius 1 on a layer 4 deep; [N] on clay 5.69 c, and 6.05 c
+    if it is rough.
 
     From 1.3 to 2.3 % more; other programs have 2.5 % less and 3.7 % more for the first.
     """

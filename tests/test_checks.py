@@ -17,15 +17,27 @@ def test_no_number(value):
 
 def test_numbers():
     assert checks.number(np.float32(0.5), "share", 0.0, 1.0) == 0.5
-    with pytest.raises(ValueError, match="share must be a finite number above 0 and below 1, not 1"):
+    with pytest.raises(
+        ValueError, match="share must be a finite number above 0 and below 1, not 1"
+    ):
         checks.number(1, "share", 0.0, 1.0)
     with pytest.raises(ValueError, match="factor must be a finite number, not nan"):
         checks.number(np.nan, "factor")
     np.testing.assert_array_equal(checks.finite([1, 2], "lengths"), [1.0, 2.0])
 
 
-@pytest.mark.parametrize("value", [[1.0], [1.0, np.nan], 7.0, [1j, 0], ["a", "b"], [[1.0], [1.0, 2.0]],
-                                   np.ma.masked_array([1.0, 2.0], [True, False])])
+@pytest.mark.parametrize(
+    "value",
+    [
+        [1.0],
+        [1.0, np.nan],
+        7.0,
+        [1j, 0],
+        ["a", "b"],
+        [[1.0], [1.0, 2.0]],
+        np.ma.masked_array([1.0, 2.0], [True, False]),
+    ],
+)
 def test_no_vector(value):
     with pytest.raises(ValueError, match="center must"):
         checks.vector(value, 2, "center")

@@ -39,12 +39,16 @@ def single_point(case: str, shift: np.ndarray | None = None):
     Returns
     -------
     tuple
-        Basis, pair, accepted state, displacements, the six unknowns in the oracle's order, the weight.
+        Basis, pair, accepted state, displacements, the six unknowns in the oracle's order, the
+        weight.
     """
     reference = X0 - (np.zeros(6) if shift is None else shift)
     slave, x2, x1 = reference.reshape(3, 2)
-    # the slave's face runs from the node to a point far above, out of reach; both bodies lie to its right
-    upper = MeshTri((slave + np.array([[0.0, 0.0], [0.2, 3.0], [1.0, 2.0]])).T, np.array([[0, 1, 2]]).T)
+    # the slave's face runs from the node to a point far above, out of reach; both bodies lie to its
+    # right
+    upper = MeshTri(
+        (slave + np.array([[0.0, 0.0], [0.2, 3.0], [1.0, 2.0]])).T, np.array([[0, 1, 2]]).T
+    )
     lower = MeshTri(np.array([x2, x1, 0.5 * (x1 + x2) + [0.0, -1.0]]).T, np.array([[0, 1, 2]]).T)
     bodies = []
     for mesh in (upper, lower):
@@ -57,7 +61,8 @@ def single_point(case: str, shift: np.ndarray | None = None):
         basis,
         "slave:face",
         "master:face",
-        sc.Coulomb(arguments.get("mu", 0.0)), quadrature="nodal",
+        sc.Coulomb(arguments.get("mu", 0.0)),
+        quadrature="nodal",
         penalty=(arguments["eps_n"], eps_t),
     )
     dofs = np.concatenate(
@@ -96,17 +101,23 @@ def test_residual_of_one_node(case, shift):
     # |T1| |rho_1| = eps_T s
     contravariant = residual(X0, **CASES[case])[2]
     length = 0.5 * np.linalg.norm(X0[4:] - X0[2:4])
-    assert abs(out.state.traction[1][closed][0]) == pytest.approx(abs(contravariant) * length, rel=1e-10)
+    assert abs(out.state.traction[1][closed][0]) == pytest.approx(
+        abs(contravariant) * length, rel=1e-10
+    )
 
 
 @pytest.mark.parametrize("shift", [None, (0.05, 0.3, -0.1, 0.02, -0.1, 0.02)])
 @pytest.mark.parametrize("case", CASES)
 def test_tangent_of_one_node(case, shift):
     """[X] Case A4: all 36 entries against complex steps through the oracle."""
-    basis, pair, state, x, dofs, weight = single_point(case, None if shift is None else np.array(shift))
+    basis, pair, state, x, dofs, weight = single_point(
+        case, None if shift is None else np.array(shift)
+    )
     K = pair.assemble(x, state).stiffness.toarray()
     expected = tangent(X0, **CASES[case])
-    np.testing.assert_allclose(K[np.ix_(dofs, dofs)] / weight, expected, atol=1e-10 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        K[np.ix_(dofs, dofs)] / weight, expected, atol=1e-10 * np.abs(expected).max()
+    )
     rest = np.setdiff1d(np.arange(basis.N), dofs)
     assert not K[rest].any() and not K[:, rest].any()
     asymmetry = np.abs(K - K.T).max() / np.abs(K).max()
@@ -129,13 +140,17 @@ def test_printed_entries_of_the_tangent():
 
 
 def test_friction_on_a_stretched_segment():
-    """[X] The slip of a material length, s = (l / l_ref) (S - S_c), on a segment that was stretched."""
+    """[X] The slip of a material length, s = (l / l_ref) (S - S_c), on a segment that was
+    stretched.
+    """
     stretch = np.array([0.0, 0.0, 0.05, -0.02, -0.1, 0.04])  # x2 and x1 move apart or together
     _, pair, state, x, dofs, weight = single_point("stick", stretch)
     out = pair.assemble(x, state)
     # the stick point is the same share xi of the segment: the oracle needs its xi_n only
     expected = residual(X0, **CASES["stick"])[0]
-    np.testing.assert_allclose(out.force[dofs] / weight, expected, atol=1e-10 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        out.force[dofs] / weight, expected, atol=1e-10 * np.abs(expected).max()
+    )
     K = tangent(X0, **CASES["stick"])
     ours = out.stiffness.toarray()[np.ix_(dofs, dofs)] / weight
     np.testing.assert_allclose(ours, K, atol=1e-10 * np.abs(K).max())
@@ -181,18 +196,25 @@ def test_action_is_reaction(element, quadrature, mu, rng):
         tau = rho1 / np.linalg.norm(rho1, axis=1)[:, None]
         n = np.stack((-tau[:, 1], tau[:, 0]), axis=1)
         if not where.vertex.any():
-            total = (points.weight[:, None] * (s.traction[0, :, None] * n + s.traction[1, :, None] * tau)).sum(
-                axis=0
-            )
-            if element in ("P1", "Q1"):  # on curved masters l Xi is longer than tau by 1 / (1 - g h / l^2)
-                np.testing.assert_allclose(resultant(basis, x, on_slave)[:2], total, atol=1e-12 * scale)
+            total = (
+                points.weight[:, None] * (s.traction[0, :, None] * n + s.traction[1, :, None] * tau)
+            ).sum(axis=0)
+            if element in (
+                "P1",
+                "Q1",
+            ):  # on curved masters l Xi is longer than tau by 1 / (1 - g h / l^2)
+                np.testing.assert_allclose(
+                    resultant(basis, x, on_slave)[:2], total, atol=1e-12 * scale
+                )
 
 
 @pytest.mark.parametrize("degrees", [0.0, 1e-3, 37.0, 90.0, 135.0, 180.0, 271.0, 360.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("element", ["P1", "Q2"])
 def test_objectivity(element, quadrature, degrees, rng):
-    """[X] Case A5: everything is turned and shifted: forces turn, gap and slip and tractions stay."""
+    """[X] Case A5: everything is turned and shifted: forces turn, gap and slip and tractions
+    stay.
+    """
     basis, pair, x, state = rough_pair(element, quadrature, sc.Coulomb(0.3), rng)
     there = moved_rigidly(basis, degrees, (5.0, -3.0), x)
     out, turned = pair.assemble(x, state), pair.assemble(there, state)
@@ -201,7 +223,9 @@ def test_objectivity(element, quadrature, degrees, rng):
     np.testing.assert_allclose(turned.force, expected, atol=1e-11 * np.abs(expected).max())
     for name in ("gap", "slip", "traction", "stick_point", "position"):
         old, new = getattr(out.state, name), getattr(turned.state, name)
-        np.testing.assert_allclose(new, old, atol=1e-12 * max(1.0, np.nanmax(np.abs(old[np.isfinite(old)]))))
+        np.testing.assert_allclose(
+            new, old, atol=1e-12 * max(1.0, np.nanmax(np.abs(old[np.isfinite(old)])))
+        )
     assert np.array_equal(out.state.status, turned.state.status)
     blocks = np.kron(np.eye(basis.N // 2), rotation(degrees))
     K = blocks @ out.stiffness.toarray() @ blocks.T
@@ -213,7 +237,9 @@ def test_stress_free_turn_in_steps():
     line = np.stack((np.linspace(0, 3, 6), np.zeros(6)), axis=1)
     roof = np.stack((np.linspace(2.5, 0.5, 4), np.zeros(4)), axis=1)
     basis = facing(body_along(roof), body_along(line))
-    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), quadrature="nodal", penalty=1e4)
+    pair = sc.ContactPair(
+        basis, "slave:face", "master:face", sc.Coulomb(0.3), quadrature="nodal", penalty=1e4
+    )
     state = pair.initial_state()
     for step in range(1, 91):
         out = pair.assemble(moved_rigidly(basis, float(step), (0.1 * step, 0.0)), state)
@@ -230,7 +256,9 @@ def test_same_bits_twice(quadrature, rng):
     _, pair, x, state = rough_pair("Q1", quadrature, sc.Coulomb(0.3), rng)
     before = {name: value.copy() for name, value in vars(state).items()}, x.copy()
     a, b = pair.assemble(x, state), pair.assemble(x, state)
-    assert np.array_equal(a.force, b.force) and np.array_equal(a.stiffness.toarray(), b.stiffness.toarray())
+    assert np.array_equal(a.force, b.force) and np.array_equal(
+        a.stiffness.toarray(), b.stiffness.toarray()
+    )
     for name, value in vars(state).items():
         assert np.array_equal(value, before[0][name], equal_nan=True), name
         assert np.array_equal(getattr(a.state, name), getattr(b.state, name), equal_nan=True), name

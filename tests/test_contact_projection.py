@@ -1,4 +1,6 @@
-"""Surfaces and closest points: orientation, all kinds of corners, ends of chains, far and deep points."""
+"""Surfaces and closest points: orientation, all kinds of corners, ends of chains, far and deep
+points.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +58,9 @@ def star(n: int = 14) -> np.ndarray:
 
 
 def test_random_points_around_a_star(rng):
-    """[X] Case A6: distance and side of 2000 points, by a search over all facets and a winding number."""
+    """[X] Case A6: distance and side of 2000 points, by a search over all facets and a winding
+    number.
+    """
     corners = star()
     surface = sc.rigid.polyline(corners, closed=True)
     points = rng.uniform(-1.6, 1.6, (2000, 2))
@@ -65,12 +69,17 @@ def test_random_points_around_a_star(rng):
     distance = nearest_on_facets(surface, points)
     # coordinates of order one: a few roundings
     np.testing.assert_allclose(np.abs(where.gap), distance, atol=1e-14)
-    np.testing.assert_allclose(np.linalg.norm(points - feet(surface, where), axis=1), distance, atol=1e-14)
+    np.testing.assert_allclose(
+        np.linalg.norm(points - feet(surface, where), axis=1), distance, atol=1e-14
+    )
     assert np.array_equal(where.gap < 0, inside(corners, points))
     # orthogonal, except at vertices
     rho1 = surface.at(where.facet, where.xi, surface.nodes).x[1][:, 0]
     cosine = ((points - feet(surface, where)) * rho1).sum(axis=1)
-    assert np.abs(cosine[~where.vertex]).max() < 1e-14 and (np.abs(where.xi[where.vertex, 0]) == 1).all()
+    assert (
+        np.abs(cosine[~where.vertex]).max() < 1e-14
+        and (np.abs(where.xi[where.vertex, 0]) == 1).all()
+    )
     assert 0.02 < where.vertex.mean() < 0.98
 
 
@@ -84,7 +93,9 @@ def test_order_of_the_points_does_not_matter(rng):
 
 
 def test_shadow_of_a_convex_corner():
-    """[X] Case A6: no orthogonal foot on either side; the corner is closest and the gap its distance."""
+    """[X] Case A6: no orthogonal foot on either side; the corner is closest and the gap its
+    distance.
+    """
     roof = sc.rigid.polyline([(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
     points = np.array([[0.0, 1.5], [0.2, 1.4], [-0.3, 1.6]])
     where = found(roof, points)
@@ -99,7 +110,9 @@ def test_shadow_of_a_convex_corner():
 
 
 def test_overlap_at_a_concave_corner():
-    """[X] Case A6: two feet outside, the closer one counts; within the body the corner itself is closest."""
+    """[X] Case A6: two feet outside, the closer one counts; within the body the corner itself is
+    closest.
+    """
     groove = sc.rigid.polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
     where = found(groove, [[0.1, 0.5], [-0.1, 0.5], [0.0, 0.5]])
     assert not where.vertex.any() and (where.gap > 0).all()
@@ -117,7 +130,9 @@ def test_node_at_a_master_vertex(line, offset):
     """[X] Case S12: a node within round-off of a flat, convex or concave vertex: finite forces."""
     wedge = np.array([[0.4, 1.0], [0.0, 0.0], [-0.4, 1.0]]) + np.array([0.0, line[1][1]])
     basis = vector_basis(body_along(wedge, "P1", 0.3), "P1")
-    pair = sc.ContactPair(basis, "face", sc.rigid.polyline(line), sc.Coulomb(0.3), quadrature="nodal", penalty=1e4)
+    pair = sc.ContactPair(
+        basis, "face", sc.rigid.polyline(line), sc.Coulomb(0.3), quadrature="nodal", penalty=1e4
+    )
     node = np.flatnonzero(np.abs(basis.doflocs - [[0.0], [line[1][1]]]).max(axis=0) < 1e-12)
     for direction in (np.array([1.0, 0.0]), np.array([0.0, 1.0])):
         x = basis.zeros()
@@ -145,7 +160,9 @@ def test_candidates_of_a_graded_chain(graded, rng):
     # what is not found is closest to an end of the chain
     lost = points[~where.found, None] - surface.nodes[surface.facets[[0, -1], [0, 1]]]
     np.testing.assert_allclose(
-        np.linalg.norm(lost, axis=2).min(axis=1), nearest_on_facets(surface, points)[~where.found], atol=1e-14
+        np.linalg.norm(lost, axis=2).min(axis=1),
+        nearest_on_facets(surface, points)[~where.found],
+        atol=1e-14,
     )
     within = np.abs(where.xi[:, 0]) <= 1
     assert (within | ~where.found).mean() > 0.98
@@ -165,7 +182,9 @@ def test_candidates_of_a_stretched_chain(stretch, rng):
     where = project(surface, nodes, points, np.full(800, np.inf))
     ok = where.found & (np.abs(where.xi[:, 0]) <= 1)
     assert ok.mean() > 0.7
-    np.testing.assert_allclose(np.abs(where.gap[ok]), nearest_on_facets(deformed, points)[ok], atol=1e-13)
+    np.testing.assert_allclose(
+        np.abs(where.gap[ok]), nearest_on_facets(deformed, points)[ok], atol=1e-13
+    )
 
 
 def curve_distance(surface: sc.Surface, point: np.ndarray) -> float:
@@ -177,10 +196,14 @@ def curve_distance(surface: sc.Surface, point: np.ndarray) -> float:
     segment, start = np.array([best // 201]), xi[best % 201]
 
     def distance(z):
-        return float(np.linalg.norm(surface.at(segment, np.array([[z]]), surface.nodes).x[0][0] - point))
+        return float(
+            np.linalg.norm(surface.at(segment, np.array([[z]]), surface.nodes).x[0][0] - point)
+        )
 
     low, high = max(-1.0, start - 0.01), min(1.0, start + 0.01)
-    return minimize_scalar(distance, bounds=(low, high), method="bounded", options={"xatol": 1e-12}).fun
+    return minimize_scalar(
+        distance, bounds=(low, high), method="bounded", options={"xatol": 1e-12}
+    ).fun
 
 
 def quadratic_hole(n: int = 8) -> sc.Surface:
@@ -212,7 +235,9 @@ def test_curved_segments(rng):
 
 
 def test_rigid_circle(rng):
-    """[X] Case A6: gap |x - O| - R of a smoothed polygon of 360 corners, whose radius ripples by 1e-9."""
+    """[X] Case A6: gap |x - O| - R of a smoothed polygon of 360 corners, whose radius ripples by
+    1e-9.
+    """
     centre, radius = np.array([2.0, -1.0]), 3.0
     for hole, sign in ((False, 1), (True, -1)):
         surface = sc.rigid.circle(tuple(centre), radius, hole)
@@ -223,7 +248,9 @@ def test_rigid_circle(rng):
         assert not where.vertex.any()
 
 
-@pytest.mark.parametrize("window", [(1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 1.0, 0.0), (0.0, 1.0, 0.5, np.nan)])
+@pytest.mark.parametrize(
+    "window", [(1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 1.0, 0.0), (0.0, 1.0, 0.5, np.nan)]
+)
 def test_window_of_a_level_set_that_is_none(window):
     """Turned round it would put the body on the other side."""
     with pytest.raises(ValueError, match=r"xmin < xmax and ymin < ymax|each a finite number"):
@@ -232,21 +259,30 @@ def test_window_of_a_level_set_that_is_none(window):
 
 @pytest.mark.parametrize("n", [8, 16, 32])
 def test_ripple_of_polygons_and_smoothed_polygons(n):
-    """[X] Case A8: a polygon's radius ripples by e = R (1 - cos(pi/n)), the smoothed one's by e^2 / 2 R."""
+    """[X] Case A8: a polygon's radius ripples by e = R (1 - cos(pi/n)), the smoothed one's by e^2 /
+    2 R.
+    """
     angle = -np.arange(n) * 2 * np.pi / n
     facets = sc.rigid.polyline(np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
     curve = smoothed(facets)
     dense = np.linspace(-1, 1, 201)
-    for surface, ripple in ((facets, 1 - np.cos(np.pi / n)), (curve, (1 - np.cos(np.pi / n)) ** 2 / 2)):
+    for surface, ripple in (
+        (facets, 1 - np.cos(np.pi / n)),
+        (curve, (1 - np.cos(np.pi / n)) ** 2 / 2),
+    ):
         m = len(surface.facets)
-        rho = surface.at(np.repeat(np.arange(m), 201), np.tile(dense, m)[:, None], surface.nodes).x[0]
+        rho = surface.at(np.repeat(np.arange(m), 201), np.tile(dense, m)[:, None], surface.nodes).x[
+            0
+        ]
         r = np.linalg.norm(rho, axis=1)
         assert r.max() - r.min() == pytest.approx(ripple, rel=1e-6)
     # C1: the tangents at the joints are equal, and at right angles to the radius
     m = np.arange(len(curve.facets))
     end, start = (curve.at(m, np.full((len(m), 1), e), curve.nodes, 2).x for e in (1.0, -1.0))
     turn = np.roll(start[1][:, 0], -1, axis=0)
-    np.testing.assert_allclose(end[1][:, 0, 0] * turn[:, 1] - end[1][:, 0, 1] * turn[:, 0], 0, atol=1e-14)
+    np.testing.assert_allclose(
+        end[1][:, 0, 0] * turn[:, 1] - end[1][:, 0, 1] * turn[:, 0], 0, atol=1e-14
+    )
     np.testing.assert_allclose((end[0] * end[1][:, 0]).sum(axis=1), 0, atol=1e-14)
 
 
@@ -261,13 +297,17 @@ def test_smoothing_keeps_a_straight_chain(alpha):
     points = np.stack((t, 0.5 * t + 0.2), axis=1)
     a, b = found(line, points), found(curve, points)
     np.testing.assert_allclose(a.gap, b.gap, atol=1e-14)
-    np.testing.assert_allclose(along_chain(line, a.facet, a.xi), along_chain(curve, b.facet, b.xi), atol=1e-13)
+    np.testing.assert_allclose(
+        along_chain(line, a.facet, a.xi), along_chain(curve, b.facet, b.xi), atol=1e-13
+    )
 
 
 def test_far_points_face_the_surface_without_touching_it():
     """[X] They know their gap and the place that they face; off the ends there is neither."""
     surface = sc.rigid.polyline([(-1.0, 0.0), (1.0, 0.0)])
-    where = found(surface, [[0.0, 0.4], [0.5, 60.0], [0.0, -0.6], [1.6, 0.0], [50.0, 3.0]], depth=0.5)
+    where = found(
+        surface, [[0.0, 0.4], [0.5, 60.0], [0.0, -0.6], [1.6, 0.0], [50.0, 3.0]], depth=0.5
+    )
     assert where.found.tolist() == [True, True, False, False, False]
     assert where.gap.tolist() == [0.4, 60.0, -0.6, np.inf, np.inf]
     basis = vector_basis(body_along(np.array([[1.5, 9.0], [-0.5, 9.0]]), "Q1"), "Q1")
@@ -279,7 +319,9 @@ def test_far_points_face_the_surface_without_touching_it():
 
 
 def test_depth_limits_the_penetration():
-    """[X] A point deeper than its own limit is not found, not even at another place of the chain."""
+    """[X] A point deeper than its own limit is not found, not even at another place of the
+    chain.
+    """
     groove = sc.rigid.polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
     points = np.array([[0.0, -0.2], [0.0, -0.4], [0.5, 0.2], [0.5, -0.2]])
     where = project(groove, groove.nodes, points, np.full(4, 0.3))
@@ -288,7 +330,9 @@ def test_depth_limits_the_penetration():
 
 
 def test_long_segment_beside_short_ones():
-    """[X] The closest segment was stretched so far that points of another arm are closer than its ends."""
+    """[X] The closest segment was stretched so far that points of another arm are closer than its
+    ends.
+    """
     s = np.linspace(0, 1, 33)
     surface = sc.rigid.polyline(np.stack((s, 0 * s), axis=1))
     nodes = np.stack((s, 0 * s), axis=1)
@@ -303,7 +347,9 @@ def test_deep_points_belong_to_the_other_side():
     plate = body_along(np.array([[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0]]), "Q1", 0.1)
     roof = body_along(np.array([[0.3, 0.2], [-0.3, 0.2]]), "Q1", 0.1)
     basis = vector_basis(sc.join_bodies({"slave": roof, "master": plate}), "Q1")
-    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(), quadrature="nodal", penalty=1e3)
+    pair = sc.ContactPair(
+        basis, "slave:face", "master:face", sc.Coulomb(), quadrature="nodal", penalty=1e3
+    )
     x = basis.zeros()
     dofs = np.unique(basis.element_dofs[:, basis.mesh.subdomains["slave"]])
     for depth, closed in ((0.1, 0), (0.3, 2), (2.0, 0)):
@@ -315,7 +361,9 @@ def test_deep_points_belong_to_the_other_side():
 @pytest.mark.parametrize("last", [1.0, 0.3, 0.05])
 @pytest.mark.parametrize("side", [1, -1])
 def test_no_contact_beyond_an_open_end(last, side):
-    """[X] Case D6: the chain goes on for 5 % of its last segment; beyond, nothing, whatever its length."""
+    """[X] Case D6: the chain goes on for 5 % of its last segment; beyond, nothing, whatever its
+    length.
+    """
     line = np.array([[-3.0, 0.0], [-2.0, 0.0], [-1.0, 0.0], [-last, 0.0], [0.0, 0.0]])
     if last == 1.0:
         line = np.delete(line, 3, axis=0)
@@ -344,7 +392,10 @@ def test_mirrored_points_have_mirrored_feet(rng):
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_chain_runs_with_the_body_on_its_right(element, clockwise, rng):
     """[X] Whatever the order of nodes, facets and elements: normals point outward."""
-    line = np.stack((np.linspace(0, 2, 7), 0.2 * np.sin(np.linspace(0, 3, 7))), axis=1) @ rotation(100).T
+    line = (
+        np.stack((np.linspace(0, 2, 7), 0.2 * np.sin(np.linspace(0, 3, 7))), axis=1)
+        @ rotation(100).T
+    )
     mesh = body_along(line, element, 0.4)
     numbers = rng.permutation(mesh.nvertices)
     place = np.argsort(numbers)
@@ -359,9 +410,13 @@ def test_chain_runs_with_the_body_on_its_right(element, clockwise, rng):
     ends = surface.nodes[surface.facets[:, :2]]
     np.testing.assert_allclose(ends[:, 0], line[:-1], atol=1e-15)
     np.testing.assert_allclose(ends[:, 1], line[1:], atol=1e-15)
-    np.testing.assert_allclose(surface.area, np.linalg.norm(np.diff(line, axis=0), axis=1), rtol=1e-14)
+    np.testing.assert_allclose(
+        surface.area, np.linalg.norm(np.diff(line, axis=0), axis=1), rtol=1e-14
+    )
     starts = along_chain(surface, np.arange(6), np.full((6, 1), -1.0))
-    np.testing.assert_allclose(starts, np.concatenate(([0], np.cumsum(surface.area)[:-1])), atol=1e-14)
+    np.testing.assert_allclose(
+        starts, np.concatenate(([0], np.cumsum(surface.area)[:-1])), atol=1e-14
+    )
     x = rng.standard_normal(2 * len(surface.dofs) + 2 * mesh.nelements + surface.dofs.max() + 2)
     np.testing.assert_array_equal(surface.positions(x), surface.nodes + x[surface.dofs])
 
@@ -376,7 +431,10 @@ def test_weights_of_the_points(element):
     for n in (0, 1, 2, 3, 5):
         points = gauss(surface, surface, n) if n else nodal(surface)
         assert points.weight.sum() == pytest.approx(2.0, rel=1e-14)
-        place, along = points.positions(surface.nodes), along_chain(surface, points.facet, points.xi)
+        place, along = (
+            points.positions(surface.nodes),
+            along_chain(surface, points.facet, points.xi),
+        )
         np.testing.assert_allclose(place[:, 0], along, atol=1e-14)
         assert (np.diff(along) > 0).all()
         # the nodal rule is the trapezoidal one, or Simpson's
@@ -384,7 +442,9 @@ def test_weights_of_the_points(element):
         if n:  # a quadratic master of the same size has a node in the middle of each slave segment
             assert len(points.weight) == n * len(surface.facets) * degree
         for k in range(order + 1):
-            assert (points.weight * along**k).sum() == pytest.approx(2 ** (k + 1) / (k + 1), rel=1e-13)
+            assert (points.weight * along**k).sum() == pytest.approx(
+                2 ** (k + 1) / (k + 1), rel=1e-13
+            )
     cuts = np.array([0, 0.25, 1, 1.5, 1.9, 2, 3, 4])
     points = between(surface, cuts, 2)
     along = along_chain(surface, points.facet, points.xi)
@@ -394,7 +454,9 @@ def test_weights_of_the_points(element):
 
 @pytest.mark.parametrize(("n", "pieces"), [(1, 1), (2, 1), (3, 2), (4, 2), (5, 3)])
 def test_gauss_points_are_as_dense_as_the_masters_nodes(n, pieces):
-    """[X] Two slave segments before n of a master: pieces no longer than the master's. A rigid one does not matter."""
+    """[X] Two slave segments before n of a master: pieces no longer than the master's. A rigid one
+    does not matter.
+    """
     lines = [np.stack((np.linspace(0, 2, k + 1), np.zeros(k + 1)), axis=1) for k in (2, n)]
     bases = [vector_basis(body_along(line, "Q1", 0.3), "Q1") for line in lines]
     slave, master = (sc.Surface.from_boundary(basis, "face") for basis in bases)
@@ -403,7 +465,9 @@ def test_gauss_points_are_as_dense_as_the_masters_nodes(n, pieces):
 
 
 def test_cuts_by_both_meshes():
-    """[X] The rule "segments" cuts the slave where a node of the master faces it, and beside the ends of the joint."""
+    """[X] The rule "segments" cuts the slave where a node of the master faces it, and beside the
+    ends of the joint.
+    """
     line = np.stack((np.array([0.0, 0.7, 1.4, 2.6, 3.0]), np.zeros(5)), axis=1)
     roof = np.stack((np.array([2.5, 1.5, 0.5]), np.zeros(3)), axis=1)
     slave, master = sc.rigid.polyline(roof), sc.rigid.polyline(line)

@@ -1,4 +1,6 @@
-"""Finite sliding: slip across segments and round closed chains, loss of contact at ends, and return."""
+"""Finite sliding: slip across segments and round closed chains, loss of contact at ends, and
+return.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,9 @@ def drag(pair, place, path, up=-1e-3):
 @pytest.mark.parametrize("tilt", [0.0, 37.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_slip_is_the_distance_moved(quadrature, tilt, smoothing):
-    """[X] Across seven segments, in steps smaller and larger than these: one plateau, and slip = distance."""
+    """[X] Across seven segments, in steps smaller and larger than these: one plateau, and slip =
+    distance.
+    """
     for steps in (4, 57):
         _, pair, place, dofs = sled(quadrature, tilt=tilt, smoothing=smoothing)
         path = np.concatenate(([0.0], np.linspace(0, 2.9, steps + 1)[1:]))
@@ -66,7 +70,9 @@ def test_slip_is_the_distance_moved(quadrature, tilt, smoothing):
             np.testing.assert_allclose(state.gap, -1e-3, atol=1e-14)
             np.testing.assert_allclose(state.traction[0], -EPS_N * 1e-3, rtol=1e-10)
             np.testing.assert_allclose(state.traction[1], -MU * state.traction[0], rtol=1e-10)
-            np.testing.assert_allclose(arcs(pair, state.closest) - arcs(pair, state.stick), MU * 10 / EPS_T, atol=1e-12)
+            np.testing.assert_allclose(
+                arcs(pair, state.closest) - arcs(pair, state.stick), MU * 10 / EPS_T, atol=1e-12
+            )
             # the internal force on the slave: pressed out of the master and held back
             total = force[dofs].reshape(-1, 2).sum(axis=0) @ rotation(tilt)
             np.testing.assert_allclose(total, [MU * 10 * 0.55, -10 * 0.55], atol=1e-9)
@@ -82,7 +88,9 @@ def test_slip_on_quadratic_segments(element):
 
 
 def test_sticking_across_a_joint():
-    """[X] A point that sticks remembers its place when the joint between two segments passes under it."""
+    """[X] A point that sticks remembers its place when the joint between two segments passes under
+    it.
+    """
     _, pair, place, _ = sled("nodal", sc.Coulomb(1e6))
     states, _ = drag(pair, place, [0.0, 0.12, 0.3, -0.1, 0.0])
     for along, state in zip([0.0, 0.12, 0.3, -0.1, 0.0], states, strict=True):
@@ -92,11 +100,17 @@ def test_sticking_across_a_joint():
 
 
 def test_reversal():
-    """[X] Case S14: back and forth over joints; inside the cone, dissipation never negative, closed loop."""
+    """[X] Case S14: back and forth over joints; inside the cone, dissipation never negative, closed
+    loop.
+    """
     _, pair, place, _ = sled(2)
     amplitude = 0.6
     way = np.concatenate(
-        (np.linspace(0, amplitude, 40), np.linspace(amplitude, -0.15, 60), np.linspace(-0.15, amplitude, 60))
+        (
+            np.linspace(0, amplitude, 40),
+            np.linspace(amplitude, -0.15, 60),
+            np.linspace(-0.15, amplitude, 60),
+        )
     )
     states, _ = drag(pair, place, way)
     for before, after in pairwise(states):
@@ -108,7 +122,9 @@ def test_reversal():
 
 
 def test_opening_resets_friction():
-    """[X] Case S15: lifted off, moved and set down again: friction starts from zero at the new place."""
+    """[X] Case S15: lifted off, moved and set down again: friction starts from zero at the new
+    place.
+    """
     _, pair, place, _ = sled(2)
     states, _ = drag(pair, place, [0.0, 0.5, 1.0, 1.0, 1.0005], [-1e-3, -1e-3, 1e-3, -1e-3, -1e-3])
     assert (states[1].status == Status.SLIP).all()
@@ -123,7 +139,9 @@ def test_opening_resets_friction():
 
 @pytest.mark.parametrize("quadrature", ["nodal", 3, "segments"])
 def test_slides_off_the_end_and_comes_back(quadrature):
-    """[X] Cases D6, S13: beyond the end there is no contact, on the way back there is, without any memory."""
+    """[X] Cases D6, S13: beyond the end there is no contact, on the way back there is, without any
+    memory.
+    """
     _, pair, place, dofs = sled(quadrature)
     path = np.concatenate((np.linspace(0, 4.5, 46), np.linspace(4.5, 2.0, 26)))
     states, forces = drag(pair, place, path)
@@ -131,7 +149,8 @@ def test_slides_off_the_end_and_comes_back(quadrature):
         right = np.array([0.2, 0.75]) + along
         supported = np.clip(4.0 - right[0], 0, 0.55)
         pushed = -force[dofs][1::2].sum() / 10.0
-        # points count or do not: half a segment at either end of the support, and the extension of 5 %
+        # points count or do not: half a segment at either end of the support, and the extension of
+        # 5 %
         assert abs(pushed - supported) <= 0.5 * 0.3 + 0.05 * 0.63 + 1e-9
         if right[0] > 4.04:
             assert not force.any() and (state.status == Status.OPEN).all()
@@ -144,7 +163,9 @@ def test_slides_off_the_end_and_comes_back(quadrature):
 
 
 def test_no_contact_from_below_and_behind():
-    """[X] Case D6: a body beside the master's end, lower than its surface, is not pulled back onto it."""
+    """[X] Case D6: a body beside the master's end, lower than its surface, is not pulled back onto
+    it.
+    """
     _, pair, place, _ = sled("nodal")
     for up in (-0.01, -0.1, -0.25, -0.5):
         for along in (3.85, 4.0, 4.3):
@@ -192,14 +213,17 @@ def test_round_and_round_a_closed_chain(step, pin_is_slave):
         if previous is not None:
             assert (np.abs(state.slip[0] - previous) < 0.3).all()  # a step is an arc of 0.2 at most
         previous = state.slip[0]
-    # slip has counted whole turns; a place on the polygon is off the mean by less than 1 % of a turn
+    # slip has counted whole turns; a place on the polygon is off the mean by less than 1 % of a
+    # turn
     expected = way * steps * abs(step) / 360 * pair.master.area.sum()
     np.testing.assert_allclose(state.slip[0], expected, atol=0.01 * pair.master.area.sum())
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 3])
 def test_moment_of_a_turning_pin(quadrature):
-    """[X] The friction of all points has the moment mu p r, and forces and moments of both bodies balance."""
+    """[X] The friction of all points has the moment mu p r, and forces and moments of both bodies
+    balance.
+    """
     basis, pair, turned, dofs = pin_in_hole(quadrature, sc.Coulomb(0.2))
     state = pair.initial_state()
     for k in range(1, 12):
@@ -218,14 +242,18 @@ def test_moment_of_a_turning_pin(quadrature):
 
 @pytest.mark.parametrize("smooth", [True, False])
 def test_point_dragged_over_an_arc(smooth):
-    """[X] Case D1: W pressed on a circle: friction mu W cos(t), and its work mu W R (sin t2 - sin t1)."""
+    """[X] Case D1: W pressed on a circle: friction mu W cos(t), and its work mu W R (sin t2 - sin
+    t1).
+    """
     radius, weight, mu = 5.0, 2.0, 0.3
     n = 90
     angle = -np.arange(n) * 2 * np.pi / n
     drum = (
         sc.rigid.circle((0.0, 0.0), radius)
         if smooth
-        else sc.rigid.polyline(radius * np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
+        else sc.rigid.polyline(
+            radius * np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True
+        )
     )
     # a triangle whose lowest corner touches; its face's other end is out of reach
     top = np.array([0.0, radius])
@@ -250,13 +278,15 @@ def test_point_dragged_over_an_arc(smooth):
             assert out.force[node] @ out_of == pytest.approx(-weight * np.cos(t), rel=5e-3)
             assert drags[-1] == pytest.approx(mu * weight * np.cos(t), rel=2e-2)
     work = 0.5 * np.sum(
-        (np.array(drags)[1:] + np.array(drags)[:-1]) * np.linalg.norm(np.diff(places, axis=0), axis=1)
+        (np.array(drags)[1:] + np.array(drags)[:-1])
+        * np.linalg.norm(np.diff(places, axis=0), axis=1)
     )
     exact = (
         mu * weight * radius * (np.sin(np.radians(60)) - np.sin(np.radians(0.25)) / 2)
     )  # it starts from rest
     # the first of the steps starts from rest: what it does is known to 0.25 % of the work only;
-    # the facets' normals lean by up to 2 degrees: 3.5 % of N to and fro, which cancels over whole facets
+    # the facets' normals lean by up to 2 degrees: 3.5 % of N to and fro, which cancels over whole
+    # facets
     assert work == pytest.approx(exact, rel=2.5e-3 if smooth else 2e-2)
 
 

@@ -1,4 +1,6 @@
-"""Surfaces in space: closest points on facets, edges and vertices, pieces of facets, rigid obstacles, bad input."""
+"""Surfaces in space: closest points on facets, edges and vertices, pieces of facets, rigid
+obstacles, bad input.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ def nearest_on_triangles(surface: Surface, points: np.ndarray) -> np.ndarray:
         distance = np.where(inside, np.abs((points - a) @ normal), np.inf)
         for u, v in ((a, b), (b, c), (c, a)):
             s = np.clip((points - u) @ (v - u) / ((v - u) @ (v - u)), 0, 1)
-            distance = np.minimum(distance, np.linalg.norm(points - u - s[:, None] * (v - u), axis=1))
+            distance = np.minimum(
+                distance, np.linalg.norm(points - u - s[:, None] * (v - u), axis=1)
+            )
         best = np.minimum(best, distance)
     return best
 
@@ -59,7 +63,9 @@ def inside(surface: Surface, points: np.ndarray) -> np.ndarray:
 
 
 def test_random_points_around_a_bumpy_ball(rng):
-    """Distance and side of points, by a search over all facets and a solid angle; all kinds of features are met."""
+    """Distance and side of points, by a search over all facets and a solid angle; all kinds of
+    features are met.
+    """
     surface = bumpy_ball()
     assert surface.closed
     points = rng.uniform(-1.6, 1.6, (1000, 3))
@@ -76,9 +82,13 @@ def test_random_points_around_a_bumpy_ball(rng):
 
 @pytest.mark.parametrize("element", IN_SPACE)
 def test_kept_neighbours_serve_as_new_ones(element, rng):
-    """While points and surface move, projections among kept neighbours are those among all; clearances hold."""
+    """While points and surface move, projections among kept neighbours are those among all;
+    clearances hold.
+    """
     line = np.linspace(0, 1, 6) ** 1.5
-    mesh = space.moved(space.block(element, line, line, [-0.3, 0.0]), lambda p: 0.02 * np.sin(9 * p[[1, 2, 0]]))
+    mesh = space.moved(
+        space.block(element, line, line, [-0.3, 0.0]), lambda p: 0.02 * np.sin(9 * p[[1, 2, 0]])
+    )
     surface = Surface.from_boundary(vector_basis(mesh, element), "top")
     nodes, points = surface.nodes, rng.uniform(-0.1, 1.1, (200, 3)) * [1, 1, 0.5]
     around, searches, last = NeighbourList(surface), 0, None
@@ -96,41 +106,61 @@ def test_kept_neighbours_serve_as_new_ones(element, rng):
 
 @pytest.mark.parametrize("element", IN_SPACE)
 def test_points_of_pieces_stay_on_their_facets_without_a_search(element, rng):
-    """[N] Their projections are those among all facets, also beyond their sides, while points and surface move."""
+    """[N] Their projections are those among all facets, also beyond their sides, while points and
+    surface move.
+    """
     line = np.linspace(0, 1, 6) ** 1.2
-    mesh = space.moved(space.block(element, line, line, [-0.3, 0.0]), lambda p: 0.01 * np.sin(5 * p[[1, 2, 0]]))
+    mesh = space.moved(
+        space.block(element, line, line, [-0.3, 0.0]), lambda p: 0.01 * np.sin(5 * p[[1, 2, 0]])
+    )
     surface = Surface.from_boundary(vector_basis(mesh, element), "top")
     nodes, own = surface.nodes, rng.integers(0, len(surface.facets), 300)
     corners, centre = surface.shape.corners, surface.shape.centre
     xi = centre + 2.0 * (rng.dirichlet(np.ones(len(corners)), 300) @ corners - centre)
     mapping = surface.at(own, xi, nodes)
-    points = mapping.x[0] + mapping.normal * (surface.size[own] * rng.uniform(-0.2, 0.3, 300))[:, None]
+    points = (
+        mapping.x[0] + mapping.normal * (surface.size[own] * rng.uniform(-0.2, 0.3, 300))[:, None]
+    )
     own[:30] = -1
     around, searches, last, m = NeighbourList(surface), 0, None, len(surface.facets)
-    everything = Neighbours(np.repeat(np.arange(300), m), np.tile(np.arange(m), 300), np.zeros(300), own < 0)
+    everything = Neighbours(
+        np.repeat(np.arange(300), m), np.tile(np.arange(m), 300), np.zeros(300), own < 0
+    )
     for _ in range(12):
         nodes = nodes + 1e-3 * rng.standard_normal(nodes.shape)
         points = points + 1e-3 * rng.standard_normal(points.shape)
         near = around.at(nodes, points, own)
         searches, last = searches + (near.point is not last), near.point
-        one, other = (project(surface, nodes, points, np.full(300, np.inf), own, own >= 0, among)
-                      for among in (near, everything))  # fmt: skip
+        one, other = (
+            project(surface, nodes, points, np.full(300, np.inf), own, own >= 0, among)
+            for among in (near, everything)
+        )
         np.testing.assert_array_equal(one.found, other.found)
         np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-13)
         np.testing.assert_array_equal(one.facet[other.found], other.facet[other.found])
         assert (near.clearance <= np.abs(other.gap) + 1e-15).all()  # that of flat facets is the gap
     assert 1 < searches < 12
     assert np.mean(np.bincount(near.point)[30:] == 1) > 0.1  # the others are beyond
-    assert around.at(nodes, points, np.roll(own, 1)).point is not last  # other pieces, other neighbours
+    assert (
+        around.at(nodes, points, np.roll(own, 1)).point is not last
+    )  # other pieces, other neighbours
 
 
 def test_the_rim_reaches_a_little_farther():
-    """A point beside the rim finds the surface within the extension, and nothing beyond it, at sides and corners."""
+    """A point beside the rim finds the surface within the extension, and nothing beyond it, at
+    sides and corners.
+    """
     mesh = space.block("Q1", [0, 1, 2], [0, 1, 2], [-1, 0])
     surface = Surface.from_boundary(vector_basis(mesh, "Q1"), "top")
     for s in (0.5, 1.0, 1.5):
         off = np.array([-0.9, -1.1]) * EXTENSION
-        points = np.array([(x, y, -0.02) for o in off for x, y in ((o, s), (s, o), (2 - o, s), (s, 2 - o), (o, o))])
+        points = np.array(
+            [
+                (x, y, -0.02)
+                for o in off
+                for x, y in ((o, s), (s, o), (2 - o, s), (s, 2 - o), (o, o))
+            ]
+        )
         where = found(surface, points)
         assert where.found.tolist() == [True] * 5 + [False] * 5
         np.testing.assert_allclose(where.gap[:5], -0.02, atol=1e-15)
@@ -140,7 +170,9 @@ def test_the_rim_reaches_a_little_farther():
 def test_weights_of_the_points(element, rng):
     """Every rule integrates the area; Gauss rules integrate polynomials on flat facets."""
     line = np.array([0.0, 0.5, 0.8, 2.0])
-    surface = Surface.from_boundary(vector_basis(space.block(element, line, line, [-1, 0]), element), "top")
+    surface = Surface.from_boundary(
+        vector_basis(space.block(element, line, line, [-1, 0]), element), "top"
+    )
     for n in (1, 2, 3):
         points = gauss(surface, surface, n)
         x, y, z = points.positions(surface.nodes).T
@@ -158,15 +190,21 @@ def test_weights_of_the_points(element, rng):
 
 def pieces(slave: Surface, master: Surface, away=(0, 0, 0)):
     """Facets, local coordinates, weights of the points on pieces, and facets that they face."""
-    facet, xi, weight, facing = np.split(piecewise(slave, slave.nodes + away, master, master.nodes), [1, 3, 4], axis=1)
+    facet, xi, weight, facing = np.split(
+        piecewise(slave, slave.nodes + away, master, master.nodes), [1, 3, 4], axis=1
+    )
     return facet[:, 0].astype(int), xi, weight[:, 0], facing[:, 0].astype(int)
 
 
 @pytest.mark.parametrize("element", IN_SPACE)
 def test_pieces_cover_both_surfaces(element):
-    """Areas of the pieces add up to the facets of the slave and of the master, skewed as they are."""
+    """Areas of the pieces add up to the facets of the slave and of the master, skewed as they
+    are.
+    """
     lines = [np.linspace(0, 1, n + 1) for n in (4, 6)]
-    skew = lambda p: 0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])  # noqa: E731
+    skew = lambda p: (
+        0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])
+    )
     lower = space.block(element, lines[0], lines[0], [-1, 0])
     upper = space.moved(space.block(element, lines[1], lines[1], [0, 1]), skew)
     master = Surface.from_boundary(vector_basis(lower, element), "top")
@@ -180,27 +218,43 @@ def test_pieces_cover_both_surfaces(element):
 @pytest.mark.parametrize("n", [2, 3])
 @pytest.mark.parametrize("element", ["P1", "Q1"])
 def test_pieces_turn_with_the_bodies(rng, element, n):
-    """Edges along each other, as the diagonals of meshes that match, are cut at the same places however they lie."""
+    """Edges along each other, as the diagonals of meshes that match, are cut at the same places
+    however they lie.
+    """
     lines = [np.linspace(0, 1, m + 1) for m in (n, 3)]
-    slave, master = (Surface.from_boundary(space.vector_basis(space.block(element, line, line, z), element), side)
-                     for line, z, side in zip(lines, ([0, 1], [-1, 0]), ("bottom", "top"), strict=True))  # fmt: skip
+    slave, master = (
+        Surface.from_boundary(
+            space.vector_basis(space.block(element, line, line, z), element), side
+        )
+        for line, z, side in zip(lines, ([0, 1], [-1, 0]), ("bottom", "top"), strict=True)
+    )
     rows = piecewise(slave, slave.nodes, master, master.nodes)
     for _ in range(10):
         Q = np.linalg.qr(rng.standard_normal((3, 3)))[0]
         Q *= np.sign(np.linalg.det(Q))
         turned = piecewise(slave, slave.nodes @ Q.T, master, master.nodes @ Q.T)
-        np.testing.assert_allclose(turned, rows, atol=1e-12)  # coordinates, weights, numbers: some roundings
+        np.testing.assert_allclose(
+            turned, rows, atol=1e-12
+        )  # coordinates, weights, numbers: some roundings
 
 
 def test_pieces_of_bodies_apart():
-    """Where the master is far, or faces away, the facets keep their Gauss points, which face none."""
+    """Where the master is far, or faces away, the facets keep their Gauss points, which face
+    none.
+    """
     line = np.linspace(0, 1, 4)
-    master = Surface.from_boundary(vector_basis(space.block("Q1", line, line, [-1, 0]), "Q1"), "top")
-    slave = Surface.from_boundary(vector_basis(space.block("Q1", line, line, [0, 1]), "Q1"), "bottom")
+    master = Surface.from_boundary(
+        vector_basis(space.block("Q1", line, line, [-1, 0]), "Q1"), "top"
+    )
+    slave = Surface.from_boundary(
+        vector_basis(space.block("Q1", line, line, [0, 1]), "Q1"), "bottom"
+    )
     for away in ((0, 0, 1.0), (5.0, 0, 0)):
         facet, xi, weight, facing = pieces(slave, master, away)
         assert (facing == -1).all()
-        np.testing.assert_allclose(np.bincount(facet, weight * slave.density(facet, xi)), slave.area, rtol=1e-14)
+        np.testing.assert_allclose(
+            np.bincount(facet, weight * slave.density(facet, xi)), slave.area, rtol=1e-14
+        )
     *_, facing = pieces(slave, master, (0.5, 0, 0))
     assert (facing == -1).any() and (facing >= 0).any()
     for adjusted, cut in ((0.0, False), (0.5, True)):  # a gap of .3 of the size
@@ -209,7 +263,9 @@ def test_pieces_of_bodies_apart():
 
 
 def test_rigid_obstacles_are_round(rng):
-    """Distances to sphere, hole, cylinder, cone and plane, to 1e-6 of the radius: that of second-order facets."""
+    """Distances to sphere, hole, cylinder, cone and plane, to 1e-6 of the radius: that of
+    second-order facets.
+    """
     points = np.array([1.0, 2.0, 3.0]) + rng.uniform(-2.5, 2.5, (500, 3))
     centre, radius = np.array([1.0, 2.0, 3.0]), 1.5
     distance = np.linalg.norm(points - centre, axis=1) - radius
@@ -227,7 +283,7 @@ def test_rigid_obstacles_are_round(rng):
     r = np.hypot(*points[:, :2].T)
     gap = found(sc.rigid.cone((0, 0, 0), (0, 0, 1), slope=0.1, radius=2.0), points).gap
     exact = (0.1 * r - points[:, 2]) / np.sqrt(1.01)
-    near = (r + 0.1 * points[:, 2] > 0.1)
+    near = r + 0.1 * points[:, 2] > 0.1
     np.testing.assert_allclose(gap[near], exact[near], atol=1e-5)
     gap = found(sc.rigid.plane((0, 0, 0.1), (0, 0.6, 0.8), width=9.0), points).gap
     np.testing.assert_allclose(gap, points @ [0, 0.6, 0.8] - 0.08, atol=1e-14)
@@ -237,7 +293,11 @@ def test_rigid_surface_of_a_mesh():
     """A boundary of a mesh as an obstacle: no unknowns, the same facets."""
     mesh = space.block("Q1", [0, 1, 2], [0, 1], [-1, 0])
     rigid = sc.rigid.mesh(mesh, "top")
-    assert rigid.rigid and len(rigid.facets) == 2 and rigid.area == pytest.approx([1.0, 1.0], rel=1e-14)
+    assert (
+        rigid.rigid
+        and len(rigid.facets) == 2
+        and rigid.area == pytest.approx([1.0, 1.0], rel=1e-14)
+    )
     with pytest.raises(ValueError, match=r"there is no boundary 'roof'; existing: .*top"):
         sc.rigid.mesh(mesh, "roof")
 
@@ -272,7 +332,9 @@ def prisms() -> Basis:
 
 
 def collapsed(kind: str) -> Surface:
-    """A facet without area: a triangle with its corners on a line, and a quadrilateral in one place."""
+    """A facet without area: a triangle with its corners on a line, and a quadrilateral in one
+    place.
+    """
     if kind == "triangle":
         p = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 1.0]]).T
         return skin(MeshTet(p, np.array([[0, 1, 2, 3]]).T), lambda x: x[2] < 0.1)
@@ -284,23 +346,52 @@ def collapsed(kind: str) -> Surface:
 
 #: What is no surface of a contact pair in space, and what is said of it.
 NO_SURFACE = {
-    "an edge of four facets": (lambda: skin(cubes((0, 0, 0), (1, 1, 0))), "'skin' is no surface: an edge belongs to"),
-    "a pinched corner": (lambda: skin(cubes((0, 0, 0), (1, 1, 1))), "'skin' is no surface: parts .* at 1 nodes"),
-    "a chequerboard": (lambda: skin(cubes((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)), lambda x: np.isclose(x[2], 1)
-                                    & ((x[0] - 1) * (x[1] - 1) > 0)), "parts of it meet only at a corner"),
-    "mixed facets": (lambda: sc.ContactPair(prisms(), "top", "bottom", sc.Coulomb()),
-                     "unsupported element .*Wedge.*supported are"),
-    "mixed bodies": (lambda: sc.join_bodies({"a": MeshTet(), "b": MeshHex()}), "different types cannot be joined"),
-    "a slave that is master": (lambda: sc.ContactPair(space.facing("Q1", np.random.default_rng(1)), "lower:top",
-                                                      "lower:top", sc.Coulomb()), "share nodes"),
-    "a slave beside its master": (lambda: sc.ContactPair(space.facing("P2", np.random.default_rng(1)), "lower:top",
-                                                         "lower:left", sc.Coulomb()), "share nodes"),
+    "an edge of four facets": (
+        lambda: skin(cubes((0, 0, 0), (1, 1, 0))),
+        "'skin' is no surface: an edge belongs to",
+    ),
+    "a pinched corner": (
+        lambda: skin(cubes((0, 0, 0), (1, 1, 1))),
+        "'skin' is no surface: parts .* at 1 nodes",
+    ),
+    "a chequerboard": (
+        lambda: skin(
+            cubes((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)),
+            lambda x: np.isclose(x[2], 1) & ((x[0] - 1) * (x[1] - 1) > 0),
+        ),
+        "parts of it meet only at a corner",
+    ),
+    "mixed facets": (
+        lambda: sc.ContactPair(prisms(), "top", "bottom", sc.Coulomb()),
+        "unsupported element .*Wedge.*supported are",
+    ),
+    "mixed bodies": (
+        lambda: sc.join_bodies({"a": MeshTet(), "b": MeshHex()}),
+        "different types cannot be joined",
+    ),
+    "a slave that is master": (
+        lambda: sc.ContactPair(
+            space.facing("Q1", np.random.default_rng(1)), "lower:top", "lower:top", sc.Coulomb()
+        ),
+        "share nodes",
+    ),
+    "a slave beside its master": (
+        lambda: sc.ContactPair(
+            space.facing("P2", np.random.default_rng(1)), "lower:top", "lower:left", sc.Coulomb()
+        ),
+        "share nodes",
+    ),
     "a flat triangle": (lambda: collapsed("triangle"), r"'skin': facets without area at \[\[1"),
-    "a flat quadrilateral": (lambda: collapsed("quadrilateral"), r"'skin': facets without area at \[\[1"),
-}  # fmt: skip
+    "a flat quadrilateral": (
+        lambda: collapsed("quadrilateral"),
+        r"'skin': facets without area at \[\[1",
+    ),
+}
 
 
-@pytest.mark.filterwarnings("ignore:.*(divide|invalid value):RuntimeWarning")  # scikit-fem's, of flat elements
+@pytest.mark.filterwarnings(
+    "ignore:.*(divide|invalid value):RuntimeWarning"
+)  # scikit-fem's, of flat elements
 @pytest.mark.parametrize("name", NO_SURFACE)
 def test_what_is_no_surface(name):
     """One clear error, before anything is computed."""

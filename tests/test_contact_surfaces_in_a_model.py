@@ -19,19 +19,26 @@ class Block(sc.Form):
 
     def __init__(self) -> None:
         basis = vector_basis(UP, "Q1", intorder=2)
-        self.K, self.load = csr_matrix(sc.SolidForm(basis, STEEL).elastic_stiffness), top_load(basis)
+        self.K, self.load = (
+            csr_matrix(sc.SolidForm(basis, STEEL).elastic_stiffness),
+            top_load(basis),
+        )
         self.fields, self.numbers = (sc.Field("block", basis.doflocs),), np.zeros(0, int)
         nodes = np.flatnonzero(UP.p[1] == 0.0)
         nodes = nodes[np.argsort(-UP.p[0, nodes])]
         cells = np.column_stack((np.arange(5), np.arange(1, 6)))
-        self.surface = sc.Surface.from_cells(UP.p[:, nodes].T, (self.fields[0], basis.nodal_dofs[:, nodes].T), cells)
+        self.surface = sc.Surface.from_cells(
+            UP.p[:, nodes].T, (self.fields[0], basis.nodal_dofs[:, nodes].T), cells
+        )
 
     def numbered(self, numbers):
         self.numbers = np.asarray(numbers[self.fields[0]])
         return self
 
     def assemble(self, x, state):
-        return sc.Response(self.K @ x[self.numbers] - self.load, lambda: state, lambda: self.K, dofs=self.numbers)
+        return sc.Response(
+            self.K @ x[self.numbers] - self.load, lambda: state, lambda: self.K, dofs=self.numbers
+        )
 
 
 def top_load(basis) -> np.ndarray:
@@ -45,12 +52,21 @@ def test_block_with_dofs_of_its_own(swapped: bool) -> None:
     """[X] Pressure and settlement are those of two bodies of one mesh, whichever is the slave."""
     both = vector_basis(sc.join_bodies({"low": LOW, "up": UP}), "Q1", intorder=2)
     names = ["low:top", "up:bottom"] if swapped else ["up:bottom", "low:top"]
-    forms = {"solids": sc.SolidForm(both, STEEL), "joint": sc.ContactPair(both, *names, LAW, penalty=2e4)}
-    wanted = sc.Model(forms, both.get_dofs("low:bottom").all()).run([sc.Stage("press", top_load(both))])["press"]
+    forms = {
+        "solids": sc.SolidForm(both, STEEL),
+        "joint": sc.ContactPair(both, *names, LAW, penalty=2e4),
+    }
+    wanted = sc.Model(forms, both.get_dofs("low:bottom").all()).run(
+        [sc.Stage("press", top_load(both))]
+    )["press"]
 
     low, block = vector_basis(LOW, "Q1", intorder=2), Block()
     sides = ["top", block.surface] if swapped else [block.surface, "top"]
-    forms = {"low": sc.SolidForm(low, STEEL), "block": block, "joint": sc.ContactPair(low, *sides, LAW, penalty=2e4)}
+    forms = {
+        "low": sc.SolidForm(low, STEEL),
+        "block": block,
+        "joint": sc.ContactPair(low, *sides, LAW, penalty=2e4),
+    }
     model = sc.Model(forms, low.get_dofs("bottom").all())
     assert model.layout.size == low.N + block.K.shape[0]
     found = model.run([sc.Stage("press", low.zeros())])["press"]
@@ -58,5 +74,7 @@ def test_block_with_dofs_of_its_own(swapped: bool) -> None:
     np.testing.assert_allclose(other, one, atol=1e-6)
     assert found.x.min() == pytest.approx(wanted.x.min(), rel=1e-8)
     del forms["block"]
-    with pytest.raises(ValueError, match="'joint' acts on the field 'block', which no form of the model brings"):
+    with pytest.raises(
+        ValueError, match="'joint' acts on the field 'block', which no form of the model brings"
+    ):
         sc.Model(forms, low.get_dofs("bottom").all())

@@ -1,4 +1,5 @@
-"""The tangent is the derivative of the force: at vertices, ends and seams, on rigid obstacles, in tension.
+"""The tangent is the derivative of the force: at vertices, ends and seams, on rigid obstacles, in
+tension.
 
 Random configurations of every combination are in test_contact_tangent_random.py.
 """
@@ -35,10 +36,14 @@ LAWS = {
 
 
 def assert_exact(pair, state, x, directions) -> None:
-    """The tangent is the derivative of the force along the directions, at most of the points at least."""
+    """The tangent is the derivative of the force along the directions, at most of the points at
+    least.
+    """
     error, status = tangent_error(pair, state, x, directions)
     assert error < TOLERANCE
-    assert 2 * len(status) >= len(state.gap), "many points sit on kinks: choose another configuration"
+    assert 2 * len(status) >= len(state.gap), (
+        "many points sit on kinks: choose another configuration"
+    )
 
 
 def statuses(pair, state, x) -> list[int]:
@@ -64,7 +69,9 @@ def unknowns_of_slave(pair) -> np.ndarray:
 
 
 def notch(element: str, quadrature, law, rng):
-    """A V-shaped groove; a blunt wedge whose points lie beyond its bottom vertex, inside the master."""
+    """A V-shaped groove; a blunt wedge whose points lie beyond its bottom vertex, inside the
+    master.
+    """
     groove = np.array([[0.0, 1.0], [1.0, 0.0], [2.0, 1.0]])
     wedge = np.array([[1.6, 0.5], [1.05, -0.07], [0.95, -0.08], [0.4, 0.5]])
     basis = facing(body_along(wedge, element, 0.05), body_along(groove, element, 0.4), element)
@@ -77,7 +84,9 @@ def notch(element: str, quadrature, law, rng):
 @pytest.mark.parametrize("quadrature", ["nodal", 5])
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_at_a_concave_vertex(element, quadrature, law, rng):
-    """[X] Points in the cone where both sides of a vertex shadow each other: the vertex itself is closest."""
+    """[X] Points in the cone where both sides of a vertex shadow each other: the vertex itself is
+    closest.
+    """
     at_vertex = 0
     for _ in range(3):
         basis, pair, x, state = notch(element, quadrature, LAWS[law], rng)
@@ -105,7 +114,9 @@ def test_beyond_the_ends_of_a_chain(element, law, rng):
     line = np.stack((np.linspace(0, 2, 4), np.zeros(4)), axis=1)
     roof = np.stack((np.linspace(2.015, -0.015, 4), np.full(4, -0.03)), axis=1)
     basis = facing(body_along(roof, element, 0.6), body_along(line, element, 0.6), element)
-    pair = sc.ContactPair(basis, "slave:face", "master:face", LAWS[law], quadrature="nodal", penalty=(1e3, 7e2))
+    pair = sc.ContactPair(
+        basis, "slave:face", "master:face", LAWS[law], quadrature="nodal", penalty=(1e3, 7e2)
+    )
     state = slipped(pair.initial_state(), 0.05, rng)
     x = 0.001 * rng.standard_normal(basis.N)
     where = closest(pair, state, x)
@@ -124,13 +135,17 @@ def ring(n: int, radius: float, turn: float, outward: bool) -> np.ndarray:
 @pytest.mark.parametrize("quadrature", ["nodal", 3, "segments"])
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_closed_chains(element, quadrature, pin_is_slave, rng):
-    """[X] A pin in a hole of the same size: concave and convex closed masters, the seam included."""
+    """[X] A pin in a hole of the same size: concave and convex closed masters, the seam
+    included.
+    """
     pin = body_along(ring(9, 1.0, 7.0, outward=True), element, 0.4, closed=True)
     hole = body_along(ring(10, 1.0, 0.0, outward=False), element, 0.4, closed=True)
     bodies = (pin, hole) if pin_is_slave else (hole, pin)
     basis = facing(*bodies, element)
     for law in LAWS.values():
-        pair = sc.ContactPair(basis, "slave:face", "master:face", law, quadrature, penalty=(1e3, 7e2))
+        pair = sc.ContactPair(
+            basis, "slave:face", "master:face", law, quadrature, penalty=(1e3, 7e2)
+        )
         assert pair.master.closed and pair.slave.closed
         x = 0.01 * rng.standard_normal(basis.N)
         dofs = unknowns_of(basis, "slave")
@@ -148,7 +163,9 @@ def test_closed_chains(element, quadrature, pin_is_slave, rng):
 @pytest.mark.parametrize("quadrature", ["nodal", 3])
 def test_rigid_obstacles(obstacle, quadrature, rng):
     """[X] Surfaces without unknowns: the slave's share of force and tangent is left."""
-    roof = np.stack((np.linspace(1.2, -1.2, 6), -0.05 + 0.1 * np.linspace(1.2, -1.2, 6) ** 2), axis=1)
+    roof = np.stack(
+        (np.linspace(1.2, -1.2, 6), -0.05 + 0.1 * np.linspace(1.2, -1.2, 6) ** 2), axis=1
+    )
     if obstacle == "circle":
         roof[:, 1] = -0.1 * np.linspace(1.2, -1.2, 6) ** 2 - 0.05
     basis = vector_basis(body_along(roof, "Q2", 0.4), "Q2")
@@ -175,14 +192,27 @@ def test_all_entries_of_one_tangent(rng):
 
 
 def test_primary_tangent_is_exact_for_a_flat_master_at_rest(rng):
-    """[X] Equations 20 to 22 lack what vanishes with gap and slip: nothing is missing at first touch."""
+    """[X] Equations 20 to 22 lack what vanishes with gap and slip: nothing is missing at first
+    touch.
+    """
     line = np.stack((np.linspace(0, 3, 6), np.zeros(6)), axis=1)
     roof = np.stack((np.linspace(2.5, 0.5, 4), np.zeros(4)), axis=1)
     basis = facing(body_along(roof), body_along(line))
     K = [
-        sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), quadrature="nodal", penalty=1e3, tangent=t)
+        sc.ContactPair(
+            basis,
+            "slave:face",
+            "master:face",
+            sc.Coulomb(0.3),
+            quadrature="nodal",
+            penalty=1e3,
+            tangent=t,
+        )
         .assemble(
-            basis.zeros(), sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), "nodal").initial_state()
+            basis.zeros(),
+            sc.ContactPair(
+                basis, "slave:face", "master:face", sc.Coulomb(0.3), "nodal"
+            ).initial_state(),
         )
         .stiffness
         for t in ("exact", "primary")
@@ -197,14 +227,20 @@ def test_primary_tangent_is_exact_for_a_flat_master_at_rest(rng):
 
 
 def test_damped_tangent_is_the_exact_one_while_the_bodies_bear_the_tractions(rng):
-    """[X] Soft bodies cannot bear them: the primary part is left, to the 1e-9 of their stiffness over the penalty.
+    """[X] Soft bodies cannot bear them: the primary part is left, to the 1e-9 of their stiffness
+    over the penalty.
 
-    It is not left alone at once: without its geometric part a frictionless pin in a hole is free to turn.
+    It is not left alone at once: without its geometric part a frictionless pin in a hole is free to
+    turn.
     """
     _, pair, x, state = rough_pair("P1", 2, sc.Coulomb(100.0), rng)
     _, primary, _, _ = rough_pair("P1", 2, sc.Coulomb(100.0), rng, tangent="primary")
-    stiff, soft = (pair.with_penalty(*pair.penalty, stiffness=s * pair.penalty[0]).assemble(x, state)
-                   for s in (1e6, 1e-9))  # fmt: skip
+    stiff, soft = (
+        pair.with_penalty(*pair.penalty, stiffness=s * pair.penalty[0]).assemble(x, state)
+        for s in (1e6, 1e-9)
+    )
     exact, least = stiff.stiffness, primary.assemble(x, state).stiffness
     assert abs(stiff.damped - exact).max() == 0.0
-    assert abs(soft.damped - least).max() < 1e-8 * abs(least).max() < 1e-2 * abs(exact - least).max()
+    assert (
+        abs(soft.damped - least).max() < 1e-8 * abs(least).max() < 1e-2 * abs(exact - least).max()
+    )

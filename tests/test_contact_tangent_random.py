@@ -1,8 +1,10 @@
-"""The tangent is the derivative of the force: every rule, smoothing, status, element and enforcement.
+"""The tangent is the derivative of the force: every rule, smoothing, status, element and
+enforcement.
 
-A configuration is a closed contact point with the wanted status in a random mesh: its place on a facet, the shapes
-of both bodies, penetration, elastic slip and, in the augmented method, multipliers are all random.  A point counts
-if neither it nor a neighbour that shares unknowns with it passes a kink within the steps of the difference.
+A configuration is a closed contact point with the wanted status in a random mesh: its place on a
+facet, the shapes of both bodies, penetration, elastic slip and, in the augmented method,
+multipliers are all random.  A point counts if neither it nor a neighbour that shares unknowns with
+it passes a kink within the steps of the difference.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ SURFACES = [
 
 
 def rugged_pair(element, quadrature, law, rng, **options):
-    """Two bodies that overlap along a random line, displaced at random, with stick points at random."""
+    """Two bodies that overlap along a random line, displaced at random, with stick points at
+    random.
+    """
     n = {"nodal": 200, "segments": 40}.get(quadrature, 125)
     along = np.arange(n + 1.0)
     up = 0.1 * np.cumsum(rng.uniform(-1, 1, n + 1))
@@ -41,7 +45,9 @@ def rugged_pair(element, quadrature, law, rng, **options):
     place = np.linspace(n - 0.6, 0.7, round(1.1 * n))
     roof = np.stack((place, np.interp(place, along, up) - 0.06), axis=1)
     basis = facing(body_along(roof, element, 0.6), body_along(floor, element, 0.6), element)
-    pair = sc.ContactPair(basis, "slave:face", "master:face", law, quadrature, penalty=(1e3, 7e2), **options)
+    pair = sc.ContactPair(
+        basis, "slave:face", "master:face", law, quadrature, penalty=(1e3, 7e2), **options
+    )
     x = 0.02 * rng.standard_normal(basis.N)
     return pair, x, slipped(pair.initial_state(), 0.05, rng)
 
@@ -57,7 +63,9 @@ def augmented(state, rng):
     )
 
 
-@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "augmented"])
+@pytest.mark.parametrize(
+    "enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "augmented"]
+)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("element", "alpha"), SURFACES)
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
@@ -66,7 +74,9 @@ def test_random_configurations(quadrature, element, alpha, law, enforcement, rng
     law, wanted = LAWS[law]
     configurations = 0
     for _ in range(5):
-        pair, x, state = rugged_pair(element, quadrature, law, rng, smoothing=alpha, enforcement=enforcement)
+        pair, x, state = rugged_pair(
+            element, quadrature, law, rng, smoothing=alpha, enforcement=enforcement
+        )
         if enforcement is not None:
             state = augmented(state, rng)
         error, status = tangent_error(pair, state, x, rng.standard_normal((1, len(x))))
@@ -87,6 +97,8 @@ def test_other_gauss_rules(quadrature, rng):
 
 
 def test_the_measure_sees_a_missing_term(rng):
-    """[X] The primary tangent, without rotation and curvature, is wrong by a thousandth and more in some row."""
+    """[X] The primary tangent, without rotation and curvature, is wrong by a thousandth and more in
+    some row.
+    """
     pair, x, state = rugged_pair("Q1", 2, sc.Coulomb(0.1, 0.2), rng, tangent="primary")
     assert tangent_error(pair, state, x, rng.standard_normal((1, len(x))))[0] > 1e-3

@@ -46,7 +46,9 @@ def work(slip: np.ndarray, traction: np.ndarray) -> float:
 
 
 def test_cyclic_slip():
-    """[X] Case A7: plateau 30, elastic slip 0.003, energy per cycle 4 mu N (a - mu N / eps_T) = 0.84."""
+    """[X] Case A7: plateau 30, elastic slip 0.003, energy per cycle 4 mu N (a - mu N / eps_T) =
+    0.84.
+    """
     first = cycle(0.01)
     slip = np.concatenate((first, first[1:]))
     normal, traction, stick, status = drag(Coulomb(mu=0.3), np.full(len(slip), -1e-4), slip)
@@ -55,7 +57,9 @@ def test_cyclic_slip():
     assert np.abs(traction).max() == pytest.approx(30.0, rel=1e-12)
     plateau = status == Status.SLIP
     np.testing.assert_allclose(np.abs(slip - stick)[plateau], 0.003, rtol=1e-12)
-    loop = slice(len(first) - 1, None)  # the second cycle begins and ends in the same point of the loop
+    loop = slice(
+        len(first) - 1, None
+    )  # the second cycle begins and ends in the same point of the loop
     assert work(slip[loop], traction[loop]) == pytest.approx(0.84, rel=1e-12)
     assert traction[loop][0] == pytest.approx(traction[loop][-1], rel=1e-12)
 
@@ -70,7 +74,9 @@ def test_small_cycles_are_reversible():
 
 
 def test_force_follows_the_shrinking_cone():
-    """[X] Case A7: the pressure falls while the point sticks; the friction falls with it along the cone."""
+    """[X] Case A7: the pressure falls while the point sticks; the friction falls with it along the
+    cone.
+    """
     pressure = np.linspace(100, 0, 101)
     slip = np.full(101, 0.002)  # 20 of friction: sticks down to a pressure of 66.67
     _, traction, stick, status = drag(Coulomb(mu=0.3), -pressure / 1e6, slip)
@@ -87,7 +93,9 @@ def test_cone_and_signs(mu, adhesion, rng):
     eps_n, eps_t = 10.0 ** rng.uniform(2, 6, (2, 1000))
     whole, closed = np.zeros((1, 1000)), rng.random(1000) < 0.5
     reached = law.reaches(gap, whole, closed)
-    assert np.array_equal(reached, (gap <= 0) | (closed & (adhesion > 0)))  # an adhesive point opens as it is asked
+    assert np.array_equal(
+        reached, (gap <= 0) | (closed & (adhesion > 0))
+    )  # an adhesive point opens as it is asked
     opens = answer(law, gap, slip, eps_n, eps_t).status == Status.OPEN
     assert np.array_equal(opens, gap > 0)
     gap = -np.abs(gap)
@@ -127,7 +135,8 @@ def test_derivatives(law, dim, rng):
         up, down = (answer(law, gap + k * step[0], slip + k * step[1:], *eps) for k in (1, -1))
         same = (up.status == down.status) & (up.status == out.status) & (np.abs(gap) > h)
         slope = (up.traction - down.traction) / (2 * h)
-        # a slip of 1e-5 and more turns by h / 1e-5: h^2 / 6 of the third derivative, which is 1e4 of the first
+        # a slip of 1e-5 and more turns by h / 1e-5: h^2 / 6 of the third derivative, which is 1e4
+        # of the first
         same &= np.linalg.norm(slip, axis=0) > 1e-5
         assert same.mean() > 0.95
         # tractions of 1e2 with round-off 1e-14 over 2e-7; in space relative to the penalty
@@ -136,14 +145,24 @@ def test_derivatives(law, dim, rng):
 
 
 def test_radial_return_in_space(rng):
-    """[X] In space the traction is on the cone along the slip, and a turned slip has the turned traction."""
-    law, gap, slip = Coulomb(0.4, 2.0), -1e-3 * rng.random(300), 1e-2 * rng.standard_normal((2, 300))
+    """[X] In space the traction is on the cone along the slip, and a turned slip has the turned
+    traction.
+    """
+    law, gap, slip = (
+        Coulomb(0.4, 2.0),
+        -1e-3 * rng.random(300),
+        1e-2 * rng.standard_normal((2, 300)),
+    )
     out = answer(law, gap, slip, 1e4, 1e3)
     slides = out.status == Status.SLIP
     assert 0.1 < slides.mean() < 0.99
     size = np.linalg.norm(out.traction[1:], axis=0)
-    np.testing.assert_allclose(size[slides], (2.0 + 0.4 * np.abs(out.traction[0]))[slides], rtol=1e-14)
-    np.testing.assert_allclose(out.traction[1:] * np.linalg.norm(slip, axis=0), size * slip, atol=1e-14)
+    np.testing.assert_allclose(
+        size[slides], (2.0 + 0.4 * np.abs(out.traction[0]))[slides], rtol=1e-14
+    )
+    np.testing.assert_allclose(
+        out.traction[1:] * np.linalg.norm(slip, axis=0), size * slip, atol=1e-14
+    )
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     turned = answer(law, gap, turn @ slip, 1e4, 1e3)
     np.testing.assert_allclose(turned.traction[1:], turn @ out.traction[1:], atol=1e-13)
@@ -155,7 +174,9 @@ def test_radial_return_in_space(rng):
 
 
 def test_dissipation_is_never_negative(rng):
-    """[X] Case S14: 2000 random increments of slip and pressure; what is not stored is dissipated."""
+    """[X] Case S14: 2000 random increments of slip and pressure; what is not stored is
+    dissipated.
+    """
     slip = np.cumsum(0.004 * rng.standard_normal(2000))
     gap = -1e-4 * np.abs(rng.standard_normal(2000))
     normal, traction, stick, _ = drag(Coulomb(mu=0.3, adhesion=1.0), gap, slip)
@@ -175,16 +196,23 @@ def test_opening_forgets_the_friction():
 
 
 def test_touching_point_is_closed():
-    """[X] A gap of exactly zero carries nothing but is stiff: bodies that touch need it to begin with."""
+    """[X] A gap of exactly zero carries nothing but is stiff: bodies that touch need it to begin
+    with.
+    """
     law, zero = Coulomb(mu=0.3), np.zeros(1)
     assert law.reaches(zero, WHOLE, np.array([False]))[0]
     out = answer(law, zero, zero, 1e3, 1e2)
     assert not out.traction.any()
-    assert out.status[0] == Status.STICK and out.tangent[:, :, 0].tolist() == [[1e3, 0.0], [0.0, 1e2]]
+    assert out.status[0] == Status.STICK and out.tangent[:, :, 0].tolist() == [
+        [1e3, 0.0],
+        [0.0, 1e2],
+    ]
 
 
 def test_tension_cut_off():
-    """[X] A closed point holds up to the cut-off, then opens for good: adhesion and tension are gone."""
+    """[X] A closed point holds up to the cut-off, then opens for good: adhesion and tension are
+    gone.
+    """
     gap = np.array([-1e-5, 1e-6, 4e-6, 6e-6, 4e-6, -1e-6, -1e-6, 1e-6])
     slip = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0])
     normal, traction, _, status = drag(Coulomb(mu=0.5, adhesion=2.0, tension=5.0), gap, slip)
@@ -194,11 +222,17 @@ def test_tension_cut_off():
 
 
 def test_adhesion_is_lost_where_it_opens():
-    """[X] Closed with its bond, opened, closed again: friction alone; a point that closes late has its bond."""
+    """[X] Closed with its bond, opened, closed again: friction alone; a point that closes late has
+    its bond.
+    """
     law = Coulomb(mu=0.5, adhesion=2.0)
-    _, traction, _, _ = drag(law, np.array([-1e-5, 1e-6, -1e-5, -1e-5]), np.array([1.0, 1.0, 1.0, 2.0]))
+    _, traction, _, _ = drag(
+        law, np.array([-1e-5, 1e-6, -1e-5, -1e-5]), np.array([1.0, 1.0, 1.0, 2.0])
+    )
     np.testing.assert_allclose(traction, [7, 0, 0, 5], atol=1e-12)
-    _, traction, _, _ = drag(law, np.array([1e-6, 1e-6, -1e-5, -1e-5]), np.array([1.0, 1.0, 1.0, 2.0]))
+    _, traction, _, _ = drag(
+        law, np.array([1e-6, 1e-6, -1e-5, -1e-5]), np.array([1.0, 1.0, 1.0, 2.0])
+    )
     np.testing.assert_allclose(traction, [0, 0, 0, 7], atol=1e-12)
 
 
@@ -227,7 +261,9 @@ def test_limits_of_the_coefficient():
 
 
 def test_parameters_along_the_slave():
-    """[X] A parameter with one value for each node of the slave is interpolated at the points, whatever the rule."""
+    """[X] A parameter with one value for each node of the slave is interpolated at the points,
+    whatever the rule.
+    """
     line = np.stack((np.linspace(0, 1, 5), np.zeros(5)), axis=1)
     basis = facing(body_along(line[::-1]), body_along(line))
     for quadrature in ("nodal", 3, "segments"):
@@ -236,7 +272,9 @@ def test_parameters_along_the_slave():
         x = basis.zeros()
         x[unknowns_of(basis, "slave")] = (0.05, -1e-3)
         joint = tractions(pair, pair.assemble(x, pair.initial_state()).state)
-        np.testing.assert_allclose(np.abs(joint.shear), (0.1 + 0.4 * joint.x) * joint.pressure, rtol=1e-12)
+        np.testing.assert_allclose(
+            np.abs(joint.shear), (0.1 + 0.4 * joint.x) * joint.pressure, rtol=1e-12
+        )
         assert joint.pressure.max() == pytest.approx(10.0)
     with pytest.raises(ValueError, match=r"Coulomb: mu has shape \(3,\); the slave has 5 nodes"):
         pair.with_law(Coulomb(mu=np.ones(3)))

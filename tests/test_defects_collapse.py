@@ -1,4 +1,6 @@
-"""Searches for a collapse do not answer wrongly in silence: stalls, peaks, joints, contact in one geometry."""
+"""Searches for a collapse do not answer wrongly in silence: stalls, peaks, joints, contact in one
+geometry.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,16 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers import analysis, grid
-from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshTri
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshQuad,
+    MeshTri,
+)
 
 import skfem_contact as sc
 from skfem_contact.contact.interface import ContactState
@@ -17,15 +28,21 @@ from skfem_contact.contact.interface import ContactState
 def supported(mesh):
     """Basis of quadratic triangles, and supports of the base and the sides."""
     x, y = mesh.p
-    mesh = mesh.with_boundaries({"base": lambda p: p[1] < y.min() + 1e-9,
-                                 "sides": lambda p: (p[0] < x.min() + 1e-9) | (p[0] > x.max() - 1e-9)})
+    mesh = mesh.with_boundaries(
+        {
+            "base": lambda p: p[1] < y.min() + 1e-9,
+            "sides": lambda p: (p[0] < x.min() + 1e-9) | (p[0] > x.max() - 1e-9),
+        }
+    )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     return basis, np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
 
 
 @pytest.mark.parametrize(("phi", "limit"), [(20.0, 0.5949), (40.0, 1.3716)])
 def test_slope_without_cohesion(phi, limit):
-    """[N] Points without pressure have no strength: the bracket holds what cohesions of 0.1 and 0.01 tend to."""
+    """[N] Points without pressure have no strength: the bracket holds what cohesions of 0.1 and
+    0.01 tend to.
+    """
     flat = MeshTri.init_tensor(np.linspace(0, 1, 13), np.linspace(0, 1, 5))
     height = 10 - 10 * np.clip((30 * flat.p[0] - 10) / 15, 0, 1) + 5
     basis, fixed = supported(MeshTri(np.stack((30 * flat.p[0], height * flat.p[1])), flat.t))
@@ -38,7 +55,9 @@ def test_slope_without_cohesion(phi, limit):
 
 def steep(psi):
     """10 m of soil at 45 degrees, 5 m of ground below the toe, phi = 40 and little cohesion."""
-    x = np.concatenate((np.arange(0, 15, 2.5), 15 + np.linspace(0, 10, 7), 25 + np.linspace(0, 15, 7)[1:]))
+    x = np.concatenate(
+        (np.arange(0, 15, 2.5), 15 + np.linspace(0, 10, 7), 25 + np.linspace(0, 15, 7)[1:])
+    )
     flat = MeshQuad.init_tensor(x, np.concatenate(([0, 3, 5], 5 + np.linspace(0, 10, 7)[1:])))
     surface = 5 + np.clip((flat.p[0] - 15) / 10, 0, 1) * 10
     y = np.where(flat.p[1] > 3, 3 + (flat.p[1] - 3) / 12 * (surface - 3), flat.p[1])
@@ -51,23 +70,31 @@ def steep(psi):
 def test_bracket_without_dilatancy():
     """[X] Radenkovic: no flow exceeds the associated factor, which follows from that of Davis."""
     free = analysis("strength_reduction", *steep(0.0), tolerance=0.005, progress=False)
-    fixed_factors = analysis("strength_reduction", *steep(0.0), tolerance=0.005, method="bracket", progress=False)
+    fixed_factors = analysis(
+        "strength_reduction", *steep(0.0), tolerance=0.005, method="bracket", progress=False
+    )
     associated = analysis("strength_reduction", *steep(40.0), tolerance=0.005, progress=False)
     low, high = free.bracket
     assert high - low > 1e-6
     assert free.davis.factor < low and fixed_factors.factor <= high
-    # one soil: the bound is the associated factor; each curve may rise by a quarter of 0.005, 1.3 times that is left
+    # one soil: the bound is the associated factor; each curve may rise by a quarter of 0.005, 1.3
+    # times that is left
     assert high == pytest.approx(associated.bracket[1], abs=0.005)
     assert f"{free.davis.value:.4g} after Davis" in str(free)
 
 
 def test_limit_load_that_stalls_says_what_helps():
-    """A strip footing, phi = 30 and psi = 0, one iteration a step: nothing is known above, the flows are named."""
+    """A strip footing, phi = 30 and psi = 0, one iteration a step: nothing is known above, the
+    flows are named.
+    """
     mesh = grid("P2", np.linspace(0, 6, 10), np.linspace(-3, 0, 5)).with_boundaries(
-        {"foot": lambda p: (p[1] > -1e-9) & (p[0] < 1.4)})
+        {"foot": lambda p: (p[1] > -1e-9) & (p[0] < 1.4)}
+    )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     bottom = basis.get_dofs(lambda p: p[1] < -3 + 1e-9).all()
-    fixed = np.append(bottom, basis.get_dofs(lambda p: (p[0] < 1e-9) | (p[0] > 6 - 1e-9)).all("u^1"))
+    fixed = np.append(
+        bottom, basis.get_dofs(lambda p: (p[0] < 1e-9) | (p[0] > 6 - 1e-9)).all("u^1")
+    )
     load = LinearForm(lambda v, w: -v[1]).assemble(FacetBasis(mesh, basis.elem, facets="foot"))
     forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=30.0, psi=0.0))}
     with pytest.warns(sc.AnalysisWarning, match=r"psi < phi .* flow='davis_b' or 'lagged'"):
@@ -80,19 +107,28 @@ def test_joints_are_reduced_like_all_other_strength():
     """[X] A block on an incline of 1 : 4 with mu = 0.4 slides at 1.6."""
     base = MeshQuad.init_tensor(np.linspace(0, 4, 13), np.linspace(-1, 0, 4)).with_defaults()
     block = MeshQuad.init_tensor(np.linspace(1.5, 2.5, 5), np.linspace(0, 0.5, 3)).with_defaults()
-    basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2)
+    basis = Basis(
+        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2
+    )
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=20.0, phi=30.0, psi=30.0)
-    forms = {"base": sc.SolidForm(basis.with_elements("base"), soil, "b_bar"),
-             "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e6, nu=0.2)),
-             "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.4), quadrature=2)}
+    forms = {
+        "base": sc.SolidForm(basis.with_elements("base"), soil, "b_bar"),
+        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e6, nu=0.2)),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "base:top", sc.Coulomb(mu=0.4), quadrature=2
+        ),
+    }
     angle = np.arctan(0.25)
     down = sc.weight(basis, {"base": 0.0, "block": 20.0}, direction=(np.sin(angle), -np.cos(angle)))
-    found = sc.Model(forms, basis.get_dofs("base:bottom").all()).strength_reduction(down, progress=False)
+    found = sc.Model(forms, basis.get_dofs("base:bottom").all()).strength_reduction(
+        down, progress=False
+    )
     assert found.reduced == ("base.all", "joint")
     assert found.factor == pytest.approx(1.6, abs=0.01)  # tol
 
 
-# -- contact in one geometry -------------------------------------------------------------------------------------------
+# -- contact in one geometry
+# -------------------------------------------------------------------------------------------
 
 
 @cache
@@ -106,20 +142,35 @@ def wall(stiffness, law):
     def in_wall(p):
         return (p[0] > 0) & (p[0] < 0.4) & (p[1] > -3)
 
-    faces = {"left": lambda p: np.isclose(p[0], 0.0) & (p[1] > -3),
-             "tip": lambda p: np.isclose(p[1], -3) & (p[0] > 0) & (p[0] < 0.4),
-             "right": lambda p: np.isclose(p[0], 0.4) & (p[1] > -3) & (p[1] < 0)}
-    mesh = mesh.with_boundaries(faces | {
-        "bottom": lambda p: p[1] < -6 + 1e-9, "sides": lambda p: (p[0] < -8 + 1e-9) | (p[0] > 6.4 - 1e-9)},
-        boundaries_only=False)
+    faces = {
+        "left": lambda p: np.isclose(p[0], 0.0) & (p[1] > -3),
+        "tip": lambda p: np.isclose(p[1], -3) & (p[0] > 0) & (p[0] < 0.4),
+        "right": lambda p: np.isclose(p[0], 0.4) & (p[1] > -3) & (p[1] < 0),
+    }
+    mesh = mesh.with_boundaries(
+        faces
+        | {
+            "bottom": lambda p: p[1] < -6 + 1e-9,
+            "sides": lambda p: (p[0] < -8 + 1e-9) | (p[0] > 6.4 - 1e-9),
+        },
+        boundaries_only=False,
+    )
     mesh = mesh.with_subdomains({"wall": in_wall, "clay": lambda p: ~in_wall(p)})
     mesh = sc.join_bodies(mesh, bodies={"ground": "clay", "wall": "wall"})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), sc.Tresca(E=stiffness * 1e4, nu=0.3, c=25.0)),
-             "wall": sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(E=stiffness * 2e7, nu=0.2))}
+    forms = {
+        "ground": sc.SolidForm(
+            basis.with_elements("ground"), sc.Tresca(E=stiffness * 1e4, nu=0.3, c=25.0)
+        ),
+        "wall": sc.SolidForm(
+            basis.with_elements("wall"), sc.LinearElastic(E=stiffness * 2e7, nu=0.2)
+        ),
+    }
     for face in faces:
         penalty = stiffness * 1e5, stiffness * 1e4
-        forms[face] = sc.ContactPair(basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty)
+        forms[face] = sc.ContactPair(
+            basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty
+        )
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
     return sc.Model(forms, fixed).strength_reduction(
         sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tolerance=0.01, progress=False
@@ -130,22 +181,30 @@ FRICTION = sc.Coulomb(mu=0.3)
 
 
 def test_factor_with_contact_does_not_depend_on_stiffness():
-    """[X] Collapse loads are rigid-plastic: one factor over 2,500-fold moduli and penalties, to within `tol`."""
+    """[X] Collapse loads are rigid-plastic: one factor over 2,500-fold moduli and penalties, to
+    within `tol`.
+    """
     factors = [wall(stiffness, FRICTION).factor for stiffness in (0.02, 1.0, 50.0)]
     assert max(factors) - min(factors) <= 0.01
 
 
 def test_weaker_joint_does_not_raise_the_factor():
-    """[X] Friction after bond, no friction after friction; all curves end within a quarter of 0.01."""
+    """[X] Friction after bond, no friction after friction; all curves end within a quarter of
+    0.01.
+    """
     bonded, rough, smooth = (wall(1.0, law).factor for law in (sc.Tied(), FRICTION, sc.Coulomb()))
     assert smooth <= rough + 0.0025 <= bonded + 0.005
 
 
 def test_end_of_a_search_has_the_pairs_own_states():
-    """What is found is shown as after any stage: contact pairs, their states and their tractions."""
+    """What is found is shown as after any stage: contact pairs, their states and their
+    tractions.
+    """
     found = wall(1.0, FRICTION)
     assert type(found.states["left"]) is ContactState
     assert found.end.forms["left"].law.mu == pytest.approx(0.3 / found.factor)
     tractions = found.end.tractions("left")
     limit = found.end.forms["left"].law.mu * tractions.pressure
-    assert (np.abs(tractions.shear) <= limit + 1e-9 * tractions.pressure.max()).all() and tractions.pressure.max() > 0
+    assert (
+        np.abs(tractions.shear) <= limit + 1e-9 * tractions.pressure.max()
+    ).all() and tractions.pressure.max() > 0

@@ -1,4 +1,6 @@
-"""What cannot be meant is refused, what changes nothing is remarked on, and what is saved is what is read."""
+"""What cannot be meant is refused, what changes nothing is remarked on, and what is saved is what
+is read.
+"""
 
 from __future__ import annotations
 
@@ -39,13 +41,22 @@ def model(shift=0.0, stretch=1.0):
     """A block that rests on another one."""
     base = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 1, 3))
     block = grid("Q1", np.linspace(1, 3, 6), np.linspace(1, 2, 3))
-    mesh = sc.join_bodies({"base": base, "block": block}).scaled((1.0, stretch)).translated((shift, 0.0))
+    mesh = (
+        sc.join_bodies({"base": base, "block": block})
+        .scaled((1.0, stretch))
+        .translated((shift, 0.0))
+    )
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
         "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
         "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.4), quadrature=2),
     }
-    return basis, forms, sc.weight(basis, {"base": 0.0, "block": 20.0}), basis.get_dofs("base:bottom").all()
+    return (
+        basis,
+        forms,
+        sc.weight(basis, {"base": 0.0, "block": 20.0}),
+        basis.get_dofs("base:bottom").all(),
+    )
 
 
 def ground():
@@ -54,14 +65,21 @@ def ground():
     return basis, forms, sc.weight(basis, 20.0), basis.get_dofs("bottom").all()
 
 
-# -- what changes nothing -------------------------------------------------------------------------------------------
+# -- what changes nothing
+# -------------------------------------------------------------------------------------------
 
 
 def test_stages_that_change_nothing():
     _, forms, load, fixed = ground()
     none = np.zeros(0, int)
-    with pytest.warns(sc.AnalysisWarning, match="stage 'strut', the stage: `fixed` holds what is supported already"):
-        stages = [sc.Stage("weight", load), sc.Stage("strut", 0.5 * load, fixed=np.append(fixed, none))]
+    with pytest.warns(
+        sc.AnalysisWarning,
+        match="stage 'strut', the stage: `fixed` holds what is supported already",
+    ):
+        stages = [
+            sc.Stage("weight", load),
+            sc.Stage("strut", 0.5 * load, fixed=np.append(fixed, none)),
+        ]
         sc.Model(forms, fixed).run(stages, progress=False)
     with pytest.warns(sc.AnalysisWarning, match="stage 'b', the stage: it changes nothing"):
         sc.Model(forms, fixed).run([sc.Stage("a", load), sc.Stage("b", load)], progress=False)
@@ -84,10 +102,13 @@ def test_angles_in_radians():
         sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=np.radians(30))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0).reduced(50.0).phi < 1.0  # derived, and meant
+        assert (
+            sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0).reduced(50.0).phi < 1.0
+        )  # derived, and meant
 
 
-# -- files ----------------------------------------------------------------------------------------------------------
+# -- files
+# ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -98,7 +119,9 @@ def saved(tmp_path):
     return file, forms
 
 
-@pytest.mark.parametrize("content", [lambda d: b"", lambda d: d[: len(d) // 2], lambda d: b"hello", lambda d: d[:-900]])
+@pytest.mark.parametrize(
+    "content", [lambda d: b"", lambda d: d[: len(d) // 2], lambda d: b"hello", lambda d: d[:-900]]
+)
 def test_broken_files(saved, content):
     file, forms = saved
     file.write_bytes(content(file.read_bytes()))
@@ -114,12 +137,15 @@ def test_altered_files(saved, key):
         arrays = {name: data[name].copy() for name in data.files}
     arrays[key].flat[0] += 1
     np.savez_compressed(file, **arrays)
-    with pytest.raises(ValueError, match=rf"good.npz cannot be read .*\['{key}'\] are not what was written"):
+    with pytest.raises(
+        ValueError, match=rf"good.npz cannot be read .*\['{key}'\] are not what was written"
+    ):
         sc.load_result(file, forms)
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("0/x", np.nan), ("0/load", np.inf), ("0/bodies/stress", np.nan), ("0/joint/status", 7)]
+    ("key", "value"),
+    [("0/x", np.nan), ("0/load", np.inf), ("0/bodies/stress", np.nan), ("0/joint/status", 7)],
 )
 def test_altered_numbers_with_their_checksum(saved, key, value):
     """Values are checked, not only whether they are those that were written."""
@@ -142,16 +168,22 @@ def test_shorter_displacements_with_their_checksum(saved):
     arrays["0/x"] = arrays["0/x"][:-1]
     head["sums"]["0/x"] = crc32(arrays["0/x"].tobytes())
     np.savez_compressed(file, **{**arrays, "head": np.array(json.dumps(head))})
-    with pytest.raises(ValueError, match=r"good.npz cannot be read .*displacements and loads of shapes"):
+    with pytest.raises(
+        ValueError, match=r"good.npz cannot be read .*displacements and loads of shapes"
+    ):
         sc.load_result(file, forms)
 
 
 def test_flipped_bits(saved):
-    """Whatever the damage breaks, the error names the file; a bit that nothing reads may be another."""
+    """Whatever the damage breaks, the error names the file; a bit that nothing reads may be
+    another.
+    """
     file, forms = saved
     written, rng = file.read_bytes(), np.random.default_rng(1)
     refused = 0
-    for at, bit in zip(rng.integers(len(written), size=100), rng.integers(8, size=100), strict=True):
+    for at, bit in zip(
+        rng.integers(len(written), size=100), rng.integers(8, size=100), strict=True
+    ):
         flipped = bytearray(written)
         flipped[at] ^= 1 << int(bit)
         file.write_bytes(flipped)
@@ -171,7 +203,11 @@ def test_size_beyond_the_memory(saved, tmp_path):
             if name == "0/x.npy":
                 start, end = content.index(b"(") + 1, content.index(b",)")
                 shape = str(2**50).encode()
-                content = content[:start] + shape + content[end:].replace(b" " * (len(shape) - end + start), b"", 1)
+                content = (
+                    content[:start]
+                    + shape
+                    + content[end:].replace(b" " * (len(shape) - end + start), b"", 1)
+                )
             new.writestr(name, content)
     with pytest.raises(ValueError, match=r"huge.npz cannot be read as a result"):
         sc.load_result(tmp_path / "huge.npz", forms)
@@ -204,7 +240,9 @@ def test_an_older_layout(saved):
     """It is refused with the version that wrote it."""
     file, forms = saved
     np.savez_compressed(file, head=np.array('[{"name": "weight"}]'))
-    with pytest.raises(ValueError, match=r"version 0\.1\.0 of this library wrote it, with another layout"):
+    with pytest.raises(
+        ValueError, match=r"version 0\.1\.0 of this library wrote it, with another layout"
+    ):
         sc.load_result(file, forms)
 
 
@@ -224,7 +262,17 @@ def test_a_file_is_replaced_when_the_new_one_is_complete(saved, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda s: "".join(f"{a} {b} 0 {c}\n" if len(p := line.split()) == 4 and line[0] in "1234" and (a := p[0], b := p[1], c := p[2]) else line + "\n" for line in s.splitlines()), "x-y plane"),  # noqa: E501
+        (
+            lambda s: "".join(
+                f"{a} {b} 0 {c}\n"
+                if len(p := line.split()) == 4
+                and line[0] in "1234"
+                and (a := p[0], b := p[1], c := p[2])
+                else line + "\n"
+                for line in s.splitlines()
+            ),
+            "x-y plane",
+        ),
         (lambda s: s.replace("1 3 4\n", "1 3 9\n"), "out of bounds"),
         (lambda s: s.replace("2 1 0 0", "2 nan 0 0"), "not finite"),
     ],
@@ -237,15 +285,22 @@ def test_meshes_that_would_be_flattened_or_wrong(tmp_path, change, message):
         sc.load_mesh(file)
 
 
-# -- input ----------------------------------------------------------------------------------------------------------
+# -- input
+# ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"stages": lambda load: [sc.Stage("a", np.ma.masked_array(load, mask=load < 0))]}, "not masked"),
+        (
+            {"stages": lambda load: [sc.Stage("a", np.ma.masked_array(load, mask=load < 0))]},
+            "not masked",
+        ),
         ({"stages": lambda load: [sc.Stage("a", load + 1j)]}, "real numbers"),
-        ({"stages": lambda load: (sc.Stage(n, load) for n in "ab")}, "stages must be several values, each a Stage"),
+        (
+            {"stages": lambda load: (sc.Stage(n, load) for n in "ab")},
+            "stages must be several values, each a Stage",
+        ),
         ({"stages": lambda load: ["a"]}, "each a Stage"),
         ({"start": "x"}, "start must be a Result"),
         ({"newton": "x"}, "newton must be a Newton"),
@@ -292,20 +347,49 @@ SETTINGS = {
     sc.Tresca: {"E": 1e3, "nu": 0.3, "c": 1.0},
     sc.VonMises: {"E": 1e3, "nu": 0.3, "strength": 1.0},
     sc.DruckerPrager: {"E": 1e3, "nu": 0.3, "k": 1.0, "alpha": 0.1, "beta": 0.1},
-    sc.HardeningMohrCoulomb: {"E": 1e3, "nu": 0.3, "c": 1.0, "c_end": 0.5, "phi": 30.0, "phi_end": 20.0,
-                              "strain_end": 0.1, "psi": 5.0},
-    sc.HardeningSoil: {"E50_ref": 37e3, "Eoed_ref": 29.6e3, "Eur_ref": 90e3, "m": 0.5, "c": 1.0, "phi": 41.0,
-                       "psi": 14.0},
+    sc.HardeningMohrCoulomb: {
+        "E": 1e3,
+        "nu": 0.3,
+        "c": 1.0,
+        "c_end": 0.5,
+        "phi": 30.0,
+        "phi_end": 20.0,
+        "strain_end": 0.1,
+        "psi": 5.0,
+    },
+    sc.HardeningSoil: {
+        "E50_ref": 37e3,
+        "Eoed_ref": 29.6e3,
+        "Eur_ref": 90e3,
+        "m": 0.5,
+        "c": 1.0,
+        "phi": 41.0,
+        "psi": 14.0,
+    },
     sc.Undrained: {"nu_undrained": 0.495},
     sc.water.VanGenuchten: {"alpha": 2.0, "n": 3.0, "least": 1e-6},
     sc.water.Ramp: {"width": 0.5, "least": 1e-3},
-}  # fmt: skip
+}
 SOIL = sc.LinearElastic(E=1e3, nu=0.3)
 
 
 @pytest.mark.parametrize("cls", SETTINGS, ids=lambda cls: cls.__name__)
-@pytest.mark.parametrize("wrong", [None, "x", np.nan, np.inf, -1.0, [1, "a"], [[1.0], [1.0, 2.0]], 1j, True,
-                                   np.ma.masked_array([0.5], mask=[True])], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        None,
+        "x",
+        np.nan,
+        np.inf,
+        -1.0,
+        [1, "a"],
+        [[1.0], [1.0, 2.0]],
+        1j,
+        True,
+        np.ma.masked_array([0.5], mask=[True]),
+    ],
+    ids=str,
+)
 def test_settings_of_a_wrong_kind(cls, wrong):
     """One ValueError, which names the setting, for every field of every class of settings."""
     good = SETTINGS[cls]
@@ -316,8 +400,21 @@ def test_settings_of_a_wrong_kind(cls, wrong):
             cls(*first, **{**good, name: wrong})
 
 
-@pytest.mark.parametrize("setting", ["slave", "master", "law", "quadrature", "penalty", "smoothing", "enforcement",
-                                     "initial", "share", "tangent"])  # fmt: skip
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "slave",
+        "master",
+        "law",
+        "quadrature",
+        "penalty",
+        "smoothing",
+        "enforcement",
+        "initial",
+        "share",
+        "tangent",
+    ],
+)
 @pytest.mark.parametrize("wrong", ["x", np.nan, -1.0, [1, "a"], 1j], ids=str)
 def test_settings_of_contact_of_a_wrong_kind(setting, wrong):
     basis, *_ = model()
@@ -326,7 +423,9 @@ def test_settings_of_contact_of_a_wrong_kind(setting, wrong):
         sc.ContactPair(basis, **{**good, setting: wrong})
 
 
-@pytest.mark.parametrize("setting", ["start", "end", "EA", "fixed_end", "yield_force", "tension_only", "part"])
+@pytest.mark.parametrize(
+    "setting", ["start", "end", "EA", "fixed_end", "yield_force", "tension_only", "part"]
+)
 @pytest.mark.parametrize("wrong", ["x", np.nan, [1, "a"], 1j], ids=str)
 def test_settings_of_bars_of_a_wrong_kind(setting, wrong):
     basis, *_ = ground()
@@ -364,14 +463,20 @@ def test_strains_that_round_off_hides():
     """They converge, or the message says why not."""
     _, forms, load, fixed = model()
     with pytest.raises(sc.NotConverged, match="round-off alone may leave"):
-        sc.Model(forms, fixed, newton=sc.Newton(max_iterations=8)).run([sc.Stage("a", 1e-8 * load)], progress=False)
+        sc.Model(forms, fixed, newton=sc.Newton(max_iterations=8)).run(
+            [sc.Stage("a", 1e-8 * load)], progress=False
+        )
 
 
 def test_threads_are_given_back():
     """Runs side by side leave the number of threads as it was."""
 
     def threads():
-        return [pool["num_threads"] for pool in threadpoolctl.threadpool_info() if pool["user_api"] == "blas"]
+        return [
+            pool["num_threads"]
+            for pool in threadpoolctl.threadpool_info()
+            if pool["user_api"] == "blas"
+        ]
 
     def job(n):
         _, forms, load, fixed = ground()

@@ -1,4 +1,6 @@
-"""The demonstration: what the paper says of its culvert, equilibrium, files, machines without graphics."""
+"""The demonstration: what the paper says of its culvert, equilibrium, files, machines without
+graphics.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,9 @@ INNER, OUTER = 0.72, 0.90  # radii of the pipe
 
 
 class Check(NamedTuple):
-    """A statement about the result: its title, the computed value, the expected one, and whether it holds."""
+    """A statement about the result: its title, the computed value, the expected one, and whether it
+    holds.
+    """
 
     what: str
     ours: str
@@ -53,17 +57,55 @@ def checks(model: Culvert) -> list[Check]:
     waves = [np.fft.rfft(section_forces(model, stage).M) for stage in stages]
     rhythm = [int(np.abs(wave[1:]).argmax()) + 1 for wave in waves]
     turned = float(np.degrees(np.angle(waves[0][2] / waves[1][2]))) / 2.0
-    return [Check(what, ours, expected, bool(holds)) for what, ours, expected, holds in (
-        ("contact forces on the pipe less its weight", f"{lifted:.0e}", "< 1e-6 of it", lifted < 1e-6),
-        ("section forces against the tractions", f"{missing:.2%}", "< 1 %", missing < 0.01),
-        ("gravity: asymmetry of the pressure", f"{uneven[0]:.0e}", "< 1e-6", uneven[0] < 1e-6),
-        ("surcharge: asymmetry of the pressure", f"{uneven[1]:.0%}", "not symmetric", uneven[1] > 0.05),
-        ("points that stick, in both stages", f"{stick[0]}, {stick[1]}", f"{points}", min(stick) == points),
-        ("points that are open, in both stages", f"{opened[0]}, {opened[1]}", "none", max(opened) == 0),
-        ("surcharge: smallest pressure at", f"{lowest:.0f} degrees", "90 degrees", abs(lowest - 90) < 6),
-        ("waves of the moment in both stages", f"{rhythm[0]}, {rhythm[1]}", "same", rhythm[0] == rhythm[1]),
-        ("surcharge: shift of the moment", f"{turned:.1f} degrees", "shifted", abs(turned) > 1.0),
-    )]
+    return [
+        Check(what, ours, expected, bool(holds))
+        for what, ours, expected, holds in (
+            (
+                "contact forces on the pipe less its weight",
+                f"{lifted:.0e}",
+                "< 1e-6 of it",
+                lifted < 1e-6,
+            ),
+            ("section forces against the tractions", f"{missing:.2%}", "< 1 %", missing < 0.01),
+            ("gravity: asymmetry of the pressure", f"{uneven[0]:.0e}", "< 1e-6", uneven[0] < 1e-6),
+            (
+                "surcharge: asymmetry of the pressure",
+                f"{uneven[1]:.0%}",
+                "not symmetric",
+                uneven[1] > 0.05,
+            ),
+            (
+                "points that stick, in both stages",
+                f"{stick[0]}, {stick[1]}",
+                f"{points}",
+                min(stick) == points,
+            ),
+            (
+                "points that are open, in both stages",
+                f"{opened[0]}, {opened[1]}",
+                "none",
+                max(opened) == 0,
+            ),
+            (
+                "surcharge: smallest pressure at",
+                f"{lowest:.0f} degrees",
+                "90 degrees",
+                abs(lowest - 90) < 6,
+            ),
+            (
+                "waves of the moment in both stages",
+                f"{rhythm[0]}, {rhythm[1]}",
+                "same",
+                rhythm[0] == rhythm[1],
+            ),
+            (
+                "surcharge: shift of the moment",
+                f"{turned:.1f} degrees",
+                "shifted",
+                abs(turned) > 1.0,
+            ),
+        )
+    ]
 
 
 def section_forces(model: Culvert, stage: StageResult) -> SectionForces:
@@ -72,16 +114,19 @@ def section_forces(model: Culvert, stage: StageResult) -> SectionForces:
 
 
 def carried(model: Culvert, stage: StageResult) -> ndarray:
-    """Return the sum of the contact forces on the pipe's nodes, (2,); a form's force is what the nodes must hold."""
+    """Return the sum of the contact forces on the pipe's nodes, (2,); a form's force is what the
+    nodes must hold.
+    """
     force = model.forms["skin"].assemble(stage.x, stage.states["skin"]).force
     return -force[pipe(model)].reshape(-1, 2).sum(axis=0)
 
 
 def out_of_balance(model: Culvert, stage: StageResult) -> float:
-    """Check equilibrium of the parts of the ring from the crown to every cut: tractions, weight and section forces.
+    """Check equilibrium of the parts of the ring from the crown to every cut: tractions, weight and
+    section forces.
 
-    Return the largest missing force as a share of the largest thrust, or the largest missing moment as a share of
-    the largest moment, whichever is greater.
+    Return the largest missing force as a share of the largest thrust, or the largest missing moment
+    as a share of the largest moment, whichever is greater.
     """
     points, ring = clockwise(model, stage), section_forces(model, stage)
     weight = abs(model.gravity[pipe(model)].sum()) / len(points.pressure)
@@ -91,8 +136,12 @@ def out_of_balance(model: Culvert, stage: StageResult) -> float:
     middle = 0.5 * (INNER + OUTER)
 
     # what acts at a point; a point on the cut counts by half
-    load = points.weight * (points.shear * along - points.pressure * out) - weight * np.array([[0.0], [1.0]])
-    moment = points.weight * points.shear * OUTER + weight * middle * out[0]  # about the centre, clockwise
+    load = points.weight * (points.shear * along - points.pressure * out) - weight * np.array(
+        [[0.0], [1.0]]
+    )
+    moment = (
+        points.weight * points.shear * OUTER + weight * middle * out[0]
+    )  # about the centre, clockwise
     section = np.vstack((ring.N * along + ring.V * out, ring.M + middle * ring.N))
     acting = np.vstack((load, moment))
     between = np.cumsum(acting, axis=1) - 0.5 * (acting + acting[:, :1])
@@ -123,24 +172,37 @@ def test_checks_hold(model: Culvert) -> None:
 
 
 def test_check_fails_for_another_load(model: Culvert) -> None:
-    """[X] A pipe that is told to be heavier than it was is not carried by the ground, nor in equilibrium."""
+    """[X] A pipe that is told to be heavier than it was is not carried by the ground, nor in
+    equilibrium.
+    """
     heavier = model._replace(gravity=1.5 * model.gravity)
     failed = [check.what for check in checks(heavier) if not check.holds]
-    assert failed == ["contact forces on the pipe less its weight", "section forces against the tractions"]
+    assert failed == [
+        "contact forces on the pipe less its weight",
+        "section forces against the tractions",
+    ]
 
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_supports_and_contact_carry_the_loads(model: Culvert, stage: str) -> None:
-    """[X] Internal and contact forces balance the load at every free unknown, so their sums balance as a whole."""
+    """[X] Internal and contact forces balance the load at every free unknown, so their sums balance
+    as a whole.
+    """
     step = model.result[stage]
-    force = sum(form.assemble(step.x, step.states[name]).force for name, form in model.forms.items())
+    force = sum(
+        form.assemble(step.x, step.states[name]).force for name, form in model.forms.items()
+    )
     at_bottom = model.basis.get_dofs("bottom").all("u^2")
     # Newton stops at 1e-8 of the load
-    np.testing.assert_allclose(force[at_bottom].sum() - step.load[at_bottom].sum(), -step.load[1::2].sum(), rtol=1e-7)
+    np.testing.assert_allclose(
+        force[at_bottom].sum() - step.load[at_bottom].sum(), -step.load[1::2].sum(), rtol=1e-7
+    )
 
 
 def test_pipe_carries_more_after_the_surcharge(model: Culvert) -> None:
-    """[P] Moment and thrust keep their rhythm and grow: the strip lies above the pipe's right half."""
+    """[P] Moment and thrust keep their rhythm and grow: the strip lies above the pipe's right
+    half.
+    """
     cuts = sc.Sections.ring((0.0, 0.0), 0.72, 0.90, n=72)
     before, after = (model.result[k].section_forces("culvert", cuts) for k in STAGES)
     assert np.ptp(after.M) > 1.2 * np.ptp(before.M)
@@ -161,7 +223,9 @@ def test_tutorial_is_the_same_analysis(model: Culvert, monkeypatch: pytest.Monke
 
 
 def test_command_line_writes_all_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Tables in the terminal, pictures and files in the folder, and the saved result is the computed one."""
+    """Tables in the terminal, pictures and files in the folder, and the saved result is the
+    computed one.
+    """
     out = tmp_path / "a" / "b"
     assert main(["--out", str(out)]) == 0
     assert {path.name for path in out.iterdir()} == PICTURES | FILES
@@ -171,27 +235,43 @@ def test_command_line_writes_all_files(tmp_path: Path, capsys: pytest.CaptureFix
 
     model = culvert()
     saved = sc.load_result(out / "culvert.npz", model.forms)
-    np.testing.assert_allclose(saved["surcharge"].x, model.result["surcharge"].x, atol=1e-12)  # round-off
-    nodes = [np.unique(model.basis.mesh.t[:, model.basis.mesh.subdomains[soil]]) for soil in ("soft", "stiff")]
+    np.testing.assert_allclose(
+        saved["surcharge"].x, model.result["surcharge"].x, atol=1e-12
+    )  # round-off
+    nodes = [
+        np.unique(model.basis.mesh.t[:, model.basis.mesh.subdomains[soil]])
+        for soil in ("soft", "stiff")
+    ]
     border = len(np.intersect1d(*nodes))  # regions share no points
-    assert len(meshio.read(out / "gravity.vtu").points) == model.basis.N // 2 + border > model.basis.N // 2
+    assert (
+        len(meshio.read(out / "gravity.vtu").points)
+        == model.basis.N // 2 + border
+        > model.basis.N // 2
+    )
 
 
 def test_without_graphics_everything_else_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A machine without OpenGL costs one picture, and one line says so."""
-    monkeypatch.setattr(plot, "contour", lambda *_, **__: warnings.warn("VTK cannot draw", stacklevel=2))
+    monkeypatch.setattr(
+        plot, "contour", lambda *_, **__: warnings.warn("VTK cannot draw", stacklevel=2)
+    )
     assert main(["--out", str(tmp_path)]) == 0
     assert {path.name for path in tmp_path.iterdir()} == (PICTURES | FILES) - {"culvert.png"}
     printed = capsys.readouterr()
     assert [line for line in printed.out.splitlines() if "culvert.png" in line] == [
-        "No culvert.png: VTK cannot draw on this machine, it needs OpenGL."]
+        "No culvert.png: VTK cannot draw on this machine, it needs OpenGL."
+    ]
     assert "Warning" not in printed.err
 
 
-def test_slope_is_shown_and_others_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """[P] Griffiths and Lane (1999), example 2: a factor of 1.4; its report and curve are written."""
+def test_slope_is_shown_and_others_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """[P] Griffiths and Lane (1999), example 2: a factor of 1.4; its report and curve are
+    written.
+    """
     out = tmp_path / "slope"
     assert main(["slope", "--out", str(out)]) == 0
     assert {path.name for path in out.iterdir()} == {"slope.html", "curve.png"}
@@ -201,10 +281,14 @@ def test_slope_is_shown_and_others_are_named(tmp_path: Path, capsys: pytest.Capt
     assert "culvert         a buried culvert" in printed.split("also shows:")[1]
     with pytest.raises(SystemExit):
         main(["tunnel"])
-    assert "'culvert', 'slope'" in capsys.readouterr().err.replace("culvert, slope", "'culvert', 'slope'")
+    assert "'culvert', 'slope'" in capsys.readouterr().err.replace(
+        "culvert, slope", "'culvert', 'slope'"
+    )
 
 
-def test_folder_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_folder_that_is_a_file_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """A file is not overwritten by a folder."""
     file = tmp_path / "notes.txt"
     file.write_text("mine")

@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers import vector_basis
-from skfem import Basis, ElementHexS2, ElementTriP2, ElementVector, MeshHex, MeshQuad, MeshQuad2, MeshTri, MeshTri2
+from skfem import (
+    Basis,
+    ElementHexS2,
+    ElementTriP2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshQuad2,
+    MeshTri,
+    MeshTri2,
+)
 
 import skfem_contact as sc
 
@@ -14,7 +24,9 @@ ELASTIC = sc.LinearElastic(E=3e4, nu=0.3)
 
 
 def ground(n=2) -> Basis:
-    mesh = MeshTri.init_tensor(np.linspace(-15.3, 15, 6 * n + 1), np.linspace(-20, 0, 5 * n + 1)).with_defaults()
+    mesh = MeshTri.init_tensor(
+        np.linspace(-15.3, 15, 6 * n + 1), np.linspace(-20, 0, 5 * n + 1)
+    ).with_defaults()
     return Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 
 
@@ -32,12 +44,16 @@ def test_skin_then_foot():
     for n in (2, 3):
         model, load = pile(ground(n))
         found = model.limit_load(load, step=50.0, **QUIET)
-        assert found.multiplier == pytest.approx(260.0, rel=1e-4)  # 2e-5 measured, of the search's tolerance
+        assert found.multiplier == pytest.approx(
+            260.0, rel=1e-4
+        )  # 2e-5 measured, of the search's tolerance
         assert found.stop.kind == "plateau"
 
 
 def test_balance_and_settlement():
-    """[X] Skin and foot carry the load, within their resistances; settlements grow faster than the load."""
+    """[X] Skin and foot carry the load, within their resistances; settlements grow faster than the
+    load.
+    """
     model, load = pile(ground(), T_max=lambda s: 10.0 + 2.0 * s)
     result = model.run([sc.Stage("100", 100.0 * load), sc.Stage("180", 180.0 * load)], **QUIET)
     head = model.forms["pile"].numbers((0.0, 0.0))[1]
@@ -45,27 +61,39 @@ def test_balance_and_settlement():
         state, form = stage.states["skin"], model.forms["skin"]
         weights = np.diff(np.linspace(0.0, 10.0, 11))[:, None] * np.array([5.0, 8.0, 5.0]) / 18.0
         assert -(weights.ravel() @ state.skin) - state.foot[0] == pytest.approx(force, rel=1e-6)
-        assert (np.abs(state.skin) <= form.T_max * (1.0 + 1e-12)).all() and -60.0 <= state.foot[0] <= 0.0
+        assert (np.abs(state.skin) <= form.T_max * (1.0 + 1e-12)).all() and -60.0 <= state.foot[
+            0
+        ] <= 0.0
         forces = stage.section_forces("pile")
-        assert forces.N[0] == pytest.approx(-force, rel=5e-3)  # the skin is taken as uniform in an element: 0.35 %
+        assert forces.N[0] == pytest.approx(
+            -force, rel=5e-3
+        )  # the skin is taken as uniform in an element: 0.35 %
     assert result["180"].x[head] < 1.8 * result["100"].x[head] < 0.0
     np.testing.assert_allclose(form.T_max, 10.0 + 2.0 * form.positions)
 
 
 def test_row():
-    """[X] Members 2.5 apart carry 2.5 times as much each: the same forces per metre, the same displacements."""
+    """[X] Members 2.5 apart carry 2.5 times as much each: the same forces per metre, the same
+    displacements.
+    """
     one, load = pile(ground(), stiffness=1e5)
     alone = one.run([sc.Stage("load", 50.0 * load)], **QUIET)["load"]
-    beam = sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=2.5e5, EA=7.5e6, GA=2.5e6, spacing=2.5)
+    beam = sc.Beam(
+        None, np.linspace((0, 0), (0, -10), 11), EI=2.5e5, EA=7.5e6, GA=2.5e6, spacing=2.5
+    )
     forms = {
         "soil": sc.SolidForm(ground(), ELASTIC),
         "pile": beam,
         "skin": sc.Embedded(ground(), beam, 50.0, 150.0, stiffness=2.5e5),
     }
     model = sc.Model(forms, sc.box_supports(ground()))
-    stage = model.run([sc.Stage("load", model.forms["pile"].load((0.0, -50.0), at=(0.0, 0.0)))], **QUIET)["load"]
+    stage = model.run(
+        [sc.Stage("load", model.forms["pile"].load((0.0, -50.0), at=(0.0, 0.0)))], **QUIET
+    )["load"]
     np.testing.assert_allclose(stage.x, alone.x, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(stage.states["skin"].skin, 2.5 * alone.states["skin"].skin, rtol=1e-6)
+    np.testing.assert_allclose(
+        stage.states["skin"].skin, 2.5 * alone.states["skin"].skin, rtol=1e-6
+    )
 
 
 def test_nail_is_pulled_out():
@@ -74,15 +102,23 @@ def test_nail_is_pulled_out():
     for end in ((5.4, -8.0), (4.0, -11.0)):
         way = np.array(end) - (0.4, -8.0)
         nail = sc.Beam(None, np.linspace((0.4, -8.0), end, 7), EI=10.0, EA=1e5, GA=1e3)
-        forms = {"soil": sc.SolidForm(basis, ELASTIC), "nail": nail, "skin": sc.Embedded(basis, nail, T_max=15.0)}
+        forms = {
+            "soil": sc.SolidForm(basis, ELASTIC),
+            "nail": nail,
+            "skin": sc.Embedded(basis, nail, T_max=15.0),
+        }
         model = sc.Model(forms, sc.box_supports(basis), newton=sc.Newton(tolerance=1e-8))
         length = np.linalg.norm(way)
         pull = model.forms["nail"].load(-way / length, at=(0.4, -8.0))
-        assert model.limit_load(pull, step=20.0, **QUIET).multiplier == pytest.approx(15.0 * length, rel=1e-5)
+        assert model.limit_load(pull, step=20.0, **QUIET).multiplier == pytest.approx(
+            15.0 * length, rel=1e-5
+        )
 
 
 def test_tangent_and_reset():
-    """The tangent is the derivative, of points that stick and slip; displacements counted anew change nothing."""
+    """The tangent is the derivative, of points that stick and slip; displacements counted anew
+    change nothing.
+    """
     model, load = pile(ground())
     form = model.forms["skin"]
     rng = np.random.default_rng(0)
@@ -94,7 +130,9 @@ def test_tangent_and_reset():
     result = model.run([sc.Stage("load", 200.0 * load)], **QUIET)
     again = model.run([sc.Stage("null", 200.0 * load)], start=result.reset(), **QUIET)["null"]
     assert np.abs(again.x).max() < 1e-6 * np.abs(result["load"].x).max()
-    np.testing.assert_allclose(again.states["skin"].skin, result["load"].states["skin"].skin, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        again.states["skin"].skin, result["load"].states["skin"].skin, rtol=1e-6, atol=1e-6
+    )
 
 
 def test_saved_and_resumed(tmp_path):
@@ -138,33 +176,56 @@ def test_without_ground_and_in_bounds():
 
 
 def in_space(side, fraction, pushed=False, T_max=1e6, F_max=1e6):
-    """A quarter of a pile of 20 m and radius 0.4 m in elements of `side` beside it, settling or pushed along x."""
+    """A quarter of a pile of 20 m and radius 0.4 m in elements of `side` beside it, settling or
+    pushed along x.
+    """
     away = side * np.array([0, 1, 2, 3, 4.6, 7.2, 11.3, 17.8])
     x = np.append(away[away < 40], 50.0)
-    z = np.concatenate((-50 + 30 * np.linspace(0, 1, 5) ** 0.6, -20 + 20 * np.linspace(0, 1, 9)[1:]))
+    z = np.concatenate(
+        (-50 + 30 * np.linspace(0, 1, 5) ** 0.6, -20 + 20 * np.linspace(0, 1, 9)[1:])
+    )
     mesh = MeshHex.init_tensor(x, x, z).with_defaults()
     basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=4)
     area, depth = np.pi * 0.4**2 * fraction, np.linspace(0, -20, 21)
     line = np.column_stack((0 * depth, 0 * depth, depth))
     E = 1e7 - 1e4
-    beam = sc.Beam(None, line, EI=E * area * 0.04, EA=E * area, GA=4e6 * area, GJ=0.8 * E * area * 0.04)
-    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "pile": beam,
-             "skin": sc.Embedded(basis, beam, T_max, F_max, radius=0.4)}
-    sides = [basis.get_dofs(lambda x, c=c: np.isclose(abs(x[c]), 50.0)).all(f"u^{c + 1}") for c in (0, 1)]
-    planes = ["u^2", "u^3"] if pushed else ["u^1"], ["u^2"]  # a push is the opposite on the other side of its plane
-    cut = [basis.get_dofs(lambda x, c=c: np.isclose(x[c], 0.0)).all(names) for c, names in enumerate(planes)]
+    beam = sc.Beam(
+        None, line, EI=E * area * 0.04, EA=E * area, GA=4e6 * area, GJ=0.8 * E * area * 0.04
+    )
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "pile": beam,
+        "skin": sc.Embedded(basis, beam, T_max, F_max, radius=0.4),
+    }
+    sides = [
+        basis.get_dofs(lambda x, c=c: np.isclose(abs(x[c]), 50.0)).all(f"u^{c + 1}") for c in (0, 1)
+    ]
+    planes = (
+        ["u^2", "u^3"] if pushed else ["u^1"],
+        ["u^2"],
+    )  # a push is the opposite on the other side of its plane
+    cut = [
+        basis.get_dofs(lambda x, c=c: np.isclose(x[c], 0.0)).all(names)
+        for c, names in enumerate(planes)
+    ]
     names = ["u^2", "theta^1", "theta^3"] + (["u^3"] if pushed else ["u^1", "theta^2"])
     held = [dof for point in beam.points for dof in beam.dofs(point, names)]
-    model = sc.Model(forms, [basis.get_dofs(lambda x: np.isclose(x[2], -50.0)).all(), *sides, *cut, *held])
+    model = sc.Model(
+        forms, [basis.get_dofs(lambda x: np.isclose(x[2], -50.0)).all(), *sides, *cut, *held]
+    )
     return model, model.forms["pile"]
 
 
 def test_pile_in_space_settles_like_a_solid_one():
-    """[X] A solid pile of 1000 kN in a fine axisymmetric mesh settles by 9.32 mm: within 5 % in coarse elements."""
+    """[X] A solid pile of 1000 kN in a fine axisymmetric mesh settles by 9.32 mm: within 5 % in
+    coarse elements.
+    """
     found = []
     for side in (3.2, 1.6):
         model, form = in_space(side, 0.25)
-        stage = model.run([sc.Stage("load", form.load((0.0, 0.0, -250.0), (0.0, 0.0, 0.0)))], **QUIET)["load"]
+        stage = model.run(
+            [sc.Stage("load", form.load((0.0, 0.0, -250.0), (0.0, 0.0, 0.0)))], **QUIET
+        )["load"]
         found.append(-1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[2]])
         assert form.line_forces(stage.states["pile"])[3].min() == pytest.approx(-250.0, rel=0.01)
     assert found == pytest.approx([9.32, 9.32], rel=0.05)
@@ -172,9 +233,13 @@ def test_pile_in_space_settles_like_a_solid_one():
 
 
 def test_pile_in_space_bends_like_a_solid_one():
-    """[X] A solid pile under 100 kN at its head, in 54,000 dofs, moves by 4.74 mm; a quarter bears a quarter."""
+    """[X] A solid pile under 100 kN at its head, in 54,000 dofs, moves by 4.74 mm; a quarter bears
+    a quarter.
+    """
     model, form = in_space(1.6, 0.25, pushed=True)
-    stage = model.run([sc.Stage("push", form.load((25.0, 0.0, 0.0), (0.0, 0.0, 0.0)))], **QUIET)["push"]
+    stage = model.run([sc.Stage("push", form.load((25.0, 0.0, 0.0), (0.0, 0.0, 0.0)))], **QUIET)[
+        "push"
+    ]
     assert 1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[0]] == pytest.approx(4.74, rel=0.05)
 
 
@@ -195,22 +260,37 @@ def test_bad_piles_in_space():
     with pytest.raises(ValueError, match=r"leaves the mesh at \(1, 1, -"):
         sc.Embedded(basis, long, T_max=1.0, radius=0.1)
     with pytest.raises(ValueError, match=r"has a radius, not 0\.1"):
-        sc.Embedded(ground(), sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=1e5, EA=3e6), T_max=1.0, radius=0.1)
+        sc.Embedded(
+            ground(),
+            sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=1e5, EA=3e6),
+            T_max=1.0,
+            radius=0.1,
+        )
 
 
 @pytest.mark.parametrize("kind", ["Tri", "Quad"])
 def test_nail_in_a_mesh_of_second_order(kind):
-    """[N] Elements whose sides have nodes in the middle, as Gmsh writes them, move a nail as linear ones do."""
-    linear, second, element = {"Tri": (MeshTri, MeshTri2, "P2"), "Quad": (MeshQuad, MeshQuad2, "Q2")}[kind]
+    """[N] Elements whose sides have nodes in the middle, as Gmsh writes them, move a nail as linear
+    ones do.
+    """
+    linear, second, element = {
+        "Tri": (MeshTri, MeshTri2, "P2"),
+        "Quad": (MeshQuad, MeshQuad2, "Q2"),
+    }[kind]
     mesh = linear.init_tensor(np.linspace(0.0, 6.0, 7), np.linspace(0.0, 3.0, 4))
     heads = []
     for own in (mesh, second.from_mesh(mesh)):
         basis = vector_basis(own.with_defaults(), element, intorder=4)
         nail = sc.Beam(None, np.linspace((0.3, 1.6), (4.3, 2.1), 5), EI=10.0, EA=1e4)
-        forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=3e4, nu=0.3)), "nail": nail,
-                 "skin": sc.Embedded(basis, nail, T_max=15.0)}  # fmt: skip
+        forms = {
+            "soil": sc.SolidForm(basis, sc.LinearElastic(E=3e4, nu=0.3)),
+            "nail": nail,
+            "skin": sc.Embedded(basis, nail, T_max=15.0),
+        }
         model = sc.Model(forms, basis.get_dofs("bottom").all())
-        stage = model.run([sc.Stage("pull", model.forms["nail"].load((-5.0, 0.0), (0.3, 1.6)))], **QUIET)["pull"]
+        stage = model.run(
+            [sc.Stage("pull", model.forms["nail"].load((-5.0, 0.0), (0.3, 1.6)))], **QUIET
+        )["pull"]
         heads.append(stage.x[model.forms["nail"].numbers((0.3, 1.6))])
     np.testing.assert_allclose(heads[1], heads[0], rtol=1e-8)
 
@@ -219,7 +299,12 @@ def test_pile_softer_than_the_ground_is_refused():
     mesh = MeshHex.init_tensor(*(np.linspace(0.0, 4.0, 5),) * 3).with_defaults()
     basis = vector_basis(mesh, "S2", intorder=4)
     pile = sc.Beam(None, np.linspace((2.0, 2.0, 4.0), (2.0, 2.0, 1.0), 4), EI=1.0, EA=1e3)
-    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "pile": pile,
-             "skin": sc.Embedded(basis, pile, T_max=1.0, radius=0.25)}  # fmt: skip
-    with pytest.raises(ValueError, match=r"EA=1000 of the embedded beam is less than that of the ground .* 1963"):
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "pile": pile,
+        "skin": sc.Embedded(basis, pile, T_max=1.0, radius=0.25),
+    }
+    with pytest.raises(
+        ValueError, match=r"EA=1000 of the embedded beam is less than that of the ground .* 1963"
+    ):
         sc.Model(forms, basis.get_dofs("bottom").all())

@@ -16,7 +16,8 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 import skfem_contact as sc
 from skfem_contact.results import Append, Result, StageResult
 
-#: A process that runs a stage for each increment, appends it, says so, and then hangs in the middle of a record.
+#: A process that runs a stage for each increment, appends it, says so, and then hangs in the middle
+#: of a record.
 SCRIPT = """
     import sys, time
     from dataclasses import replace
@@ -45,7 +46,9 @@ def increments(forms, load, fixed):
     """Two increments of a first stage, three of a second one."""
     stages = [sc.Stage(str(k), k / 5 * load) for k in range(1, 6)]
     names = [("fill", 0.5), ("fill", 1.0), ("dig", 1 / 3), ("dig", 2 / 3), ("dig", 1.0)]
-    for stage, (name, fraction) in zip(sc.Model(forms, fixed).run(stages, progress=False), names, strict=True):
+    for stage, (name, fraction) in zip(
+        sc.Model(forms, fixed).run(stages, progress=False), names, strict=True
+    ):
         yield replace(stage, name=name, fraction=fraction)
 
 
@@ -53,7 +56,11 @@ def same(stage, other):
     np.testing.assert_array_equal(stage.x, other.x)
     for key, values in vars(other.states["soil"]).items():
         np.testing.assert_array_equal(getattr(stage.states["soil"], key), values)
-    assert (stage.name, stage.fraction, stage.iterations) == (other.name, other.fraction, other.iterations)
+    assert (stage.name, stage.fraction, stage.iterations) == (
+        other.name,
+        other.fraction,
+        other.iterations,
+    )
 
 
 @pytest.mark.skipif(os.name == "nt", reason="there is no SIGKILL")
@@ -61,7 +68,9 @@ def test_killed_run_leaves_all_accepted_increments(tmp_path):
     """[X] After kill -9 in the middle of a record the file holds all increments before it."""
     file = tmp_path / "run.records"
     script = textwrap.dedent(SCRIPT.format(tests=os.path.dirname(__file__), file=str(file)))
-    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True
+    ) as process:
         lines = []
         while "writing" not in (line := process.stdout.readline()):
             assert line, "the process ended"
@@ -73,17 +82,25 @@ def test_killed_run_leaves_all_accepted_increments(tmp_path):
     result = sc.load_result(file, forms)
     assert [stage.name for stage in result] == ["fill", "dig"]
     assert [len(stage.increments) for stage in result] == [2, 3]
-    for part, other in zip([*result["fill"].increments, *result["dig"].increments], expected, strict=True):
+    for part, other in zip(
+        [*result["fill"].increments, *result["dig"].increments], expected, strict=True
+    ):
         assert (part.name, part.fraction) == (other.name, other.fraction)
-        np.testing.assert_allclose(part.x, other.x, atol=1e-12)  # another process may differ by round-off
+        np.testing.assert_allclose(
+            part.x, other.x, atol=1e-12
+        )  # another process may differ by round-off
         for key, values in vars(other.states["soil"]).items():
-            np.testing.assert_allclose(getattr(part.states["soil"], key), values, rtol=1e-9, atol=1e-9)
+            np.testing.assert_allclose(
+                getattr(part.states["soil"], key), values, rtol=1e-9, atol=1e-9
+            )
     again = sc.Model(forms, fixed).run([sc.Stage("next", load)], start=result, progress=False)
     np.testing.assert_allclose(again["next"].x, expected[-1].x, atol=1e-12)
 
 
 def test_every_cut_of_the_file_leaves_whole_increments(tmp_path):
-    """[X] Wherever the last record ends, those before it are read; a new observer goes on behind them."""
+    """[X] Wherever the last record ends, those before it are read; a new observer goes on behind
+    them.
+    """
     forms, load, fixed = block()
     append, sizes = Append(tmp_path / "run.records"), []
     parts = list(increments(forms, load, fixed))
@@ -95,7 +112,7 @@ def test_every_cut_of_the_file_leaves_whole_increments(tmp_path):
         append.file.write_bytes(whole[:size])
         (fill,) = sc.load_result(append.file, forms)
         assert [part.fraction for part in fill.increments] == [0.5, 1.0]
-    append.file.write_bytes(whole[:sizes[2] - 1] + b"!")  # the last record was damaged
+    append.file.write_bytes(whole[: sizes[2] - 1] + b"!")  # the last record was damaged
     assert len(sc.load_result(append.file, forms)) == 1
     append = Append(append.file)
     for part in parts[2:]:
@@ -128,22 +145,32 @@ def test_damage_before_the_last_record_is_told(tmp_path):
         sc.load_result(append.file, forms)
     other = tmp_path / "other.npz"
     Result(()).save(other)
-    with pytest.raises(ValueError, match=r"other\.npz is no file of appended increments: give it another name"):
+    with pytest.raises(
+        ValueError, match=r"other\.npz is no file of appended increments: give it another name"
+    ):
         Append(other)
 
 
 def test_kept_increments_are_saved(tmp_path):
-    """[X] Increments of a stage come back from a file, the series for ParaView holds them with their times."""
+    """[X] Increments of a stage come back from a file, the series for ParaView holds them with
+    their times.
+    """
     forms, load, fixed = block()
     parts = tuple(increments(forms, load, fixed))
-    stage = replace(parts[1], time=2.0, increments=(replace(parts[0], time=1.0), replace(parts[1], time=2.0)))
+    stage = replace(
+        parts[1], time=2.0, increments=(replace(parts[0], time=1.0), replace(parts[1], time=2.0))
+    )
     Result((stage,)).save(tmp_path / "kept")
     read = sc.load_result(tmp_path / "kept", forms)["fill"]
     assert isinstance(read, StageResult) and [part.time for part in read.increments] == [1.0, 2.0]
     for part, other in zip(read.increments, parts[:2], strict=True):
         same(part, other)
     series, *files = Result((read,)).to_pvd(tmp_path / "kept.pvd")
-    assert len(files) == 2 and 'timestep="1"' in series.read_text() and 'timestep="2"' in series.read_text()
+    assert (
+        len(files) == 2
+        and 'timestep="1"' in series.read_text()
+        and 'timestep="2"' in series.read_text()
+    )
 
 
 RUN = """
@@ -167,16 +194,24 @@ RUN = """
 
 @pytest.mark.skipif(os.name == "nt", reason="there is no SIGKILL")
 def test_run_of_a_hundred_increments_is_killed(tmp_path):
-    """[X] All 40 increments that were accepted are in the file, and the analysis goes on from the last of them."""
+    """[X] All 40 increments that were accepted are in the file, and the analysis goes on from the
+    last of them.
+    """
     file = tmp_path / "run.records"
     script = textwrap.dedent(RUN.format(tests=os.path.dirname(__file__), file=str(file)))
-    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout.readline() == "forty\n"
         process.send_signal(signal.SIGKILL)
     forms, load, fixed = block()
     model = sc.Model(forms, fixed)
     last = sc.load_result(file, model)["fill"]
-    np.testing.assert_allclose([part.fraction for part in last.increments], np.arange(1, 41) / 100, atol=1e-12)
+    np.testing.assert_allclose(
+        [part.fraction for part in last.increments], np.arange(1, 41) / 100, atol=1e-12
+    )
     whole = model.run([sc.Stage("fill", load, increments=100)], progress=False)["fill"]
     again = model.run([sc.Stage("rest", load, increments=60)], start=last, progress=False)["rest"]
-    np.testing.assert_allclose(again.x, whole.x, atol=1e-6 * np.abs(whole.x).max())  # tolerance of the iterations
+    np.testing.assert_allclose(
+        again.x, whole.x, atol=1e-6 * np.abs(whole.x).max()
+    )  # tolerance of the iterations

@@ -14,7 +14,9 @@ def at(norm: float, lag: float = 0.0) -> Evaluation:
 
 
 def test_terms() -> None:
-    """[X] Equation 2.6 of Eisenstat and Walker, exponent 2: at most .03, or .01 near equilibrium, and enough there."""
+    """[X] Equation 2.6 of Eisenstat and Walker, exponent 2: at most .03, or .01 near equilibrium,
+    and enough there.
+    """
     forcing = Forcing(1e-8)
     terms = [forcing.at(at(norm)) for norm in (1.0, 0.5, 1e-2, 1e-3, 5e-4, 1e-5, 2e-9)]
     assert terms == pytest.approx([3e-2, 3e-2, 3e-2, 0.9 * 0.1**2, 1e-2, 0.9 * 0.02**2, 1e-2])
@@ -26,4 +28,6 @@ def test_terms() -> None:
 def test_step_of_the_supports_is_no_reduction() -> None:
     """[X] Before the supports have moved the residual is small, and says nothing of what comes."""
     forcing = Forcing(1e-8)
-    assert [forcing.at(now) for now in (at(1e-9, lag=1.0), at(1e-4), at(5e-6))] == pytest.approx([3e-2, 3e-2, 0.00225])
+    assert [forcing.at(now) for now in (at(1e-9, lag=1.0), at(1e-4), at(5e-6))] == pytest.approx(
+        [3e-2, 3e-2, 0.00225]
+    )

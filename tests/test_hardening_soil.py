@@ -18,8 +18,16 @@ from skfem_contact.materials.hardening_stiffness import Points, elastic_scale, l
 from skfem_contact.materials.spectral import principal_stresses
 
 #: Dense Hostun sand.
-HOSTUN: dict[str, Any] = {"E50_ref": 37e3, "Eoed_ref": 29.6e3, "Eur_ref": 90e3, "m": 0.5, "phi": 41.0, "nu_ur": 0.2,
-                          "R_f": 0.9, "K0nc": 0.34}  # fmt: skip
+HOSTUN: dict[str, Any] = {
+    "E50_ref": 37e3,
+    "Eoed_ref": 29.6e3,
+    "Eur_ref": 90e3,
+    "m": 0.5,
+    "phi": 41.0,
+    "nu_ur": 0.2,
+    "R_f": 0.9,
+    "K0nc": 0.34,
+}
 
 
 def sand(c: float = 0.0, psi: float = 14.0, **changes: Any) -> sc.HardeningSoil:
@@ -30,13 +38,17 @@ def stresses(n: int, ncomp: int, seed: int = 1) -> np.ndarray:
     """Random stresses inside of the failure surface, (ncomp, n, 1)."""
     rng = np.random.default_rng(seed)
     result, vertical = np.zeros((ncomp, n, 1)), rng.uniform(5.0, 400.0, n)
-    for row, share in zip(result, (rng.uniform(0.4, 1, n), np.ones(n), rng.uniform(0.4, 1, n)), strict=False):
+    for row, share in zip(
+        result, (rng.uniform(0.4, 1, n), np.ones(n), rng.uniform(0.4, 1, n)), strict=False
+    ):
         row[:, 0] = -share * vertical
     return result
 
 
 def test_cap_and_dilatancy_in_closed_form() -> None:
-    """Figures of Hostun sand to their printed digits; they depend neither on cohesion nor on the units."""
+    """Figures of Hostun sand to their printed digits; they depend neither on cohesion nor on the
+    units.
+    """
     for law in (sand(), sand(c=7.0), sand(E50_ref=37e6, Eoed_ref=29.6e6, Eur_ref=90e6, p_ref=1e5)):
         assert law.constants.cap_slope == pytest.approx(5.32012, abs=5e-6)
         assert law.constants.cap_modulus * 37e3 / law.E50_ref == pytest.approx(54381, abs=0.5)
@@ -54,7 +66,9 @@ def test_hyperbola_is_exact_where_cap_and_dilatancy_rest(increments: int) -> Non
 
 @pytest.mark.parametrize(("m", "tolerance"), [(0.5, 1e-9), (0.8, 3e-4)])
 def test_oedometer_meets_its_modulus_and_K0(m: float, tolerance: float) -> None:
-    """[X] The power law of the oedometer: to Newton's tolerance with m = 0.5, else of second order."""
+    """[X] The power law of the oedometer: to Newton's tolerance with m = 0.5, else of second
+    order.
+    """
     start, errors = -np.array([[6.8], [20.0], [6.8], [0.0]]), []
     for increments in (20, 80):
         test = sc.element_test(sand(m=m), start, oedometer(-200.0, increments=increments))
@@ -69,18 +83,30 @@ def increments(size: float, shape: tuple[int, ...]) -> np.ndarray:
     return size * np.random.default_rng(2).standard_normal(shape)
 
 
-@pytest.mark.parametrize(("size", "ncomp", "c", "n", "smooth"), [
-    (1e-6, 4, 0.0, 5_000, 1.0), (1e-5, 4, 5.0, 5_000, 1.0), (1e-4, 4, 0.0, 1_000, 0.95), (1e-4, 6, 5.0, 100, 0.9),
-    (1e-3, 4, 0.0, 200, 0.95), (1e-2, 4, 5.0, 60, 0.95), (1e-2, 6, 0.0, 12, 0.9),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("size", "ncomp", "c", "n", "smooth"),
+    [
+        (1e-6, 4, 0.0, 5_000, 1.0),
+        (1e-5, 4, 5.0, 5_000, 1.0),
+        (1e-4, 4, 0.0, 1_000, 0.95),
+        (1e-4, 6, 5.0, 100, 0.9),
+        (1e-3, 4, 0.0, 200, 0.95),
+        (1e-2, 4, 5.0, 60, 0.95),
+        (1e-2, 6, 0.0, 12, 0.9),
+    ],
+)
 def test_random_increments(size: float, ncomp: int, c: float, n: int, smooth: float) -> None:
-    """[N] The answer is admissible, dissipates, and has its tangent at every point; none is refused."""
+    """[N] The answer is admissible, dissipates, and has its tangent at every point; none is
+    refused.
+    """
     law, stress, strain = sand(c), stresses(n, ncomp), increments(size, (ncomp, n, 1))
     internal = law.initial_internal(stress)
     new = law.update(strain, stress, internal)
     again = law.update(np.zeros_like(strain), new.stress, new.internal)
     shift = c / np.tan(np.radians(41))
-    mean = np.maximum(shift - new.stress[:3].mean(axis=0), 1e-3)  # the floor of the stiffness is at 0.1
+    mean = np.maximum(
+        shift - new.stress[:3].mean(axis=0), 1e-3
+    )  # the floor of the stiffness is at 0.1
     assert (np.abs(again.stress - new.stress) / mean).max() <= 1e-8
     assert (new.internal >= internal).all()
 
@@ -91,10 +117,16 @@ def test_random_increments(size: float, ncomp: int, c: float, n: int, smooth: fl
     assert (work >= -1e-10 * np.abs(new.stress).max() * np.abs(strain).max()).all()
 
     tangent, h, largest = new.tangent(), 1e-5 * size, elastic.max(axis=(1, 2))
-    steps = np.concatenate((h * np.eye(ncomp), -h * np.eye(ncomp)))[:, :, None, None]  # all of them in one update
-    ends = law.update(np.concatenate(strain + steps, axis=1), *(np.tile(given, (1, len(steps), 1)) for given in
-                                                                (stress, internal))).stress  # fmt: skip
-    change = ends.reshape(ncomp, 2, ncomp, n).transpose(1, 3, 0, 2) - new.stress[:, :, 0].T[:, :, None]
+    steps = np.concatenate((h * np.eye(ncomp), -h * np.eye(ncomp)))[
+        :, :, None, None
+    ]  # all of them in one update
+    ends = law.update(
+        np.concatenate(strain + steps, axis=1),
+        *(np.tile(given, (1, len(steps), 1)) for given in (stress, internal)),
+    ).stress
+    change = (
+        ends.reshape(ncomp, 2, ncomp, n).transpose(1, 3, 0, 2) - new.stress[:, :, 0].T[:, :, None]
+    )
     ahead, behind = change[0] / h, -change[1] / h
     error = np.abs(tangent - (ahead + behind) / 2).max(axis=(1, 2)) / largest
     kink = np.abs(ahead - behind).max(axis=(1, 2)) / largest
@@ -105,17 +137,26 @@ def test_random_increments(size: float, ncomp: int, c: float, n: int, smooth: fl
 
 @pytest.mark.parametrize("scale", [1.0, 1e3])
 def test_units(scale: float) -> None:
-    law = sand(2.0 * scale, E50_ref=37e3 * scale, Eoed_ref=29.6e3 * scale, Eur_ref=90e3 * scale, p_ref=100 * scale)
+    law = sand(
+        2.0 * scale,
+        E50_ref=37e3 * scale,
+        Eoed_ref=29.6e3 * scale,
+        Eur_ref=90e3 * scale,
+        p_ref=100 * scale,
+    )
     one, stress = sand(2.0), stresses(500, 4)
     strain = increments(1e-4, stress.shape)
     expected = one.update(strain, stress, one.initial_internal(stress)).stress
     found = law.update(strain, scale * stress, law.initial_internal(scale * stress)).stress
-    assert np.abs(found / scale - expected).max() < 1e-9 * np.abs(expected).max()  # Newton's last step
+    assert (
+        np.abs(found / scale - expected).max() < 1e-9 * np.abs(expected).max()
+    )  # Newton's last step
 
 
 @pytest.mark.parametrize("m", [0.0, 0.5, 1.0])
 def test_reversed_cycles_do_not_drift(m: float) -> None:
-    """After the first cycle 200 more between the same strains, in three increments each, are elastic.
+    """After the first cycle 200 more between the same strains, in three increments each, are
+    elastic.
 
     One point is sheared, the other is compressed.
     """
@@ -129,7 +170,9 @@ def test_reversed_cycles_do_not_drift(m: float) -> None:
             new = law.update(sign * step, stress, internal)
             stress, internal = new.stress, new.internal
         ends.append((stress.copy(), internal.copy()))
-    assert np.abs(ends[-1][0] - ends[1][0]).max() < 1e-10 * 100  # 1.3e-9 measured: round-off of 1,200 updates
+    assert (
+        np.abs(ends[-1][0] - ends[1][0]).max() < 1e-10 * 100
+    )  # 1.3e-9 measured: round-off of 1,200 updates
     np.testing.assert_allclose(ends[-1][1][1:], ends[1][1][1:], rtol=1e-10)
 
 
@@ -142,8 +185,12 @@ def test_triaxial_test_ends_on_the_failure_surface(ocr: float) -> None:
 
 def test_extension_and_unloading_towards_zero() -> None:
     extension = sc.element_test(sand(), -100.0, triaxial(0.05, increments=40))
-    assert extension.stress[-1, 1, 0] == pytest.approx(-100 / 4.814951, rel=1e-6)  # the active pressure
-    unloaded = sc.element_test(sand(c=1.0), -np.array([[34.0], [100.0], [34.0], [0.0]]), oedometer(-0.5))
+    assert extension.stress[-1, 1, 0] == pytest.approx(
+        -100 / 4.814951, rel=1e-6
+    )  # the active pressure
+    unloaded = sc.element_test(
+        sand(c=1.0), -np.array([[34.0], [100.0], [34.0], [0.0]]), oedometer(-0.5)
+    )
     assert unloaded.stress[-1, 1, 0] == pytest.approx(-0.5, abs=1e-9)
 
 
@@ -155,19 +202,28 @@ def test_strength() -> None:
     assert isinstance(reduced, sc.MohrCoulomb) and isinstance(expected, sc.MohrCoulomb)
     assert (reduced.c, reduced.phi, reduced.psi) == (expected.c, expected.phi, expected.psi)
     stress = stresses(5, 4)
-    for found, known in zip(law.mobilised(stress, stress), mohr.mobilised(stress, stress), strict=True):
+    for found, known in zip(
+        law.mobilised(stress, stress), mohr.mobilised(stress, stress), strict=True
+    ):
         assert np.array_equal(found, known)
     internal = law.initial_internal(stress)
     new = law.update(np.array([0, -1e-3, 0, 0])[:, None, None] + 0 * stress, stress, internal)
     assert law.yielding(internal, new.internal).all()
 
 
-@pytest.mark.parametrize(("changes", "message"), [
-    ({"m": 1.5}, "m must lie in 0..1, got 1.5"), ({"OCR": 0.5}, "OCR must be at least 1"),
-    ({"psi": 50.0}, "psi must lie between 0 and phi"), ({"Eur_ref": 5e4}, "exceed the initial modulus 67272"),
-    ({"Eoed_ref": 9e4}, "cannot both be met"), ({"K0nc": 0.1}, "beyond failure, which begins at 0.2077"),
-    ({"E50_ref": [1e4, 2e4]}, "E50_ref must be a finite number"), ({"R_f": 1.0}, "R_f must lie between"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"m": 1.5}, "m must lie in 0..1, got 1.5"),
+        ({"OCR": 0.5}, "OCR must be at least 1"),
+        ({"psi": 50.0}, "psi must lie between 0 and phi"),
+        ({"Eur_ref": 5e4}, "exceed the initial modulus 67272"),
+        ({"Eoed_ref": 9e4}, "cannot both be met"),
+        ({"K0nc": 0.1}, "beyond failure, which begins at 0.2077"),
+        ({"E50_ref": [1e4, 2e4]}, "E50_ref must be a finite number"),
+        ({"R_f": 1.0}, "R_f must lie between"),
+    ],
+)
 def test_bad_parameters(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         sand(**changes)
@@ -188,8 +244,10 @@ def test_bad_initial_stress() -> None:
 def test_preconsolidation() -> None:
     """The cap goes through the largest stress of the past, on the line of normal consolidation."""
     stress = -np.array([34.0, 100.0, 34.0, 0.0])[:, None, None]
-    cap = {name: law.initial_internal(stress)[2].item() for name, law in
-           {"normal": sand(), "OCR": sand(OCR=2.0), "POP": sand(POP=100.0)}.items()}
+    cap = {
+        name: law.initial_internal(stress)[2].item()
+        for name, law in {"normal": sand(), "OCR": sand(OCR=2.0), "POP": sand(POP=100.0)}.items()
+    }
     assert cap["OCR"] == pytest.approx(2 * cap["normal"], rel=1e-12)
     assert cap["POP"] == pytest.approx(cap["OCR"], rel=1e-12)
 
@@ -197,13 +255,22 @@ def test_preconsolidation() -> None:
 def body(increments: int) -> tuple[sc.Model, Any, list[sc.Stage]]:
     """A pit beside a smooth wall."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 12, 13), np.linspace(0, 8, 9)).with_defaults()
-    mesh = mesh.with_subdomains({"ground": lambda x: (x[1] < 5) | (x[0] > 4), "pit": lambda x: (x[1] > 5) & (x[0] < 4)})
+    mesh = mesh.with_subdomains(
+        {"ground": lambda x: (x[1] < 5) | (x[0] > 4), "pit": lambda x: (x[1] > 5) & (x[0] < 4)}
+    )
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
     wall = basis.get_dofs(lambda x: (np.abs(x[0] - 4) < 1e-9) & (x[1] > 5 - 1e-9)).all("u^1")
     soil = sc.HardeningSoil(E50_ref=2e4, Eoed_ref=2e4, Eur_ref=6e4, m=0.5, c=5.0, phi=30.0)
-    forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0) for name in ("ground", "pit")}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0)
+        for name in ("ground", "pit")
+    }
     model = sc.Model(forms, np.union1d(sc.box_supports(basis), wall))
-    return model, model.k0_state(K0=0.55), [sc.Stage("dig", deactivate="pit", increments=increments)]
+    return (
+        model,
+        model.k0_state(K0=0.55),
+        [sc.Stage("dig", deactivate="pit", increments=increments)],
+    )
 
 
 def test_pit_in_stages(tmp_path: Path) -> None:
@@ -212,22 +279,32 @@ def test_pit_in_stages(tmp_path: Path) -> None:
     result = model.run(stages, start=start, progress=False)
     assert len(result["dig"].iterations) == 8 and max(result["dig"].iterations) <= 5
     heave = result["dig"].x[1::2].max()
-    assert heave == pytest.approx(6.0266e-3, rel=0.02)  # of an independent one, whose stiffness is that of the start
+    assert heave == pytest.approx(
+        6.0266e-3, rel=0.02
+    )  # of an independent one, whose stiffness is that of the start
     result.save(tmp_path / "pit.npz")
     again = sc.load_result(tmp_path / "pit.npz", model)
-    assert np.array_equal(again["dig"].states["ground"].internal, result["dig"].states["ground"].internal)
+    assert np.array_equal(
+        again["dig"].states["ground"].internal, result["dig"].states["ground"].internal
+    )
 
 
 def test_undrained_pit() -> None:
     """Undrained unloading heaves less, at most 5 iterations an increment."""
     model, start, stages = body(4)
     dug = model.run(stages, start=start, progress=False)["dig"]
-    wet = {name: form.with_materials({key: sc.Undrained(law, nu_undrained=0.49) for key, law in form.materials.items()})
-           for name, form in model.forms.items()}  # fmt: skip
+    wet = {
+        name: form.with_materials(
+            {key: sc.Undrained(law, nu_undrained=0.49) for key, law in form.materials.items()}
+        )
+        for name, form in model.forms.items()
+    }
     undrained = sc.Model(wet, model.fixed)
     after = undrained.run(stages, start=undrained.k0_state(K0=0.55), progress=False)["dig"]
     assert len(after.iterations) == 4 and max(after.iterations) <= 5
-    assert after.x[1::2].max() < dug.x[1::2].max() == pytest.approx(6.1154e-3, rel=2e-3)  # of eight increments
+    assert (
+        after.x[1::2].max() < dug.x[1::2].max() == pytest.approx(6.1154e-3, rel=2e-3)
+    )  # of eight increments
 
 
 def test_increments_without_an_answer_are_halved(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -253,7 +330,9 @@ def test_increments_without_an_answer_are_halved(monkeypatch: pytest.MonkeyPatch
     far = law.update(0.5 * (strain + step), far.stress, far.internal)
     expected = (far.stress - halves.stress)[:, :, 0]
     found = np.einsum("nij,jn->in", new.tangent(), step[:, 0, 0][:, None] * np.ones(20))
-    np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())  # the step bends by 1e-4
+    np.testing.assert_allclose(
+        found, expected, atol=1e-3 * np.abs(expected).max()
+    )  # the step bends by 1e-4
 
 
 def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -265,25 +344,45 @@ def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch)
 
 
 def points(law: sc.HardeningSoil, stress: list[float], change: list[float]) -> Points:
-    """Return a normally consolidated point with a change of its stress at the accepted stiffness."""
+    """Return a normally consolidated point with a change of its stress at the accepted
+    stiffness.
+    """
     k, column = law.constants, np.array(stress)[:, None]
     scale = k.scale(k.shift - principal_stresses(column)[0])
-    return Points(column, np.array(change)[:, None] / scale, np.full(1, 1e-3), np.full(1, 50.0), scale, np.ones(1),
-                  np.ones(1))
+    return Points(
+        column,
+        np.array(change)[:, None] / scale,
+        np.full(1, 1e-3),
+        np.full(1, 50.0),
+        scale,
+        np.ones(1),
+        np.ones(1),
+    )
 
 
-@pytest.mark.parametrize("change", [[34.7049645, -32.09585327, 0.52182225, -15.9498705], [30.0, 40.0, 30.0, 0.0]])
+@pytest.mark.parametrize(
+    "change", [[34.7049645, -32.09585327, 0.52182225, -15.9498705], [30.0, 40.0, 30.0, 0.0]]
+)
 def test_stiffness_of_elastic_unloading_to_the_free_surface(change: list[float]) -> None:
-    """[X] It is the mean of both ends to round-off, where Newton's steps alone go to and fro across the least one."""
+    """[X] It is the mean of both ends to round-off, where Newton's steps alone go to and fro across
+    the least one.
+    """
     law = sc.HardeningSoil(45e3, 45e3, 180e3, m=0.5, c=1.0, phi=35.0, psi=5.0, K0nc=0.4264)
-    at, k = points(law, [-20.99127941, -50.87700597, -22.46477771, -4.78686413], change), law.constants
+    at, k = (
+        points(law, [-20.99127941, -50.87700597, -22.46477771, -4.78686413], change),
+        law.constants,
+    )
     scale = elastic_scale(at, k)
     reached = k.scale(k.shift - at.trial(scale).values[0])
-    np.testing.assert_allclose(scale, 0.5 * (at.scale + reached), rtol=1e-13)  # bisection ends at 1e-13
+    np.testing.assert_allclose(
+        scale, 0.5 * (at.scale + reached), rtol=1e-13
+    )  # bisection ends at 1e-13
 
 
 def test_mode_of_a_point_without_stress() -> None:
-    """[X] The first guess of a return has a number everywhere, and no multiplier inside of the yield surface."""
+    """[X] The first guess of a return has a number everywhere, and no multiplier inside of the
+    yield surface.
+    """
     law = sand()
     with np.errstate(all="raise"):
         _, shear, cap = likely_modes(points(law, [0.0] * 4, [0.0] * 4), law.constants)

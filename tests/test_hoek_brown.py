@@ -1,4 +1,6 @@
-"""Hoek-Brown: strengths in closed form, tangent and admissibility of all branches, GSI, a tunnel, refusals."""
+"""Hoek-Brown: strengths in closed form, tangent and admissibility of all branches, GSI, a tunnel,
+refusals.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +29,18 @@ def strength(s1, law):
 @pytest.mark.parametrize("a", [0.5, 0.51, 0.65])
 @pytest.mark.parametrize("psi", [0.0, 5.0, 40.0])
 def test_triaxial(a, psi):
-    """[X] Compression: strength at the cell pressure, and the volume of a dilatancy that the friction caps."""
+    """[X] Compression: strength at the cell pressure, and the volume of a dilatancy that the
+    friction caps.
+    """
     law, cell = rock(a, psi), np.array([-500.0, -5e3])
     test = sc.element_test(law, cell, triaxial(-0.02, increments=25))
     np.testing.assert_allclose(-test.stress[-1, 1] + cell, strength(cell, law), rtol=1e-8)
     slope = a * law.m_b * (law.s - law.m_b * cell / law.sigma_ci) ** (a - 1)
     sine = np.minimum(np.sin(np.radians(psi)), slope / (2 + slope))
     volume, axial = test.volume[-1] - test.volume[-2], test.axial[-1] - test.axial[-2]
-    np.testing.assert_allclose(volume, -2 * sine / (1 - sine) * axial, rtol=1e-6, atol=1e-12)  # differences
+    np.testing.assert_allclose(
+        volume, -2 * sine / (1 - sine) * axial, rtol=1e-6, atol=1e-12
+    )  # differences
 
 
 @pytest.mark.parametrize("psi", [0.0, 40.0])
@@ -55,7 +61,9 @@ def test_extension_and_tension(psi):
 @pytest.mark.parametrize("psi", [0.0, 20.0, 45.0])
 @pytest.mark.parametrize("strain", [1e-4, 1e-3, 1e-2])
 def test_contract(ncomp, a, psi, strain):
-    """Tangent within 1e-6 of the largest modulus at smooth points, admissibility, and dissipation at every point."""
+    """Tangent within 1e-6 of the largest modulus at smooth points, admissibility, and dissipation
+    at every point.
+    """
     assert check_material(rock(a, psi), strain, ncomp=ncomp, tolerance=1e-6) < 1e-6
 
 
@@ -83,14 +91,22 @@ def test_limit_of_a_straight_strength():
     c = 0.1 * law.sigma_ci / (1 + 2.0) ** 0.5 / 2
     soil = sc.MohrCoulomb(law.E, law.nu, c, np.degrees(np.arcsin(sine)))
     path = [triaxial(-0.01), oedometer(strain=-0.005)]
-    np.testing.assert_allclose(sc.element_test(law, -1e3, path).stress, sc.element_test(soil, -1e3, path).stress,
-                               rtol=2e-5, atol=1.0)  # fmt: skip
+    np.testing.assert_allclose(
+        sc.element_test(law, -1e3, path).stress,
+        sc.element_test(soil, -1e3, path).stress,
+        rtol=2e-5,
+        atol=1.0,
+    )
 
 
 def test_index():
-    """[P] Hoek, Carranza-Torres and Corkum (2002): the equations at GSI 50, and intact rock at GSI 100."""
+    """[P] Hoek, Carranza-Torres and Corkum (2002): the equations at GSI 50, and intact rock at GSI
+    100.
+    """
     law = sc.HoekBrown.from_gsi(5.7e6, 0.25, 30e3, m_i=10.0, gsi=50.0, disturbance=0.5)
-    assert law.m_b == pytest.approx(10 * np.exp(-50 / 21)) and law.s == pytest.approx(np.exp(-50 / 7.5))
+    assert law.m_b == pytest.approx(10 * np.exp(-50 / 21)) and law.s == pytest.approx(
+        np.exp(-50 / 7.5)
+    )
     assert law.a == pytest.approx(0.5 + (np.exp(-50 / 15) - np.exp(-20 / 3)) / 6)
     intact = sc.HoekBrown.from_gsi(5.7e6, 0.25, 30e3, m_i=[7.0, 10.0], gsi=100.0)
     np.testing.assert_allclose(intact.m_b, [7.0, 10.0])
@@ -100,16 +116,24 @@ def test_index():
 def test_bad_input():
     """Constants out of range are refused with the figure; searches are refused in words."""
     for message, changes in [
-        ("sigma_ci must be positive", {"sigma_ci": 0.0}), ("m_b must be positive", {"m_b": -1.0}),
-        ("s must lie between 0 and 1, got 1.1", {"s": 1.1}), (r"a must lie in \[0.5, 1\)", {"a": 0.4}),
-        (r"psi must lie in \[0, 90\)", {"psi": -1.0}), ("E must be positive", {"E": 0.0}),
-    ]:  # fmt: skip
+        ("sigma_ci must be positive", {"sigma_ci": 0.0}),
+        ("m_b must be positive", {"m_b": -1.0}),
+        ("s must lie between 0 and 1, got 1.1", {"s": 1.1}),
+        (r"a must lie in \[0.5, 1\)", {"a": 0.4}),
+        (r"psi must lie in \[0, 90\)", {"psi": -1.0}),
+        ("E must be positive", {"E": 0.0}),
+    ]:
         with pytest.raises(ValueError, match=message):
             rock(**changes)
-    for message, changes in [("gsi must be above 0 and at most 100, got 101", {"gsi": 101.0}),
-                             ("disturbance must lie", {"disturbance": 2.0}), ("m_i must", {"m_i": 0.0})]:  # fmt: skip
+    for message, changes in [
+        ("gsi must be above 0 and at most 100, got 101", {"gsi": 101.0}),
+        ("disturbance must lie", {"disturbance": 2.0}),
+        ("m_i must", {"m_i": 0.0}),
+    ]:
         with pytest.raises(ValueError, match=message):
-            sc.HoekBrown.from_gsi(**({"E": 1e6, "nu": 0.2, "sigma_ci": 1e4, "m_i": 10.0, "gsi": 50.0} | changes))
+            sc.HoekBrown.from_gsi(
+                **({"E": 1e6, "nu": 0.2, "sigma_ci": 1e4, "m_i": 10.0, "gsi": 50.0} | changes)
+            )
     with pytest.raises(ValueError, match="outside the yield surface"):
         sc.element_test(rock(), 100.0, isotropic(-1.0))
     with pytest.raises(ValueError, match="flow 'davis_b' needs one friction angle"):
@@ -117,10 +141,18 @@ def test_bad_input():
 
 
 def test_a_failed_return_is_refused(monkeypatch):
-    """A return that ends outside of the strength raises IncrementTooLarge instead of returning a wrong stress."""
+    """A return that ends outside of the strength raises IncrementTooLarge instead of returning a
+    wrong stress.
+    """
     from skfem_contact.materials import hoek_brown
 
     monkeypatch.setattr(hoek_brown, "_MOST", 1)
     law = rock(0.9)
-    with pytest.raises(IncrementTooLarge, match="the return to the strength of Hoek and Brown fails at 1 point"):
-        law.update(np.array([0.0, -0.1, 0.0, 0.0])[:, None, None], np.zeros((4, 1, 1)) - 1.0, np.zeros((1, 1, 1)))
+    with pytest.raises(
+        IncrementTooLarge, match="the return to the strength of Hoek and Brown fails at 1 point"
+    ):
+        law.update(
+            np.array([0.0, -0.1, 0.0, 0.0])[:, None, None],
+            np.zeros((4, 1, 1)) - 1.0,
+            np.zeros((1, 1, 1)),
+        )

@@ -1,4 +1,6 @@
-"""Estimated errors of increments in soil whose stiffness depends on stress, beside the true ones."""
+"""Estimated errors of increments in soil whose stiffness depends on stress, beside the true
+ones.
+"""
 
 from __future__ import annotations
 
@@ -20,28 +22,50 @@ UNDRAINED = sc.Undrained(sc.CamClay(**CLAY), bulk_modulus_water=1e7)
 
 
 def estimate(result: sc.Result) -> float:
-    """The error that the last stage remarks on as a fraction, 0 without a remark, 1 for more than 100 %."""
-    found = [re.search(r"soil: .* are off by (?:about|more than) (\d+)%", text) for text in result[-1].remarks]
+    """The error that the last stage remarks on as a fraction, 0 without a remark, 1 for more than
+    100 %.
+    """
+    found = [
+        re.search(r"soil: .* are off by (?:about|more than) (\d+)%", text)
+        for text in result[-1].remarks
+    ]
     return max((float(match[1]) / 100 for match in found if match), default=0.0)
 
 
-def compressed(law: Any, increments: int, q: float = 0.0, strain: float = 0.0, space: bool = False) -> sc.Result:
-    """A sample of height 1 at 100 kPa is compressed by an axial stress or strain, in one element; a day for creep."""
+def compressed(
+    law: Any, increments: int, q: float = 0.0, strain: float = 0.0, space: bool = False
+) -> sc.Result:
+    """A sample of height 1 at 100 kPa is compressed by an axial stress or strain, in one element; a
+    day for creep.
+    """
     mesh = MeshHex().with_defaults() if space else MeshQuad().with_defaults()
     basis = Basis(mesh, ElementVector(ElementHexS2() if space else ElementQuad2()), intorder=4)
     form = sc.SolidForm(basis, law, coordinates=None if space else "axisymmetric")
-    sides = {"left": "u^1", "bottom": "u^2"} | ({"front": "u^3"} if space else {}) | ({"top": "u^2"} if strain else {})
-    model = sc.Model({"soil": form}, np.concatenate([basis.get_dofs(name).all(u) for name, u in sides.items()]))
+    sides = (
+        {"left": "u^1", "bottom": "u^2"}
+        | ({"front": "u^3"} if space else {})
+        | ({"top": "u^2"} if strain else {})
+    )
+    model = sc.Model(
+        {"soil": form}, np.concatenate([basis.get_dofs(name).all(u) for name, u in sides.items()])
+    )
     inward = np.eye(3)[:, : mesh.dim()] * -100.0
     cell = model.traction("right", inward[0]) + model.traction("top", inward[1])
     if space:
         cell += model.traction("back", inward[2])
     pressure = np.r_[[-100.0] * 3, [0.0] * (3 if space else 1)]
-    start = model.initial_state(cell, stress=lambda x: np.multiply.outer(pressure, np.ones(x.shape[1:])))
+    start = model.initial_state(
+        cell, stress=lambda x: np.multiply.outer(pressure, np.ones(x.shape[1:]))
+    )
     moved = basis.zeros()
     moved[basis.get_dofs("top").all("u^2")] = -strain
-    stage = sc.Stage("compression", cell + model.traction("top", inward[1] * q / 100.0), prescribed=moved,
-                     increments=increments, duration=float(law.time_dependent))
+    stage = sc.Stage(
+        "compression",
+        cell + model.traction("top", inward[1] * q / 100.0),
+        prescribed=moved,
+        increments=increments,
+        duration=float(law.time_dependent),
+    )
     return model.run([stage], start=start, progress=False)
 
 
@@ -57,19 +81,28 @@ def drained_strain(law: Any) -> float:
 @pytest.mark.parametrize("increments", [1, 2, 4])
 @pytest.mark.parametrize("law", [sc.CamClay(**CLAY), CREEPING])
 def test_drained_compression_by_a_load(law: Any, increments: int, space: bool) -> None:
-    """[N] The axial strain beside 200 increments: 39 % and 32 % too much in one increment, without a warning before."""
+    """[N] The axial strain beside 200 increments: 39 % and 32 % too much in one increment, without
+    a warning before.
+    """
     exact = drained_strain(law)
-    with pytest.warns(sc.AnalysisWarning, match=f"off by about .* of the {increments} increments.*give the stage more"):
+    with pytest.warns(
+        sc.AnalysisWarning,
+        match=f"off by about .* of the {increments} increments.*give the stage more",
+    ):
         result = compressed(law, increments, q=60.0, space=space)
     true = 1.0 - exact / result[-1].x.min()
     assert true > 0.06
-    assert estimate(result) == pytest.approx(true, rel=0.2)  # 0.87 to 0.95: parts have errors of second order as well
+    assert estimate(result) == pytest.approx(
+        true, rel=0.2
+    )  # 0.87 to 0.95: parts have errors of second order as well
 
 
 @pytest.mark.parametrize(("law", "drained"), [(sc.CamClay(**CLAY), True), (UNDRAINED, False)])
 def test_compression_by_moved_supports(law: Any, drained: bool) -> None:
     """[N] The axial force beside 400 increments."""
-    exact = sc.element_test(sc.CamClay(**CLAY), -100.0, triaxial(-0.02, drained=drained, increments=400)).q[-1, 0]
+    exact = sc.element_test(
+        sc.CamClay(**CLAY), -100.0, triaxial(-0.02, drained=drained, increments=400)
+    ).q[-1, 0]
     with pytest.warns(sc.AnalysisWarning, match="forces at the moved supports are off by about"):
         result = compressed(law, 1, strain=0.02)
     stress = result[-1].states["soil"].stress
@@ -78,15 +111,22 @@ def test_compression_by_moved_supports(law: Any, drained: bool) -> None:
     assert estimate(result) == pytest.approx(abs(exact / q - 1.0), rel=0.25)  # 0.82 to 0.93
 
 
-@pytest.mark.parametrize(("law", "increments", "load"), [
-    (sc.CamClay(**CLAY), 10, {"q": 60.0}),  # 4 % off
-    (CREEPING, 10, {"q": 60.0}),
-    (sc.CamClay(**CLAY), 10, {"strain": 0.02}),  # one increment has 5 %, the next ones make it good
-    (UNDRAINED, 5, {"strain": 0.02}),
-    (sc.CamClay(**CLAY, OCR=4.0), 1, {"q": 60.0}),  # elastic
-    (sc.HardeningSoil(2e4, 2e4, 6e4, m=0.5, c=1.0, phi=32.0), 1, {"q": 150.0}),  # 3 % off
-    (sc.MohrCoulomb(2e4, 0.3, c=1.0, phi=32.0), 1, {"q": 150.0}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("law", "increments", "load"),
+    [
+        (sc.CamClay(**CLAY), 10, {"q": 60.0}),  # 4 % off
+        (CREEPING, 10, {"q": 60.0}),
+        (
+            sc.CamClay(**CLAY),
+            10,
+            {"strain": 0.02},
+        ),  # one increment has 5 %, the next ones make it good
+        (UNDRAINED, 5, {"strain": 0.02}),
+        (sc.CamClay(**CLAY, OCR=4.0), 1, {"q": 60.0}),  # elastic
+        (sc.HardeningSoil(2e4, 2e4, 6e4, m=0.5, c=1.0, phi=32.0), 1, {"q": 150.0}),  # 3 % off
+        (sc.MohrCoulomb(2e4, 0.3, c=1.0, phi=32.0), 1, {"q": 150.0}),
+    ],
+)
 def test_accurate_stages_have_no_warning(law: Any, increments: int, load: dict[str, float]) -> None:
     """[N] Errors below 5 % are not remarked on."""
     with warnings.catch_warnings():
@@ -96,16 +136,27 @@ def test_accurate_stages_have_no_warning(law: Any, increments: int, load: dict[s
 
 @pytest.mark.parametrize(("increments", "warned"), [(1, True), (2, True), (10, False)])
 def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, warned: bool) -> None:
-    """[N] A layer that creeps on after unloading: one increment misses 85 % of it, ten 8 %, beside 40 increments."""
+    """[N] A layer that creeps on after unloading: one increment misses 85 % of it, ten 8 %, beside
+    40 increments.
+    """
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 2), np.linspace(0, 4, 5)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    model = sc.Model({"soil": sc.SolidForm(basis, CREEPING, unit_weight=8.0)}, sc.box_supports(basis, base="rollers"))
+    model = sc.Model(
+        {"soil": sc.SolidForm(basis, CREEPING, unit_weight=8.0)},
+        sc.box_supports(basis, base="rollers"),
+    )
     start = model.k0_state(model.traction("top", (0.0, -100.0)), K0=0.6, surcharge=100.0)
     left = model.traction("top", (0.0, -60.0))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found = [model.run([sc.Stage("unloading", left, duration=1e3, increments=n)], start=start, progress=False)
-                 for n in (increments, 40)]
+        found = [
+            model.run(
+                [sc.Stage("unloading", left, duration=1e3, increments=n)],
+                start=start,
+                progress=False,
+            )
+            for n in (increments, 40)
+        ]
     top = basis.get_dofs("top").all("u^2")
     computed, exact = (float(result[-1].x[top].mean()) for result in found)
     assert (abs(exact / computed - 1.0) > 0.08) is warned
@@ -116,12 +167,16 @@ def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, warned: bool
 
 @pytest.mark.filterwarnings("ignore:.*elements rotate")
 def test_footing_in_one_increment() -> None:
-    """[N] The mean settlement below a strip load on clay beside 30 increments: elements work against each other."""
+    """[N] The mean settlement below a strip load on clay beside 30 increments: elements work
+    against each other.
+    """
     x = np.linspace(0, 1, 6) ** 1.5
     mesh = MeshQuad.init_tensor(10.0 * x, 6.0 * (1.0 - x[::-1])).with_defaults()
     mesh = mesh.with_boundaries({"strip": lambda x: (x[1] > 5.999) & (x[0] < 2.6)})
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
-    model = sc.Model({"soil": sc.SolidForm(basis, sc.CamClay(**CLAY), unit_weight=18.0)}, sc.box_supports(basis))
+    model = sc.Model(
+        {"soil": sc.SolidForm(basis, sc.CamClay(**CLAY), unit_weight=18.0)}, sc.box_supports(basis)
+    )
     surcharge, strip = model.traction("top", (0.0, -20.0)), basis.get_dofs("strip").all("u^2")
     start = model.k0_state(surcharge, K0=0.6, surcharge=20.0)
     load = surcharge + model.traction("strip", (0.0, -50.0))
@@ -131,4 +186,6 @@ def test_footing_in_one_increment() -> None:
         warnings.filterwarnings("error", ".* are off by")
         exact = model.run([sc.Stage("load", load, increments=30)], start=start, progress=False)
     true = 1.0 - exact[-1].x[strip].mean() / result[-1].x[strip].mean()
-    assert estimate(result) == pytest.approx(true, rel=0.5)  # weights by work, not by the length of the strip
+    assert estimate(result) == pytest.approx(
+        true, rel=0.5
+    )  # weights by work, not by the length of the strip

@@ -32,7 +32,9 @@ def blocks(quadrature: str | int) -> int:
     basis = vector_basis(sc.join_bodies({"base": base, "block": block}), "Q1", intorder=2)
     forms = {
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.3)),
-        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature=quadrature),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature=quadrature
+        ),
     }
     top = basis.get_dofs("block:top")
     down = basis.zeros()
@@ -43,7 +45,11 @@ def blocks(quadrature: str | int) -> int:
         sc.Stage("pressed", basis.zeros(), prescribed=down),
         sc.Stage("pushed", basis.zeros(), prescribed=along, increments=6),
     ]
-    return total(sc.Model(forms, basis.get_dofs({"base:bottom", "block:top"}).all(), solver="superlu").run(stages))
+    return total(
+        sc.Model(forms, basis.get_dofs({"base:bottom", "block:top"}).all(), solver="superlu").run(
+            stages
+        )
+    )
 
 
 def culvert() -> int:
@@ -59,13 +65,23 @@ def culvert() -> int:
         "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
         "culvert": sc.SolidForm(basis.with_elements("culvert"), sc.LinearElastic(E=2.8e7, nu=0.2)),
         "skin": sc.ContactPair(
-            basis, "ground|culvert", "culvert|ground", sc.Coulomb(mu=0.6), "nodal", smoothing=0.5, initial="adjusted"
+            basis,
+            "ground|culvert",
+            "culvert|ground",
+            sc.Coulomb(mu=0.6),
+            "nodal",
+            smoothing=0.5,
+            initial="adjusted",
         ),
     }
     gravity = sc.weight(basis, {"soft": 18.0, "stiff": 20.0, "culvert": 25.0})
     surface = FacetBasis(mesh, basis.elem, facets="surface")
-    strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(
+        surface
+    )
+    fixed = np.concatenate(
+        (basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
     stages = [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)]
     return total(sc.Model(forms, fixed, solver="superlu").run(stages))
 
@@ -79,7 +95,9 @@ def cylinder() -> int:
     basis = vector_basis(sc.join_bodies({"block": block, "arch": arch}), "Q1", intorder=2)
     forms = {
         "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
-        "joint": sc.ContactPair(basis, "arch:bottom", "block:top", sc.Coulomb(mu=0.0), quadrature=2),
+        "joint": sc.ContactPair(
+            basis, "arch:bottom", "block:top", sc.Coulomb(mu=0.0), quadrature=2
+        ),
     }
     x = basis.zeros()
     x[basis.get_dofs("arch:top").all("u^2")] = -0.03
@@ -93,7 +111,10 @@ def pin() -> int:
     mesh = sc.join_bodies({"pin": ring(0.2, 1.0, 90), "plate": ring(1.02, 3.0, 108)})
     around = {"skin": (0.99, 1.01), "hole": (1.01, 1.03), "rim": (2.9, 3.0)}
     mesh = mesh.with_boundaries(
-        {name: lambda x, a=a, b=b: (a < np.hypot(*x)) & (np.hypot(*x) < b) for name, (a, b) in around.items()}
+        {
+            name: lambda x, a=a, b=b: (a < np.hypot(*x)) & (np.hypot(*x) < b)
+            for name, (a, b) in around.items()
+        }
     )
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
@@ -108,7 +129,9 @@ def ring(inner: float, outer: float, n: int) -> MeshQuad:
     """A ring of elements, `n` around and eight across."""
     i, j = np.meshgrid(np.arange(8), np.arange(n), indexing="ij")
     corners = [(i + a) * n + (j + b) % n for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    r, angle = np.meshgrid(np.geomspace(inner, outer, 9), 2 * np.pi * np.arange(n) / n, indexing="ij")
+    r, angle = np.meshgrid(
+        np.geomspace(inner, outer, 9), 2 * np.pi * np.arange(n) / n, indexing="ij"
+    )
     places = np.stack((r * np.cos(angle), r * np.sin(angle)))
     return MeshQuad(places.reshape(2, -1), np.stack(corners).reshape(4, -1))
 
@@ -118,7 +141,9 @@ def slope() -> int:
     square = grid("P2", np.linspace(0, 1, 15), np.linspace(0, 1, 8))
     mesh = square.morphed(lambda p: p[0] * (32.0 - 20.0 * p[1]), lambda p: 10.0 * p[1])
     basis = vector_basis(mesh, "P2", intorder=2)
-    forms = {"slope": sc.SolidForm(basis, sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0))}
+    forms = {
+        "slope": sc.SolidForm(basis, sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0))
+    }
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")))
     found = sc.Model(forms, fixed, solver="superlu").strength_reduction(sc.weight(basis, 20.0))
     return found.iterations
@@ -153,4 +178,6 @@ def test_every_record_has_its_scene() -> None:
 
 if __name__ == "__main__":
     BASELINE.parent.mkdir(exist_ok=True)
-    BASELINE.write_text(json.dumps({name: scene() for name, scene in SCENES.items()}, indent=2) + "\n")
+    BASELINE.write_text(
+        json.dumps({name: scene() for name, scene in SCENES.items()}, indent=2) + "\n"
+    )

@@ -1,4 +1,6 @@
-"""A footing and a pit with every law of soils: Newton's method takes few iterations, and no increment is cut."""
+"""A footing and a pit with every law of soils: Newton's method takes few iterations, and no
+increment is cut.
+"""
 
 from __future__ import annotations
 
@@ -13,17 +15,27 @@ LAWS: dict[str, Material] = {
     "MohrCoulomb": sc.MohrCoulomb(2e4, 0.3, c=5.0, phi=30.0),
     "HoekBrown": sc.HoekBrown(2e4, 0.3, sigma_ci=100.0, m_b=2.0, s=0.1, a=0.51),
     "CamClay": sc.CamClay(0.01, 0.06, 1.2, 0.25, 100.0, OCR=1.3, attraction=5.0),
-    "CamClay, Lode": sc.CamClay(0.01, 0.06, 1.2, 0.25, 100.0, OCR=1.3, extension=0.71, attraction=5.0),
-    "SoftSoilCreep": sc.SoftSoilCreep(0.01, 0.06, 1.2, 0.25, 100.0, mu=2e-3, tau=1.0, OCR=1.3, attraction=5.0),
+    "CamClay, Lode": sc.CamClay(
+        0.01, 0.06, 1.2, 0.25, 100.0, OCR=1.3, extension=0.71, attraction=5.0
+    ),
+    "SoftSoilCreep": sc.SoftSoilCreep(
+        0.01, 0.06, 1.2, 0.25, 100.0, mu=2e-3, tau=1.0, OCR=1.3, attraction=5.0
+    ),
     "HardeningSoil": sc.HardeningSoil(2e4, 2e4, 6e4, 0.5, c=5.0, phi=30.0),
-    "HardeningSoil, small strains": sc.HardeningSoil(2e4, 2e4, 6e4, 0.5, 5.0, 30.0, G0_ref=6e4, gamma_07=2e-4),
-    "NgiAdp": sc.NgiAdp(2e4, 0.45, s_uA=80.0, s_uDSS=65.0, s_uP=50.0, gamma_A=0.01, gamma_DSS=0.02, gamma_P=0.03),
+    "HardeningSoil, small strains": sc.HardeningSoil(
+        2e4, 2e4, 6e4, 0.5, 5.0, 30.0, G0_ref=6e4, gamma_07=2e-4
+    ),
+    "NgiAdp": sc.NgiAdp(
+        2e4, 0.45, s_uA=80.0, s_uDSS=65.0, s_uP=50.0, gamma_A=0.01, gamma_DSS=0.02, gamma_P=0.03
+    ),
 }
 
 
 def ground(law: Material, width: float, across: int, pit: float) -> tuple[Basis, sc.Model]:
     """Ground of 8 m, and a pit of 3 m beside a smooth rigid wall if it has a width."""
-    mesh = MeshQuad.init_tensor(np.linspace(0, width, across + 1), np.linspace(0, 8, 9)).with_defaults()
+    mesh = MeshQuad.init_tensor(
+        np.linspace(0, width, across + 1), np.linspace(0, 8, 9)
+    ).with_defaults()
     parts = {"ground": lambda x: (x[1] < 5) | (x[0] > pit)}
     if pit:
         parts["pit"] = lambda x: (x[1] > 5) & (x[0] < pit)
@@ -33,16 +45,28 @@ def ground(law: Material, width: float, across: int, pit: float) -> tuple[Basis,
     return basis, sc.Model(forms, np.union1d(sc.box_supports(basis), wall))
 
 
-@pytest.mark.filterwarnings("ignore:.*(rotate by|are taken for small)")  # clay below the footing: strains of 20 %
+@pytest.mark.filterwarnings(
+    "ignore:.*(rotate by|are taken for small)"
+)  # clay below the footing: strains of 20 %
 @pytest.mark.parametrize("name", LAWS)
 def test_few_iterations(name: str) -> None:
-    """[B] At most 5 an increment; the first one of a footing on clay, which trebles the pressure there, may take 6."""
+    """[B] At most 5 an increment; the first one of a footing on clay, which trebles the pressure
+    there, may take 6.
+    """
     law, counts = LAWS[name], []
     for width, across, pit, increments in ((10.0, 8, 0.0, 10), (12.0, 12, 4.0, 8)):
         basis, model = ground(law, width, across, pit)
         duration = 1.0 if law.time_dependent else 0.0
-        push = None if pit else sc.traction(basis, "top", lambda x: (0 * x[0], -150.0 * (x[0] < 2.5)))
-        stage = sc.Stage("loaded", push, deactivate="pit" if pit else (), increments=increments, duration=duration)
+        push = (
+            None if pit else sc.traction(basis, "top", lambda x: (0 * x[0], -150.0 * (x[0] < 2.5)))
+        )
+        stage = sc.Stage(
+            "loaded",
+            push,
+            deactivate="pit" if pit else (),
+            increments=increments,
+            duration=duration,
+        )
         result = model.run([stage], start=model.k0_state(K0=0.55), progress=False)
         assert len(result["loaded"].iterations) == increments
         counts += result["loaded"].iterations

@@ -20,7 +20,9 @@ def unsymmetric(n: int = 60) -> csr_matrix:
 
 @pytest.mark.parametrize("restart", [100, 20])
 def test_fgmres(restart, monkeypatch, rng) -> None:
-    """[N] The solution to the residual that was asked for, with restarts as well; the exact one after n iterations."""
+    """[N] The solution to the residual that was asked for, with restarts as well; the exact one
+    after n iterations.
+    """
     monkeypatch.setattr(krylov, "RESTART", restart)
     A, b = unsymmetric(), rng.standard_normal(60)
     jacobi = 1.0 / A.diagonal()
@@ -31,7 +33,9 @@ def test_fgmres(restart, monkeypatch, rng) -> None:
 
 
 def test_fgmres_ends_where_nothing_is_left(rng) -> None:
-    """[X] One iteration with the exact inverse, one for each different eigenvalue; none without a right-hand side."""
+    """[X] One iteration with the exact inverse, one for each different eigenvalue; none without a
+    right-hand side.
+    """
     b = rng.standard_normal(30)
     assert krylov.Fgmres()(eye(30, format="csr"), b, np.copy, 1e-12, 9)[1] == 1
     A = diags(np.repeat([1.0, 2.0, -5.0], 10)).tocsr()
@@ -44,13 +48,18 @@ def test_fgmres_ends_where_nothing_is_left(rng) -> None:
 
 
 def test_directions_that_were_slow_are_kept(rng) -> None:
-    """[X] A second matrix with the same soft directions takes as many iterations as one without them, not twice."""
+    """[X] A second matrix with the same soft directions takes as many iterations as one without
+    them, not twice.
+    """
     n, soft = 400, 15
     turn = np.linalg.qr(rng.standard_normal((n, n)))[0]
     values = np.concatenate((np.geomspace(1e-4, 1e-2, soft), np.linspace(1.0, 4.0, n - soft)))
     stiff, kept, iterations = turn * values @ turn.T, krylov.Fgmres(), []
     for unsymmetric in (0.0, 1e-5):
-        A, b = csr_matrix(stiff + unsymmetric * rng.standard_normal((n, n)) / np.sqrt(n)), rng.standard_normal(n)
+        A, b = (
+            csr_matrix(stiff + unsymmetric * rng.standard_normal((n, n)) / np.sqrt(n)),
+            rng.standard_normal(n),
+        )
         for method in (kept, krylov.Fgmres()):
             x, count = method(A, b, np.copy, 1e-6, 200)
             assert np.linalg.norm(b - A @ x) <= 1.01e-6 * np.linalg.norm(b)
@@ -60,15 +69,22 @@ def test_directions_that_were_slow_are_kept(rng) -> None:
     print(iterations, without)
     assert iterations[0] == iterations[1]
     assert iterations[2] <= without + 1 < 0.6 * iterations[3]
-    x, count = kept(csr_matrix((n, n)), b, np.copy, 1e-8, 9)  # nothing resists, the directions least of all
+    x, count = kept(
+        csr_matrix((n, n)), b, np.copy, 1e-8, 9
+    )  # nothing resists, the directions least of all
     assert not x.any()
     assert kept(eye(3, format="csr"), np.ones(3), np.copy, 1e-8, 9)[1] == 1
 
 
 @needs_pyamg
 def test_smoother() -> None:
-    """[X] Errors of eigenvectors are reduced by Chebyshev's polynomial, from zero and from where they are."""
-    blocks = [np.diag([1.0, 0.5, 0.1]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 3.0]])]
+    """[X] Errors of eigenvectors are reduced by Chebyshev's polynomial, from zero and from where
+    they are.
+    """
+    blocks = [
+        np.diag([1.0, 0.5, 0.1]),
+        np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 3.0]]),
+    ]
     scaling = block_diag([blocks[k % 2] for k in range(8)]).tocsr()
     spectrum = np.linspace(0.02, 2.0, 24)
     turn = np.linalg.qr(np.random.default_rng(1).standard_normal((24, 24)))[0]
@@ -83,7 +99,8 @@ def test_smoother() -> None:
     smoother._middle, smoother._half = 1.05 * highest / 2, 0.95 * highest / 2
     theta = (smoother._middle - spectrum) / smoother._half
     reduced = np.polynomial.Chebyshev([0, 0, 0, 1])(theta) / np.polynomial.Chebyshev([0, 0, 0, 1])(
-        smoother._middle / smoother._half)  # fmt: skip
+        smoother._middle / smoother._half
+    )
     vectors = np.linalg.solve(root.T, turn)
     for k in range(24):
         x = smoother.from_zero(A @ vectors[:, k])

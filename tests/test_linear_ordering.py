@@ -42,7 +42,9 @@ def _fills(locations, K):
     order = nested_dissection(K, locations)
     assert np.array_equal(np.sort(order), np.arange(K.shape[0]))
     options = {"SymmetricMode": True}
-    ours = splu(K[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.01, options=options)
+    ours = splu(
+        K[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.01, options=options
+    )
     return ours.nnz, splu(K.tocsc()).nnz
 
 
@@ -84,7 +86,9 @@ def test_unknowns_at_one_place_stay_together():
 
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_degenerate_input(dim):
-    """[X] No coupling at all, full coupling, all unknowns at one place, one unknown: permutations."""
+    """[X] No coupling at all, full coupling, all unknowns at one place, one unknown:
+    permutations.
+    """
     scattered = np.random.default_rng(0).random((dim, 60))
     full = csr_matrix(np.ones((60, 60)))
     for graph, locations in [

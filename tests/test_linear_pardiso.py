@@ -37,11 +37,15 @@ def _chain(n, seed=None):
 
 
 def test_analysis_serves_for_patterns_within(phases):
-    """[X] Entries that vanish and come back cost no new analysis; the solutions are those of numpy."""
+    """[X] Entries that vanish and come back cost no new analysis; the solutions are those of
+    numpy.
+    """
     engine, b = pardiso.Pardiso(), np.ones(50)
     for A in (_chain(50), _chain(50, 1), _chain(50, 2), 2.0 * _chain(50)):
         # condition number below 1e2
-        np.testing.assert_allclose(engine.factor(A, False)(b), np.linalg.solve(A.toarray(), b), rtol=1e-12)
+        np.testing.assert_allclose(
+            engine.factor(A, False)(b), np.linalg.solve(A.toarray(), b), rtol=1e-12
+        )
     assert phases.count(pardiso.ANALYSE) == 1
     assert phases.count(pardiso.FACTOR) == 4
 
@@ -51,7 +55,9 @@ def test_new_entries_join_the_analysed_pattern(phases):
     engine, b = pardiso.Pardiso(), np.ones(50)
     few, others = _chain(50, 1), _chain(50, 2)
     for A in (few, others, few, others):
-        np.testing.assert_allclose(engine.factor(A, False)(b), np.linalg.solve(A.toarray(), b), rtol=1e-12)
+        np.testing.assert_allclose(
+            engine.factor(A, False)(b), np.linalg.solve(A.toarray(), b), rtol=1e-12
+        )
     assert phases.count(pardiso.ANALYSE) == 2
 
 
@@ -61,7 +67,9 @@ def test_symmetric_matrix_without_diagonal_entries():
     A.eliminate_zeros()
     b = np.array([1.0, 2.0, 3.0])
     x = pardiso.Pardiso().factor(A, True)(b)
-    np.testing.assert_allclose(x, np.linalg.solve(A.toarray(), b), rtol=1e-13)  # condition number below 10
+    np.testing.assert_allclose(
+        x, np.linalg.solve(A.toarray(), b), rtol=1e-13
+    )  # condition number below 10
 
 
 def test_memory_is_released(phases):
@@ -87,7 +95,9 @@ def test_errors_are_raised():
             def limit(threads):
                 return threads
 
-        pardiso._Call(Library, pardiso.UNSYMMETRIC, 1, False)(pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1))
+        pardiso._Call(Library, pardiso.UNSYMMETRIC, 1, False)(
+            pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1)
+        )
 
     with pytest.raises(MemoryError, match="memory"):
         call(pardiso.OUT_OF_MEMORY)
@@ -97,11 +107,19 @@ def test_errors_are_raised():
 
 def test_library_is_found_without_a_search_of_all_directories():
     """The installed package says where its library lies; a path of the user's own is kept."""
-    script = "import glob, os; glob.glob = None; from skfem_contact.solvers.pardiso import Pardiso; Pardiso(); " \
-             "print(os.environ['PYPARDISO_MKL_RT'])"
+    script = (
+        "import glob, os; glob.glob = None; from skfem_contact.solvers.pardiso import Pardiso; "
+        "Pardiso(); "
+        "print(os.environ['PYPARDISO_MKL_RT'])"
+    )
     given = dict(os.environ)
     given.pop("PYPARDISO_MKL_RT", None)
-    path = subprocess.run([sys.executable, "-c", script], env=given, capture_output=True, text=True, check=True).stdout
+    path = subprocess.run(
+        [sys.executable, "-c", script], env=given, capture_output=True, text=True, check=True
+    ).stdout
     assert "mkl_rt" in path
     given["PYPARDISO_MKL_RT"] = os.path.join(path.strip(), "of", "another")
-    assert subprocess.run([sys.executable, "-c", script], env=given, capture_output=True).returncode != 0
+    assert (
+        subprocess.run([sys.executable, "-c", script], env=given, capture_output=True).returncode
+        != 0
+    )

@@ -1,4 +1,6 @@
-"""Factors in single precision: residuals of double precision, and double precision where matrices are not firm."""
+"""Factors in single precision: residuals of double precision, and double precision where matrices
+are not firm.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ def small_ones_too(monkeypatch):
 
 def block(length=1.0, n=4):
     """Stiffness of a block on a base, its coordinates and free dofs."""
-    mesh = MeshHex.init_tensor(np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, n), length * np.linspace(0.0, 1.0, n))
+    mesh = MeshHex.init_tensor(
+        np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, n), length * np.linspace(0.0, 1.0, n)
+    )
     basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
     K = linear_elasticity(*lame_parameters(1e4, 0.3)).assemble(basis)
     return K, basis.doflocs, basis.complement_dofs(basis.get_dofs(lambda x: x[2] == 0.0).all())
@@ -49,18 +53,26 @@ def kinds(monkeypatch, engine):
 @pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("units", [1.0, 1e-40, 1e40])
 def test_residual_of_double_precision(engine, symmetric, units, monkeypatch):
-    """[N] Refined solutions equal dense ones, in units whose numbers single precision does not have, too."""
+    """[N] Refined solutions equal dense ones, in units whose numbers single precision does not
+    have, too.
+    """
     K, locations, free = block()
     b = np.random.default_rng(0).standard_normal(K.shape[0])
     used = kinds(monkeypatch, engine)
-    x = DirectSolver(locations, free, engine, single=True).factor(units * K, symmetric)(units**2 * b)
+    x = DirectSolver(locations, free, engine, single=True).factor(units * K, symmetric)(
+        units**2 * b
+    )
     assert used == [np.float32]
     dense = np.linalg.solve(K[free][:, free].toarray(), b[free])
-    np.testing.assert_allclose(x[free], units * dense, rtol=0.0, atol=1e-12 * units * np.abs(dense).max())
+    np.testing.assert_allclose(
+        x[free], units * dense, rtol=0.0, atol=1e-12 * units * np.abs(dense).max()
+    )
 
 
 def test_soft_structures_have_double_precision_and_keep_it(engine, monkeypatch):
-    """[N] A column 100 times as high as wide is not firm; neither it nor what follows is factored in single."""
+    """[N] A column 100 times as high as wide is not firm; neither it nor what follows is factored
+    in single.
+    """
     K, locations, free = block(100.0)
     b, used = np.random.default_rng(0).standard_normal(K.shape[0]), kinds(monkeypatch, engine)
     solver = DirectSolver(locations, free, engine, single=True)
@@ -86,12 +98,16 @@ def test_solutions_that_stay_inaccurate_have_double_precision(engine, monkeypatc
 
 
 def test_stiffness_that_stays_has_double_precision(engine, monkeypatch):
-    """[N] Factors of elastic bodies serve many solutions, whose refinements would take longer; those of soil do not."""
+    """[N] Factors of elastic bodies serve many solutions, whose refinements would take longer;
+    those of soil do not.
+    """
     mesh = MeshHex().refined(1).with_defaults()
     basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
     elastic, yields = sc.LinearElastic(E=1e4, nu=0.3), sc.Tresca(E=1e4, nu=0.3, c=1e3)
     for material, kind in ((elastic, np.float64), (yields, np.float32)):
-        model = sc.Model({"block": sc.SolidForm(basis, material)}, basis.get_dofs("bottom").all(), solver=engine)
+        model = sc.Model(
+            {"block": sc.SolidForm(basis, material)}, basis.get_dofs("bottom").all(), solver=engine
+        )
         used = kinds(monkeypatch, engine)
         model.run([sc.Stage("weight", model.weight(10.0))], progress=False)
         assert set(used) == {kind}
@@ -99,11 +115,17 @@ def test_stiffness_that_stays_has_double_precision(engine, monkeypatch):
 
 @pytest.mark.parametrize("weak", [0.0, 1e-20])
 def test_loose_bodies_are_named(engine, weak):
-    """[X] Round-off of single precision holds no body: nearly all dofs of a floating block move without force."""
+    """[X] Round-off of single precision holds no body: nearly all dofs of a floating block move
+    without force.
+    """
     K, locations, _ = block()
     with pytest.raises(SingularSystem) as found:
-        DirectSolver(locations, np.arange(K.shape[0]), engine, single=True).factor(K + diags(weak * K.diagonal()))
-    assert len(found.value.dofs) > 0.9 * K.shape[0]  # some are near the axis of the rotation that is found
+        DirectSolver(locations, np.arange(K.shape[0]), engine, single=True).factor(
+            K + diags(weak * K.diagonal())
+        )
+    assert (
+        len(found.value.dofs) > 0.9 * K.shape[0]
+    )  # some are near the axis of the rotation that is found
 
 
 def test_the_plane_has_double_precision(engine, monkeypatch):

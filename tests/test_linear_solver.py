@@ -27,7 +27,9 @@ def engine(request):
 
 
 class TwoBlocks:
-    """Two elastic squares, E about 2.5, the upper one on the lower one with nodes in the same places."""
+    """Two elastic squares, E about 2.5, the upper one on the lower one with nodes in the same
+    places.
+    """
 
     def __init__(self):
         side = np.linspace(0.0, 1.0, N + 1)
@@ -45,7 +47,9 @@ class TwoBlocks:
         self.master = dofs[:, np.flatnonzero(lower.p[1] == 1.0)]
 
     def stiffness(self, normal, tangential=0.0, friction=0.0, partners=None):
-        """With springs between slave nodes and their partners; `friction` couples them unsymmetrically."""
+        """With springs between slave nodes and their partners; `friction` couples them
+        unsymmetrically.
+        """
         partners = np.arange(N + 1) if partners is None else partners
         slave, master = self.slave, self.master[:, partners]
         rows, cols, values = [], [], []
@@ -77,7 +81,9 @@ def test_equals_dense_solution_while_the_pattern_changes(blocks, engine):
         b = rng.standard_normal(blocks.size)
         # row-scaled condition numbers up to 1e8: eight of sixteen digits remain
         expected = _dense(K, blocks.free, b)
-        np.testing.assert_allclose(solver.factor(K)(b), expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+        np.testing.assert_allclose(
+            solver.factor(K)(b), expected, rtol=0, atol=1e-8 * np.abs(expected).max()
+        )
 
 
 def test_symmetric_stiffness(blocks, engine):
@@ -94,7 +100,10 @@ def test_symmetric_stiffness(blocks, engine):
 def test_earlier_factors_stay_valid(blocks, engine):
     """[X] A callable solves with its own matrix, whatever was factored after it."""
     solver, b = DirectSolver(blocks.locations, blocks.free, engine), np.ones(blocks.size)
-    first, second = blocks.stiffness(1e2, 1e2), blocks.stiffness(1e3, 1e3, partners=np.arange(N + 1)[::-1])
+    first, second = (
+        blocks.stiffness(1e2, 1e2),
+        blocks.stiffness(1e3, 1e3, partners=np.arange(N + 1)[::-1]),
+    )
     solve_first, solve_second = solver.factor(first), solver.factor(second)
     for K, solve in ((first, solve_first), (second, solve_second)):
         assert np.abs((K @ solve(b) - b)[blocks.free]).max() < 1e-9  # round-off of forces of 1e3
@@ -111,7 +120,9 @@ def test_floating_body_is_named(blocks, engine, symmetric):
 
 
 def test_floating_body_is_named_by_a_careful_factor(blocks, monkeypatch):
-    """[X] Factors that an engine scales as an earlier matrix may give no numbers: they name nothing."""
+    """[X] Factors that an engine scales as an earlier matrix may give no numbers: they name
+    nothing.
+    """
     factor = superlu.SuperLU.factor
 
     def stale(self, A, symmetric, careful=False):
@@ -126,7 +137,9 @@ def test_floating_body_is_named_by_a_careful_factor(blocks, monkeypatch):
 
 @pytest.mark.parametrize("penalty", [1e0, 1e6])
 def test_sliding_body_is_named(blocks, engine, penalty):
-    """[X] Contact without friction, of any stiffness: all horizontal unknowns of the upper block."""
+    """[X] Contact without friction, of any stiffness: all horizontal unknowns of the upper
+    block.
+    """
     with pytest.raises(SingularSystem, match="can move without force") as error:
         DirectSolver(blocks.locations, blocks.free, engine).factor(blocks.stiffness(penalty))
     assert error.value.dofs.tolist() == blocks.upper[::2].tolist()
@@ -134,14 +147,18 @@ def test_sliding_body_is_named(blocks, engine, penalty):
 
 @pytest.mark.parametrize("tangential", [1e-9, 1e6])
 def test_weak_hold_beside_stiff_penalty_is_legal(blocks, engine, tangential):
-    """[X] Springs of 1e-9 E hold the body sideways; a vertical load moves it as the dense solution says."""
+    """[X] Springs of 1e-9 E hold the body sideways; a vertical load moves it as the dense solution
+    says.
+    """
     K = blocks.stiffness(1e6, tangential)
     b = np.zeros(blocks.size)
     b[blocks.upper[1::2]] = -1.0
     x = DirectSolver(blocks.locations, blocks.free, engine).factor(K)(b)
     expected = _dense(K, blocks.free, b)
     # the vertical motion is well conditioned up to the penalty, 1e6
-    np.testing.assert_allclose(x[1::2], expected[1::2], rtol=0, atol=1e-7 * np.abs(expected[1::2]).max())
+    np.testing.assert_allclose(
+        x[1::2], expected[1::2], rtol=0, atol=1e-7 * np.abs(expected[1::2]).max()
+    )
 
 
 def test_unknown_without_stiffness_is_named(blocks, engine):
@@ -164,7 +181,9 @@ def test_exactly_singular_matrix(engine):
 
 
 def test_pattern_without_a_pivot_in_each_row(engine, capfd):
-    """[X] Two unknowns that one spring joins to a third: named, and BLAS has nothing to complain about."""
+    """[X] Two unknowns that one spring joins to a third: named, and BLAS has nothing to complain
+    about.
+    """
     K = np.diag([0.0, 6.0, 6.0, 6.0, 6.0, 0.0, 6.0])
     for i, j in ((0, 6), (5, 6), (2, 3), (2, 4), (2, 6), (3, 6)):
         K[i, j] = K[j, i] = 1.0
@@ -197,11 +216,15 @@ def test_unchanged_factor_is_used_again(blocks, monkeypatch):
 
 
 def test_order_is_kept_until_the_factors_grow(blocks, monkeypatch):
-    """[X] The order is computed for the first matrix of a mesh and again when a pattern has spoilt it, not else."""
+    """[X] The order is computed for the first matrix of a mesh and again when a pattern has spoilt
+    it, not else.
+    """
     calls, nested = [], superlu.nested_dissection
     monkeypatch.setattr(superlu, "nested_dissection", lambda *a: calls.append(1) or nested(*a))
     monkeypatch.setattr(superlu, "_orders", {})
-    DirectSolver(blocks.locations, blocks.free, "superlu").factor(blocks.stiffness(1.0, 1.0))  # of another model
+    DirectSolver(blocks.locations, blocks.free, "superlu").factor(
+        blocks.stiffness(1.0, 1.0)
+    )  # of another model
     solver = DirectSolver(blocks.locations, blocks.free, "superlu")
     solver.factor(blocks.stiffness(1.0, 1.0))
     solver.factor(blocks.stiffness(2.0, 1.0, partners=np.roll(np.arange(N + 1), 1)))
@@ -281,7 +304,10 @@ def test_gather_follows_a_new_pattern(blocks):
 def test_gather_notices_a_pattern_changed_in_place():
     """[X] Slicing by scipy, after an entry has gone and another has moved in the same matrix."""
     order = np.array([2, 0, 1])
-    block, K = FreeBlock(order), csr_matrix(np.array([[1.0, 2.0, 3.0], [0.0, 4.0, 0.0], [5.0, 0.0, 6.0]]))
+    block, K = (
+        FreeBlock(order),
+        csr_matrix(np.array([[1.0, 2.0, 3.0], [0.0, 4.0, 0.0], [5.0, 0.0, 6.0]])),
+    )
     block.gather(K)
     K.data[1] = 0.0
     K.eliminate_zeros()
@@ -291,7 +317,9 @@ def test_gather_notices_a_pattern_changed_in_place():
 
 
 def test_gather_does_not_look_at_a_pattern_that_cannot_change(monkeypatch):
-    """The sum of the forms' tangents keeps its read-only pattern: known by identity, gathered as any other."""
+    """The sum of the forms' tangents keeps its read-only pattern: known by identity, gathered as
+    any other.
+    """
     order, total = np.array([2, 0, 1]), Total()
     block, other = FreeBlock(order), FreeBlock(order)
     A, B = csr_matrix(np.arange(9.0).reshape(3, 3)), csr_matrix(np.eye(3))
@@ -304,11 +332,15 @@ def test_gather_does_not_look_at_a_pattern_that_cannot_change(monkeypatch):
 
 def test_gather_sums_duplicates():
     """[X] Duplicate entries mean their sum."""
-    K = csr_matrix((np.array([1.0, 2.0, 4.0]), np.array([0, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
+    K = csr_matrix(
+        (np.array([1.0, 2.0, 4.0]), np.array([0, 0, 1]), np.array([0, 2, 3])), shape=(2, 2)
+    )
     assert FreeBlock(np.array([1, 0])).gather(K).toarray().tolist() == [[4, 0], [0, 3]]
 
 
-@pytest.mark.parametrize("function", [spsolve, solver_iter_krylov(rtol=1e-12)], ids=["spsolve", "cg"])
+@pytest.mark.parametrize(
+    "function", [spsolve, solver_iter_krylov(rtol=1e-12)], ids=["spsolve", "cg"]
+)
 def test_functions_of_scikit_fem_are_solvers(blocks, function):
     """[X] They give the dense solution on the free unknowns."""
     K, b = blocks.stiffness(10.0, 10.0), np.ones(blocks.size)

@@ -25,16 +25,22 @@ OTHERS = {
 
 
 def skewness(material, rng: np.random.Generator) -> float:
-    """Largest difference of a tangent and its transpose at random points, relative to Young's modulus."""
+    """Largest difference of a tangent and its transpose at random points, relative to Young's
+    modulus.
+    """
     shape = (4, 2000, 1)
     internal = np.zeros((material.n_internal, *shape[1:]))
-    tangent = material.update(3e-3 * rng.standard_normal(shape), np.zeros(shape), internal).tangent()
+    tangent = material.update(
+        3e-3 * rng.standard_normal(shape), np.zeros(shape), internal
+    ).tangent()
     return float(np.abs(tangent - tangent.transpose(0, 2, 1)).max(initial=0.0)) / material.E
 
 
 @pytest.mark.parametrize("name", ASSOCIATED)
 def test_associated_flow_has_a_symmetric_tangent(name: str, rng: np.random.Generator) -> None:
-    """[X] On faces, edges, the apex and the cut-off (round-off of the principal directions: 1e-9)."""
+    """[X] On faces, edges, the apex and the cut-off (round-off of the principal directions:
+    1e-9).
+    """
     assert ASSOCIATED[name].symmetric
     assert skewness(ASSOCIATED[name], rng) < 1e-9
 
@@ -48,12 +54,16 @@ def test_other_flow_has_not(name: str, rng: np.random.Generator) -> None:
 
 def slope(material):
     """A layer that yields under a strip load."""
-    basis = vector_basis(grid("Q1", np.linspace(-3, 3, 19), np.linspace(-2, 0, 7)), "Q1", intorder=2)
+    basis = vector_basis(
+        grid("Q1", np.linspace(-3, 3, 19), np.linspace(-2, 0, 7)), "Q1", intorder=2
+    )
     forms = {"layer": sc.SolidForm(basis, material, strain="b_bar")}
     load = basis.zeros()
     top = basis.get_dofs("top").all("u^2")
     load[top[np.abs(basis.doflocs[0, top]) < 1.0]] = -1.5
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    fixed = np.concatenate(
+        (basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
     return forms, [sc.Stage("load", load, increments=2)], fixed
 
 
@@ -68,7 +78,8 @@ def test_forms_that_say_nothing_are_not_symmetric() -> None:
 
 
 def contact_skewness(law, quadrature, rng: np.random.Generator, springs: float = 0.0, **options):
-    """A contact pair of bent surfaces in random states, and its largest difference of tangent and transpose, relative.
+    """A contact pair of bent surfaces in random states, and its largest difference of tangent and
+    transpose, relative.
 
     Parameters
     ----------
@@ -87,8 +98,12 @@ def contact_skewness(law, quadrature, rng: np.random.Generator, springs: float =
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
 @pytest.mark.parametrize("tangent", ["exact", "primary"])
-def test_contact_without_friction_has_a_symmetric_tangent(quadrature, tangent, rng: np.random.Generator) -> None:
-    """[X] Second derivatives of an energy, to round-off: at facets and vertices, held by springs, augmented."""
+def test_contact_without_friction_has_a_symmetric_tangent(
+    quadrature, tangent, rng: np.random.Generator
+) -> None:
+    """[X] Second derivatives of an energy, to round-off: at facets and vertices, held by springs,
+    augmented.
+    """
     for law in (sc.Coulomb(), sc.Coulomb(tension=5.0)):
         for options in ({}, {"enforcement": sc.AugmentedLagrangian()}, {"springs": 1e-4}):
             pair, skew = contact_skewness(law, quadrature, rng, tangent=tangent, **options)
@@ -98,9 +113,13 @@ def test_contact_without_friction_has_a_symmetric_tangent(quadrature, tangent, r
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
-@pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Coulomb(1e6), sc.Coulomb(adhesion=1e6), sc.Tied()], ids=repr)
+@pytest.mark.parametrize(
+    "law", [sc.Coulomb(0.3), sc.Coulomb(1e6), sc.Coulomb(adhesion=1e6), sc.Tied()], ids=repr
+)
 def test_contact_with_shear_has_not(law, quadrature, rng: np.random.Generator) -> None:
-    """[X] Nor have points that stick: the slip is measured in the master's material, the shear acts in space."""
+    """[X] Nor have points that stick: the slip is measured in the master's material, the shear acts
+    in space.
+    """
     pair, skew = contact_skewness(law, quadrature, rng)
     assert not pair.symmetric
     assert skew > 1e-3
@@ -114,7 +133,9 @@ def pressed_layer():
     }
     basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
     forms = {
-        "bodies": sc.SolidForm(basis, {"layer": ASSOCIATED["Mohr-Coulomb"], "block": ASSOCIATED["elastic"]}),
+        "bodies": sc.SolidForm(
+            basis, {"layer": ASSOCIATED["Mohr-Coulomb"], "block": ASSOCIATED["elastic"]}
+        ),
         "contact": sc.ContactPair(basis, "block:bottom", "layer:top", sc.Coulomb(), "segments"),
     }
     down, top = basis.zeros(), basis.get_dofs("block:top").all()
@@ -134,7 +155,9 @@ SCENES = {
 
 @pytest.mark.parametrize("name", SCENES)
 def test_half_of_the_tangent_gives_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the whole matrix PARDISO finds the same displacements (residuals of 1e-12 times the conditioning)."""
+    """With the whole matrix PARDISO finds the same displacements (residuals of 1e-12 times the
+    conditioning).
+    """
     pytest.importorskip("pypardiso")
     from skfem_contact.solvers import pardiso
 

@@ -13,12 +13,16 @@ def some(density: float, rng: np.random.Generator) -> csr_matrix:
 
 
 def test_sum(rng: np.random.Generator) -> None:
-    """Whatever the patterns, new, old or wider, the sum is that of scipy (two or three terms: round-off)."""
+    """Whatever the patterns, new, old or wider, the sum is that of scipy (two or three terms:
+    round-off).
+    """
     total, solid = Total(), some(0.2, rng)
     contacts = [some(density, rng) for density in (0.01, 0.05, 0.0, 0.3, 0.02)]
     for contact in [*contacts, *contacts]:
         matrices = [solid, contact, solid.copy()]
-        np.testing.assert_allclose(total.of(matrices).toarray(), sum(matrices).toarray(), rtol=1e-15)
+        np.testing.assert_allclose(
+            total.of(matrices).toarray(), sum(matrices).toarray(), rtol=1e-15
+        )
 
 
 def test_pattern_stays_when_contact_opens_or_entries_cancel(rng: np.random.Generator) -> None:

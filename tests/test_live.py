@@ -1,4 +1,6 @@
-"""What is seen while an analysis runs: bars, log lines, pictures, early ends, and a notebook that is interrupted."""
+"""What is seen while an analysis runs: bars, log lines, pictures, early ends, and a notebook that
+is interrupted.
+"""
 
 from __future__ import annotations
 
@@ -37,32 +39,50 @@ print([(stage.name, round(stage.fraction, 3), len(stage.iterations)) for stage i
 def column(E: float = 1e3) -> sc.Model:
     """A square of soil on its bottom."""
     basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    return sc.Model({"soil": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3), unit_weight=20.0)},
-                    basis.get_dofs("bottom").all())  # fmt: skip
+    return sc.Model(
+        {"soil": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3), unit_weight=20.0)},
+        basis.get_dofs("bottom").all(),
+    )
 
 
 def test_notebook_shows_bars_tables_and_pictures_and_keeps_what_was_accepted() -> None:
-    """A notebook is executed cell by cell; the last cell reads what an interrupted run has accepted."""
+    """A notebook is executed cell by cell; the last cell reads what an interrupted run has
+    accepted.
+    """
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     pytest.importorskip("ipykernel")
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
     nbclient.NotebookClient(book, timeout=600, allow_errors=True).execute()
     outputs = [cell["outputs"] for cell in book.cells]
-    assert not any(part["output_type"] == "error" for k in (0, 1, 2, 4) for part in outputs[k]), outputs
+    assert not any(part["output_type"] == "error" for k in (0, 1, 2, 4) for part in outputs[k]), (
+        outputs
+    )
     bars = "".join(part.get("text", "") for part in outputs[1] if part["output_type"] == "stream")
-    assert "weight (1/1)" in bars and "3 increments" in bars and "displacement" in bars and "left" in bars
+    assert (
+        "weight (1/1)" in bars
+        and "3 increments" in bars
+        and "displacement" in bars
+        and "left" in bars
+    )
     pictures = [part for part in outputs[1] if "image/png" in part.get("data", {})]
     assert len(pictures) == 1  # one that has changed
     assert any("<table" in part.get("data", {}).get("text/html", "") for part in outputs[1])
     assert "displacement at" in outputs[2][0]["data"]["text/html"]
-    assert [part["ename"] for part in outputs[3] if part["output_type"] == "error"] == ["KeyboardInterrupt"]
+    assert [part["ename"] for part in outputs[3] if part["output_type"] == "error"] == [
+        "KeyboardInterrupt"
+    ]
     printed = "".join(part["text"] for part in outputs[4] if part["output_type"] == "stream")
     assert "[('first', 1.0, 1), ('slow', 0.4, 2)]" in printed
 
 
 def test_log_has_a_line_now_and_then(caplog, monkeypatch) -> None:
-    """Without bars: the end of every stage, and increments when some seconds have passed since the last line."""
-    stages = [sc.Stage("one", increments=4), sc.Stage("two", column().traction("top", (0.0, -5.0)), increments=2)]
+    """Without bars: the end of every stage, and increments when some seconds have passed since the
+    last line.
+    """
+    stages = [
+        sc.Stage("one", increments=4),
+        sc.Stage("two", column().traction("top", (0.0, -5.0)), increments=2),
+    ]
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         column().run(stages, progress=False)
         ends = [r.getMessage() for r in caplog.records if "left" in r.getMessage()]
@@ -75,7 +95,10 @@ def test_log_has_a_line_now_and_then(caplog, monkeypatch) -> None:
         shown = [r for r in caplog.records if "left" in r.getMessage()]
     assert [line[:24] for line in ends] == ["stage 'one' (1 of 2): 10", "stage 'two' (2 of 2): 10"]
     assert len(every) == 6
-    assert re.match(r"stage 'one' \(1 of 2\): 50%, 2 increments, \d iterations, displacement 0\.0\d+, 00:0\d", every[1])
+    assert re.match(
+        r"stage 'one' \(1 of 2\): 50%, 2 increments, \d iterations, displacement 0\.0\d+, 00:0\d",
+        every[1],
+    )
     assert ends[-1].endswith("00:00 left") and shown == []
 
 
@@ -95,7 +118,9 @@ def test_time_that_is_left(monkeypatch) -> None:
 
 
 def test_live_picture_is_written_outside_of_notebooks(tmp_path) -> None:
-    """The file changes with the stages; without a notebook and without a file there is nothing to show."""
+    """The file changes with the stages; without a notebook and without a file there is nothing to
+    show.
+    """
     with pytest.raises(ValueError, match="notebook; elsewhere give a file="):
         plot.live("uy")
     file, sizes = tmp_path / "live.png", []
@@ -111,7 +136,9 @@ def test_live_picture_is_written_outside_of_notebooks(tmp_path) -> None:
 
 
 def test_displacements_beyond_the_model_end_a_run() -> None:
-    """A modulus in the wrong unit: the run ends in the third of forty increments, with a word on units."""
+    """A modulus in the wrong unit: the run ends in the third of forty increments, with a word on
+    units.
+    """
     message = r"displacements, .* exceed the size of the bodies, 1\.41.* same units"
     with pytest.raises(sc.NotConverged, match=message) as end:
         column(E=1.0).run([sc.Stage("weight", increments=40)])
@@ -135,7 +162,9 @@ def test_the_same_failure_three_times_ends_a_run() -> None:
     """A block on a smooth base is pushed: nothing resists it, and three increments show that."""
     base = MeshQuad.init_tensor(np.linspace(0, 6, 7), np.linspace(0, 3, 4)).with_defaults()
     block = MeshQuad.init_tensor(np.linspace(2, 4, 4), np.linspace(3, 5, 4)).with_defaults()
-    basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2)
+    basis = Basis(
+        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2
+    )
     bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
     joint = sc.ContactPair(basis, slave="block:bottom", master="base:top", law=sc.Coulomb(mu=0.0))
     model = sc.Model({"bodies": bodies, "joint": joint}, basis.get_dofs("base:bottom").all())
@@ -161,7 +190,9 @@ def test_versions(capsys, monkeypatch) -> None:
     lines = dict(line.split(None, 1) for line in text.splitlines())
     assert lines["skfem_contact"] == sc.__version__ and lines["numpy"] == np.__version__
     assert lines["Python"] == ".".join(map(str, sys.version_info[:3]))
-    monkeypatch.setattr("skfem_contact.versions._of", lambda name: None if name in ("gmsh", "numpy") else "1.0")
+    monkeypatch.setattr(
+        "skfem_contact.versions._of", lambda name: None if name in ("gmsh", "numpy") else "1.0"
+    )
     sc.show_versions()
     text = capsys.readouterr().out
     assert "not installed: meshes" in text and "threads" in text and "missing" in text

@@ -22,13 +22,17 @@ ALL_LAWS = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 def constants(law: DruckerPrager | VonMises) -> tuple[float, float, float]:
     """k, alpha and beta."""
     return (
-        (law.strength / np.sqrt(3), 0.0, 0.0) if isinstance(law, VonMises) else (law.k, law.alpha, law.beta)
+        (law.strength / np.sqrt(3), 0.0, 0.0)
+        if isinstance(law, VonMises)
+        else (law.k, law.alpha, law.beta)
     )
 
 
 def tensors(stress: np.ndarray, shear: float = 1.0) -> np.ndarray:
     """Tensors (n, 3, 3); ``shear`` is 2 for engineering shear strains."""
-    six = np.vstack((stress[:3], stress[3:] / shear, np.zeros((6 - len(stress), *stress.shape[1:]))))
+    six = np.vstack(
+        (stress[:3], stress[3:] / shear, np.zeros((6 - len(stress), *stress.shape[1:])))
+    )
     return np.moveaxis(six[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]], -1, 0)
 
 
@@ -43,7 +47,9 @@ def excess(law: DruckerPrager | VonMises, stress: np.ndarray) -> np.ndarray:
 @COMPONENTS
 @ALL_LAWS
 def test_koiter_conditions(law: DruckerPrager | VonMises, ncomp: int) -> None:
-    """[X] Plastic strain along the potential's normal, or in its cone at the apex; stress on the surface."""
+    """[X] Plastic strain along the potential's normal, or in its cone at the apex; stress on the
+    surface.
+    """
     k, alpha, beta = constants(law)
     strain = random_points(20_000, ncomp, np.random.default_rng(1))
     result = update(law, strain)
@@ -52,7 +58,9 @@ def test_koiter_conditions(law: DruckerPrager | VonMises, ncomp: int) -> None:
     tolerance = 1e-12 * 100 / law.E
     elastic = np.setdiff1d(np.arange(strain.shape[1]), result.plastic)
     assert (excess(law, result.stress) <= 1e-11).all()
-    np.testing.assert_allclose(compliance @ result.stress[:, elastic], strain[:, elastic], atol=tolerance)
+    np.testing.assert_allclose(
+        compliance @ result.stress[:, elastic], strain[:, elastic], atol=tolerance
+    )
 
     stress = result.stress[:, result.plastic]
     np.testing.assert_allclose(excess(law, stress), 0, atol=1e-11)
@@ -115,9 +123,13 @@ def test_uniaxial_tension_of_von_mises(ncomp: int) -> None:
 @pytest.mark.parametrize("psi", [0.0, 10.0, 30.0])
 @COMPONENTS
 def test_plane_strain_match(psi: float, ncomp: int) -> None:
-    """[X] Plane-strain compression ends at the Mohr-Coulomb strength and flows with the dilatancy angle."""
+    """[X] Plane-strain compression ends at the Mohr-Coulomb strength and flows with the dilatancy
+    angle.
+    """
     specimen = Specimen(
-        DruckerPrager.plane_strain(1e4, 0.3, c=5.0, phi=30.0, psi=psi), [-50.0, -50.0, -50.0, 0.0], ncomp
+        DruckerPrager.plane_strain(1e4, 0.3, c=5.0, phi=30.0, psi=psi),
+        [-50.0, -50.0, -50.0, 0.0],
+        ncomp,
     )
     for _ in range(150):
         specimen.step({1: -3e-3}, {0: -50.0})
@@ -144,7 +156,9 @@ def test_parameters_of_each_element() -> None:
     tangent = np.zeros((2, 30, 4, 4))
     tangent.reshape(-1, 4, 4)[whole.plastic] = whole.tangent()
     for i in range(2):
-        part = update(DruckerPrager(**{name: value[i] for name, value in parameters.items()}), strain[:, i])
+        part = update(
+            DruckerPrager(**{name: value[i] for name, value in parameters.items()}), strain[:, i]
+        )
         assert part.plastic.size
         np.testing.assert_allclose(whole.stress[:, i], part.stress, rtol=1e-13, atol=1e-12)
         np.testing.assert_allclose(tangent[i, part.plastic], part.tangent(), rtol=1e-12, atol=1e-8)

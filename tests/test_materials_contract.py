@@ -1,4 +1,6 @@
-"""Contract of materials: declared memory, initial values, time, stress-dependent elasticity, laws of a user."""
+"""Contract of materials: declared memory, initial values, time, stress-dependent elasticity, laws
+of a user.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +23,16 @@ QUIET = {"progress": False}
 
 @dataclass(frozen=True, eq=False)
 class CapClay(sc.VonMises):
-    """Von Mises' cylinder with a cap on the pressure, which hardens by its preconsolidation pressure."""
+    """Von Mises' cylinder with a cap on the pressure, which hardens by its preconsolidation
+    pressure.
+    """
 
     hardening: float = 2e3
     ocr: float = 1.5
-    internal = (sc.Internal("plastic strain"), sc.Internal("preconsolidation pressure", 10.0, "stress"))
+    internal = (
+        sc.Internal("plastic strain"),
+        sc.Internal("preconsolidation pressure", 10.0, "stress"),
+    )
 
     def initial_internal(self, stress):
         values = super().initial_internal(stress)
@@ -35,7 +42,9 @@ class CapClay(sc.VonMises):
     def update(self, strain_increment, stress, internal):
         sheared = super().update(strain_increment, stress, internal[:1])
         bulk = self.lame[0] + 2 / 3 * self.lame[1]
-        volume = np.maximum(-sheared.stress[:3].mean(axis=0) - internal[1], 0.0) / (bulk + self.hardening)
+        volume = np.maximum(-sheared.stress[:3].mean(axis=0) - internal[1], 0.0) / (
+            bulk + self.hardening
+        )
         new = sheared.stress.copy()
         new[:3] += bulk * volume
         memory = np.stack((sheared.internal[0] + volume, internal[1] + self.hardening * volume))
@@ -59,23 +68,38 @@ def column(material, element="Q2", n=3):
     """A column between smooth walls, its supports, and the load of a pressure of one on top."""
     basis = vector_basis(grid(element, [0.0, 1.0], np.linspace(0.0, 1.0, n)), element)
     form = sc.SolidForm(basis, material)
-    return {"clay": form}, sc.box_supports(basis, base="rollers"), sc.traction(basis, "top", (0.0, -1.0))
+    return (
+        {"clay": form},
+        sc.box_supports(basis, base="rollers"),
+        sc.traction(basis, "top", (0.0, -1.0)),
+    )
 
 
 def consolidated(material=CLAY):
     """The column in a state of K0 under a pressure of 100."""
     forms, fixed, load = column(material)
-    return forms, fixed, load, sc.Model(forms, fixed).k0_state(100 * load, unit_weights=0.0, K0=0.5, surcharge=100.0)
+    return (
+        forms,
+        fixed,
+        load,
+        sc.Model(forms, fixed).k0_state(100 * load, unit_weights=0.0, K0=0.5, surcharge=100.0),
+    )
 
 
 def test_memory_follows_from_the_initial_stress():
-    """[X] The preconsolidation pressure is 1.5 times the pressure of K0; the settlement bends where it is reached."""
+    """[X] The preconsolidation pressure is 1.5 times the pressure of K0; the settlement bends where
+    it is reached.
+    """
     forms, fixed, load, start = consolidated()
     state = start["initial"].states["clay"]
     pressure = 100 * (1 + 2 * 0.5) / 3
-    np.testing.assert_allclose(forms["clay"].variable("preconsolidation pressure", state), 1.5 * pressure)
+    np.testing.assert_allclose(
+        forms["clay"].variable("preconsolidation pressure", state), 1.5 * pressure
+    )
     assert start["initial"].summary["clay"] == "" and start["initial"].residual < 1e-12
-    stage = sc.Model(forms, fixed).run([sc.Stage("fill", 250 * load, increments=3)], start=start, **QUIET)["fill"]
+    stage = sc.Model(forms, fixed).run(
+        [sc.Stage("fill", 250 * load, increments=3)], start=start, **QUIET
+    )["fill"]
     elastic = 0.5 * pressure / BULK
     rest = 150 - (BULK + 4 / 3 * SHEAR) * elastic
     strain = elastic + rest / (BULK * CLAY.hardening / (BULK + CLAY.hardening) + 4 / 3 * SHEAR)
@@ -84,14 +108,19 @@ def test_memory_follows_from_the_initial_stress():
 
 
 def test_memory_follows_from_elastic_gravity():
-    """[X] `gravity_state` takes K0 and the elasticity of an own law, and fills its memory from the stresses."""
+    """[X] `gravity_state` takes K0 and the elasticity of an own law, and fills its memory from the
+    stresses.
+    """
     forms, fixed, _ = column(CLAY)
     load = sc.weight(forms["clay"].basis, 20.0)
     state = sc.Model(forms, fixed).gravity_state(load, K0=0.5)["initial"].states["clay"]
     np.testing.assert_allclose(state.stress[0], 0.5 * state.stress[1], rtol=1e-8, atol=1e-10)
     pressure = -state.stress[:3].mean(axis=0)
-    np.testing.assert_allclose(forms["clay"].variable("preconsolidation pressure", state),
-                               np.maximum(1.5 * pressure, 10.0), rtol=1e-8)  # fmt: skip
+    np.testing.assert_allclose(
+        forms["clay"].variable("preconsolidation pressure", state),
+        np.maximum(1.5 * pressure, 10.0),
+        rtol=1e-8,
+    )
 
 
 def test_memory_is_saved_and_resumed(tmp_path):
@@ -101,14 +130,18 @@ def test_memory_is_saved_and_resumed(tmp_path):
     first.save(tmp_path / "clay.npz")
     read = sc.load_result(tmp_path / "clay.npz", forms)
     more = [sc.Stage("more", 300 * load)]
-    ends = [sc.Model(forms, fixed).run(more, start=begun, **QUIET)["more"] for begun in (first, read)]
+    ends = [
+        sc.Model(forms, fixed).run(more, start=begun, **QUIET)["more"] for begun in (first, read)
+    ]
     for name in ("stress", "internal"):
         np.testing.assert_array_equal(*(getattr(end.states["clay"], name) for end in ends))
     assert (ends[0].states["clay"].internal[1] > first["fill"].states["clay"].internal[1]).all()
 
 
 def test_own_law_is_checked_reduced_and_drawn(tmp_path):
-    """[X] A block of shear strength k under the pressure q stands with the factor of safety 2 k / q."""
+    """[X] A block of shear strength k under the pressure q stands with the factor of safety 2 k /
+    q.
+    """
     soft = CapClay(E=6e3, nu=0.25, strength=20 * np.sqrt(3), ocr=100.0)
     assert (
         sc.testing.check_material(soft, strain=1e-2) < 1e-6
@@ -129,7 +162,9 @@ def test_own_law_is_checked_reduced_and_drawn(tmp_path):
 
 
 def test_memory_of_a_new_material_starts_from_the_stress():
-    """[X] Variables of the same name go on; others start as if the ground had always been of the new material."""
+    """[X] Variables of the same name go on; others start as if the ground had always been of the
+    new material.
+    """
     forms, fixed, load = column(sc.Tresca(E=6e3, nu=0.25, c=20.0))
     press = sc.Model(forms, fixed).run([sc.Stage("press", 100 * load)], **QUIET)
     old = press["press"].states["clay"]
@@ -154,7 +189,12 @@ class Maxwell:
         kept = 1 / (1 + dt / self.time)
         new = kept * self.law.update(strain_increment, stress, internal).stress
         points = np.arange(stress[0].size)
-        return Update(new, internal, points, lambda: np.tile(kept * self.elasticity(len(stress)), (len(points), 1, 1)))
+        return Update(
+            new,
+            internal,
+            points,
+            lambda: np.tile(kept * self.elasticity(len(stress)), (len(points), 1, 1)),
+        )
 
 
 def test_time_is_passed_to_a_law_that_asks_for_it():
@@ -164,8 +204,10 @@ def test_time_is_passed_to_a_law_that_asks_for_it():
     top = basis.get_dofs("top").all("u^2")
     x = basis.zeros()
     x[top] = -0.01
-    stages = [sc.Stage("press", 0 * load, prescribed=x),
-              sc.Stage("wait", 0 * load, prescribed=x, duration=3.0, increments=4)]  # fmt: skip
+    stages = [
+        sc.Stage("press", 0 * load, prescribed=x),
+        sc.Stage("wait", 0 * load, prescribed=x, duration=3.0, increments=4),
+    ]
     result = sc.Model(forms, np.union1d(fixed, top)).run(stages, **QUIET)
     first, last = (stage.states["clay"].stress for stage in result)
     np.testing.assert_allclose(first[1], -0.01 * Maxwell().elasticity(4)[1, 1], rtol=1e-12)
@@ -173,7 +215,9 @@ def test_time_is_passed_to_a_law_that_asks_for_it():
 
 
 class Janbu(sc.Material):
-    """Elastic ground whose stiffness grows with the accepted pressure; one variable counts for nothing."""
+    """Elastic ground whose stiffness grows with the accepted pressure; one variable counts for
+    nothing.
+    """
 
     stress_dependent = True
     law = sc.LinearElastic(E=1e3, nu=0.25)
@@ -185,25 +229,34 @@ class Janbu(sc.Material):
     def update(self, strain_increment, stress, internal):
         D = self.elasticity(len(stress), stress, internal)
         new = stress + np.einsum("...ab,b...->a...", D, strain_increment)
-        return Update(new, internal, np.zeros(0, int), lambda: np.zeros((0, len(stress), len(stress))))
+        return Update(
+            new, internal, np.zeros(0, int), lambda: np.zeros((0, len(stress), len(stress)))
+        )
 
 
 @pytest.mark.parametrize("material", [Janbu(), sc.Undrained(Janbu(), nu_undrained=0.49)])
 def test_stiffness_is_that_of_the_stress(material):
-    """[X] The law is linear in an increment: the tangent is exact, one iteration ends it; so does pore water."""
+    """[X] The law is linear in an increment: the tangent is exact, one iteration ends it; so does
+    pore water.
+    """
     assert sc.testing.check_material(material) < 1e-6
     forms, fixed, load, start = consolidated(material)
     form, state = forms["clay"], start["initial"].states["clay"]
     x = 1e-3 * np.random.default_rng(0).standard_normal(form.size)
     out, rest = form.assemble(x, state), form.assemble(0 * x, state)
     np.testing.assert_allclose(out.force - rest.force, out.stiffness @ x, rtol=1e-9, atol=1e-12)
-    assert abs(out.damped - out.stiffness).max() < 1e-9 and abs(out.stiffness - form.elastic_stiffness).max() > 100
+    assert (
+        abs(out.damped - out.stiffness).max() < 1e-9
+        and abs(out.stiffness - form.elastic_stiffness).max() > 100
+    )
     stage = sc.Model(forms, fixed).run([sc.Stage("fill", 150 * load)], start=start, **QUIET)["fill"]
     assert stage.iterations == (1,)
     drained = (1 + 200 / 3 / 50) * Janbu.law.elasticity(4)
     if material.undrained:  # Poisson's ratio of soil and water is that at every stress
         shear, nu = drained[3, 3], 0.49
-        np.testing.assert_allclose(-50 / stage.states["clay"].strain[1], 2 * shear * (1 - nu) / (1 - 2 * nu), rtol=1e-9)
+        np.testing.assert_allclose(
+            -50 / stage.states["clay"].strain[1], 2 * shear * (1 - nu) / (1 - 2 * nu), rtol=1e-9
+        )
     else:
         np.testing.assert_allclose(-50 / stage.states["clay"].strain[1], drained[1, 1], rtol=1e-9)
 
@@ -212,7 +265,11 @@ class Forgetful(sc.LinearElastic):
     """Returns a variable that it has not declared."""
 
     def update(self, strain_increment, stress, internal):
-        return super().update(strain_increment, stress, internal)._replace(internal=np.zeros((1, *stress.shape[1:])))
+        return (
+            super()
+            .update(strain_increment, stress, internal)
+            ._replace(internal=np.zeros((1, *stress.shape[1:])))
+        )
 
 
 class Misshapen(Forgetful):
@@ -224,13 +281,22 @@ class Misshapen(Forgetful):
         return super().update(strain_increment, stress, internal)._replace(internal=internal[0])
 
 
-@pytest.mark.parametrize(("law", "found"), [
-    (Forgetful(E=1e3, nu=0.3), r"material of 'soft', Forgetful: update returns .* shape \(1, .*0 declared \(none\)"),
-    (Misshapen(E=1e3, nu=0.3), r"material of 'soft', Misshapen: update returns .*1 declared \(void ratio\)"),
-    (sc.Material(), r"material of 'soft': .* is no material: elasticity and update missing"),
-    (sc.LinearElastic, r"material of 'soft': .* is no material"),
-    (None, r"material of 'soft': None is no material"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("law", "found"),
+    [
+        (
+            Forgetful(E=1e3, nu=0.3),
+            r"material of 'soft', Forgetful: update returns .* shape \(1, .*0 declared \(none\)",
+        ),
+        (
+            Misshapen(E=1e3, nu=0.3),
+            r"material of 'soft', Misshapen: update returns .*1 declared \(void ratio\)",
+        ),
+        (sc.Material(), r"material of 'soft': .* is no material: elasticity and update missing"),
+        (sc.LinearElastic, r"material of 'soft': .* is no material"),
+        (None, r"material of 'soft': None is no material"),
+    ],
+)
 def test_bad_materials(law, found):
     """One ValueError that names region, law and what is wrong."""
     mesh = grid("Q2", [0.0, 1.0, 2.0], [0.0, 1.0]).with_subdomains({"soft": [0], "stiff": [1]})
@@ -239,7 +305,9 @@ def test_bad_materials(law, found):
 
 
 def test_law_that_does_not_derive_from_material(tmp_path):
-    """[X] It computes the same; figures that it does not define are NaN or nothing, and can be drawn all the same."""
+    """[X] It computes the same; figures that it does not define are NaN or nothing, and can be
+    drawn all the same.
+    """
     known = sc.Tresca(E=1e3, nu=0.3, c=10.0)
     stages = []
     for law in (known, PlainLaw(known)):
@@ -261,7 +329,9 @@ def test_law_that_does_not_derive_from_material(tmp_path):
     basis = vector_basis(mesh, "Q2")
     forms = {"both": sc.SolidForm(basis, {"plain": PlainLaw(known), "known": known})}
     load = sc.traction(basis, "top", (0.0, -15.0))
-    stage = sc.Model(forms, sc.box_supports(basis, base="rollers")).run([sc.Stage("press", load)], **QUIET)["press"]
+    stage = sc.Model(forms, sc.box_supports(basis, base="rollers")).run(
+        [sc.Stage("press", load)], **QUIET
+    )["press"]
     assert 0 < np.isnan(stage.field("mobilised")).mean() < 1
     plot.contour(stage, "mobilised", points=True, file=tmp_path / "half.png")
     assert len(stage.to_frame())
@@ -269,18 +339,27 @@ def test_law_that_does_not_derive_from_material(tmp_path):
 
 def test_materials_are_asked():
     """Only `as_material` looks at the attributes or the class of a material; all others ask it."""
-    kinds, names = set(sc.materials.__all__) - {"Internal", "Update"}, {"material", "law", "soil", "m"}
+    kinds, names = (
+        set(sc.materials.__all__) - {"Internal", "Update"},
+        {"material", "law", "soil", "m"},
+    )
     wrong = []
     for path in Path(sc.__file__).parent.rglob("*.py"):
         room = path.relative_to(Path(sc.__file__).parent).parts[0]
         if path.name == "base.py" and room == "materials":
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) > 1:
+            if (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Name)
+                and len(node.args) > 1
+            ):
                 asked = {n.id for n in ast.walk(node.args[0]) if isinstance(n, ast.Name)} | {
-                    n.attr for n in ast.walk(node.args[0]) if isinstance(n, ast.Attribute)}  # fmt: skip
+                    n.attr for n in ast.walk(node.args[0]) if isinstance(n, ast.Attribute)
+                }
                 classes = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
-                if (node.func.id in ("hasattr", "getattr") and asked & names and room != "contact") or (
-                        node.func.id == "isinstance" and classes & kinds):  # fmt: skip
+                if (
+                    node.func.id in ("hasattr", "getattr") and asked & names and room != "contact"
+                ) or (node.func.id == "isinstance" and classes & kinds):
                     wrong.append(f"{path.name}:{node.lineno}")
     assert not wrong

@@ -14,7 +14,9 @@ COMPONENTS = pytest.mark.parametrize("ncomp", [4, 6])
 
 @COMPONENTS
 def test_triaxial_compression(ncomp: int) -> None:
-    """[X] Drained triaxial test of code_aster SSNV232A: strength to 13 digits, volume by dilatancy."""
+    """[X] Drained triaxial test of code_aster SSNV232A: strength to 13 digits, volume by
+    dilatancy.
+    """
     bulk, shear = 516.2e6, 238.2e6
     material = MohrCoulomb(
         E=9 * bulk * shear / (3 * bulk + shear),
@@ -26,7 +28,9 @@ def test_triaxial_compression(ncomp: int) -> None:
     specimen = Specimen(material, [-50e3, -50e3, -50e3, 0.0], ncomp)
     for _ in range(5):
         specimen.step({1: -3e-4 / 5}, {0: -50e3, 2: -50e3})
-    assert specimen.stress[1, 0] == pytest.approx(-173289.54160409, rel=1e-13)  # all its printed digits
+    assert specimen.stress[1, 0] == pytest.approx(
+        -173289.54160409, rel=1e-13
+    )  # all its printed digits
     assert triaxial_strength(1e3, 33.0, 50e3) == pytest.approx(173289.54160409, rel=1e-13)
 
     dilatancy = np.sin(np.radians(27.0))
@@ -34,7 +38,9 @@ def test_triaxial_compression(ncomp: int) -> None:
     volume = specimen.plastic_strain[:3].sum()
     # relative to the plastic strain, which is the difference of strains some ten times larger
     assert volume == pytest.approx(axial * 2 * dilatancy / (1 - dilatancy), rel=1e-11)
-    assert volume == pytest.approx(1.6784461e-4, rel=5e-6)  # [P] code_aster perturbs a lateral stress by 1e-6
+    assert volume == pytest.approx(
+        1.6784461e-4, rel=5e-6
+    )  # [P] code_aster perturbs a lateral stress by 1e-6
     assert specimen.internal[0, 0] == pytest.approx(axial + volume / 3, rel=1e-11)
 
 
@@ -78,7 +84,9 @@ def test_deviatoric_section() -> None:
 @COMPONENTS
 def test_simple_shear(psi: float, printed: float, ncomp: int) -> None:
     """[X] Plane-strain simple shear at constant normal stress (Davis 1968)."""
-    specimen = Specimen(MohrCoulomb(1e4, 0.3, c=2.0, phi=30.0, psi=psi), [-25.0, -50.0, -25.0, 0.0], ncomp)
+    specimen = Specimen(
+        MohrCoulomb(1e4, 0.3, c=2.0, phi=30.0, psi=psi), [-25.0, -50.0, -25.0, 0.0], ncomp
+    )
     for _ in range(100):
         specimen.step({3: 4e-3}, {1: -50.0})
     ultimate = simple_shear_strength(2.0, 30.0, psi, 50.0)
@@ -104,7 +112,9 @@ def test_biaxial(nu: float) -> None:
 
 
 def test_biaxial_onto_the_edge() -> None:
-    """[X] A specimen loose out of plane yields there first, until its lateral stresses are equal."""
+    """[X] A specimen loose out of plane yields there first, until its lateral stresses are
+    equal.
+    """
     specimen = Specimen(MohrCoulomb(1e4, 0.1, c=0.0, phi=30.0), [-50.0, -50.0, -20.0, 0.0])
     for _ in range(200):
         specimen.step({1: -2e-4}, {0: -50.0})
@@ -114,7 +124,9 @@ def test_biaxial_onto_the_edge() -> None:
 @COMPONENTS
 @pytest.mark.parametrize("c", [10.0, 0.0])
 def test_isotropic_extension(c: float, ncomp: int) -> None:
-    """[X] The mean stress stays at c cot(phi), zero without cohesion; unloading is elastic at once."""
+    """[X] The mean stress stays at c cot(phi), zero without cohesion; unloading is elastic at
+    once.
+    """
     material = MohrCoulomb(1e4, 0.25, c=c, phi=30.0, psi=10.0)
     specimen = Specimen(material, [0.0] * 4, ncomp)
     apex = c * np.sqrt(3)

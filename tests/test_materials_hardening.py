@@ -1,10 +1,18 @@
-"""Hardening and softening Mohr-Coulomb: implicit yield condition, tangent, histories, shear test."""
+"""Hardening and softening Mohr-Coulomb: implicit yield condition, tangent, histories, shear
+test.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from material_points import assert_history, assert_tangent, principal_stresses, random_points, update
+from material_points import (
+    assert_history,
+    assert_tangent,
+    principal_stresses,
+    random_points,
+    update,
+)
 
 from skfem_contact.materials import HardeningMohrCoulomb, MohrCoulomb
 
@@ -89,7 +97,9 @@ def test_without_change_of_strength(ncomp: int) -> None:
 @pytest.mark.parametrize("c_end", [5.0, 40.0])
 def test_shear_of_clay(c_end: float, ncomp: int) -> None:
     """[X] In simple shear the stress is c at gamma_p / sqrt(3), whatever the steps."""
-    material = HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=c_end, phi=0.0, phi_end=0.0, strain_end=0.1)
+    material = HardeningMohrCoulomb(
+        1e4, 0.3, c=20.0, c_end=c_end, phi=0.0, phi_end=0.0, strain_end=0.1
+    )
     stress, internal = np.zeros((ncomp, 1)), np.zeros((1, 1))
     _, mu = material.lame
     gamma = 0.0
@@ -108,7 +118,8 @@ def test_shear_of_clay(c_end: float, ncomp: int) -> None:
 
 @COMPONENTS
 def test_any_parameters(ncomp: int) -> None:
-    """[X] Changes of strength over 1e-6 to 1, in each element others: the surface at the end is reached.
+    """[X] Changes of strength over 1e-6 to 1, in each element others: the surface at the end is
+    reached.
 
     Softening faster than elastic unloading jumps to a strength where the yield condition holds.
     """
@@ -137,16 +148,24 @@ def test_any_parameters(ncomp: int) -> None:
     # and from outside: with this strength the perfect law returns to the same stress
     c, phi = strength(material, result.internal[0])
     perfect = MohrCoulomb(material.E, material.nu, c, phi, np.minimum(psi, phi))
-    np.testing.assert_allclose(update(perfect, np.zeros_like(trial), trial).stress, result.stress, atol=1e-10)
+    np.testing.assert_allclose(
+        update(perfect, np.zeros_like(trial), trial).stress, result.stress, atol=1e-10
+    )
 
 
 def test_parameters_of_each_element() -> None:
     """[X] Arrays of parameters give what the elements give one by one."""
     rng = np.random.default_rng(5)
     parameters = {
-        "E": [1e4, 2e4], "nu": [0.2, 0.3], "c": [5.0, 10.0], "c_end": [8.0, 1.0], "phi": [0.0, 30.0],
-        "phi_end": [0.0, 20.0], "strain_end": [0.01, 0.02], "psi": [0.0, 5.0],
-    }  # fmt: skip
+        "E": [1e4, 2e4],
+        "nu": [0.2, 0.3],
+        "c": [5.0, 10.0],
+        "c_end": [8.0, 1.0],
+        "phi": [0.0, 30.0],
+        "phi_end": [0.0, 20.0],
+        "strain_end": [0.01, 0.02],
+        "psi": [0.0, 5.0],
+    }
     strain, internal = rng.normal(size=(4, 2, 30)) * 3e-3, rng.uniform(0, 0.02, (1, 2, 30))
     whole = HardeningMohrCoulomb(**parameters).update(strain, np.zeros_like(strain), internal)
     tangent = np.zeros((2, 30, 4, 4))

@@ -26,7 +26,12 @@ from skfem_contact.materials import MohrCoulomb, pyramid
 TABLE = {
     "face": ("1/100 -1/200 -3/100", "-4 -14 -32", "-22/5 -72/5 -166/5", "-14/3 -44/3 -34"),
     "face, far": ("1/50 0 -1/20", "-7 -12 -41", "-46/5 -71/5 -238/5", "-32/3 -47/3 -52"),
-    "edge s1 = s2, equal": ("1/100 1/100 -1/20", "-8 -8 -44", "-48/5 -48/5 -244/5", "-32/3 -32/3 -52"),
+    "edge s1 = s2, equal": (
+        "1/100 1/100 -1/20",
+        "-8 -8 -44",
+        "-48/5 -48/5 -244/5",
+        "-32/3 -32/3 -52",
+    ),
     "edge s1 = s2": (
         "1/100 9/1000 -1/20",
         "-42/5 -42/5 -226/5",
@@ -93,7 +98,9 @@ def test_exact_table(case: str, ncomp: int) -> None:
             phi=phi,
             psi=min(phi, np.degrees(np.arcsin(float(sine)))),
         )
-        result = update(material, components(np.array([strain] * 20, float), rotation, ncomp, shear=2))
+        result = update(
+            material, components(np.array([strain] * 20, float), rotation, ncomp, shear=2)
+        )
         expected = components(np.array([exact] * 20, float), rotation, ncomp)
         # a dozen roundings of stresses up to 52
         np.testing.assert_allclose(result.stress, expected, atol=1e-13 * 52)
@@ -102,7 +109,9 @@ def test_exact_table(case: str, ncomp: int) -> None:
 @COMPONENTS
 @RANDOM_LAWS
 def test_random_returns_against_active_sets(law: tuple[float, float, float], ncomp: int) -> None:
-    """[X] 1e5 random points in all regions: stress of the active-set search, no excess, same directions."""
+    """[X] 1e5 random points in all regions: stress of the active-set search, no excess, same
+    directions.
+    """
     rng = np.random.default_rng(2)
     n = 100_000 if ncomp == 4 else 20_000
     material = soil(law)
@@ -130,13 +139,17 @@ def test_random_returns_against_active_sets(law: tuple[float, float, float], nco
 @COMPONENTS
 @RANDOM_LAWS
 def test_tangent_against_finite_differences(law: tuple[float, float, float], ncomp: int) -> None:
-    """[X] Consistent tangent, equal principal stresses included; kinks within the step are left out."""
+    """[X] Consistent tangent, equal principal stresses included; kinks within the step are left
+    out.
+    """
     assert_tangent(soil(law), random_points(5000, ncomp, np.random.default_rng(3)))
 
 
 @COMPONENTS
 def test_any_parameters_in_exact_arithmetic(ncomp: int) -> None:
-    """[X] Each element its own parameters, up to their bounds, and stresses over nine orders of magnitude."""
+    """[X] Each element its own parameters, up to their bounds, and stresses over nine orders of
+    magnitude.
+    """
     rng = np.random.default_rng(4)
     n = 1000
     phi = rng.choice([0.0, 1e-6, 20.0, 45.0, 85.0, 89.9], n)
@@ -163,16 +176,21 @@ def test_any_parameters_in_exact_arithmetic(ncomp: int) -> None:
     )
     exact = [rational_return([F(t) for t in row], *map(F, k)) for row, k in zip(trial, constants)]
     expected = components(np.array(exact, float), rotation, ncomp)
-    # Round-off of the trial stress; at phi = 89.9 degrees it is magnified along the flat edge to the apex.
+    # Round-off of the trial stress; at phi = 89.9 degrees it is magnified along the flat edge to
+    # the apex.
     error = np.abs(result - expected).max(axis=0) / np.abs(trial).max(axis=1)
     assert error.max() <= 1e-12
-    assert (excess(material, result) <= 1e-13 * np.maximum(np.abs(expected).max(axis=0), material.c)).all()
+    assert (
+        excess(material, result) <= 1e-13 * np.maximum(np.abs(expected).max(axis=0), material.c)
+    ).all()
 
 
 @COMPONENTS
 @RANDOM_LAWS
 def test_random_history(law: tuple[float, float, float], ncomp: int) -> None:
-    """[X] 1e5 random increments: dissipation, no excess, no drift, hardening variable from its definition."""
+    """[X] 1e5 random increments: dissipation, no excess, no drift, hardening variable from its
+    definition.
+    """
     material = soil(law)
     assert_history(material, lambda stress, _: excess(material, stress), ncomp)
 
@@ -203,7 +221,9 @@ def test_closed_elastic_cycle(ncomp: int) -> None:
 
 
 def test_parameters_of_each_element() -> None:
-    """[X] Arrays of parameters give what the elements give one by one; fields have any trailing shape."""
+    """[X] Arrays of parameters give what the elements give one by one; fields have any trailing
+    shape.
+    """
     rng = np.random.default_rng(8)
     parameters = {
         "E": rng.uniform(1e4, 3e4, 6),
@@ -248,7 +268,9 @@ def test_update_is_pure_and_its_tangent_lazy(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_reduced_strength() -> None:
-    """[X] c and tan(phi) over the factor; associated stays associated, otherwise psi is capped by phi."""
+    """[X] c and tan(phi) over the factor; associated stays associated, otherwise psi is capped by
+    phi.
+    """
     material = MohrCoulomb(1e4, 0.3, c=10.0, phi=np.array([30.0, 20.0]), psi=np.array([10.0, 20.0]))
     reduced = material.reduced(1.5)
     assert reduced.c == pytest.approx(10 / 1.5, rel=1e-15)

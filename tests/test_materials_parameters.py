@@ -24,10 +24,19 @@ GOOD = {"E": 1e4, "nu": 0.3, "c": 10.0, "phi": 30.0, "psi": 10.0}
         ({"psi": -0.1}, "psi must not be negative, got -0.1"),
         ({"psi": 31.0}, "psi must not exceed phi, got 31.0"),
         ({"phi": np.array([30.0, 5.0])}, "psi must not exceed phi, got 10.0 in element 1"),
-        ({"c": np.nan}, "c must be a finite number or an array of real numbers or a function, not nan"),
+        (
+            {"c": np.nan},
+            "c must be a finite number or an array of real numbers or a function, not nan",
+        ),
         ({"phi": np.array([30.0, np.inf])}, "phi must be finite numbers, not array"),
-        ({"E": "stiff"}, "E must be a finite number or an array of real numbers or a function, not 'stiff'"),
-        ({"E": np.ones((2, 2))}, r"E must be a number or one number an element, got shape \(2, 2\)"),
+        (
+            {"E": "stiff"},
+            "E must be a finite number or an array of real numbers or a function, not 'stiff'",
+        ),
+        (
+            {"E": np.ones((2, 2))},
+            r"E must be a number or one number an element, got shape \(2, 2\)",
+        ),
         ({"E": np.ones(2), "c": np.ones(3)}, "one value an element: E has 2, c has 3"),
     ],
 )
@@ -44,7 +53,9 @@ def test_bad_parameters(bad: dict, message: str) -> None:
 )
 def test_bad_fields(material: LinearElastic | MohrCoulomb, strain: tuple, stress: tuple) -> None:
     with pytest.raises(ValueError, match=r"\(4 or 6, n_elements, ...\)"):
-        material.update(np.zeros(strain), np.zeros(stress), np.zeros((material.n_internal, *stress[1:])))
+        material.update(
+            np.zeros(strain), np.zeros(stress), np.zeros((material.n_internal, *stress[1:]))
+        )
 
 
 def test_parameter_array_of_wrong_length() -> None:

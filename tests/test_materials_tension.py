@@ -47,7 +47,9 @@ def excess(material: MohrCoulomb, stress: np.ndarray) -> np.ndarray:
 @COMPONENTS
 @ALL_LAWS
 @pytest.mark.parametrize("nu", [-0.9, 0.3, 0.49])
-def test_random_returns_against_active_sets(law: tuple[float, float, float], nu: float, ncomp: int) -> None:
+def test_random_returns_against_active_sets(
+    law: tuple[float, float, float], nu: float, ncomp: int
+) -> None:
     """[X] Random points in all regions, where faces, tension planes, and both meet."""
     rng = np.random.default_rng(1)
     n = 8000
@@ -58,13 +60,24 @@ def test_random_returns_against_active_sets(law: tuple[float, float, float], nu:
     lam, mu = material.lame
     trial = lam * principal.sum(axis=1, keepdims=True) + 2 * mu * principal
     phi, psi = np.radians(law[:2])
-    expected, active = pyramid_return(trial, lam, mu, np.sin(phi), np.sin(psi), 20 * np.cos(phi), law[2])
+    expected, active = pyramid_return(
+        trial, lam, mu, np.sin(phi), np.sin(psi), 20 * np.cos(phi), law[2]
+    )
 
     s = -np.sort(-expected, axis=1)
     torn = np.abs(s - law[2]) < 1e-10
-    on_pyramid = np.abs((1 + np.sin(phi)) * s[:, 0] - (1 - np.sin(phi)) * s[:, 2] - 20 * np.cos(phi)) < 1e-10
+    on_pyramid = (
+        np.abs((1 + np.sin(phi)) * s[:, 0] - (1 - np.sin(phi)) * s[:, 2] - 20 * np.cos(phi)) < 1e-10
+    )
     regions = {(int(t), bool(p), int(a)) for t, p, a in zip(torn.sum(axis=1), on_pyramid, active)}
-    assert regions >= {(1, False, 1), (2, False, 2), (3, False, 3), (1, True, 2), (1, True, 3), (2, True, 3)}
+    assert regions >= {
+        (1, False, 1),
+        (2, False, 2),
+        (3, False, 3),
+        (1, True, 2),
+        (1, True, 3),
+        (2, True, 3),
+    }
     # The trial stresses are up to some 100 (nu = -0.9: 1e4) times the cohesion.
     scale = np.maximum(np.abs(trial).max(axis=1), 10.0)
     assert (np.abs(result.stress - components(expected, rotation, ncomp)) / scale).max() <= 1e-12
@@ -101,7 +114,9 @@ def test_cut_off_above_the_apex_is_none(tension: float, ncomp: int) -> None:
 
 @COMPONENTS
 def test_tension_test(ncomp: int) -> None:
-    """[X] A bar is pulled to its tensile strength, cracks at constant stress, and unloads elastically."""
+    """[X] A bar is pulled to its tensile strength, cracks at constant stress, and unloads
+    elastically.
+    """
     specimen = Specimen(soil(LAWS["psi = 0"]), [0.0] * 4, ncomp)
     for _ in range(4):
         specimen.step({0: 1e-4}, {1: 0.0, 2: 0.0})

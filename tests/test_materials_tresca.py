@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from material_points import assert_history, assert_tangent, principal_stresses, random_points, update
+from material_points import (
+    assert_history,
+    assert_tangent,
+    principal_stresses,
+    random_points,
+    update,
+)
 
 from skfem_contact.materials import MohrCoulomb, Tresca
 
@@ -30,7 +36,9 @@ def test_largest_shear_stress(ncomp: int) -> None:
     np.testing.assert_allclose((s[:, 2] - s[:, 0]) / 2, 10.0, rtol=1e-12)
     bulk = CLAY.E / (3 * (1 - 2 * CLAY.nu))
     # round-off of trial stresses up to 1e3
-    np.testing.assert_allclose(result.stress[:3].mean(axis=0), bulk * strain[:3].sum(axis=0), atol=1e-12)
+    np.testing.assert_allclose(
+        result.stress[:3].mean(axis=0), bulk * strain[:3].sum(axis=0), atol=1e-12
+    )
 
 
 @COMPONENTS
@@ -42,7 +50,9 @@ def test_tangent(ncomp: int) -> None:
 @COMPONENTS
 def test_random_history(ncomp: int) -> None:
     """[X] Dissipation, no excess, no drift."""
-    assert_history(CLAY, lambda stress, _: np.ptp(principal_stresses(stress), axis=-1) - 20.0, ncomp)
+    assert_history(
+        CLAY, lambda stress, _: np.ptp(principal_stresses(stress), axis=-1) - 20.0, ncomp
+    )
 
 
 def test_parameters() -> None:
@@ -50,4 +60,6 @@ def test_parameters() -> None:
         Tresca(1e4, 0.3, c=-1.0)
     with pytest.raises(ValueError, match=r"factor must be positive, got -2\.0"):
         CLAY.reduced(-2.0)
-    np.testing.assert_array_equal(Tresca(1e4, 0.3, c=np.array([10.0, 20.0])).reduced(2.0).c, [5.0, 10.0])
+    np.testing.assert_array_equal(
+        Tresca(1e4, 0.3, c=np.array([10.0, 20.0])).reduced(2.0).c, [5.0, 10.0]
+    )

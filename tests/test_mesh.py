@@ -15,7 +15,9 @@ ROUND_OFF = 1e-13  # sums of some hundred terms of the order one
 
 
 def plate(kind, nx=6, ny=4):
-    """A plate 3 x 2 in three layers, bent so that no side is straight, tagged on and off its interfaces."""
+    """A plate 3 x 2 in three layers, bent so that no side is straight, tagged on and off its
+    interfaces.
+    """
     mesh = MeshQuad1.init_tensor(np.linspace(0, 3, nx + 1), np.linspace(0, 2, ny + 1))
     mesh = mesh if issubclass(kind, MeshQuad1) else mesh.to_meshtri()
     mesh = mesh if type(mesh) is kind else kind.from_mesh(mesh)
@@ -26,8 +28,12 @@ def plate(kind, nx=6, ny=4):
             "slab": lambda x: x[1] > 1,
         }
     )
-    mesh = mesh.with_defaults().with_boundaries({"skin": lambda x: x[1] == 1}, boundaries_only=False)
-    return mesh.morphed(lambda x: x[0] + 0.2 * np.sin(2 * x[1]), lambda x: x[1] + 0.1 * np.sin(2 * x[0]))
+    mesh = mesh.with_defaults().with_boundaries(
+        {"skin": lambda x: x[1] == 1}, boundaries_only=False
+    )
+    return mesh.morphed(
+        lambda x: x[0] + 0.2 * np.sin(2 * x[1]), lambda x: x[1] + 0.1 * np.sin(2 * x[0])
+    )
 
 
 def areas(mesh):
@@ -84,7 +90,9 @@ def test_interface_has_two_sides(kind):
         assert len(facets) == 6
         assert np.isin(after.f2t[0, facets], after.subdomains[one]).all()
         assert (after.f2t[1, facets] == -1).all()
-        np.testing.assert_array_equal(middles(after, facets), middles(before, before.boundaries["skin"]))
+        np.testing.assert_array_equal(
+            middles(after, facets), middles(before, before.boundaries["skin"])
+        )
         np.testing.assert_array_equal(np.sort(after.boundaries[f"{one}:skin"]), np.sort(facets))
     lower, upper = flux(after, "base|cover"), flux(after, "cover|base")
     np.testing.assert_allclose(upper[0], lower[0], rtol=ROUND_OFF)
@@ -101,7 +109,9 @@ def test_every_body_has_a_closed_skin(kind):
         own = facets[np.isin(mesh.f2t[0, facets], elements)]
         _, nx, ny, xnx, yny = flux(mesh, own)
         area = areas(mesh)[elements].sum()
-        np.testing.assert_allclose([nx, ny, xnx, yny], [0, 0, area, area], atol=10 * ROUND_OFF, err_msg=name)
+        np.testing.assert_allclose(
+            [nx, ny, xnx, yny], [0, 0, area, area], atol=10 * ROUND_OFF, err_msg=name
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -117,10 +127,19 @@ def test_tags_are_kept(kind):
         np.testing.assert_array_equal(
             middles(after, after.boundaries[name]), middles(before, before.boundaries[name])
         )
-        np.testing.assert_allclose(flux(after, name), flux(before, name), rtol=ROUND_OFF, atol=ROUND_OFF)
+        np.testing.assert_allclose(
+            flux(after, name), flux(before, name), rtol=ROUND_OFF, atol=ROUND_OFF
+        )
     assert set(after.boundaries) == {
-        "left", "right", "bottom", "top", "base:skin", "cover:skin", "base|cover", "cover|base",
-    }  # fmt: skip
+        "left",
+        "right",
+        "bottom",
+        "top",
+        "base:skin",
+        "cover:skin",
+        "base|cover",
+        "cover|base",
+    }
 
 
 def test_the_mesh_given_is_not_changed():
@@ -139,7 +158,9 @@ def test_tag_partly_on_an_interface_is_split():
     both = np.concatenate((side, mesh.boundaries["skin"][:2]))
     after = join_bodies(mesh.with_boundaries({"drain": both}), LAYERS)
     assert "drain" not in after.boundaries
-    np.testing.assert_array_equal(middles(after, after.boundaries["base:drain"]), middles(mesh, both))
+    np.testing.assert_array_equal(
+        middles(after, after.boundaries["base:drain"]), middles(mesh, both)
+    )
     np.testing.assert_array_equal(
         middles(after, after.boundaries["cover:drain"]), middles(mesh, mesh.boundaries["skin"][:2])
     )
@@ -155,13 +176,19 @@ def test_oriented_boundary_within_a_body_keeps_its_side(kind, flip):
     mesh = mesh.with_boundaries({"lens": mesh.facets_around("lens", flip=flip)})
     after = join_bodies(mesh, LAYERS)
     assert isinstance(after.boundaries["lens"], OrientedBoundary)
-    np.testing.assert_allclose(flux(after, "lens"), flux(mesh, "lens"), rtol=ROUND_OFF, atol=ROUND_OFF)
+    np.testing.assert_allclose(
+        flux(after, "lens"), flux(mesh, "lens"), rtol=ROUND_OFF, atol=ROUND_OFF
+    )
     area = areas(mesh)[mesh.subdomains["lens"]].sum()
-    np.testing.assert_allclose(flux(after, "lens")[3:], -area if flip else area, rtol=10 * ROUND_OFF)
+    np.testing.assert_allclose(
+        flux(after, "lens")[3:], -area if flip else area, rtol=10 * ROUND_OFF
+    )
 
 
 def test_orientation_on_the_outer_boundary_is_of_no_effect():
-    """scikit-fem's `facets_around(flip=True)` looks at outer facets from an element that does not exist."""
+    """scikit-fem's `facets_around(flip=True)` looks at outer facets from an element that does not
+    exist.
+    """
     mesh = plate(MeshQuad1)
     mesh = mesh.with_boundaries({"rim": mesh.facets_around(np.arange(mesh.nelements), flip=True)})
     after = join_bodies(mesh, LAYERS)
@@ -178,7 +205,9 @@ def test_oriented_boundary_on_an_interface():
     after = join_bodies(mesh, LAYERS)
     mine, theirs = after.boundaries["base:lens"], after.boundaries["cover:lens"]
     assert isinstance(mine, OrientedBoundary) and isinstance(theirs, OrientedBoundary)
-    np.testing.assert_allclose(flux(after, "base:lens"), flux(mesh, "lens"), rtol=ROUND_OFF, atol=ROUND_OFF)
+    np.testing.assert_allclose(
+        flux(after, "base:lens"), flux(mesh, "lens"), rtol=ROUND_OFF, atol=ROUND_OFF
+    )
     np.testing.assert_array_equal(np.sort(theirs), np.sort(after.boundaries["cover|base"]))
     assert not theirs.ori.any()
 
@@ -193,16 +222,25 @@ def test_three_bodies_at_a_point():
     )
     after = join_bodies(mesh, {name: name for name in ("low", "left", "right")})
     assert np.sum((after.p == 0).all(axis=0)) == 3
-    assert after.p.shape[1] == mesh.p.shape[1] + 4 + 2 + 2  # on y = 0, on x = 0, and in the point two more
+    assert (
+        after.p.shape[1] == mesh.p.shape[1] + 4 + 2 + 2
+    )  # on y = 0, on x = 0, and in the point two more
     assert set(after.boundaries) == {
-        "low|left", "left|low", "low|right", "right|low", "left|right", "right|left",
-    }  # fmt: skip
+        "low|left",
+        "left|low",
+        "low|right",
+        "right|low",
+        "left|right",
+        "right|left",
+    }
     assert all(len(facets) == 2 for facets in after.boundaries.values())
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_bodies(kind):
-    """Whatever the shapes: nodes apart, elements in place, every interface facet seen from both sides."""
+    """Whatever the shapes: nodes apart, elements in place, every interface facet seen from both
+    sides.
+    """
     rng = np.random.default_rng(1)
     mesh = plate(kind, 7, 6)
     number = rng.integers(0, 4, mesh.nelements)
@@ -233,12 +271,17 @@ def test_random_bodies(kind):
 
 
 def test_bodies_already_apart_stay_as_they_are():
-    """Coincident but double nodes are not welded, names are not touched; a second call changes nothing."""
+    """Coincident but double nodes are not welded, names are not touched; a second call changes
+    nothing.
+    """
     once = join_bodies(plate(MeshQuad1), LAYERS)
     for again in (join_bodies(once), join_bodies(once, LAYERS)):
         np.testing.assert_array_equal(again.p, once.p)
         np.testing.assert_array_equal(again.t, once.t)
-        for tags, expected in ((again.boundaries, once.boundaries), (again.subdomains, once.subdomains)):
+        for tags, expected in (
+            (again.boundaries, once.boundaries),
+            (again.subdomains, once.subdomains),
+        ):
             assert list(tags) == list(expected)
             for name in expected:
                 np.testing.assert_array_equal(tags[name], expected[name])
@@ -258,10 +301,13 @@ def test_several_meshes(kind):
     mesh = join_bodies({"base": lower, "block": upper})
     assert type(mesh) is kind
     assert mesh.doflocs.shape[1] == lower.doflocs.shape[1] + upper.doflocs.shape[1]
-    np.testing.assert_allclose(areas(mesh), np.concatenate((areas(lower), areas(upper))), rtol=ROUND_OFF)
+    np.testing.assert_allclose(
+        areas(mesh), np.concatenate((areas(lower), areas(upper))), rtol=ROUND_OFF
+    )
     assert {name: len(part) for name, part in bodies(mesh).items()} == {
-        "base": lower.nelements, "block": upper.nelements,
-    }  # fmt: skip
+        "base": lower.nelements,
+        "block": upper.nelements,
+    }
     for prefix, part, first in (("base", lower, 0), ("block", upper, lower.nelements)):
         np.testing.assert_array_equal(mesh.subdomains[prefix], first + np.arange(part.nelements))
         for name, elements in part.subdomains.items():
@@ -282,14 +328,17 @@ def test_coincident_meshes_are_not_welded():
 
 
 def test_triangles_in_any_order():
-    """scikit-fem sorts the corners of a triangle, if not told otherwise: sides must not be mixed up."""
+    """scikit-fem sorts the corners of a triangle, if not told otherwise: sides must not be mixed
+    up.
+    """
     tidy = plate(MeshTri1)
     untidy = MeshTri1(tidy.p, tidy.t[[2, 0, 1]], tidy.boundaries, tidy.subdomains, sort_t=False)
     for parts in ({"tidy": tidy, "untidy": untidy}, {"untidy": untidy, "tidy": tidy}):
         mesh = join_bodies(parts)
         for name in parts:
             np.testing.assert_array_equal(
-                middles(mesh, mesh.boundaries[f"{name}:skin"]), middles(tidy, tidy.boundaries["skin"])
+                middles(mesh, mesh.boundaries[f"{name}:skin"]),
+                middles(tidy, tidy.boundaries["skin"]),
             )
     after = join_bodies(untidy, LAYERS)
     np.testing.assert_array_equal(after.p[:, after.t], untidy.p[:, untidy.t])

@@ -61,7 +61,9 @@ def test_both_ways_round_in_one_mesh_pass():
 def test_flat_element(kind):
     mesh = grid(kind)
     flat = moved(mesh, mesh.t[:, 5], mesh.p[:, mesh.t[:, 5]] * [[1.0], [0.0]])
-    with pytest.raises(ValueError, match=r"flat elements, \d+ in all: .*element 5 at \(0\.\d+, 0\)"):
+    with pytest.raises(
+        ValueError, match=r"flat elements, \d+ in all: .*element 5 at \(0\.\d+, 0\)"
+    ):
         check_mesh(flat)
 
 
@@ -74,7 +76,9 @@ def test_quadrilateral_with_three_corners_in_a_line():
 @pytest.mark.parametrize("order", [[0, 2, 1, 3], [0, 1, 3, 2]])
 def test_bow_tie(kind, order):
     mesh = MeshQuad1(SQUARE[:, order], ONE)
-    with pytest.raises(ValueError, match=r"(inverted|flat) elements, 1 in all: element 0 at \(0.5, 0.5\)"):
+    with pytest.raises(
+        ValueError, match=r"(inverted|flat) elements, 1 in all: element 0 at \(0.5, 0.5\)"
+    ):
         check_mesh(mesh if kind is MeshQuad1 else kind.from_mesh(mesh))
 
 
@@ -114,7 +118,9 @@ def test_coordinates_that_are_not_finite(kind, value):
 def test_free_nodes_are_named_but_join_bodies_drops_them():
     mesh = grid(MeshQuad1)
     loose = MeshQuad1(np.hstack((mesh.p, [[2.0, 3.0], [0.5, np.nan]])), mesh.t)
-    with pytest.raises(ValueError, match=r"nodes of no element .*2 in all: node 25 at \(2, 0.5\), node 26"):
+    with pytest.raises(
+        ValueError, match=r"nodes of no element .*2 in all: node 25 at \(2, 0.5\), node 26"
+    ):
         check_mesh(loose)
     check_mesh(join_bodies({"square": loose}))
 
@@ -128,9 +134,13 @@ def test_long_lists_are_cut():
     assert str(caught.value).endswith("...")
 
 
-@pytest.mark.parametrize("mesh", [MeshWedge1(), MeshLine(), MeshQuad1DG.init_tensor([0, 1], [0, 1])])
+@pytest.mark.parametrize(
+    "mesh", [MeshWedge1(), MeshLine(), MeshQuad1DG.init_tensor([0, 1], [0, 1])]
+)
 def test_other_kinds(mesh):
-    message = f"{type(mesh).__name__} is not supported; supported are MeshTri1, MeshTri2, MeshQuad1,"
+    message = (
+        f"{type(mesh).__name__} is not supported; supported are MeshTri1, MeshTri2, MeshQuad1,"
+    )
     for check in (check_mesh, join_bodies):
         with pytest.raises(ValueError, match=message):
             check(mesh)
@@ -183,9 +193,14 @@ def test_empty_tags_are_allowed():
 @pytest.mark.parametrize("kind", [MeshHex1, MeshHex2, MeshTet1, MeshTet2])
 @pytest.mark.parametrize("flip", [1.0, -1.0])
 def test_columns_in_space_may_be_sheared_by_more_than_their_height(kind, flip):
-    """Heights z + 16 x y: layers a quarter high whose sides rise by up to four; the Jacobian is one everywhere."""
-    mesh = MeshHex1.init_tensor(*3 * [np.linspace(0, 1, 5)]) if issubclass(kind, MeshHex1) else \
-        MeshTet1.init_tensor(*3 * [np.linspace(0, 1, 5)])
+    """Heights z + 16 x y: layers a quarter high whose sides rise by up to four; the Jacobian is one
+    everywhere.
+    """
+    mesh = (
+        MeshHex1.init_tensor(*3 * [np.linspace(0, 1, 5)])
+        if issubclass(kind, MeshHex1)
+        else MeshTet1.init_tensor(*3 * [np.linspace(0, 1, 5)])
+    )
     mesh = mesh if type(mesh) is kind else kind.from_mesh(mesh)
     x, y, z = mesh.doflocs
     check_mesh(type(mesh)(np.array([flip * x, y, z + 16 * x * y]), mesh.t))
@@ -195,18 +210,29 @@ def test_columns_in_space_may_be_sheared_by_more_than_their_height(kind, flip):
 def test_elements_folded_in_space(kind):
     """The second of two elements is mirrored at the facet between them: it covers the first."""
     if issubclass(kind, MeshHex1):
-        mesh = MeshHex1.init_tensor(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0]), np.array([0.0, 1.0]))
-        folded = MeshHex1(np.array([1 - abs(mesh.p[0] - 1) * np.where(mesh.p[0] > 1, 0.5, 1.0), *mesh.p[1:]]), mesh.t)
+        mesh = MeshHex1.init_tensor(
+            np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0]), np.array([0.0, 1.0])
+        )
+        folded = MeshHex1(
+            np.array([1 - abs(mesh.p[0] - 1) * np.where(mesh.p[0] > 1, 0.5, 1.0), *mesh.p[1:]]),
+            mesh.t,
+        )
     else:
-        folded = MeshTet1(np.array([[0, 1, 0, 0, 0.2], [0, 0, 1, 0, 0.2], [0, 0, 0, 1, 0.5]]),
-                          np.array([[0, 1, 2, 3], [0, 1, 2, 4]]).T)
+        folded = MeshTet1(
+            np.array([[0, 1, 0, 0, 0.2], [0, 0, 1, 0, 0.2], [0, 0, 0, 1, 0.5]]),
+            np.array([[0, 1, 2, 3], [0, 1, 2, 4]]).T,
+        )
     with pytest.raises(ValueError, match=r"folded over their neighbours, 2 in all: element 0"):
         check_mesh(folded if kind in (MeshHex1, MeshTet1) else kind.from_mesh(folded))
 
 
 def test_hexahedron_inverted_between_its_corners():
-    """Its top is turned half round and stretched: its Jacobian is 1 at all corners, and -1/8 at half its height."""
+    """Its top is turned half round and stretched: its Jacobian is 1 at all corners, and -1/8 at
+    half its height.
+    """
     mesh = MeshHex1()
     top = np.where(mesh.p[2] == 1, [[-2.0], [-0.5], [1.0]], 1.0)
-    with pytest.raises(ValueError, match=r"inverted elements, 1 in all: element 0 at \(-0.25, 0.125, 0.5\)"):
+    with pytest.raises(
+        ValueError, match=r"inverted elements, 1 in all: element 0 at \(-0.25, 0.125, 0.5\)"
+    ):
         check_mesh(MeshHex1(mesh.p * top, mesh.t))

@@ -53,7 +53,10 @@ def corner_sets(x):
 def test_size(mesh):
     assert (DATA / "culvert.msh").stat().st_size < 300_000
     assert 1500 <= mesh.nelements <= 3500
-    assert {name: len(part) for name, part in bodies(mesh).items()} == {"culvert": 288, "ground": 1722}
+    assert {name: len(part) for name, part in bodies(mesh).items()} == {
+        "culvert": 288,
+        "ground": 1722,
+    }
     through_the_wall = len(mesh.subdomains["culvert"]) / len(mesh.boundaries["culvert|ground"])
     assert through_the_wall == 4
 
@@ -61,9 +64,18 @@ def test_size(mesh):
 def test_names(mesh):
     assert set(mesh.subdomains) == {"soft", "stiff", "culvert", "ground"}
     assert set(mesh.boundaries) == {
-        "bottom", "left", "right", "surface", "culvert_inner",
-        "ground:skin", "culvert:skin", "ground|culvert", "culvert|ground", "soft|culvert", "stiff|culvert",
-    }  # fmt: skip
+        "bottom",
+        "left",
+        "right",
+        "surface",
+        "culvert_inner",
+        "ground:skin",
+        "culvert:skin",
+        "ground|culvert",
+        "culvert|ground",
+        "soft|culvert",
+        "stiff|culvert",
+    }
     with_mesh_load = join_bodies(Mesh.load(DATA / "culvert.msh"), BODIES)
     for name, facets in mesh.boundaries.items():
         np.testing.assert_array_equal(with_mesh_load.boundaries[name], facets)
@@ -98,7 +110,11 @@ def test_geometry(mesh):
     assert area("culvert") == pytest.approx(polygon(OUTER) - polygon(INNER), abs=10 * DIGITS)
     assert area("soft") == pytest.approx(12 * 3.5 - polygon(OUTER) / 2, abs=10 * DIGITS)
     assert area("stiff") == pytest.approx(12 * 4.5 - polygon(OUTER) / 2, abs=10 * DIGITS)
-    for name, radius in (("culvert|ground", OUTER), ("ground|culvert", OUTER), ("culvert_inner", INNER)):
+    for name, radius in (
+        ("culvert|ground", OUTER),
+        ("ground|culvert", OUTER),
+        ("culvert_inner", INNER),
+    ):
         nodes = np.unique(mesh.facets[:, np.asarray(mesh.boundaries[name])])
         assert len(nodes) == 72
         np.testing.assert_allclose(np.hypot(*mesh.p[:, nodes]), radius, atol=DIGITS)

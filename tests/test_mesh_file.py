@@ -12,8 +12,8 @@ from skfem_contact.mesh import load_mesh
 BODIES = {"inner": "disc", "outer": "plate"}
 KINDS = {(1, False): MeshTri1, (1, True): MeshQuad1, (2, False): MeshTri2, (2, True): MeshQuad2}
 
-# Two squares side by side, the curve "middle" between them, a free node first; the numbers of groups are used
-# twice.
+# Two squares side by side, the curve "middle" between them, a free node first; the numbers of
+# groups are used twice.
 TWO_SQUARES = """$MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -71,9 +71,14 @@ def length(mesh, boundary):
 def test_format_2_with_a_curve_between_two_surfaces(write):
     mesh = load_mesh(write(TWO_SQUARES))
     assert type(mesh) is MeshQuad1 and mesh.p.shape == (2, 6)
-    assert {name: part.tolist() for name, part in mesh.subdomains.items()} == {"west": [0], "east": [1]}
+    assert {name: part.tolist() for name, part in mesh.subdomains.items()} == {
+        "west": [0],
+        "east": [1],
+    }
     assert set(mesh.boundaries) == {"middle", "top"}
-    middles = {name: mesh.p[:, mesh.facets[:, part]].mean(axis=1) for name, part in mesh.boundaries.items()}
+    middles = {
+        name: mesh.p[:, mesh.facets[:, part]].mean(axis=1) for name, part in mesh.boundaries.items()
+    }
     np.testing.assert_array_equal(middles["middle"], [[1], [0.5]])
     np.testing.assert_array_equal(middles["top"], [[0.5, 1.5], [1, 1]])
     apart = join_bodies(mesh, {"west": "west", "east": "east"})
@@ -93,7 +98,9 @@ def test_file_without_names(write):
 
 
 def test_curve_that_is_no_side(write):
-    with pytest.raises(ValueError, match="1 of 1 lines of curve 'middle' are not sides of elements"):
+    with pytest.raises(
+        ValueError, match="1 of 1 lines of curve 'middle' are not sides of elements"
+    ):
         load_mesh(write(TWO_SQUARES.replace("1 1 2 1 1 3 6", "1 1 2 1 1 3 5")))
     with pytest.raises(ValueError, match="1 of 2 lines of curve 'top' are not sides of elements"):
         load_mesh(write(TWO_SQUARES.replace("2 1 2 2 2 5 6", "2 1 2 2 2 1 6")))
@@ -102,7 +109,11 @@ def test_curve_that_is_no_side(write):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        (EAST, "5 2 2 2 2 3 4 7", "1 quad, 1 triangle; supported is one type.*recombine all surfaces"),
+        (
+            EAST,
+            "5 2 2 2 2 3 4 7",
+            "1 quad, 1 triangle; supported is one type.*recombine all surfaces",
+        ),
         (WEST + EAST, "4 1 2 1 1 2 3\n5 1 2 1 1 3 4", "no elements; supported is"),
         (WEST + EAST, "4 4 2 1 1 2 3 6 5\n5 4 2 1 1 3 4 7 6", "2 tetra; supported is"),
     ],
@@ -120,7 +131,9 @@ def test_files_that_are_no_gmsh_files(write, tmp_path):
 
 
 def disc_in_plate(path, version, order=1, quads=False, mixed=False, **options):
-    """Write a quarter of a disc in a square plate; the disc's centre is a node, the arc is called "skin"."""
+    """Write a quarter of a disc in a square plate; the disc's centre is a node, the arc is called
+    "skin".
+    """
     gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
@@ -131,7 +144,9 @@ def disc_in_plate(path, version, order=1, quads=False, mixed=False, **options):
         skin, right = geo.addCircleArc(a, centre, b), geo.addLine(c, d)
         around_disc = [geo.addLine(centre, a), skin, geo.addLine(b, centre)]
         around_plate = [geo.addLine(a, c), right, geo.addLine(d, e), geo.addLine(e, b), -skin]
-        disc, plate = (geo.addPlaneSurface([geo.addCurveLoop(loop)]) for loop in (around_disc, around_plate))
+        disc, plate = (
+            geo.addPlaneSurface([geo.addCurveLoop(loop)]) for loop in (around_disc, around_plate)
+        )
         geo.synchronize()
         groups = {"skin": (1, skin), "right": (1, right), "disc": (2, disc), "plate": (2, plate)}
         for name, (dimension, entity) in groups.items():
@@ -156,8 +171,8 @@ def test_what_gmsh_writes(tmp_path, version, binary, order, quads):
     mesh = load_mesh(disc_in_plate(tmp_path / "disc.msh", version, order, quads, Binary=binary))
     assert type(mesh) is KINDS[order, quads]
     apart = join_bodies(mesh, BODIES)
-    # A chord of a first-order mesh is by a share of h^2/24 shorter than its arc; h is 0.5 and, halved, 0.25
-    # here. A second-order side is off by the order of h^4.
+    # A chord of a first-order mesh is by a share of h^2/24 shorter than its arc; h is 0.5 and,
+    # halved, 0.25 here. A second-order side is off by the order of h^4.
     share = 0.02 if order == 1 else 1e-3
     assert area(apart, "inner") == pytest.approx(np.pi / 4, rel=share)
     assert area(apart, "disc") + area(apart, "plate") == pytest.approx(4.0, rel=1e-12)  # round-off
@@ -181,7 +196,9 @@ def test_mesh_load_agrees_where_it_works(tmp_path, quads):
 
 def test_gmsh_meshes_that_are_not_supported(tmp_path):
     path = tmp_path / "disc.msh"
-    with pytest.raises(ValueError, match=r"\d+ triangle, \d+ quad; .*recombine all surfaces or none"):
+    with pytest.raises(
+        ValueError, match=r"\d+ triangle, \d+ quad; .*recombine all surfaces or none"
+    ):
         load_mesh(disc_in_plate(path, 4.1, mixed=True))
     with pytest.raises(ValueError, match=r"\d+ quad8; .*SecondOrderIncomplete = 0"):
         load_mesh(disc_in_plate(path, 4.1, 2, True, SecondOrderIncomplete=1))

@@ -13,12 +13,16 @@ LAYERS = {"base": ["clay", "sand"], "cover": "slab"}
 
 def plate():
     """A plate in three layers: 6 elements of clay, 6 of sand, 12 of a slab."""
-    return MeshQuad1.init_tensor(np.linspace(0, 3, 7), np.linspace(0, 2, 5)).with_defaults().with_subdomains(
-        {
-            "clay": lambda x: x[1] < 0.5,
-            "sand": lambda x: (x[1] > 0.5) & (x[1] < 1),
-            "slab": lambda x: x[1] > 1,
-        }
+    return (
+        MeshQuad1.init_tensor(np.linspace(0, 3, 7), np.linspace(0, 2, 5))
+        .with_defaults()
+        .with_subdomains(
+            {
+                "clay": lambda x: x[1] < 0.5,
+                "sand": lambda x: (x[1] > 0.5) & (x[1] < 1),
+                "slab": lambda x: x[1] > 1,
+            }
+        )
     )
 
 
@@ -42,7 +46,10 @@ def test_names_of_bodies():
     [
         ({"a": "clay", "b": "rock"}, "no subdomain 'rock'; existing: clay, sand, slab"),
         ({"a": ["clay", "sand"]}, "12 elements belong to no body.*: slab"),
-        ({"a": ["clay", "sand"], "b": ["sand", "slab"]}, "6 elements belong both to 'a' and to 'b'"),
+        (
+            {"a": ["clay", "sand"], "b": ["sand", "slab"]},
+            "6 elements belong both to 'a' and to 'b'",
+        ),
         ({"clay": ["clay", "sand"], "b": "slab"}, "body 'clay' is not the subdomain 'clay'"),
         ({"a": [], "b": ["clay", "sand", "slab"]}, "body 'a' has no elements"),
         ({}, "24 elements belong to no body"),
@@ -80,13 +87,21 @@ def test_meshes_that_cannot_be_joined():
 
 
 def test_sides_of_subdomains_are_named_beside_those_of_bodies():
-    """The side of a body of two layers, and that of each layer; the facets of the layers are those of the body."""
-    mesh = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 2, 3)).with_subdomains({
-        "lower": lambda x: (x[1] < 1) & (x[0] < 2), "upper": lambda x: (x[1] > 1) & (x[0] < 2),
-        "concrete": lambda x: x[0] > 2})
+    """The side of a body of two layers, and that of each layer; the facets of the layers are those
+    of the body.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 2, 3)).with_subdomains(
+        {
+            "lower": lambda x: (x[1] < 1) & (x[0] < 2),
+            "upper": lambda x: (x[1] > 1) & (x[0] < 2),
+            "concrete": lambda x: x[0] > 2,
+        }
+    )
     joined = join_bodies(mesh, bodies={"ground": ["lower", "upper"], "wall": "concrete"})
     assert set(joined.boundaries) == {"ground|wall", "wall|ground", "lower|wall", "upper|wall"}
     parts = [joined.boundaries["lower|wall"], joined.boundaries["upper|wall"]]
-    np.testing.assert_array_equal(np.sort(np.concatenate(parts)), np.sort(joined.boundaries["ground|wall"]))
+    np.testing.assert_array_equal(
+        np.sort(np.concatenate(parts)), np.sort(joined.boundaries["ground|wall"])
+    )
     heights = [joined.p[1, joined.facets[:, np.asarray(part)]].mean() for part in parts]
     np.testing.assert_allclose(heights, (0.5, 1.5))

@@ -1,4 +1,6 @@
-"""Newton's method: order of convergence, closed forms of contact problems, invariances, loops of one's own."""
+"""Newton's method: order of convergence, closed forms of contact problems, invariances, loops of
+one's own.
+"""
 
 from __future__ import annotations
 
@@ -19,20 +21,27 @@ from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 
-#: For comparisons to nine digits; a penalty of 1e6 times the round-off of coordinates is 1e-12 of the forces.
+#: For comparisons to nine digits; a penalty of 1e6 times the round-off of coordinates is 1e-12 of
+#: the forces.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)
 
 
 def run(forms, load, fixed, prescribed=None, increments=1, **options):
     """One stage of loading from rest."""
     stage = sc.Stage("load", load, prescribed, increments)
-    return run_stages(forms, [stage], fixed, **{"newton": EXACT, "progress": False, **options})["load"]
+    return run_stages(forms, [stage], fixed, **{"newton": EXACT, "progress": False, **options})[
+        "load"
+    ]
 
 
-def two_blocks(element: str = "Q1", n: int = 4, gap: float = 0.0, overhang: float = 0.0, mapped=None):
+def two_blocks(
+    element: str = "Q1", n: int = 4, gap: float = 0.0, overhang: float = 0.0, mapped=None
+):
     """A unit block above another one, as wide or wider; boundaries "upper:bottom" and so on."""
     blocks = {
-        "lower": grid(element, np.linspace(-overhang, 1 + overhang, n + 1), np.linspace(-1, 0, n + 1)),
+        "lower": grid(
+            element, np.linspace(-overhang, 1 + overhang, n + 1), np.linspace(-1, 0, n + 1)
+        ),
         "upper": grid(element, np.linspace(0, 1, n + 2), np.linspace(gap, 1 + gap, n + 1)),
     }
     if mapped is not None:
@@ -43,17 +52,26 @@ def two_blocks(element: str = "Q1", n: int = 4, gap: float = 0.0, overhang: floa
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 @pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2", "QuadS2"])
 def test_penalty_bar(element, quadrature):
-    """[X] Case A1: a column closes a gap of 0.05 against a rigid stop; the modulus is the oedometric one."""
+    """[X] Case A1: a column closes a gap of 0.05 against a rigid stop; the modulus is the
+    oedometric one.
+    """
     modulus, nu, F, gap, eps = 1000.0, 0.3, 100.0, 0.05, 1e5
     E = modulus * (1 + nu) * (1 - 2 * nu) / (1 - nu)
     basis = vector_basis(grid(element, np.linspace(0, 1, 4), np.linspace(0, 1, 5)), element)
     forms = {
         "column": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
         "stop": sc.ContactPair(
-            basis, "bottom", sc.rigid.line((-1.0, -gap), (2.0, -gap)), sc.Coulomb(), quadrature, penalty=eps
+            basis,
+            "bottom",
+            sc.rigid.line((-1.0, -gap), (2.0, -gap)),
+            sc.Coulomb(),
+            quadrature,
+            penalty=eps,
         ),
     }
-    fixed = np.concatenate((basis.get_dofs("top").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    fixed = np.concatenate(
+        (basis.get_dofs("top").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
     result = run(forms, traction(basis, "bottom", (0.0, -F)), fixed)
     u = -result.x[basis.get_dofs("bottom").all("u^2")]
     # the residual is solved to 1e-13 of the load, 100; u is of the order 0.05 and the stiffness 1e5
@@ -62,20 +80,28 @@ def test_penalty_bar(element, quadrature):
     np.testing.assert_allclose(-result.states["stop"].traction[0], 49.5049504950495, rtol=1e-10)
     force = forms["stop"].assemble(result.x, result.states["stop"]).force[1::2].sum()
     exact = F - modulus * gap
-    assert 1 + force / exact == pytest.approx(1 / (1 + eps / modulus), rel=1e-8)  # two digits lost in 1 - 0.99
+    assert 1 + force / exact == pytest.approx(
+        1 / (1 + eps / modulus), rel=1e-8
+    )  # two digits lost in 1 - 0.99
     assert len(result.iterations) == 1 and result.iterations[0] <= 3
 
 
 @pytest.mark.parametrize("ratio", [0.9, 1.1])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 def test_frictional_patch(quadrature, ratio):
-    """[X] Case A10: sides carry the shear; below mu p all points stick, above it no equilibrium exists."""
+    """[X] Case A10: sides carry the shear; below mu p all points stick, above it no equilibrium
+    exists.
+    """
     mu, p = 0.4, 10.0
     q = ratio * mu * p
     basis = two_blocks()
     forms = {
-        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)),  # it does not widen under pressure
-        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu), quadrature, penalty=1e6),
+        "blocks": sc.SolidForm(
+            basis, sc.LinearElastic(E=1e4, nu=0.0)
+        ),  # it does not widen under pressure
+        "joint": sc.ContactPair(
+            basis, "upper:bottom", "lower:top", sc.Coulomb(mu), quadrature, penalty=1e6
+        ),
     }
     # pressure and pure shear on the upper block: only the joint holds it
     load = traction(basis, "upper:top", (q, -p)) + traction(basis, "upper:left", (0, -q))
@@ -104,13 +130,17 @@ def test_frictional_patch(quadrature, ratio):
 
 @pytest.mark.parametrize("quadrature", ["nodal", 3, "segments"])
 def test_frictional_patch_slips(quadrature):
-    """[X] Case A10 under displacement control: shear tau = mu p everywhere, whatever the distance."""
+    """[X] Case A10 under displacement control: shear tau = mu p everywhere, whatever the
+    distance.
+    """
     E, nu, mu, p = 1e4, 0.2, 0.4, 10.0
     modulus, G = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), E / (2 + 2 * nu)
     basis = two_blocks(overhang=0.5)
     forms = {
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
-        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu), quadrature, penalty=1e6),
+        "joint": sc.ContactPair(
+            basis, "upper:bottom", "lower:top", sc.Coulomb(mu), quadrature, penalty=1e6
+        ),
     }
     # the exact field: uniform strain under -p and mu p, and any rigid shift
     upper = unknowns_of(basis, "upper")
@@ -133,7 +163,9 @@ def test_frictional_patch_slips(quadrature):
 
 @pytest.mark.parametrize("quadrature", ["nodal", 2])
 def test_block_pushed_off(quadrature):
-    """[X] Case C6: W = 100, a = 2.5, phi = 26.6 degrees on 4 m: 60.076 kN/m, however far it is pushed."""
+    """[X] Case C6: W = 100, a = 2.5, phi = 26.6 degrees on 4 m: 60.076 kN/m, however far it is
+    pushed.
+    """
     phi = np.tan(np.radians(26.6))
     mesh = sc.join_bodies(
         {
@@ -144,15 +176,19 @@ def test_block_pushed_off(quadrature):
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
         "solid": sc.SolidForm(
-            basis, {"base": sc.LinearElastic(E=3e7, nu=0.2), "block": sc.LinearElastic(E=3e7, nu=0.2)}
+            basis,
+            {"base": sc.LinearElastic(E=3e7, nu=0.2), "block": sc.LinearElastic(E=3e7, nu=0.2)},
         ),
-        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(phi, 2.5), quadrature, penalty=1e7),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "base:top", sc.Coulomb(phi, 2.5), quadrature, penalty=1e7
+        ),
     }
     own = sc.weight(basis, {"block": 25.0})
     pushed = basis.get_dofs("block:left").all("u^1")
     fixed = np.concatenate((basis.get_dofs("base:bottom").all(), pushed))
     result = sc.Model(forms, fixed).run(
-        [sc.Stage("weight", own)] + [sc.Stage(f"push {k}", own, k * 0.3 * _at(basis, pushed)) for k in (1, 2, 3)],
+        [sc.Stage("weight", own)]
+        + [sc.Stage(f"push {k}", own, k * 0.3 * _at(basis, pushed)) for k in (1, 2, 3)],
         progress=False,
     )
     for stage in list(result)[1:]:
@@ -172,7 +208,9 @@ def _at(basis, dofs) -> np.ndarray:
 
 
 def own_loop(forms, load, fixed, x, state, prescribed=None, tolerance=1e-13, most=30):
-    """The loop of the user guide; also the norms of the residual and the statuses of all iterations."""
+    """The loop of the user guide; also the norms of the residual and the statuses of all
+    iterations.
+    """
     free = np.setdiff1d(np.arange(len(x)), fixed)
     if prescribed is not None:
         x = x.copy()
@@ -192,7 +230,9 @@ def own_loop(forms, load, fixed, x, state, prescribed=None, tolerance=1e-13, mos
 
 def bent_contact(law, tangent: str, smoothing=None):
     """A stiff arch that turns by 12 degrees on a soft block: large rotation of the interface."""
-    arch = np.stack((np.linspace(0.9, -0.9, 10), 0.35 * np.linspace(0.9, -0.9, 10) ** 2 - 0.02), axis=1)
+    arch = np.stack(
+        (np.linspace(0.9, -0.9, 10), 0.35 * np.linspace(0.9, -0.9, 10) ** 2 - 0.02), axis=1
+    )
     mesh = sc.join_bodies(
         {
             "arch": body_along(arch, "Q1", 0.4),
@@ -202,10 +242,18 @@ def bent_contact(law, tangent: str, smoothing=None):
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
         "solid": sc.SolidForm(
-            basis, {"arch": sc.LinearElastic(E=1e5, nu=0.3), "block": sc.LinearElastic(E=1e3, nu=0.3)}
+            basis,
+            {"arch": sc.LinearElastic(E=1e5, nu=0.3), "block": sc.LinearElastic(E=1e3, nu=0.3)},
         ),
         "joint": sc.ContactPair(
-            basis, "block:top", "arch:face", law, 3, penalty=2e4, tangent=tangent, smoothing=smoothing
+            basis,
+            "block:top",
+            "arch:face",
+            law,
+            3,
+            penalty=2e4,
+            tangent=tangent,
+            smoothing=smoothing,
         ),
     }
     body = unknowns_of(basis, "arch")
@@ -216,21 +264,32 @@ def bent_contact(law, tangent: str, smoothing=None):
     return basis, forms, fixed, place
 
 
-@pytest.mark.parametrize("law", [sc.Coulomb(), sc.Coulomb(10.0), sc.Coulomb(0.2)], ids=["smooth", "stick", "slip"])
+@pytest.mark.parametrize(
+    "law", [sc.Coulomb(), sc.Coulomb(10.0), sc.Coulomb(0.2)], ids=["smooth", "stick", "slip"]
+)
 def test_quadratic_convergence(law):
-    """[X] Case B5: with a fixed status the exact tangent squares the residual; the primary one does not."""
+    """[X] Case B5: with a fixed status the exact tangent squares the residual; the primary one does
+    not.
+    """
     orders, settled = {}, np.zeros(0)
     for tangent in ("exact", "primary"):
         basis, forms, fixed, place = bent_contact(law, tangent, smoothing=0.5)
         start = {name: f.initial_state() for name, f in forms.items()}
         x, state = basis.zeros(), start
         for share in (0.25, 0.5, 0.75):
-            x, state, *_ = own_loop(forms, basis.zeros(), fixed, x, state, share * place, tolerance=1e-11, most=60)
-        x, _, norms, statuses = own_loop(forms, basis.zeros(), fixed, x, state, place, tolerance=1e-13, most=60)
+            x, state, *_ = own_loop(
+                forms, basis.zeros(), fixed, x, state, share * place, tolerance=1e-11, most=60
+            )
+        x, _, norms, statuses = own_loop(
+            forms, basis.zeros(), fixed, x, state, place, tolerance=1e-13, most=60
+        )
         orders[tangent] = norms
         assert norms[-1] < 1e-12
         if tangent == "exact":
-            same = [all(np.array_equal(a, b) for a, b in zip(s, statuses[-1], strict=True)) for s in statuses]
+            same = [
+                all(np.array_equal(a, b) for a, b in zip(s, statuses[-1], strict=True))
+                for s in statuses
+            ]
             settled = norms[len(same) - same[::-1].index(False) if False in same else 0 :]
     # from where the status stays: r_new <= C r^2 down to round-off, over at least two steps
     assert len(settled) >= 3
@@ -250,17 +309,26 @@ def test_ten_lines_of_the_user_guide():
     }
     forms = {
         "blocks": sc.SolidForm(basis, materials),
-        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), quadrature="nodal", penalty=1e6),
+        "joint": sc.ContactPair(
+            basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), quadrature="nodal", penalty=1e6
+        ),
     }
     fixed = basis.get_dofs("lower:bottom").all()
     load = sc.weight(basis, 20.0) + traction(basis, "upper:top", (1.0, -20.0))
     x, state, norms, _ = own_loop(
-        forms, load, fixed, basis.zeros(), {k: f.initial_state() for k, f in forms.items()}, tolerance=1e-12
+        forms,
+        load,
+        fixed,
+        basis.zeros(),
+        {k: f.initial_state() for k, f in forms.items()},
+        tolerance=1e-12,
     )
     assert norms[-1] < 1e-12
     result = run(forms, load, fixed)
     np.testing.assert_allclose(result.x, x, atol=1e-9 * np.abs(x).max())
-    np.testing.assert_allclose(result.states["joint"].traction[0], state["joint"].traction[0], atol=1e-8)
+    np.testing.assert_allclose(
+        result.states["joint"].traction[0], state["joint"].traction[0], atol=1e-8
+    )
     assert result.states["blocks"].internal.max() > 0
 
 
@@ -281,13 +349,17 @@ def test_solver_of_the_user(solver):
     np.testing.assert_allclose(ours.x, theirs.x, atol=1e-10 * np.abs(ours.x).max())
 
 
-def pushed_blocks(mapped=None, element: str = "Q1", scale: dict | None = None, mirror: bool = False):
-    """An upper block pressed down and pushed aside with friction and yielding: displacements of all nodes.
+def pushed_blocks(
+    mapped=None, element: str = "Q1", scale: dict | None = None, mirror: bool = False
+):
+    """An upper block pressed down and pushed aside with friction and yielding: displacements of all
+    nodes.
 
     Parameters
     ----------
     mapped
-        Function of a mesh, applied to each body, together with the rotation of vectors that belongs to it.
+        Function of a mesh, applied to each body, together with the rotation of vectors that belongs
+        to it.
     scale
         Units: factors of length, and of force by area.
     mirror
@@ -303,7 +375,9 @@ def pushed_blocks(mapped=None, element: str = "Q1", scale: dict | None = None, m
     }
     forms = {
         "blocks": sc.SolidForm(basis, materials, strain="b_bar" if element == "Q1" else "full"),
-        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.3, 0.5 * stress), 2),
+        "joint": sc.ContactPair(
+            basis, "upper:bottom", "lower:top", sc.Coulomb(0.3, 0.5 * stress), 2
+        ),
     }
     top, bottom = basis.get_dofs("upper:top"), basis.get_dofs("lower:bottom").all()
     places = [basis.zeros(), basis.zeros()]
@@ -312,7 +386,9 @@ def pushed_blocks(mapped=None, element: str = "Q1", scale: dict | None = None, m
     places[1][nodes] = turn @ [(-1 if mirror else 1) * 3e-3 * length, -2e-3 * length]
     own = sc.weight(basis, 20.0 * stress / length, direction=tuple(turn @ [0.0, -1.0]))
     stages = [sc.Stage("press", own, places[0], 2), sc.Stage("push", own, places[1], 4)]
-    result = sc.Model(forms, np.concatenate((top.all(), bottom)), newton=EXACT).run(stages, progress=False)
+    result = sc.Model(forms, np.concatenate((top.all(), bottom)), newton=EXACT).run(
+        stages, progress=False
+    )
     return basis, forms, result
 
 
@@ -344,7 +420,9 @@ def test_rotation_of_everything_changes_nothing(element):
 
 
 def renumbered(mesh: Mesh) -> Mesh:
-    """The same mesh with nodes and elements in random order, and elements that begin at another corner."""
+    """The same mesh with nodes and elements in random order, and elements that begin at another
+    corner.
+    """
     rng = np.random.default_rng(5)
     order, elements = rng.permutation(mesh.nvertices), rng.permutation(mesh.nelements)
     t = np.roll(np.argsort(order)[mesh.t], 1, axis=0)[:, elements]
@@ -358,14 +436,18 @@ def test_renumbering_changes_nothing(element):
     other, _, mixed = pushed_blocks((renumbered, np.eye(2)), element)
     for body in ("lower", "upper"):
         a, b = unknowns_of(first, body), unknowns_of(other, body)
-        rank = [np.lexsort(basis.doflocs[:, d[:, 0]].round(9)) for basis, d in ((first, a), (other, b))]
+        rank = [
+            np.lexsort(basis.doflocs[:, d[:, 0]].round(9)) for basis, d in ((first, a), (other, b))
+        ]
         a, b = a[rank[0]], b[rank[1]]
         np.testing.assert_allclose(first.doflocs[:, a[:, 0]], other.doflocs[:, b[:, 0]], atol=1e-12)
         for s, t in zip(straight, mixed, strict=True):
             np.testing.assert_allclose(t.x[b], s.x[a], atol=1e-9 * np.abs(s.x).max())
 
 
-@pytest.mark.parametrize("stress, length", [(1e3, 1.0), (1e-3, 1e3), (1e6, 1e-3)], ids=["Pa", "MPa, mm", "km"])
+@pytest.mark.parametrize(
+    "stress, length", [(1e3, 1.0), (1e-3, 1e3), (1e6, 1e-3)], ids=["Pa", "MPa, mm", "km"]
+)
 def test_units_change_nothing(stress, length):
     """[X] Case S3: the same problem in other units, with default penalties and tolerances."""
     _, _, ours = pushed_blocks()
@@ -376,7 +458,9 @@ def test_units_change_nothing(stress, length):
     _, _, theirs = pushed_blocks((scaled, np.eye(2)), scale={"stress": stress, "length": length})
     for a, b in zip(ours, theirs, strict=True):
         np.testing.assert_allclose(b.x / length, a.x, atol=1e-8 * np.abs(a.x).max())
-        for old, new in zip(a.states["joint"].traction, b.states["joint"].traction / stress, strict=True):
+        for old, new in zip(
+            a.states["joint"].traction, b.states["joint"].traction / stress, strict=True
+        ):
             np.testing.assert_allclose(new, old, atol=1e-8 * np.abs(old).max())
         assert a.iterations == b.iterations
 
@@ -400,7 +484,8 @@ def test_mirrored_problem(element):
 def test_symmetric_problem_has_a_symmetric_result():
     """[X] Case S17: a punch on a wider block, friction and yielding: left and right to ten digits.
 
-    No node of the punch faces one of the soil: which of two segments it belongs to would be arbitrary.
+    No node of the punch faces one of the soil: which of two segments it belongs to would be
+    arbitrary.
     """
     mesh = sc.join_bodies(
         {
@@ -415,7 +500,9 @@ def test_symmetric_problem_has_a_symmetric_result():
     }
     forms = {
         "solid": sc.SolidForm(basis, materials, "b_bar"),
-        "joint": sc.ContactPair(basis, "punch:bottom", "soil:top", sc.Coulomb(0.3), quadrature="nodal"),
+        "joint": sc.ContactPair(
+            basis, "punch:bottom", "soil:top", sc.Coulomb(0.3), quadrature="nodal"
+        ),
     }
     fixed = basis.get_dofs({"soil:bottom", "soil:left", "soil:right", "punch:top"}).all()
     place = basis.zeros()
@@ -431,7 +518,9 @@ def test_symmetric_problem_has_a_symmetric_result():
 
 
 def test_far_from_the_origin():
-    """[X] Coordinates of a national grid: the same problem 500 km away converges as well, to the same result."""
+    """[X] Coordinates of a national grid: the same problem 500 km away converges as well, to the
+    same result.
+    """
     _, _, here = pushed_blocks()
 
     def moved(mesh):
@@ -444,13 +533,18 @@ def test_far_from_the_origin():
         assert a.iterations == b.iterations
 
 
-# -- the loop of the guide, where bodies lift off -------------------------------------------------------------------
+# -- the loop of the guide, where bodies lift off
+# -------------------------------------------------------------------
 
 
 def documented(*names):
     """Functions that the guide defines, as it defines them."""
     text = (Path(__file__).parents[1] / "docs" / "guide" / "forms.md").read_text(encoding="utf-8")
-    code = next(block for block in re.findall(r"```python\n(.*?)```", text, re.S) if f"def {names[0]}(" in block)
+    code = next(
+        block
+        for block in re.findall(r"```python\n(.*?)```", text, re.S)
+        if f"def {names[0]}(" in block
+    )
     scope = {"np": np, "sc": sc, "solve": solve, "condense": condense}
     tree = ast.parse(code)
     tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ImportFrom)]
@@ -460,7 +554,9 @@ def documented(*names):
 
 @pytest.fixture(scope="module")
 def footing_on_springs():
-    """A block that stands on a slab on soft springs; pressed and pushed outside of its core, it lifts off."""
+    """A block that stands on a slab on soft springs; pressed and pushed outside of its core, it
+    lifts off.
+    """
     base = grid("Q2", np.linspace(0, 4, 25), np.linspace(0, 0.5, 5))
     block = grid("Q2", np.linspace(1, 2.5, 13), np.linspace(0.5, 1.5, 9))
     basis = vector_basis(sc.join_bodies({"base": base, "block": block}), "Q2", intorder=4)
@@ -469,7 +565,9 @@ def footing_on_springs():
     forms = {
         "solid": sc.SolidForm(basis, sc.LinearElastic(E=3e7, nu=0.2)),
         "bed": sc.MatrixForm(bed),
-        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.5), quadrature=2),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "base:top", sc.Coulomb(mu=0.5), quadrature=2
+        ),
     }
     return basis, choose_penalties(forms)
 
@@ -479,16 +577,22 @@ PUSHES = [(0.0, 0.0), (1.0, 10.0), (1.0, 20.0), (3.0, 20.0), (1.0, 22.0)]
 
 
 @pytest.mark.parametrize(("eccentric", "push"), PUSHES)
-def test_loop_of_the_guide_holds_where_a_block_lifts_off(footing_on_springs, eccentric: float, push: float) -> None:
+def test_loop_of_the_guide_holds_where_a_block_lifts_off(
+    footing_on_springs, eccentric: float, push: float
+) -> None:
     """[X] It finds the equilibrium that `run` finds, and what it finds balances."""
     basis, forms = footing_on_springs
     (equilibrium,) = documented("equilibrium")
-    load = sc.traction(basis, "block:top", lambda x: np.stack((push + 0 * x[0], -50 * (1 + eccentric * x[0]))))
+    load = sc.traction(
+        basis, "block:top", lambda x: np.stack((push + 0 * x[0], -50 * (1 + eccentric * x[0])))
+    )
     none = np.zeros(0, int)
     start = {name: form.initial_state() for name, form in forms.items()}
     x, state = equilibrium(forms, basis.zeros(), start, load, none)
     left = load - sum(form.assemble(x, state[name]).force for name, form in forms.items())
-    assert np.linalg.norm(left) < 1e-7 * np.linalg.norm(load)  # ten times the loop's tolerance: assembled again
+    assert np.linalg.norm(left) < 1e-7 * np.linalg.norm(
+        load
+    )  # ten times the loop's tolerance: assembled again
     assert (state["joint"].status == Status.OPEN).any()
     stage = sc.Model(forms, none).run([sc.Stage("load", load)], progress=False)["load"]
     assert len(stage.iterations) == 1  # nothing is cut: the problem is homogeneous

@@ -45,7 +45,11 @@ def test_data_are_part_of_the_package() -> None:
 
 
 def test_import_needs_no_graphics() -> None:
-    """Only skfem_contact.plot may import a graphics library: a solver runs on machines without one."""
+    """Only skfem_contact.plot may import a graphics library: a solver runs on machines without
+    one.
+    """
     code = "import sys, skfem_contact; print({'pyvista', 'vtk', 'matplotlib.pyplot'} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "set()"

@@ -1,4 +1,6 @@
-"""The tools of the documentation: what pages leave out, what links, and what a browser stumbles over."""
+"""The tools of the documentation: what pages leave out, what links, and what a browser stumbles
+over.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,7 @@ Figures
 def test_readers_see_neither_checks_nor_figures():
     source = [PAGE]
     gallery_output.for_readers(None, "gallery/slope", source)
-    assert "    factor = 1.381\n    print(f\"factor {factor}\")\n" in source[0]
+    assert '    factor = 1.381\n    print(f"factor {factor}")\n' in source[0]
     assert "    factor 1.381\n" in source[0]
     for hidden in ("assert", "json", "process_time", "case", "bracket"):
         assert hidden not in source[0]
@@ -70,9 +72,16 @@ def test_code_on_pages_imports_what_it_needs():
     """The clock and JSON are imported where something that is left uses them."""
     for script in EXAMPLES:
         page = on_page(script)
-        used = {node.id for node in ast.walk(page) if isinstance(node, ast.Name)} & {"process_time", "json"}
-        imported = {name.name for node in ast.walk(page) if isinstance(node, ast.Import | ast.ImportFrom)
-                    for name in node.names}  # fmt: skip
+        used = {node.id for node in ast.walk(page) if isinstance(node, ast.Name)} & {
+            "process_time",
+            "json",
+        }
+        imported = {
+            name.name
+            for node in ast.walk(page)
+            if isinstance(node, ast.Import | ast.ImportFrom)
+            for name in node.names
+        }
         assert used <= imported, script.stem
 
 
@@ -94,8 +103,10 @@ def test_short_scripts_are_short():
 
 def test_warnings_lose_the_path_of_the_machine():
     """What was warned stays, where in the builder's folders does not."""
-    source = [" .. code-block:: none\n\n    /home/a/plot_b.py:65: AnalysisWarning: the joint is soft\n"
-              "      result = sc.run(forms)\n    the table\n"]  # fmt: skip
+    source = [
+        " .. code-block:: none\n\n    /home/a/plot_b.py:65: AnalysisWarning: the joint is soft\n"
+        "      result = sc.run(forms)\n    the table\n"
+    ]
     gallery_output.for_readers(None, "gallery/b", source)
     assert source[0].endswith("none\n\n    AnalysisWarning: the joint is soft\n    the table\n")
 
@@ -124,37 +135,62 @@ def test_sources_link_to_anchors_that_are_there():
 
     folder = "../reference/generated/skfem_contact.results"
     right = f'<a href="{folder}.Result.html#skfem_contact.results.Result.save">'
-    assert to_anchors(f'<a href="{folder}.Result.html#skfem_contact.Result.save">') == right == to_anchors(right)
-    assert to_anchors(f'"{folder}.of.html#skfem_contact.of"') == f'"{folder}.of.html#skfem_contact.results.of"'
+    assert (
+        to_anchors(f'<a href="{folder}.Result.html#skfem_contact.Result.save">')
+        == right
+        == to_anchors(right)
+    )
+    assert (
+        to_anchors(f'"{folder}.of.html#skfem_contact.of"')
+        == f'"{folder}.of.html#skfem_contact.results.of"'
+    )
 
 
 SITE = {
-    "index.html": "<main><p id='top'>Text</p><a href='good.html#here'>good</a> <a href='none.html'>broken</a>"
-                  " <a href='good.html#nowhere'>no place</a></main>",
+    "index.html": "<main><p id='top'>Text</p><a href='good.html#here'>good</a> <a "
+    "href='none.html'>broken</a>"
+    " <a href='good.html#nowhere'>no place</a></main>",
     "good.html": "<main><h1 id='here'>Good</h1><p>A line that wraps.</p></main>",
-    "cut.html": "<main><p style='width:90px;overflow:hidden;white-space:nowrap'>A line that goes on.</p></main>",
+    "cut.html": "<main><p style='width:90px;overflow:hidden;white-space:nowrap'>A line that goes "
+    "on.</p></main>",
     "wide.html": "<main><div style='width:2000px'>wide</div></main>",
     "rows.html": "<header><a class='nav-link'>one</a><br><br><a class='nav-link'>two</a></header>",
-    "bad.html": "<main><img src='none.png' alt='none'><script>console.error('trouble')</script></main>",
-}  # fmt: skip
+    "bad.html": "<main><img src='none.png' "
+    "alt='none'><script>console.error('trouble')</script></main>",
+}
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None or shutil.which("chromedriver") is None, reason="needs Chromium")
+@pytest.mark.skipif(
+    shutil.which("chromium") is None or shutil.which("chromedriver") is None,
+    reason="needs Chromium",
+)
 def test_what_a_browser_stumbles_over(tmp_path):
     """A site of six pages with one fault of each kind; the good page is not named."""
     pytest.importorskip("selenium")
     for name, body in SITE.items():
         head = "<!doctype html><html><head><title>t</title><link rel='icon' href='data:,'></head>"
         (tmp_path / name).write_text(f"{head}<body>{body}</body></html>", encoding="utf-8")
-    command = [sys.executable, str(DOCS / "check_pages.py"), str(tmp_path), "--out", str(tmp_path / "shots")]
+    command = [
+        sys.executable,
+        str(DOCS / "check_pages.py"),
+        str(tmp_path),
+        "--out",
+        str(tmp_path / "shots"),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert done.returncode == 1, done.stderr
     *lines, last = done.stdout.splitlines()
     assert json.loads(last)["pages"] == 6
-    for fault in ("index.html: broken link none.html", "index.html: no place #nowhere on good.html",
-                  "cut.html (wide, light): cut off", "rows.html (wide, light): navigation in rows",
-                  "wide.html (wide, light): stands out", "wide.html (narrow, dark): stands out",
-                  "bad.html (wide, light): missing picture", "bad.html (wide, light): console"):  # fmt: skip
+    for fault in (
+        "index.html: broken link none.html",
+        "index.html: no place #nowhere on good.html",
+        "cut.html (wide, light): cut off",
+        "rows.html (wide, light): navigation in rows",
+        "wide.html (wide, light): stands out",
+        "wide.html (narrow, dark): stands out",
+        "bad.html (wide, light): missing picture",
+        "bad.html (wide, light): console",
+    ):
         assert any(line.startswith(fault) for line in lines), (fault, lines)
     assert not any(line.startswith("good.html") for line in lines)
     assert len(list((tmp_path / "shots").rglob("*.png"))) == 24

@@ -1,4 +1,6 @@
-"""Pictures show the values they are given, and a machine without OpenGL gets a warning instead of a crash."""
+"""Pictures show the values they are given, and a machine without OpenGL gets a warning instead of a
+crash.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +59,8 @@ def colored(image):
     return np.ptp(image[..., :3].astype(int), axis=2) > 12
 
 
-# -- scales -------------------------------------------------------------------------------------------------------
+# -- scales
+# -------------------------------------------------------------------------------------------------------
 
 
 def ones(values):
@@ -107,13 +110,16 @@ def test_constant_fields_have_a_scale():
         assert levels[0] <= value <= levels[-1] and (np.diff(levels) > 0).all()
 
 
-# -- contours -----------------------------------------------------------------------------------------------------
+# -- contours
+# -----------------------------------------------------------------------------------------------------
 
 
 @needs_opengl
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_contour_shows_the_field(element, tmp_path):
-    """Eight bands from pale to dark over a field that rises from left to right; the file is written."""
+    """Eight bands from pale to dark over a field that rises from left to right; the file is
+    written.
+    """
     _, step = block(element)
     plot.contour(step, "ux", file=tmp_path / "ux.png", mesh=False, limits=(0.0, 0.2), levels=8)
     image = plt.imread(tmp_path / "ux.png")
@@ -133,14 +139,24 @@ def test_contour_shows_the_field(element, tmp_path):
 def test_deformed_body_leaves_its_outline(tmp_path):
     """Ten times a tenth: the body becomes as wide again; its outline stays where it was."""
     _, step = block()
-    plot.contour(step, "sxx", deformed=10.0, file=tmp_path / "sxx.png", limits=(0.0, 1e3), levels=1, mesh=False)
+    plot.contour(
+        step,
+        "sxx",
+        deformed=10.0,
+        file=tmp_path / "sxx.png",
+        limits=(0.0, 1e3),
+        levels=1,
+        mesh=False,
+    )
     image = (255 * plt.imread(tmp_path / "sxx.png")).astype(int)
     body = image[: len(image) - FOOT]
     assert colored(body).any(axis=0).mean() == pytest.approx(1 / 1.05, abs=0.01)
     middle = body[len(body) // 3]
     inside = np.arange(100, body.shape[1] - 100)
     found = np.flatnonzero(np.abs(middle[inside, 0] - np.median(middle[inside, 0])) > 40)
-    assert inside[found].mean() == pytest.approx(body.shape[1] / 2, abs=2)  # the right side of the undeformed plate
+    assert inside[found].mean() == pytest.approx(
+        body.shape[1] / 2, abs=2
+    )  # the right side of the undeformed plate
 
 
 def test_automatic_factors_are_round():
@@ -158,14 +174,19 @@ def test_a_factor_of_one_is_not_written(bars):
     plot.contour(step, "ux", since=step, deformed=20.0)
     assert [texts[:2] for texts in bars] == [
         ("Horizontal stress [kPa]", "now"),
-        ("Change of horizontal displacement [m]", "now, since now, displacements × 20")]
+        ("Change of horizontal displacement [m]", "now, since now, displacements × 20"),
+    ]
 
 
 @needs_opengl
 def test_extremes_stand_beside_the_colour_bar(bars):
-    """[X] The corners of a block that is stretched evenly: values, coordinates before it moved, and stages."""
+    """[X] The corners of a block that is stretched evenly: values, coordinates before it moved, and
+    stages.
+    """
     forms, step = block()
-    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    still = replace(
+        step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()}
+    )
     u = step.field("ux")
     plot.contour(step, "ux", deformed=20.0)
     plot.stages([still, step], "ux")
@@ -192,11 +213,19 @@ def test_bodies_that_are_not_there_are_not_drawn():
     """The right of two plates has gone: the picture is that of the left one."""
     plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
-    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0))
+        for name in "ab"
+    }
     states = {"a": forms["a"].initial_state()}
-    step = StageResult("now", basis.zeros(), basis.zeros(), states, (), 0.0, forms={"a": forms["a"]})
+    step = StageResult(
+        "now", basis.zeros(), basis.zeros(), states, (), 0.0, forms={"a": forms["a"]}
+    )
     image = shot(plot.contour(step, "uy", mesh=False))
-    assert image.shape[:2] == (1000 + FOOT, 1000)  # a square of the largest height; two plates would be 1400 wide
+    assert image.shape[:2] == (
+        1000 + FOOT,
+        1000,
+    )  # a square of the largest height; two plates would be 1400 wide
 
 
 @needs_opengl
@@ -204,7 +233,10 @@ def test_only_some_bodies_are_drawn():
     """One of two plates is asked for: the picture is that of it alone; other names are refused."""
     plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
-    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0))
+        for name in "ab"
+    }
     states = {name: form.initial_state() for name, form in forms.items()}
     step = StageResult("now", basis.zeros(), basis.zeros(), states, (), 0.0, forms=forms)
     assert shot(plot.contour(step, "uy", mesh=False)).shape[1] == 1400
@@ -216,8 +248,12 @@ def test_only_some_bodies_are_drawn():
 @needs_opengl
 def test_borders_of_materials_are_sharp():
     """[X] Uniform strain in two materials: two colours with nothing between them."""
-    basis = vector_basis(grid("Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 3)).with_subdomains(
-        {"left": lambda x: x[0] < 1, "right": lambda x: x[0] > 1}), "Q1")
+    basis = vector_basis(
+        grid("Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 3)).with_subdomains(
+            {"left": lambda x: x[0] < 1, "right": lambda x: x[0] > 1}
+        ),
+        "Q1",
+    )
     soils = {"left": sc.LinearElastic(E=1e3, nu=0.0), "right": sc.LinearElastic(E=4e3, nu=0.0)}
     forms = {"block": sc.SolidForm(basis, soils)}
     x = basis.zeros()
@@ -232,39 +268,59 @@ def test_borders_of_materials_are_sharp():
 
 @needs_opengl
 def test_marks_are_drawn_where_they_belong():
-    """Supports below, loads above, the water table in the middle; without them nothing is outside of the plate."""
+    """Supports below, loads above, the water table in the middle; without them nothing is outside
+    of the plate.
+    """
     forms, step = block()
     basis = forms["block"].basis
     load = basis.zeros()
     load[basis.get_dofs("top").all("u^2")] = -1.0
     plain = shot(plot.contour(step, "uy"))
-    image = shot(plot.contour(step, "uy", supports=basis.get_dofs("bottom").all(), loads=load,
-                              water=sc.hydrostatic(0.5, unit_weight=9.81), vectors=True))
+    image = shot(
+        plot.contour(
+            step,
+            "uy",
+            supports=basis.get_dofs("bottom").all(),
+            loads=load,
+            water=sc.hydrostatic(0.5, unit_weight=9.81),
+            vectors=True,
+        )
+    )
     height = len(image) - FOOT
     blue = (image[:height, :, 2].astype(int) - image[:height, :, 0] > 60).any(axis=1)
     assert np.flatnonzero(blue).mean() == pytest.approx(height / 2, rel=0.1)
     pink = (image[:height, :, 0].astype(int) - image[:height, :, 1] > 100).any(axis=1)
     assert np.flatnonzero(pink).max() < 0.35 * height
-    dark = (image[: height, :, :3].max(axis=2) < 110).any(axis=1)
+    dark = (image[:height, :, :3].max(axis=2) < 110).any(axis=1)
     margin = (plain[: len(plain) - FOOT, :, :3].max(axis=2) < 110).any(axis=1)
-    # below the plate there is a margin of 8 % of its length with loads, and of 2.5 % on the plain picture
+    # below the plate there is a margin of 8 % of its length with loads, and of 2.5 % on the plain
+    # picture
     assert np.flatnonzero(dark).max() > (1.16 / 1.32 + 0.01) * height
     assert np.flatnonzero(margin).max() < (1.05 / 1.10 + 0.01) * (len(plain) - FOOT)
 
 
 @needs_opengl
 def test_free_surface_is_the_water_table():
-    """A seepage, its pressure and water at rest are drawn alike; the bar tells what the pore pressure is."""
+    """A seepage, its pressure and water at rest are drawn alike; the bar tells what the pore
+    pressure is.
+    """
     forms, step = block()
     basis = forms["block"].basis
     height = np.ptp(basis.mesh.p[1])
     water = sc.water.seepage(basis, 1.0, {"left": 0.5 * height}, unit_weight=9.81)
-    pictures = [shot(plot.contour(step, "pore", water=given, mesh=False, colors="Greys"))
-                for given in (sc.hydrostatic(0.5 * height, unit_weight=9.81), water, water.pressure_at)]
+    pictures = [
+        shot(plot.contour(step, "pore", water=given, mesh=False, colors="Greys"))
+        for given in (sc.hydrostatic(0.5 * height, unit_weight=9.81), water, water.pressure_at)
+    ]
     blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
     rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
     # the transition between wet and dry is a part of an element wide
-    assert rows[1] == rows[2] == pytest.approx(rows[0], abs=5) == pytest.approx(len(blue[0]) / 2, rel=0.1)
+    assert (
+        rows[1]
+        == rows[2]
+        == pytest.approx(rows[0], abs=5)
+        == pytest.approx(len(blue[0]) / 2, rel=0.1)
+    )
     assert contour._headline(step, "pore", None, water) == "Pore pressure"
     assert contour._headline(step, "pore", None) == "Excess pore pressure"
 
@@ -277,15 +333,22 @@ def test_points_that_yield_and_contact_are_in_the_legend():
     stage = culvert().result["surcharge"]
     marks = Marks(stage, points=True, contact=True)
     assert [label for label, _ in marks.legend()] == ["yields", "contact sticks"]
-    with_marks = shot(plot.contour(stage, "mobilised", points=True, contact=True, window=(-1, 1, -1, 1)))
+    with_marks = shot(
+        plot.contour(stage, "mobilised", points=True, contact=True, window=(-1, 1, -1, 1))
+    )
     without = shot(plot.contour(stage, "mobilised", window=(-1, 1, -1, 1)))
-    assert np.abs(with_marks[:-FOOT].astype(int) - without[:-FOOT]).max(axis=2).astype(bool).mean() > 0.005
+    assert (
+        np.abs(with_marks[:-FOOT].astype(int) - without[:-FOOT]).max(axis=2).astype(bool).mean()
+        > 0.005
+    )
 
 
 def test_stages_share_the_factor_of_the_one_that_has_moved_most():
     """A stage that has not moved at all does not count."""
     forms, step = block()
-    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    still = replace(
+        step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()}
+    )
     less = replace(step, name="less", x=0.1 * step.x)
     views = contour.contours([still, less, step], "ux", deformed="auto").views
     assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
@@ -294,12 +357,14 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()
-    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    still = replace(
+        step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()}
+    )
     image = shot(plot.stages([still, step], "ux"))
     half = image.shape[1] // 2
     body = image[: len(image) - FOOT]
-    assert len(np.unique(body[200, 40:half - 40, :3], axis=0)) < 6  # one colour and mesh lines
-    assert len(np.unique(body[200, half + 40:-40, :3], axis=0)) > 6
+    assert len(np.unique(body[200, 40 : half - 40, :3], axis=0)) < 6  # one colour and mesh lines
+    assert len(np.unique(body[200, half + 40 : -40, :3], axis=0)) > 6
     pytest.importorskip("imageio")
     import imageio.v3
 
@@ -313,13 +378,18 @@ def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
 
 @needs_opengl
 def test_views_stand_apart_below_their_titles():
-    """[X] White columns of the gap's width between views that fill their windows; titles, also long ones, above."""
+    """[X] White columns of the gap's width between views that fill their windows; titles, also long
+    ones, above.
+    """
     _, step = block()
     names = ("short", "a name that is too long for one of three views side by side", "last")
     steps = [replace(step, name=name) for name in names]
     image = shot(plot.stages(steps, "ux", window=(0.5, 1.5, 0.2, 0.8)))[:-FOOT]
     white = (image[..., :3] == 255).all(axis=(0, 2))
-    begins, ends = np.flatnonzero(np.diff(white.astype(int)) == 1), np.flatnonzero(np.diff(white.astype(int)) == -1)
+    begins, ends = (
+        np.flatnonzero(np.diff(white.astype(int)) == 1),
+        np.flatnonzero(np.diff(white.astype(int)) == -1),
+    )
     assert len(begins) == len(ends) == 2
     np.testing.assert_allclose(ends - begins, sheet._GAP, atol=2)  # parts of a pixel on both sides
     titles = image[: sheet._HEAD - 1]
@@ -355,22 +425,34 @@ def test_unknown_field_is_refused_before_anything_is_drawn():
 def test_no_opengl_is_said_once_and_clearly(monkeypatch):
     monkeypatch.setattr(sheet, "_can_render", lambda: False)
     _, step = block()
-    with pytest.warns(UserWarning, match=r"no picture of 'Horizontal displacement': .* needs OpenGL"):
+    with pytest.warns(
+        UserWarning, match=r"no picture of 'Horizontal displacement': .* needs OpenGL"
+    ):
         assert plot.contour(step, "ux") is None
 
 
 def test_missing_opengl_library_does_not_crash(tmp_path):
-    """VTK is made to use a library that most machines lack, which kills the process that tries to draw."""
+    """VTK is made to use a library that most machines lack, which kills the process that tries to
+    draw.
+    """
     code = (
         "import test_plot, skfem_contact.plot as plot; _, step = test_plot.block(); "
-        f"print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) else 'no picture')"
+        f"print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) else 'no "
+        f"picture')"
     )
-    environment = {**os.environ, "VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow",
-                   "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    environment = {
+        **os.environ,
+        "VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow",
+        "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests"))),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() in ("drawn", "no picture")
-    assert ("no picture of 'Horizontal displacement'" in done.stderr) == (done.stdout.strip() == "no picture")
+    assert ("no picture of 'Horizontal displacement'" in done.stderr) == (
+        done.stdout.strip() == "no picture"
+    )
 
 
 def test_ring_diagram_is_closed_and_styled(tmp_path):
@@ -397,7 +479,9 @@ def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
     status = np.array([Status.STICK, Status.SLIP, Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
-    joint = Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
+    joint = Tractions(
+        y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear
+    )
     figure = plot.diagram({"failure": joint}, along="y")
     for axes, values in zip(figure.axes, (pressure, shear)):
         line, circles = axes.lines
@@ -445,7 +529,9 @@ def test_mechanism_has_its_factor_in_the_title(bars):
 
 @needs_opengl
 def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(bars):
-    """[X] A cut of 5 m in clay: the title has both bounds, and the shear strain is that of the quadratic velocities."""
+    """[X] A cut of 5 m in clay: the title has both bounds, and the shear strain is that of the
+    quadratic velocities.
+    """
     from skfem_contact.plot.mechanism import _upper_bound
 
     forms, _ = cut()
@@ -468,19 +554,28 @@ def test_curve_ends_at_the_limit():
 
 def test_history_shows_the_nearest_nodes():
     forms, step = block()
-    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    still = replace(
+        step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()}
+    )
     plot.set_units("N", "mm")
-    (axes,) = plot.history(Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
+    (axes,) = plot.history(
+        Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}
+    ).axes
     np.testing.assert_allclose([line.get_ydata() for line in axes.lines], [[0.0, 0.2], [0.0, 0.1]])
     assert axes.get_ylabel() == "horizontal displacement [mm]"
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
 
 
 def test_history_of_the_water_of_stages():
-    """[X] The pressure of each stage's own water at a point 2 m below the first level, which then falls."""
+    """[X] The pressure of each stage's own water at a point 2 m below the first level, which then
+    falls.
+    """
     basis = vector_basis(grid("Q1", [0.0, 1.0, 2.0], [0.0, 1.0, 2.0]), "Q1", intorder=2)
-    model = sc.Model({"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))}, sc.box_supports(basis),
-                     water_unit_weight=10.0)  # fmt: skip
+    model = sc.Model(
+        {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))},
+        sc.box_supports(basis),
+        water_unit_weight=10.0,
+    )
     result = model.run([sc.Stage("full", water=2.0), sc.Stage("low", water=0.5)], progress=False)
     (axes,) = plot.history(result, "pore", {"base": (0.0, 0.0)}, water=True).axes
     np.testing.assert_allclose(axes.lines[0].get_ydata(), [20.0, 5.0])
@@ -488,19 +583,33 @@ def test_history_of_the_water_of_stages():
 
 
 def test_history_refuses_points_outside_and_tells_of_bodies_that_touch():
-    """[X] Two plates of their own motion that touch at x = 1: nodes there have one value or the other."""
-    mesh = sc.join_bodies({"left": grid("Q1", [0, 0.5, 1], [0, 1]), "right": grid("Q1", [1, 2], [0, 1])})
+    """[X] Two plates of their own motion that touch at x = 1: nodes there have one value or the
+    other.
+    """
+    mesh = sc.join_bodies(
+        {"left": grid("Q1", [0, 0.5, 1], [0, 1]), "right": grid("Q1", [1, 2], [0, 1])}
+    )
     basis = vector_basis(mesh, "Q1")
-    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in mesh.subdomains}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0))
+        for name in mesh.subdomains
+    }
     states = {name: form.initial_state() for name, form in forms.items()}
     x = basis.zeros()
-    x[basis.nodal_dofs[0]] = np.where(np.isin(np.arange(mesh.nvertices), mesh.t[:, mesh.subdomains["left"]]), 1.0, 3.0)
+    x[basis.nodal_dofs[0]] = np.where(
+        np.isin(np.arange(mesh.nvertices), mesh.t[:, mesh.subdomains["left"]]), 1.0, 3.0
+    )
     result = Result((StageResult("now", x, 0 * x, states, (), 0.0, forms=forms),))
-    with pytest.warns(sc.AnalysisWarning, match="at point 'joint' bodies touch whose values differ by up to 2:"):
+    with pytest.warns(
+        sc.AnalysisWarning, match="at point 'joint' bodies touch whose values differ by up to 2:"
+    ):
         plot.history(result, "ux", {"joint": (1, 0)})
     figure = plot.history(result, "ux", {"left": (0.4, 0), "a little outside": (3, 1)})
     assert [float(line.get_ydata()[0]) for line in figure.axes[0].lines] == [1.0, 3.0]
-    with pytest.raises(ValueError, match=r"'far' lies outside the bodies: the nearest node, at \(2, 1\), is 1.5 away"):
+    with pytest.raises(
+        ValueError,
+        match=r"'far' lies outside the bodies: the nearest node, at \(2, 1\), is 1.5 away",
+    ):
         plot.history(result, "ux", {"far": (2, 2.5)})
     with pytest.raises(ValueError, match="point 'here' has 2"):
         plot.history(result, "ux", {"here": (0, 0, 0)})
@@ -508,12 +617,18 @@ def test_history_refuses_points_outside_and_tells_of_bodies_that_touch():
         plot.history(result, "settlement", {"here": (0, 0)})
 
 
-@pytest.mark.parametrize(("wrong", "message"), [
-    ({"levels": 0}, "at least one level .* not levels=0"),
-    ({"colors": "rainbows"}, "a colour map of matplotlib.* colors='rainbows'"),
-    ({"window": (4, 5, 0, 1)}, r"the window \(4, 5, 0, 1\) shows nothing of the bodies, .* \(0, 0\) and \(2, 1\)"),
-    ({"loads": np.zeros(3)}, "loads have 3 dofs, the bodies 30"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"levels": 0}, "at least one level .* not levels=0"),
+        ({"colors": "rainbows"}, "a colour map of matplotlib.* colors='rainbows'"),
+        (
+            {"window": (4, 5, 0, 1)},
+            r"the window \(4, 5, 0, 1\) shows nothing of the bodies, .* \(0, 0\) and \(2, 1\)",
+        ),
+        ({"loads": np.zeros(3)}, "loads have 3 dofs, the bodies 30"),
+    ],
+)
 @needs_opengl
 def test_arguments_of_pictures_that_draw_nothing_are_refused(wrong, message):
     with pytest.raises(ValueError, match=message):
@@ -525,7 +640,11 @@ def test_series_that_do_not_fit_are_refused():
     for values, options, message in (
         ({}, {}, r"series of one kind, not \[\]"),
         ({"a": section, "b": np.zeros(3)}, {}, r"one kind, not \['SectionForces', 'ndarray'\]"),
-        ({"a": np.zeros(5)}, {"angle": np.zeros(4)}, r"values of 'a', \(5,\), do not fit the angles, \(4,\)"),
+        (
+            {"a": np.zeros(5)},
+            {"angle": np.zeros(4)},
+            r"values of 'a', \(5,\), do not fit the angles, \(4,\)",
+        ),
     ):
         with pytest.raises(ValueError, match=message):
             plot.diagram(values, "M", **options)
@@ -544,12 +663,16 @@ def test_diagram_stands_on_the_structure():
     np.testing.assert_allclose(tips[:, 0], s)
     np.testing.assert_allclose(tips[:, 1], 0.5 + 0.28 * 2.0 * s * (2.0 - s))
     assert {text.get_text() for text in axes.texts} == {"10", "0"}
-    with pytest.raises(ValueError, match="no quantity of SectionForces 'pressure'; existing: M, N, V"):
+    with pytest.raises(
+        ValueError, match="no quantity of SectionForces 'pressure'; existing: M, N, V"
+    ):
         plot.diagram(forces, "pressure", on=step)
 
 
 def test_tractions_are_drawn_as_the_slave_exerts_them():
-    """[X] Their sum is the opposite of what the report says of the slave; normals are those of the undeformed slave."""
+    """[X] Their sum is the opposite of what the report says of the slave; normals are those of the
+    undeformed slave.
+    """
     from skfem_contact.demo import culvert
     from skfem_contact.results.tractions import interfaces
 
@@ -558,24 +681,36 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
     (interface,) = interfaces(stage).values()
     t, normal = interface.tractions, interface.normal
     against = np.column_stack((-normal[:, 1], normal[:, 0]))
-    total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)
+    total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(
+        axis=0
+    )
     report = stage.report("skin")
     scale = (t.weight * t.pressure).sum()
     np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
     data = interface.on_facets()
-    assert len(data["pressure"]) == 72 and np.isfinite(data["pressure"]).all() and (data["status"] == 1).all()
+    assert (
+        len(data["pressure"]) == 72
+        and np.isfinite(data["pressure"]).all()
+        and (data["status"] == 1).all()
+    )
 
 
 @needs_opengl
 def test_an_own_picture(tmp_path):
-    """Principal strains as arrows, which no function here draws: from `to_pyvista` in a few lines."""
+    """Principal strains as arrows, which no function here draws: from `to_pyvista` in a few
+    lines.
+    """
     import pyvista
 
     _, step = block()
     grid = step.to_pyvista()
-    values, directions = np.linalg.eigh([[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]])
+    values, directions = np.linalg.eigh(
+        [[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]]
+    )
     grid["first"] = np.pad(values[:, -1:] * directions[:, :, -1], ((0, 0), (0, 1)))
-    np.testing.assert_allclose(np.abs(grid["first"]), [[0.1, 0, 0]] * grid.n_points, atol=1e-12)  # u_x = x / 10
+    np.testing.assert_allclose(
+        np.abs(grid["first"]), [[0.1, 0, 0]] * grid.n_points, atol=1e-12
+    )  # u_x = x / 10
     plotter = pyvista.Plotter(off_screen=True, window_size=(300, 200))
     plotter.add_mesh(grid.glyph(orient="first", scale="first", factor=2.0), color="red")
     plotter.view_xy()
@@ -600,7 +735,9 @@ def cube(element):
 @needs_opengl
 @pytest.mark.parametrize("element", IN_SPACE)
 def test_cutaway(element, monkeypatch):
-    """What is drawn of a cube of which a part is cut away: its volume, its field and lines on all of its faces."""
+    """What is drawn of a cube of which a part is cut away: its volume, its field and lines on all
+    of its faces.
+    """
     drawn = []
     monkeypatch.setattr(Cutaway, "draw", lambda scene, *_: drawn.append(scene))
     _, step = cube(element)
@@ -614,12 +751,16 @@ def test_cutaway(element, monkeypatch):
     np.testing.assert_allclose(_volumes(scene.straight).sum(), 1.0, rtol=1e-6)
     scene.planes = scene.planes[:1]
     points = np.concatenate([lines.points for lines, _ in scene.edges(True)])
-    assert points[:, 1].min() == 0.25 and np.any((points[:, 1] == 0.25) & (points[:, 2] == 0.5))  # also between regions
+    assert points[:, 1].min() == 0.25 and np.any(
+        (points[:, 1] == 0.25) & (points[:, 2] == 0.5)
+    )  # also between regions
 
 
 @needs_opengl
 def test_cutaway_is_seen():
-    """The cube from the side is a square, the half that a cut leaves is twice as wide as high; both have colours."""
+    """The cube from the side is a square, the half that a cut leaves is twice as wide as high; both
+    have colours.
+    """
     _, step = cube("Q1")
     look = {"towards": (-1, 0.1, -0.1), "limits": (-0.1, 0.1)}
     whole = shot(plot.cutaway(step, "uz", **look))

@@ -27,7 +27,12 @@ class Terminal:
 
 
 def test_bars_are_shown_where_somebody_looks_on(monkeypatch):
-    for seen, wish, shown in ((True, None, True), (False, None, False), (True, False, False), (False, True, True)):
+    for seen, wish, shown in (
+        (True, None, True),
+        (False, None, False),
+        (True, False, False),
+        (False, True, True),
+    ):
         terminal = Terminal(seen)
         monkeypatch.setattr(sys, "stderr", terminal)
         with progress_bar(wish, desc="gravity", total=1.0, file=terminal) as bar:
@@ -36,7 +41,9 @@ def test_bars_are_shown_where_somebody_looks_on(monkeypatch):
 
 
 def test_results_are_tables_in_notebooks():
-    stage = StageResult("dig & fill", np.zeros(2), np.zeros(2), {}, (3, 4), 1e-9, 1.0, {"soil": "2.0% yielded"})
+    stage = StageResult(
+        "dig & fill", np.zeros(2), np.zeros(2), {}, (3, 4), 1e-9, 1.0, {"soil": "2.0% yielded"}
+    )
     table = Result((stage,))._repr_html_()
-    assert "<td style=\"text-align:left\">dig &amp; fill</td>" in table
+    assert '<td style="text-align:left">dig &amp; fill</td>' in table
     assert ">7</td>" in table and "soil: 2.0% yielded" in table

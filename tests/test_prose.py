@@ -17,22 +17,34 @@ def findings(source: str) -> list[str]:
     return [finding.word for finding in prose.Module("file.py", source).findings]
 
 
-@pytest.mark.parametrize("text, wrong", [
-    ("Return the sum.", []), ("Whether it is zero.", ["Whether"]), ("Sum of two.", ["Sum"]),
-    ("Check that the body is held?", ["?"]),
-    ("Return `the unknowns`, ``places`` and :class:`Answers`.", ["Answers"]),  # code, but an old name
-    ("Return the unknowns.", ["unknowns"]), ("Round to two decimal places.", []), ("Wished in place.", ["Wished"]),
-    ("Return x.\n\n    Parameters\n    ----------\n    unknowns\n        The dofs.\n    ", []),
-    ("Return x.\n\n    >>> print(1)\n    what is told\n    ", []),
-    ("Return x, that is not\n    there.", ["is not there"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "text, wrong",
+    [
+        ("Return the sum.", []),
+        ("Whether it is zero.", ["Whether"]),
+        ("Sum of two.", ["Sum"]),
+        ("Check that the body is held?", ["?"]),
+        (
+            "Return `the unknowns`, ``places`` and :class:`Answers`.",
+            ["Answers"],
+        ),  # code, but an old name
+        ("Return the unknowns.", ["unknowns"]),
+        ("Round to two decimal places.", []),
+        ("Wished in place.", ["Wished"]),
+        ("Return x.\n\n    Parameters\n    ----------\n    unknowns\n        The dofs.\n    ", []),
+        ("Return x.\n\n    >>> print(1)\n    what is told\n    ", []),
+        ("Return x, that is not\n    there.", ["is not there"]),
+    ],
+)
 def test_docstrings(text: str, wrong: list[str]) -> None:
     """First words, and words of the table outside code."""
     assert findings(f'def f():\n    """{text}"""\n') == wrong
 
 
 def test_nouns_comments_and_messages() -> None:
-    """Properties, classes and modules are named by nouns; comments and messages are prose, keys are none."""
+    """Properties, classes and modules are named by nouns; comments and messages are prose, keys are
+    none.
+    """
     source = '"""Sums."""\nclass A:\n    """Sum."""\n    @property\n    def s(self):\n        """Sum."""\n'
     assert findings(source) == []
     assert findings("x = 1  # what the answer is") == ["answer"]

@@ -10,7 +10,11 @@ import matplotlib
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "docs" / "index.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "docs" / "index.md",
+    *sorted((ROOT / "docs" / "guide").glob("*.md")),
+]
 CODE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -28,7 +32,9 @@ def python_code(page: Path) -> str:
 def test_code_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of a page build on each other; they may write files into the folder they run in."""
     if "sc.section" in python_code(page):
-        pytest.importorskip("gmsh", reason="gmsh or a system library is missing", exc_type=(ImportError, OSError))
+        pytest.importorskip(
+            "gmsh", reason="gmsh or a system library is missing", exc_type=(ImportError, OSError)
+        )
     matplotlib.use("Agg")
     monkeypatch.setenv("PYVISTA_OFF_SCREEN", "true")
     monkeypatch.chdir(tmp_path)

@@ -1,4 +1,6 @@
-"""Reinforcement: geogrids and nails that transfer normal force only, bonded, between two pairs, or embedded."""
+"""Reinforcement: geogrids and nails that transfer normal force only, bonded, between two pairs, or
+embedded.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +17,18 @@ QUIET = {"progress": False}
 
 
 def block(n=2, **grid):
-    """Block of 2 by 1 whose ends are moved, with reinforcement at half of its height: model, and dofs of its ends."""
-    mesh = MeshTri.init_tensor(np.linspace(0, 2, 2 * n + 1), np.linspace(0, 1, 2 * n + 1)).with_defaults()
+    """Block of 2 by 1 whose ends are moved, with reinforcement at half of its height: model, and
+    dofs of its ends.
+    """
+    mesh = MeshTri.init_tensor(
+        np.linspace(0, 2, 2 * n + 1), np.linspace(0, 1, 2 * n + 1)
+    ).with_defaults()
     mesh = mesh.with_boundaries({"grid": lambda x: np.isclose(x[1], 0.5)}, boundaries_only=False)
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.0)),
-             "grid": sc.Reinforcement(basis, "grid", EA=100.0, **grid)}
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.0)),
+        "grid": sc.Reinforcement(basis, "grid", EA=100.0, **grid),
+    }
     left, right = (basis.get_dofs(side).all("u^1") for side in ("left", "right"))
     return sc.Model(forms, [left, right, basis.get_dofs("bottom").all("u^2")]), right
 
@@ -36,24 +44,34 @@ def stretched(model, right, *lengths):
 
 
 def test_normal_force_of_stretched_reinforcement():
-    """[X] N = EA eps up to Np, with the strain that is left after flow; a geogrid refuses thrust and takes up again."""
+    """[X] N = EA eps up to Np, with the strain that is left after flow; a geogrid refuses thrust
+    and takes up again.
+    """
     bar = stretched(*block(Np=2.0), 0.02, 0.06, 0.04, -0.02)
     geogrid = stretched(*block(Np=2.0, tension_only=True), 0.02, 0.06, -0.01, 0.03)
     for result, expected in ((bar, (1.0, 2.0, 1.0, -2.0)), (geogrid, (1.0, 2.0, 0.0, 0.5))):
         for stage, N in zip(result, expected, strict=True):
             forces = stage.section_forces("grid")
             np.testing.assert_allclose(forces.N, N, rtol=1e-9, atol=1e-12)
-            assert forces.y == pytest.approx(0.5) and (np.diff(forces.x) > 0).all() and not forces.M.any()
+            assert (
+                forces.y == pytest.approx(0.5)
+                and (np.diff(forces.x) > 0).all()
+                and not forces.M.any()
+            )
             _, values = stage.forms["grid"].line_points(stage.x, stage.states["grid"])  # of files
             np.testing.assert_allclose(values["N"], N, rtol=1e-9, atol=1e-12)
 
 
 def test_tangent_and_reset():
-    """The tangent is the derivative, taut, slack and yielding; displacements counted anew change nothing."""
+    """The tangent is the derivative, taut, slack and yielding; displacements counted anew change
+    nothing.
+    """
     model, right = block(Np=2.0, tension_only=True)
     form = model.forms["grid"]
     x = 0.05 * np.random.default_rng(1).standard_normal(model.layout.size)  # N is 0, 2 or between
-    sc.testing.check_form(form, x, form.initial_state(), tolerance=1e-4)  # a share of 1e-6 is left where it is not taut
+    sc.testing.check_form(
+        form, x, form.initial_state(), tolerance=1e-4
+    )  # a share of 1e-6 is left where it is not taut
     result = stretched(model, right, 0.05)
     again = model.run([sc.Stage("null")], start=result.reset(), **QUIET)["null"]
     assert np.abs(again.x).max() < 1e-9 and again.states["grid"].force == pytest.approx(2.0)
@@ -63,21 +81,30 @@ def in_rigid_ground(beam, **skin):
     """Model of reinforcement or a beam in ground that does not move."""
     mesh = MeshTri.init_tensor(np.linspace(-1, 7, 9), np.linspace(-2, 1, 4)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "nail": beam,
-             "skin": sc.Embedded(basis, beam, **skin)}
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "nail": beam,
+        "skin": sc.Embedded(basis, beam, **skin),
+    }
     return sc.Model(forms, np.arange(basis.N), newton=sc.Newton(tolerance=1e-10)), basis
 
 
 def test_pull_out():
-    """[X] N = P sinh(l (L - s)) / sinh(l L), l = (k / EA)**.5, in ground that does not move; the limit is T_max L."""
+    """[X] N = P sinh(l (L - s)) / sinh(l L), l = (k / EA)**.5, in ground that does not move; the
+    limit is T_max L.
+    """
     EA, k, L, P, way = 2e4, 5e3, 6.0, 40.0, np.array([0.8, -0.1]) / np.hypot(0.8, 0.1)
     line = np.linspace(0, L, 13)[:, None] * way
-    model, _ = in_rigid_ground(sc.Reinforcement(None, line, EA=2 * EA, spacing=2.0), T_max=100.0, stiffness=2 * k)
+    model, _ = in_rigid_ground(
+        sc.Reinforcement(None, line, EA=2 * EA, spacing=2.0), T_max=100.0, stiffness=2 * k
+    )
     pull = model.forms["nail"].load(-way, at=(0.0, 0.0))
     stage = model.run([sc.Stage("pull", P * pull)], **QUIET)["pull"]
     forces, rate = stage.section_forces("nail"), np.sqrt(k / EA)
     exact = P * np.sinh(rate * (L - forces.position)) / np.sinh(rate * L)
-    np.testing.assert_allclose(forces.N, exact, atol=3e-4 * P)  # 1.6e-4 measured: 12 elements of 1 / 4 l
+    np.testing.assert_allclose(
+        forces.N, exact, atol=3e-4 * P
+    )  # 1.6e-4 measured: 12 elements of 1 / 4 l
     head = -way @ stage.x[model.forms["nail"].numbers((0.0, 0.0))]
     assert head == pytest.approx(P / (EA * rate * np.tanh(rate * L)), rel=1e-4)
     found = model.limit_load(pull, step=100.0, **QUIET)
@@ -90,7 +117,9 @@ def test_pull_out():
 
 
 def test_no_force_across():
-    """[X] Ground that slides past a nail without skin meets no force; a beam resists there without limit."""
+    """[X] Ground that slides past a nail without skin meets no force; a beam resists there without
+    limit.
+    """
     line = np.linspace((0.0, -0.8), (5.0, 0.3), 6)
     largest = []
     for beam in (sc.Reinforcement(None, line, EA=1e4), sc.Beam(None, line, EI=10.0, EA=1e4)):
@@ -104,17 +133,26 @@ def test_no_force_across():
 
 
 def test_geogrid_between_two_pairs():
-    """[X] A geogrid is pulled out of a joint across a block: both sides rub with mu times the weight above."""
+    """[X] A geogrid is pulled out of a joint across a block: both sides rub with mu times the
+    weight above.
+    """
     mesh = MeshTri.init_tensor(np.linspace(0, 4, 9), np.linspace(-1, 1, 5)).with_defaults()
-    mesh = sc.split_along(mesh.with_boundaries({"grid": lambda x: np.isclose(x[1], 0)}, boundaries_only=False), "grid")
+    mesh = sc.split_along(
+        mesh.with_boundaries({"grid": lambda x: np.isclose(x[1], 0)}, boundaries_only=False), "grid"
+    )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     grid = sc.Reinforcement(None, np.linspace((0, 0), (4, 0), 9), EA=1e4, tension_only=True)
-    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0), unit_weight=20.0), "grid": grid,
-             **grid.contact(basis, sc.Coulomb(mu=0.4))}
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0), unit_weight=20.0),
+        "grid": grid,
+        **grid.contact(basis, sc.Coulomb(mu=0.4)),
+    }
     sides = [basis.get_dofs(side).all("u^1") for side in ("left", "right")]
     model = sc.Model(forms, [*sides, basis.get_dofs("bottom").all()])
     start = model.run([sc.Stage("weight")], **QUIET)
-    found = model.limit_load(model.forms["grid"].load((-1.0, 0.0), at=(0.0, 0.0)), start=start, step=10.0, **QUIET)
+    found = model.limit_load(
+        model.forms["grid"].load((-1.0, 0.0), at=(0.0, 0.0)), start=start, step=10.0, **QUIET
+    )
     assert found.multiplier == pytest.approx(2 * 0.4 * 80.0, rel=1e-3)
     assert found.end.section_forces("grid").N.min() > -1e-9
 
@@ -124,10 +162,15 @@ def test_nail_in_space():
     mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 3.0, 4)]).with_defaults()
     basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=4)
     nail = sc.Reinforcement(None, np.linspace((0.3, 1.2, 1.4), (2.3, 1.2, 1.4), 4), EA=1e4)
-    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "nail": nail,
-             "skin": sc.Embedded(basis, nail, T_max=7.0, radius=0.05)}
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "nail": nail,
+        "skin": sc.Embedded(basis, nail, T_max=7.0, radius=0.05),
+    }
     model = sc.Model(forms, basis.get_dofs("bottom").all(), newton=sc.Newton(tolerance=1e-8))
-    found = model.limit_load(model.forms["nail"].load((-1.0, 0.0, 0.0), at=(0.3, 1.2, 1.4)), step=5.0, **QUIET)
+    found = model.limit_load(
+        model.forms["nail"].load((-1.0, 0.0, 0.0), at=(0.3, 1.2, 1.4)), step=5.0, **QUIET
+    )
     assert found.multiplier == pytest.approx(14.0, rel=1e-4)
     assert found.end.section_forces("nail").N.max() == pytest.approx(14.0, rel=0.1)
 
@@ -140,7 +183,10 @@ def test_nail_in_space():
         ({"EA": 1.0, "spacing": -2.0}, "spacing of reinforcement"),
         ({"EA": 1.0, "line": "wall"}, "needs a basis"),
         ({"EA": 1.0, "line": [[0.0, 0.0], [0.0, 0.0]]}, "no length"),
-        ({"EA": 1.0, "line": [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]], "spacing": 2.0}, "in space has no spacing"),
+        (
+            {"EA": 1.0, "line": [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]], "spacing": 2.0},
+            "in space has no spacing",
+        ),
     ],
 )
 def test_bad_input(settings, message):
@@ -155,7 +201,9 @@ def test_bounds_refuse_reinforcement():
 
 
 def test_a_value_that_needs_large_displacements_is_told():
-    """[X] A bar flows at 20 beside a spring of 10: the value at a displacement u is 20 + 10 u, 21 at u = 0.1."""
+    """[X] A bar flows at 20 beside a spring of 10: the value at a displacement u is 20 + 10 u, 21
+    at u = 0.1.
+    """
     bar = sc.Reinforcement(None, [[0.0, 0.0], [1.0, 0.0]], EA=1e4, Np=20.0)
     spring = sc.Bar(None, bar.at((0.0, 0.0)), bar.at((1.0, 0.0)), EA=10.0)
     held = [*bar.dofs((0.0, 0.0)), *bar.dofs((1.0, 0.0), ["u^2"]), *bar.dofs((0.5, 0.0), ["u^2"])]
@@ -166,7 +214,10 @@ def test_a_value_that_needs_large_displacements_is_told():
     text = next(str(w.message) for w in told if "belongs to displacements" in str(w.message))
     moved, near, reached = (float(x) for x in re.findall(r"\d[\d.]*\d", text)[1:4])
     assert moved > 0.8 and found.multiplier == pytest.approx(20.0 + 10.0 * moved, rel=5e-3)
-    assert (near, reached) == (0.1, pytest.approx(21.0, rel=5e-3))  # the search's tolerance and the printed digits
+    assert (near, reached) == (
+        0.1,
+        pytest.approx(21.0, rel=5e-3),
+    )  # the search's tolerance and the printed digits
 
 
 @cache
@@ -192,9 +243,11 @@ def nailed_slope(T_max, EA=5e4, side=1.0):
 
 @pytest.mark.filterwarnings("ignore:the structure is unstable")
 def test_factors_of_nailed_slopes_end_in_a_plateau():
-    """[B] From nails that hardly hold to those that cannot slip the factor rises, between 0.85 and 0.90 without nails.
+    """[B] From nails that hardly hold to those that cannot slip the factor rises, between 0.85 and
+    0.90 without nails.
 
-    Certified bounds of the slope without nails are 0.851 and 0.859, and elements of 1.6 m give up to 5 % too much.
+    Certified bounds of the slope without nails are 0.851 and 0.859, and elements of 1.6 m give up
+    to 5 % too much.
     """
     found = [nailed_slope(T_max) for T_max in (1.0, 15.0, 1e4)]
     assert all(search.stop.kind in ("plateau", "collapse") for search in found)
@@ -205,5 +258,9 @@ def test_factors_of_nailed_slopes_end_in_a_plateau():
 
 def test_factors_do_not_depend_on_the_stiffness_of_nails():
     """[X] A limit depends on strengths alone; a slope to the other side has the same one."""
-    factors = [nailed_slope(15.0).factor, nailed_slope(15.0, EA=5e10).factor, nailed_slope(15.0, side=-1.0).factor]
+    factors = [
+        nailed_slope(15.0).factor,
+        nailed_slope(15.0, EA=5e10).factor,
+        nailed_slope(15.0, side=-1.0).factor,
+    ]
     assert np.ptp(factors) < 0.005  # half of the search's tolerance

@@ -28,10 +28,19 @@ def blocks(quadrature="nodal", element: str = "Q1", n: int = 3, enforcement=None
     }
     forms = {
         "blocks": sc.SolidForm(basis, materials),
-        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.4), quadrature, penalty=1e6,
-                                enforcement=enforcement),
+        "joint": sc.ContactPair(
+            basis,
+            "upper:bottom",
+            "lower:top",
+            sc.Coulomb(0.4),
+            quadrature,
+            penalty=1e6,
+            enforcement=enforcement,
+        ),
     }
-    top = LinearForm(lambda v, w: -20.0 * v[1] + v[0]).assemble(FacetBasis(mesh, basis.elem, facets="upper:top"))
+    top = LinearForm(lambda v, w: -20.0 * v[1] + v[0]).assemble(
+        FacetBasis(mesh, basis.elem, facets="upper:top")
+    )
     return (
         basis,
         forms,
@@ -59,7 +68,10 @@ def test_what_a_notebook_shows(example):
     """A table and one line, not the arrays of all stages."""
     *_, result = example
     assert repr(result) == str(result)
-    assert repr(result[0]).startswith("<StageResult 'half', 100% of its load, ") and len(repr(result[0])) < 100
+    assert (
+        repr(result[0]).startswith("<StageResult 'half', 100% of its load, ")
+        and len(repr(result[0])) < 100
+    )
 
 
 def test_going_on_from_a_stage_that_is_not_the_last(example):
@@ -69,7 +81,9 @@ def test_going_on_from_a_stage_that_is_not_the_last(example):
     again = sc.Model(forms, fixed).run([full], start=result["half"], progress=False)
     assert [stage.name for stage in again] == ["half", "full"]
     # round-off of the first step, which is not predicted from a step before
-    np.testing.assert_allclose(again["full"].x, result["full"].x, atol=1e-10 * np.abs(result["full"].x).max())
+    np.testing.assert_allclose(
+        again["full"].x, result["full"].x, atol=1e-10 * np.abs(result["full"].x).max()
+    )
 
 
 def test_file_without_its_end_or_of_another_kind(example, tmp_path):
@@ -93,12 +107,21 @@ def test_contents(example):
 
 
 def test_table(example):
-    """[X] One line a stage: increments, iterations, residual, share of the load, and every form in a few words."""
+    """[X] One line a stage: increments, iterations, residual, share of the load, and every form in
+    a few words.
+    """
     *_, result = example
     lines = str(result).splitlines()
-    assert len(lines) == 3 and lines[0].split()[:4] == ["stage", "increments", "iterations", "residual"]
+    assert len(lines) == 3 and lines[0].split()[:4] == [
+        "stage",
+        "increments",
+        "iterations",
+        "residual",
+    ]
     words = lines[2].split()
-    assert words[0] == "full" and words[1] == "3" and int(words[2]) == sum(result["full"].iterations)
+    assert (
+        words[0] == "full" and words[1] == "3" and int(words[2]) == sum(result["full"].iterations)
+    )
     assert "100%" in words and "joint:" in words and "stick," in words and "open" in words
     state = result["full"].states["joint"]
     assert f"{(state.status == Status.STICK).sum()} stick" in lines[2]
@@ -117,7 +140,12 @@ def test_save_and_load(tmp_path, quadrature, element):
     loaded = sc.load_result(file, forms)
     assert str(loaded) == str(result)
     for a, b in zip(result, loaded, strict=True):
-        assert (a.name, a.iterations, a.residual, a.fraction) == (b.name, b.iterations, b.residual, b.fraction)
+        assert (a.name, a.iterations, a.residual, a.fraction) == (
+            b.name,
+            b.iterations,
+            b.residual,
+            b.fraction,
+        )
         assert np.array_equal(a.x, b.x) and np.array_equal(a.load, b.load)
         for name, state in a.states.items():
             assert type(b.states[name]) is type(state)
@@ -135,7 +163,8 @@ def test_load_with_multipliers_and_go_on(tmp_path, quadrature):
     result.save(tmp_path / "result.npz")
     loaded = sc.load_result(tmp_path / "result.npz", forms)
     again, direct = (
-        sc.Model(forms, fixed).run([full], start=start, progress=False)["full"] for start in (loaded, result)
+        sc.Model(forms, fixed).run([full], start=start, progress=False)["full"]
+        for start in (loaded, result)
     )
     np.testing.assert_array_equal(again.x, direct.x)
 
@@ -145,7 +174,9 @@ def test_load_for_other_forms(example, tmp_path):
     _, forms, result = example
     file = tmp_path / "result.npz"
     result.save(file)
-    with pytest.raises(ValueError, match=r"it holds the forms \['blocks', 'joint'\], not \['blocks'\]"):
+    with pytest.raises(
+        ValueError, match=r"it holds the forms \['blocks', 'joint'\], not \['blocks'\]"
+    ):
         sc.load_result(file, {"blocks": forms["blocks"]})
     finer = blocks(n=4)[1]
     with pytest.raises(ValueError, match="'blocks' has another mesh"):
@@ -163,7 +194,9 @@ def test_other_materials_than_in_the_file_are_told(tmp_path, recwarn):
     basis, forms, fixed, (half, _) = blocks()
     ground = forms["blocks"]
     weaker = ground.with_materials({"lower": sc.MohrCoulomb(E=1e4, nu=0.3, c=3.0, phi=18.0)})
-    smooth = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), "nodal", penalty=1e6)
+    smooth = sc.ContactPair(
+        basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), "nodal", penalty=1e6
+    )
     stages = [half, sc.Stage("weaker", half.load, change={"blocks": weaker})]
     result = sc.Model(forms, fixed).run(stages, progress=False)
     result.save(tmp_path / "run.npz")
@@ -174,10 +207,14 @@ def test_other_materials_than_in_the_file_are_told(tmp_path, recwarn):
     ):
         recwarn.clear()
         sc.load_result(tmp_path / "run.npz", given)
-        texts = [f"stage '{name}' was computed with other materials or laws of {names} than"
-                 for name, names in told.items()]  # fmt: skip
-        assert [str(warning.message).startswith(text) for warning, text in zip(recwarn, texts, strict=True)] == [
-            True] * len(texts)  # fmt: skip
+        texts = [
+            f"stage '{name}' was computed with other materials or laws of {names} than"
+            for name, names in told.items()
+        ]
+        assert [
+            str(warning.message).startswith(text)
+            for warning, text in zip(recwarn, texts, strict=True)
+        ] == [True] * len(texts)
 
 
 def test_partial_result_can_be_saved(tmp_path):
@@ -204,7 +241,9 @@ def test_empty_result(tmp_path):
 
 
 def test_save_and_load_after_sliding(tmp_path):
-    """[X] The rule "segments" has other points after a slide: they come back, and the analysis goes on."""
+    """[X] The rule "segments" has other points after a slide: they come back, and the analysis goes
+    on.
+    """
     basis, forms, fixed, _ = blocks("segments")
     forms["blocks"] = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2))
     fixed = np.concatenate((fixed, basis.get_dofs("upper:top").all()))
@@ -221,14 +260,18 @@ def test_save_and_load_after_sliding(tmp_path):
     start = sc.load_result(tmp_path / "three.npz", forms)
     resumed = sc.Model(forms, fixed).run(stages[3:], start=start, progress=False)
     np.testing.assert_allclose(resumed["4"].x, whole["4"].x, atol=1e-12)
-    assert resumed["4"].iterations == whole["4"].iterations  # extrapolated from the same two increments
+    assert (
+        resumed["4"].iterations == whole["4"].iterations
+    )  # extrapolated from the same two increments
     # forces of the order of one; a new factor of the same matrix rounds in another way
     one, other = (result["4"].states["joint"].traction[0] for result in (resumed, whole))
     np.testing.assert_allclose(one, other, atol=1e-9)
 
 
 class _Anchor(sc.Form):
-    """A spring to the ground without a state: its force is lost where displacements are counted anew."""
+    """A spring to the ground without a state: its force is lost where displacements are counted
+    anew.
+    """
 
     def __init__(self, n, dofs, stiffness):
         self.K = csr_matrix((np.full(len(dofs), stiffness), (dofs, dofs)), shape=(n, n))
@@ -251,16 +294,25 @@ class _RebasedAnchor(_Anchor):
 
 
 def test_reset_keeps_all_forces():
-    """[X] A form that loses its force is named; with `rebased` of its own a stage of the same load moves nothing."""
+    """[X] A form that loses its force is named; with `rebased` of its own a stage of the same load
+    moves nothing.
+    """
     basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     fixed, load = basis.get_dofs().all("u^1"), sc.weight(basis, 20.0)
     for kind in (_Anchor, _RebasedAnchor):
-        forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)),
-                 "anchor": kind(basis.N, basis.get_dofs("bottom").all("u^2"), 100.0)}  # fmt: skip
+        forms = {
+            "body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)),
+            "anchor": kind(basis.N, basis.get_dofs("bottom").all("u^2"), 100.0),
+        }
         first = sc.Model(forms, fixed).run([sc.Stage("weight", load)], progress=False)
         if kind is _Anchor:
-            with pytest.raises(ValueError, match=r"the force of 'anchor' changes by 4\.17 when .* rebased\(x, state\)"):
+            with pytest.raises(
+                ValueError,
+                match=r"the force of 'anchor' changes by 4\.17 when .* rebased\(x, state\)",
+            ):
                 first.reset()
             continue
-        null = sc.Model(forms, fixed).run([sc.Stage("null", load)], start=first.reset(), progress=False)["null"]
+        null = sc.Model(forms, fixed).run(
+            [sc.Stage("null", load)], start=first.reset(), progress=False
+        )["null"]
         assert np.abs(null.x).max() < 1e-9 * np.abs(first["weight"].x).max()

@@ -1,4 +1,6 @@
-"""The exact ring in ground: the evaluator satisfies its equations, and the example's closed form equals it."""
+"""The exact ring in ground: the evaluator satisfies its equations, and the example's closed form
+equals it.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,9 @@ def test_fields_satisfy_hooke_and_equilibrium(ring, in_ring):
 
 
 def test_boundary_and_interface_conditions(ring):
-    """[X] Free inside, far field outside, equal tractions; equal displacements, or no shear and equal u_r."""
+    """[X] Free inside, far field outside, equal tractions; equal displacements, or no shear and
+    equal u_r.
+    """
     t = np.linspace(0, 2 * np.pi, 17)
     np.testing.assert_allclose(ring.field(0.72, t, True)[[0, 2]], 0, atol=1e-9)
     inside, outside = ring.field(0.9, t, True), ring.field(0.9, t, False)
@@ -60,7 +64,9 @@ def test_boundary_and_interface_conditions(ring):
 
 
 def test_section_forces_balance_the_interface(ring):
-    """[X] Equilibrium of the wall: moments about the circle's centre, tangential and radial forces."""
+    """[X] Equilibrium of the wall: moments about the circle's centre, tangential and radial
+    forces.
+    """
     t, h = np.array([0.3, 0.8, 1.4]), 1e-4
     N, M = np.array([ring.section_forces(t + d) for d in (-h, 0, h)]).swapaxes(0, 1)
     p, s = np.array([ring.interface(t + d) for d in (-h, 0, h)]).swapaxes(0, 1)
@@ -71,18 +77,26 @@ def test_section_forces_balance_the_interface(ring):
 
     np.testing.assert_allclose(slope(M + 0.81 * N), -(0.9**2) * s[1], atol=tolerance)
     # tangential: V = -N' - b s; radial: V' = N + b p
-    np.testing.assert_allclose(-(N[2] - 2 * N[1] + N[0]) / h**2 - 0.9 * slope(s), N[1] + 0.9 * p[1], atol=tolerance)
+    np.testing.assert_allclose(
+        -(N[2] - 2 * N[1] + N[0]) / h**2 - 0.9 * slope(s), N[1] + 0.9 * p[1], atol=tolerance
+    )
     assert np.abs(slope(N)).max() > 10
 
 
 def test_published_figures_of_the_paper_s_ring():
-    """[X] Pressure, shear, thrust and moment at springline, haunch and crown, digits of another evaluation."""
+    """[X] Pressure, shear, thrust and moment at springline, haunch and crown, digits of another
+    evaluation.
+    """
     angles = np.radians([0, 45, 90])
     bonded, slip = (RingInGround(**CASE, **FAR, slip=s) for s in (False, True))
     np.testing.assert_allclose(bonded.interface(angles)[0], [72.036, 104.644, 137.251], rtol=1e-5)
     np.testing.assert_allclose(bonded.interface(angles)[1][1], -41.676, rtol=1e-5)
-    np.testing.assert_allclose(bonded.section_forces(angles)[0], [-128.967, -94.179, -59.391], rtol=1e-5)
-    np.testing.assert_allclose(bonded.section_forces(angles)[1], [11.579, 0.2797, -11.020], rtol=2e-4)
+    np.testing.assert_allclose(
+        bonded.section_forces(angles)[0], [-128.967, -94.179, -59.391], rtol=1e-5
+    )
+    np.testing.assert_allclose(
+        bonded.section_forces(angles)[1], [11.579, 0.2797, -11.020], rtol=2e-4
+    )
     np.testing.assert_allclose(slip.interface(angles)[0], [44.620, 104.644, 164.667], rtol=1e-5)
     np.testing.assert_allclose(slip.section_forces(angles)[1], [14.866, 0.2797, -14.306], rtol=2e-4)
 

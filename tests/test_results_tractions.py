@@ -20,7 +20,9 @@ def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, ContactStat
     base, block = grid("Q1", np.linspace(0, 4, 9), [0, 1]), grid("Q1", np.linspace(1, 2, 4), [1, 2])
     mesh = sc.join_bodies({"base": base, "block": block})
     basis = vector_basis(mesh, "Q1")
-    pair = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature="nodal", penalty=1e4)
+    pair = sc.ContactPair(
+        basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature="nodal", penalty=1e4
+    )
     x = basis.zeros()
     nodes = basis.nodal_dofs[:, np.unique(mesh.t[:, mesh.subdomains["block"]])]
     x[nodes[0]], x[nodes[1]] = shift, -1e-3
@@ -29,7 +31,9 @@ def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, ContactStat
 
 @pytest.mark.parametrize("shift", [0.1, -0.1])
 def test_signs_of_a_sliding_block(shift):
-    """[X] Pressure 10, friction 3: the block drags the base along, the base holds the block back."""
+    """[X] Pressure 10, friction 3: the block drags the base along, the base holds the block
+    back.
+    """
     pair, x, state = sliding_block(shift)
     joint = tractions(pair, state)
     way = np.sign(shift)  # the top of the base runs from left to right: its body is on the right
@@ -39,7 +43,9 @@ def test_signs_of_a_sliding_block(shift):
     np.testing.assert_allclose(joint.gap, -1e-3)
     assert (joint.status == Status.SLIP).all()
     np.testing.assert_allclose(joint.weight.sum(), 1.0)
-    np.testing.assert_allclose(joint.arc, 2.0 - joint.x)  # the block's bottom runs from right to left
+    np.testing.assert_allclose(
+        joint.arc, 2.0 - joint.x
+    )  # the block's bottom runs from right to left
     np.testing.assert_allclose(joint.y, 1.0)
 
     report = contact_report(pair, x, state)
@@ -61,7 +67,9 @@ def test_resultant_is_the_sum_of_nodal_forces(element, quadrature, options, rng)
     report = contact_report(pair, x, out.state)
     on_slave = -pair.assemble(x, out.state).force[pair.slave.dofs].sum(axis=0)
     tolerance = 1e-9
-    if element == "Q2":  # friction works on the master's curve, at a distance of the gap times its curvature
+    if (
+        element == "Q2"
+    ):  # friction works on the master's curve, at a distance of the gap times its curvature
         tolerance = 0.01
     if quadrature == "segments":  # the stick points are interpolated to the new cuts
         tolerance = 0.05
@@ -77,7 +85,9 @@ def test_force_around_a_corner():
     corner = body_along([(-1, -1), (0, 0), (1, -1)])
     flat = body_along([(0.5, 0.05), (-0.5, 0.05)])
     basis = facing(flat, corner)
-    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(mu=0.5), quadrature=1, penalty=1e3)
+    pair = sc.ContactPair(
+        basis, "slave:face", "master:face", sc.Coulomb(mu=0.5), quadrature=1, penalty=1e3
+    )
     x = basis.zeros()
     x[pair.slave.dofs[:, 1]] = -0.06
     x[pair.slave.dofs[:, 0]] = 0.002
@@ -98,9 +108,13 @@ def test_state_of_another_form_is_refused():
     pair, x, state = sliding_block(0.1)
     basis = facing(body_along([(3, 0), (2, 0), (1, 0)]), body_along([(0, 0), (4, 0)]))
     other = sc.ContactPair(basis, "slave:face", "master:face", LAW, quadrature=3)
-    with pytest.raises(ValueError, match="the state of 'skin' belongs to another form: ContactState"):
+    with pytest.raises(
+        ValueError, match="the state of 'skin' belongs to another form: ContactState"
+    ):
         sc.results.of({"skin": other}, x, {"skin": state})
-    with pytest.raises(ValueError, match=rf"displacements of 'skin' have shape \({pair.size - 2},\)"):
+    with pytest.raises(
+        ValueError, match=rf"displacements of 'skin' have shape \({pair.size - 2},\)"
+    ):
         sc.results.of({"skin": pair}, x[:-2], {"skin": state})
     with pytest.raises(ValueError, match="'skin' is no form"):
         sc.results.of({"skin": "skin"}, x, {"skin": state})
@@ -109,19 +123,29 @@ def test_state_of_another_form_is_refused():
 @pytest.mark.parametrize("element", ["Q1", "Q2"])
 @pytest.mark.parametrize("quadrature", [2, 4, "segments"])
 def test_pressure_does_not_ripple(element, quadrature):
-    """[X] On a rigid circle raw tractions ripple within facets, by 4 % and more; those that the elements see do not.
+    """[X] On a rigid circle raw tractions ripple within facets, by 4 % and more; those that the
+    elements see do not.
 
-    They make the same nodal forces, and change nothing where points of a facet differ in their status.
+    They make the same nodal forces, and change nothing where points of a facet differ in their
+    status.
     """
     x = np.linspace(-1, 1, 81)
-    basis = vector_basis(sc.join_bodies({"block": grid(element, x, -np.linspace(0, 1, 13)[::-1] ** 1.5)}), element)
+    basis = vector_basis(
+        sc.join_bodies({"block": grid(element, x, -(np.linspace(0, 1, 13)[::-1] ** 1.5))}), element
+    )
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-        "joint": sc.ContactPair(basis, "block:top", sc.rigid.circle((0.0, 5.0), 5.0), sc.Coulomb(), quadrature),
+        "joint": sc.ContactPair(
+            basis, "block:top", sc.rigid.circle((0.0, 5.0), 5.0), sc.Coulomb(), quadrature
+        ),
     }
     up, bottom = basis.zeros(), basis.get_dofs("block:bottom")
     up[bottom.all("u^2")] = 0.02
-    state = sc.Model(forms, bottom.all()).run([sc.Stage("press", basis.zeros(), up)], progress=False)[0].states["joint"]
+    state = (
+        sc.Model(forms, bottom.all())
+        .run([sc.Stage("press", basis.zeros(), up)], progress=False)[0]
+        .states["joint"]
+    )
     joint, points = tractions(forms["joint"], state), forms["joint"].points(state)
 
     def forces(pressure):

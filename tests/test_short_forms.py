@@ -15,9 +15,13 @@ from skfem_contact.loads import Domain
 def test_rollers_are_those_of_the_boundaries(element):
     basis = vector_basis(grid(element, [0, 1, 3], [-2, 0, 1]), element)
     sides = basis.get_dofs({"left", "right"}).all("u^1")
-    np.testing.assert_array_equal(sc.box_supports(basis), np.union1d(basis.get_dofs("bottom").all(), sides))
-    np.testing.assert_array_equal(sc.box_supports(basis, base="rollers"),
-                                  np.union1d(basis.get_dofs("bottom").all("u^2"), sides))
+    np.testing.assert_array_equal(
+        sc.box_supports(basis), np.union1d(basis.get_dofs("bottom").all(), sides)
+    )
+    np.testing.assert_array_equal(
+        sc.box_supports(basis, base="rollers"),
+        np.union1d(basis.get_dofs("bottom").all("u^2"), sides),
+    )
     with pytest.raises(ValueError, match="base must be one of 'fixed', 'rollers'"):
         sc.box_supports(basis, base="free")
 
@@ -36,13 +40,17 @@ def test_traction_has_the_resultant_of_its_forces():
     """[X] A triangle of pressure on a side: half of its peak, at a third of the height."""
     basis = vector_basis(grid("Q2", [0, 1, 2], [0, 1, 3]), "Q2")
     load = sc.traction(basis, "right", lambda x: (-10.0 * (3.0 - x[1]), 0.0 * x[1]))
-    np.testing.assert_allclose(resultant(basis, basis.zeros(), load), (-45.0, 0.0, 45.0), atol=1e-12)
+    np.testing.assert_allclose(
+        resultant(basis, basis.zeros(), load), (-45.0, 0.0, 45.0), atol=1e-12
+    )
     ring = sc.traction(Domain(basis, "axisymmetric"), "top", (0.0, -1.0))
     np.testing.assert_allclose(ring.sum(), -2.0)  # the integral of the radius from 0 to 2
 
 
-@pytest.mark.parametrize("force, message", [
-    ((1.0,), "must have 2 finite components"), ((1.0, np.nan), "each a finite number")])
+@pytest.mark.parametrize(
+    "force, message",
+    [((1.0,), "must have 2 finite components"), ((1.0, np.nan), "each a finite number")],
+)
 def test_wrong_forces_are_refused(force, message):
     basis = vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1")
     with pytest.raises(ValueError, match=message):
@@ -55,12 +63,18 @@ def test_interference_is_a_number():
     """[X] Two bars between walls, a number too long for them: E d / (h1 + h2), which stays."""
     lower = MeshQuad.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 3)).with_defaults()
     upper = MeshQuad.init_tensor(np.linspace(0, 1, 6), np.linspace(1, 3, 4)).with_defaults()
-    basis = Basis(sc.join_bodies({"lower": lower, "upper": upper}), ElementVector(ElementQuad1()), intorder=2)
-    pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), initial=0.003, penalty=1e8)
+    basis = Basis(
+        sc.join_bodies({"lower": lower, "upper": upper}), ElementVector(ElementQuad1()), intorder=2
+    )
+    pair = sc.ContactPair(
+        basis, "upper:bottom", "lower:top", sc.Coulomb(), initial=0.003, penalty=1e8
+    )
     forms = {"bars": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "fit": pair}
     fixed = np.hstack([basis.get_dofs(side).all() for side in ("lower:bottom", "upper:top")])
     still = [sc.Stage(name, basis.zeros()) for name in ("fit", "still")]
     for stage in sc.Model(forms, fixed).run(still):
-        assert stage.tractions("fit").pressure == pytest.approx(10.0, rel=1e-3)  # the penalty gives way by 1e-7
+        assert stage.tractions("fit").pressure == pytest.approx(
+            10.0, rel=1e-3
+        )  # the penalty gives way by 1e-7
     with pytest.raises(ValueError, match="positive interference"):
         sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), initial=-0.003)

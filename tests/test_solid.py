@@ -31,7 +31,9 @@ def layered(element: str = "Q1", rng: np.random.Generator | None = None):
 @pytest.mark.parametrize("order", ["abc", "cab"])
 @pytest.mark.parametrize("restricted", [False, True])
 def test_states_follow_the_order_of_the_basis(element, order, restricted, rng):
-    """[X] form.basis.tind names the element of every column: strain of scikit-fem, stress of its region."""
+    """[X] form.basis.tind names the element of every column: strain of scikit-fem, stress of its
+    region.
+    """
     basis = vector_basis(layered(element, rng), element)
     if restricted:
         order = order[:2]
@@ -44,7 +46,9 @@ def test_states_follow_the_order_of_the_basis(element, order, restricted, rng):
     tind = np.arange(basis.mesh.nelements) if form.basis.tind is None else form.basis.tind
     region = np.array(list("abc"))[tind % 3]
     assert sorted(tind) == sorted(
-        np.flatnonzero(np.isin(np.arange(basis.mesh.nelements) % 3, ["abc".index(n) for n in order]))
+        np.flatnonzero(
+            np.isin(np.arange(basis.mesh.nelements) % 3, ["abc".index(n) for n in order])
+        )
     )
     g = np.asarray(basis.with_elements(tind).interpolate(x).grad)
     expected = np.stack((g[0, 0], g[1, 1], 0 * g[0, 0], g[0, 1] + g[1, 0]))
@@ -59,8 +63,12 @@ def test_parameter_arrays_follow_the_elements_of_their_region(rng):
     single = {f"e{k}": np.array([k]) for k in range(mesh.nelements)}
     basis = vector_basis(mesh.with_subdomains(single), "Q1")
     E = rng.uniform(1, 9, mesh.nelements)
-    by_array = sc.SolidForm(basis, {n: sc.LinearElastic(E=E[mesh.subdomains[n]], nu=0.3) for n in "cab"})
-    by_region = sc.SolidForm(basis, {f"e{k}": sc.LinearElastic(E=E[k], nu=0.3) for k in range(mesh.nelements)})
+    by_array = sc.SolidForm(
+        basis, {n: sc.LinearElastic(E=E[mesh.subdomains[n]], nu=0.3) for n in "cab"}
+    )
+    by_region = sc.SolidForm(
+        basis, {f"e{k}": sc.LinearElastic(E=E[k], nu=0.3) for k in range(mesh.nelements)}
+    )
     difference = abs(by_array.elastic_stiffness - by_region.elastic_stiffness).max()
     assert difference <= ROUND_OFF * abs(by_region.elastic_stiffness).max()
 
@@ -68,7 +76,11 @@ def test_parameter_arrays_follow_the_elements_of_their_region(rng):
 def test_result_does_not_depend_on_the_order_of_the_regions(rng):
     """[X] Another order of the materials: the same force and tangent."""
     basis = vector_basis(layered("Q1", rng), "Q1")
-    materials = {"a": SOIL, "b": sc.LinearElastic(E=50.0, nu=0.2), "c": sc.LinearElastic(E=900.0, nu=0.1)}
+    materials = {
+        "a": SOIL,
+        "b": sc.LinearElastic(E=50.0, nu=0.2),
+        "c": sc.LinearElastic(E=900.0, nu=0.1),
+    }
     x = 0.01 * rng.standard_normal(basis.N)
     outs = []
     for names in ("abc", "cba"):
@@ -76,7 +88,9 @@ def test_result_does_not_depend_on_the_order_of_the_regions(rng):
         outs.append(form.assemble(x, form.initial_state()))
     scale = np.abs(outs[0].force).max()
     np.testing.assert_allclose(outs[0].force, outs[1].force, atol=ROUND_OFF * scale)
-    assert abs(outs[0].stiffness - outs[1].stiffness).max() <= ROUND_OFF * abs(outs[0].stiffness).max()
+    assert (
+        abs(outs[0].stiffness - outs[1].stiffness).max() <= ROUND_OFF * abs(outs[0].stiffness).max()
+    )
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -89,13 +103,17 @@ def test_rigid_motion_exerts_no_force(element, rng):
     modes[2, ::2], modes[2, 1::2] = -basis.doflocs[1, ::2], basis.doflocs[0, 1::2]
     scale = abs(form.elastic_stiffness).max()
     for mode in modes:
-        assert np.abs(form.assemble(mode, form.initial_state()).force).max() < ROUND_OFF * scale * 10
+        assert (
+            np.abs(form.assemble(mode, form.initial_state()).force).max() < ROUND_OFF * scale * 10
+        )
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("strain", ["full", "b_bar"])
 def test_patch_test(element, strain, rng):
-    """[X] A linear displacement field has constant strains, and no force acts on the inner nodes."""
+    """[X] A linear displacement field has constant strains, and no force acts on the inner
+    nodes.
+    """
     basis = vector_basis(layered(element, rng), element)
     form = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.3), strain)
     gradient = np.array([[0.1, -0.3], [0.2, 0.4]])
@@ -108,7 +126,9 @@ def test_patch_test(element, strain, rng):
 
 
 def test_assemble_changes_nothing(rng):
-    """[X] State and displacements are the same afterwards, and a second call answers the same bits."""
+    """[X] State and displacements are the same afterwards, and a second call answers the same
+    bits.
+    """
     basis = vector_basis(layered("P2", rng), "P2")
     form = sc.SolidForm(basis, SOIL)
     first = form.assemble(0.01 * rng.standard_normal(basis.N), form.initial_state()).state
@@ -118,12 +138,16 @@ def test_assemble_changes_nothing(rng):
     out.stiffness  # noqa: B018  computing the tangent must change nothing either
     for old, now in zip(before, (x, first.strain, first.stress, first.internal), strict=True):
         assert np.array_equal(old, now)
-    assert np.array_equal(out.force, again.force) and np.array_equal(out.state.internal, again.state.internal)
+    assert np.array_equal(out.force, again.force) and np.array_equal(
+        out.state.internal, again.state.internal
+    )
     assert np.array_equal(out.stiffness.data, again.stiffness.data)
 
 
 def test_states_go_on_from_the_accepted_one(rng):
-    """[X] The stress of an elastic body depends on the last displacement only; a plastic one remembers."""
+    """[X] The stress of an elastic body depends on the last displacement only; a plastic one
+    remembers.
+    """
     basis = vector_basis(layered("Q1", rng), "Q1")
     x, y = 0.05 * rng.standard_normal((2, basis.N))
     elastic = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.3))
@@ -136,7 +160,9 @@ def test_states_go_on_from_the_accepted_one(rng):
     back = plastic.assemble(basis.zeros(), there).state
     assert np.abs(back.stress).max() > 0.1  # residual stresses
     assert (back.internal >= there.internal).all() and back.internal.max() > 0
-    assert plastic.summary(back).endswith("yielded") and plastic.summary(plastic.initial_state()) == ""
+    assert (
+        plastic.summary(back).endswith("yielded") and plastic.summary(plastic.initial_state()) == ""
+    )
 
 
 @dataclass(frozen=True)
@@ -173,14 +199,20 @@ def test_line_search_never_pays_for_a_tangent():
 
 
 def test_with_materials_shares_what_does_not_change(rng):
-    """[X] Strength alone: even the elastic stiffness is shared. Stiffness: it is computed anew, for both."""
+    """[X] Strength alone: even the elastic stiffness is shared. Stiffness: it is computed anew, for
+    both.
+    """
     basis = vector_basis(layered("Q1", rng), "Q1")
     form = sc.SolidForm(basis, {"a": SOIL, "b": SOIL, "c": sc.LinearElastic(E=1e3, nu=0.2)})
     elastic = form.elastic_stiffness
     weaker = form.with_materials({"a": SOIL.reduced(2.0)})
     assert weaker._B is form._B and weaker.weight is form.weight and weaker.basis is form.basis
     assert weaker.elastic_stiffness is elastic
-    assert weaker.materials["a"] is not SOIL and form.materials["a"] is SOIL and weaker.materials["b"] is SOIL
+    assert (
+        weaker.materials["a"] is not SOIL
+        and form.materials["a"] is SOIL
+        and weaker.materials["b"] is SOIL
+    )
 
     stiffer = form.with_materials({"c": sc.LinearElastic(E=5e3, nu=0.2)})
     assert stiffer._B is form._B
@@ -200,7 +232,9 @@ def test_with_materials_names_an_unknown_region():
 
 
 def test_from_elastic_to_plastic(rng):
-    """[X] A body that was elastic so far goes on with a plastic law, from the stresses that it carries."""
+    """[X] A body that was elastic so far goes on with a plastic law, from the stresses that it
+    carries.
+    """
     basis = vector_basis(layered("Q1", rng), "Q1")
     elastic = sc.SolidForm(basis, {n: sc.LinearElastic(E=100.0, nu=0.3) for n in "abc"})
     x = 1e-4 * rng.standard_normal(basis.N)
@@ -225,7 +259,9 @@ def test_element_forces_sum_up_to_the_internal_force(rng):
     forces = form.element_forces(out.state.stress, np.arange(form.basis.nelems))
     total = np.bincount(form.basis.element_dofs.ravel(), forces.ravel(), minlength=basis.N)
     np.testing.assert_allclose(total, out.force, atol=ROUND_OFF * np.abs(out.force).max())
-    np.testing.assert_array_equal(form.element_forces(out.state.stress, np.array([7, 3])), forces[:, [7, 3]])
+    np.testing.assert_array_equal(
+        form.element_forces(out.state.stress, np.array([7, 3])), forces[:, [7, 3]]
+    )
 
 
 def test_turned_body_answers_the_turned_force(rng):
@@ -245,11 +281,16 @@ def test_turned_body_answers_the_turned_force(rng):
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_own_weight(element, rng):
-    """[X] scikit-fem's load vector; total weight by area; elements without a name are weightless."""
+    """[X] scikit-fem's load vector; total weight by area; elements without a name are
+    weightless.
+    """
     mesh = layered(element, rng)
     basis = vector_basis(mesh, element)
     load = sc.weight(basis, {"a": 20.0, "c": 5.0})
-    parts = [LinearForm(lambda v, w, g=g: -g * v[1]).assemble(basis.with_elements(n)) for n, g in (("a", 20), ("c", 5))]
+    parts = [
+        LinearForm(lambda v, w, g=g: -g * v[1]).assemble(basis.with_elements(n))
+        for n, g in (("a", 20), ("c", 5))
+    ]
     np.testing.assert_allclose(load, sum(parts), atol=ROUND_OFF)
     area = {n: basis.with_elements(n).dx.sum() for n in "ac"}
     assert load[1::2].sum() == pytest.approx(-20 * area["a"] - 5 * area["c"], rel=1e-13)
@@ -262,12 +303,16 @@ def test_own_weight(element, rng):
 
 
 def test_built_in_a_displaced_place(rng):
-    """[X] A body that is built at some displacements is stress-free there, and answers to what comes after."""
+    """[X] A body that is built at some displacements is stress-free there, and answers to what
+    comes after.
+    """
     basis = vector_basis(layered("Q2", rng), "Q2")
     form = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.3))
     x, y = 0.1 * rng.standard_normal((2, basis.N))
     state = form.initial_state(x)
-    assert np.abs(form.assemble(x, state).force).max() < 1e-12  # E times strains of order 1 with round-off
+    assert (
+        np.abs(form.assemble(x, state).force).max() < 1e-12
+    )  # E times strains of order 1 with round-off
     later = form.assemble(x + y, state).force
     expected = form.elastic_stiffness @ y
     np.testing.assert_allclose(later, expected, atol=1e-12 * np.abs(expected).max())
@@ -293,13 +338,22 @@ def test_damped_tangent(rng):
 
 
 def test_parameters_follow_the_order_of_the_subdomain():
-    """[X] A subdomain whose elements are in any order, and one twice: each element gets the value at its place."""
-    mesh = grid("Q1", np.arange(6.0), [0, 1]).with_subdomains({"a": np.array([4, 1, 4, 0]), "b": np.array([3, 2])})
+    """[X] A subdomain whose elements are in any order, and one twice: each element gets the value
+    at its place.
+    """
+    mesh = grid("Q1", np.arange(6.0), [0, 1]).with_subdomains(
+        {"a": np.array([4, 1, 4, 0]), "b": np.array([3, 2])}
+    )
     basis = vector_basis(mesh, "Q1", intorder=2)
     x = basis.zeros()
     x[basis.nodal_dofs[0]] = mesh.p[0]  # strain 1
-    form = sc.SolidForm(basis, {"a": sc.LinearElastic(E=np.array([40.0, 10.0, 1.0]), nu=0.0),
-                                "b": sc.LinearElastic(E=np.array([30.0, 20.0]), nu=0.0)})
+    form = sc.SolidForm(
+        basis,
+        {
+            "a": sc.LinearElastic(E=np.array([40.0, 10.0, 1.0]), nu=0.0),
+            "b": sc.LinearElastic(E=np.array([30.0, 20.0]), nu=0.0),
+        },
+    )
     stress = form.assemble(x, form.initial_state()).state.stress[0].mean(axis=1)
     left = np.floor(np.asarray(form.basis.global_coordinates())[0].mean(axis=1))
     np.testing.assert_allclose(stress, np.where(left == 0, 1.0, 10 * left))
@@ -311,19 +365,25 @@ def test_rotations_that_are_not_small_are_remarked_on(angle, warned):
     basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1", intorder=2)
     form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
     places, turn = basis.doflocs[:, ::2], np.radians(angle)
-    x = ((np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) - np.eye(2)) @ places).T.ravel()
+    x = (
+        (np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) - np.eye(2))
+        @ places
+    ).T.ravel()
     remarks = list(form.remarks(x, form.assemble(x, form.initial_state()).state))
     assert [remark.kind for remark in remarks] == (["rotation"] if warned else [])
     if warned:
         np.testing.assert_allclose(remarks[0].figure, np.sin(turn), rtol=1e-12)
 
 
-# -- elements that lock ---------------------------------------------------------------------------------------------
+# -- elements that lock
+# ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2", "QuadS2"])
 def test_strain_follows_from_element_and_material(element):
-    """Volume strains are averaged where a quadrilateral of four nodes would lock, and nowhere else."""
+    """Volume strains are averaged where a quadrilateral of four nodes would lock, and nowhere
+    else.
+    """
     basis = vector_basis(grid(element, [0, 1], [0, 1]), element, intorder=4)
     clay = sc.Tresca(E=1e3, nu=0.3, c=1.0)
     assert sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)).strain == "full"
@@ -344,13 +404,19 @@ def test_locking_is_warned_of(strain, warned, load):
         stage = sc.Model(forms, fixed).run([sc.Stage("strip", strip)], progress=False)["strip"]
     yields = bool((stage.states["clay"].internal[0] > 0).any())
     assert yields == (load > 2.0)
-    assert any("too stiff and too strong where soil flows" in str(one.message) for one in caught) == (warned and yields)
+    assert any(
+        "too stiff and too strong where soil flows" in str(one.message) for one in caught
+    ) == (warned and yields)
 
 
-@pytest.mark.parametrize(("element", "nu_undrained", "told"), [
-    ("P1", 0.499, True), ("P1", None, False), ("P2", 0.499, False), ("Q1", 0.499, False)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("element", "nu_undrained", "told"),
+    [("P1", 0.499, True), ("P1", None, False), ("P2", 0.499, False), ("Q1", 0.499, False)],
+)
 def test_locking_at_constant_volume(element, nu_undrained, told):
-    """[N] A strip on undrained ground: triangles of three nodes settle half as much as the others, and are told of."""
+    """[N] A strip on undrained ground: triangles of three nodes settle half as much as the others,
+    and are told of.
+    """
     mesh = grid(element, np.linspace(0, 8, 17), np.linspace(-8, 0, 17))
     basis, soil = vector_basis(mesh, element, intorder=2), sc.LinearElastic(E=1e4, nu=0.3)
     clay = soil if nu_undrained is None else sc.Undrained(soil, nu_undrained=nu_undrained)
@@ -360,5 +426,7 @@ def test_locking_at_constant_volume(element, nu_undrained, told):
         warnings.simplefilter("always")
         stage = model.run([sc.Stage("strip", load)], progress=False)["strip"]
     assert any("elements of corner nodes alone lock" in str(one.message) for one in caught) == told
-    if nu_undrained is not None:  # P2 9.718e-3, Q1 9.736e-3; on meshes twice as fine 9.719e-3 and 9.726e-3
+    if (
+        nu_undrained is not None
+    ):  # P2 9.718e-3, Q1 9.736e-3; on meshes twice as fine 9.719e-3 and 9.726e-3
         assert -stage.x[1::2].min() == pytest.approx(5.00e-3 if told else 9.72e-3, rel=0.01)

@@ -20,12 +20,17 @@ LAYERS = ((0.0, 7.0), (7.0, 9.0), (9.0, 10.0))
 
 def column(element: str = "Q2", material=None):
     """A column of three layers between smooth walls, one form a layer."""
-    tags = {f"layer {k}": lambda x, ends=ends: (x[1] > ends[0]) & (x[1] < ends[1]) for k, ends in enumerate(LAYERS)}
+    tags = {
+        f"layer {k}": lambda x, ends=ends: (x[1] > ends[0]) & (x[1] < ends[1])
+        for k, ends in enumerate(LAYERS)
+    }
     mesh = grid(element, np.linspace(0, 2, 3), np.linspace(0, 10, 11)).with_subdomains(tags)
     basis = vector_basis(mesh, element)
     material = material or sc.LinearElastic(E=E, nu=NU)
     forms = {name: sc.SolidForm(basis.with_elements(name), material) for name in tags}
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    fixed = np.concatenate(
+        (basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
     return basis, forms, fixed
 
 
@@ -39,7 +44,9 @@ def at_height(basis, y: float) -> np.ndarray:
 
 
 def test_excavation_and_fill():
-    """[X] Case K3: heave and settlement gamma h H / M; stresses drop by gamma h; fill starts without stress."""
+    """[X] Case K3: heave and settlement gamma h H / M; stresses drop by gamma h; fill starts
+    without stress.
+    """
     basis, forms, fixed = column()
     stages = [
         sc.Stage("gravity", own_weight(basis, 3)),
@@ -61,12 +68,18 @@ def test_excavation_and_fill():
     assert list(result["second lift"].states) == ["layer 0"]
     # the fill carries its own weight alone, whatever the ground did before
     y = np.asarray(forms["layer 1"].basis.global_coordinates())[1]
-    np.testing.assert_allclose(result["fill"].states["layer 1"].stress[1], -20 * (9 - y), atol=1e-9 * 200)
-    np.testing.assert_allclose(result["fill"].states["layer 1"].stress[0], -20 * (9 - y) * 3 / 7, atol=1e-9 * 200)
+    np.testing.assert_allclose(
+        result["fill"].states["layer 1"].stress[1], -20 * (9 - y), atol=1e-9 * 200
+    )
+    np.testing.assert_allclose(
+        result["fill"].states["layer 1"].stress[0], -20 * (9 - y) * 3 / 7, atol=1e-9 * 200
+    )
 
 
 def test_new_layer_is_carried_along_by_the_ground():
-    """[X] The nodes of a layer follow the settled surface below it as a rigid body, without stress."""
+    """[X] The nodes of a layer follow the settled surface below it as a rigid body, without
+    stress.
+    """
     basis, forms, fixed = column("Q1")
     stages = [
         sc.Stage("gravity", 50 * own_weight(basis, 1)),
@@ -77,7 +90,9 @@ def test_new_layer_is_carried_along_by_the_ground():
     down = result["gravity"].x[at_height(basis, 7.0)][0]
     assert down < -0.01
     above = np.concatenate([at_height(basis, y) for y in (8.0, 9.0, 10.0)])
-    np.testing.assert_allclose(result["placed"].x[above], down, rtol=1e-6)  # springs of 1e-9 hold them
+    np.testing.assert_allclose(
+        result["placed"].x[above], down, rtol=1e-6
+    )  # springs of 1e-9 hold them
     assert not result["placed"].states["layer 1"].stress.any()
     assert not result["gravity"].x[above].any()
 
@@ -89,11 +104,15 @@ def test_released_forces_go_in_proportion():
     forms["layer 0"] = sc.SolidForm(forms["layer 0"].basis, soil)
     gravity, low = own_weight(basis, 3), own_weight(basis, 1)
     lifts = {"deactivate": ("layer 1", "layer 2")}
-    whole = sc.Model(forms, fixed).run([sc.Stage("g", gravity), sc.Stage("dug", low, increments=4, **lifts)], **QUIET)
+    whole = sc.Model(forms, fixed).run(
+        [sc.Stage("g", gravity), sc.Stage("dug", low, increments=4, **lifts)], **QUIET
+    )
     assert len(whole["dug"].iterations) == 4
     pull = sc.weight(basis, {"layer 0": -1e4})  # beyond its strength
     with pytest.raises(sc.NotConverged) as error:
-        sc.Model(forms, fixed).run([sc.Stage("g", gravity), sc.Stage("dug", pull, increments=4, **lifts)], **QUIET)
+        sc.Model(forms, fixed).run(
+            [sc.Stage("g", gravity), sc.Stage("dug", pull, increments=4, **lifts)], **QUIET
+        )
     partial = error.value.result
     assert 0 < partial["dug"].fraction < 1 and set(partial["dug"].states) == {"layer 0"}
     rest = sc.Model(forms, fixed).run([sc.Stage("rest", low)], start=partial, **QUIET)["rest"]
@@ -101,7 +120,9 @@ def test_released_forces_go_in_proportion():
 
 
 def test_support_that_is_removed():
-    """[X] A propped cantilever: without the prop it is the one that never had it; its reaction goes gradually."""
+    """[X] A propped cantilever: without the prop it is the one that never had it; its reaction goes
+    gradually.
+    """
     basis = vector_basis(grid("Q2", np.linspace(0, 5, 11), np.linspace(0, 0.5, 2)), "Q2")
     forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2))}
     wall, prop = basis.get_dofs("left").all(), basis.nodal_dofs[1, basis.mesh.p[0] == 5]
@@ -115,26 +136,35 @@ def test_support_that_is_removed():
 
 def two_blocks(law, quadrature=2):
     """A block on a base, loaded downwards and aside."""
-    mesh = sc.join_bodies({
-        "base": grid("Q1", np.linspace(-0.5, 1.5, 9), np.linspace(-0.5, 0, 3)),
-        "block": grid("Q1", np.linspace(0, 1, 6), np.linspace(0, 0.5, 4)),
-    })  # fmt: skip
+    mesh = sc.join_bodies(
+        {
+            "base": grid("Q1", np.linspace(-0.5, 1.5, 9), np.linspace(-0.5, 0, 3)),
+            "block": grid("Q1", np.linspace(0, 1, 6), np.linspace(0, 0.5, 4)),
+        }
+    )
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
         "base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e4, nu=0.3)),
         "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e4, nu=0.2)),
         "joint": sc.ContactPair(basis, "block:bottom", "base:top", law, quadrature),
     }
-    top = LinearForm(lambda v, w: -20.0 * v[1]).assemble(FacetBasis(mesh, basis.elem, facets="block:top"))
-    side = LinearForm(lambda v, w: 1.0 * v[0]).assemble(FacetBasis(mesh, basis.elem, facets="block:left"))
+    top = LinearForm(lambda v, w: -20.0 * v[1]).assemble(
+        FacetBasis(mesh, basis.elem, facets="block:top")
+    )
+    side = LinearForm(lambda v, w: 1.0 * v[0]).assemble(
+        FacetBasis(mesh, basis.elem, facets="block:left")
+    )
     return basis, forms, basis.get_dofs("base:bottom").all(), top, side
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 def test_tie_becomes_friction(quadrature):
-    """[X] The law of a pair changes and nothing moves, as long as friction bears what the tie carried."""
+    """[X] The law of a pair changes and nothing moves, as long as friction bears what the tie
+    carried.
+    """
     _, forms, fixed, top, side = two_blocks(sc.Tied(), quadrature)
-    # the edges of the block slip where shear is large under little pressure: friction as large as it may be
+    # the edges of the block slip where shear is large under little pressure: friction as large as
+    # it may be
     change = {"joint": forms["joint"].with_law(sc.Coulomb(mu=5.0))}
     stages = [sc.Stage("tied", top + side), sc.Stage("friction", top + side, change=change)]
     result = sc.Model(forms, fixed, newton=sc.Newton(1e-11)).run(stages, **QUIET)
@@ -146,15 +176,23 @@ def test_tie_becomes_friction(quadrature):
 
 @pytest.mark.parametrize("quadrature", [2, "segments"])
 def test_contact_takes_the_place_of_a_tie(quadrature):
-    """[X] Another pair between the same surfaces takes over the nodal forces of the one that goes."""
+    """[X] Another pair between the same surfaces takes over the nodal forces of the one that
+    goes.
+    """
     basis, forms, fixed, top, side = two_blocks(sc.Tied(), 2)
-    forms["friction"] = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=5.0), quadrature)
-    stages = [sc.Stage("tied", top + side), sc.Stage("now", top + side, activate="friction", deactivate="joint")]
+    forms["friction"] = sc.ContactPair(
+        basis, "block:bottom", "base:top", sc.Coulomb(mu=5.0), quadrature
+    )
+    stages = [
+        sc.Stage("tied", top + side),
+        sc.Stage("now", top + side, activate="friction", deactivate="joint"),
+    ]
     result = sc.Model(forms, fixed).run(stages, **QUIET)
     assert set(result["tied"].states) == {"base", "block", "joint"}
     assert set(result["now"].states) == {"base", "block", "friction"}
     moved = np.abs(result["now"].x - result["tied"].x).max()
-    # two Gauss points of the tie and those between the cuts pass the master's forces on a little differently
+    # two Gauss points of the tie and those between the cuts pass the master's forces on a little
+    # differently
     assert moved < (1e-12 if quadrature == 2 else 0.01) * np.abs(result["tied"].x).max()
     force = forms_force(basis, forms, result["now"], "friction")
     np.testing.assert_allclose(force[unknowns_of(basis, "block")[:, 1]].sum(), -20.0, rtol=1e-6)
@@ -166,7 +204,9 @@ def forms_force(basis, forms, step, name: str) -> np.ndarray:
 
 
 def test_body_placed_on_settled_ground():
-    """[X] Block and joint come later: no traction at first, then the block's weight, and no gap of the settlement."""
+    """[X] Block and joint come later: no traction at first, then the block's weight, and no gap of
+    the settlement.
+    """
     basis, forms, fixed, *_ = two_blocks(sc.Coulomb(mu=0.5))
     ground = 1e3 * sc.weight(basis, {"base": 1.0})
     stages = [
@@ -204,18 +244,31 @@ def test_softer_material_sinks_further():
     """[X] With half the modulus from now on only what is added counts double."""
     basis, forms, fixed = column()
     load = own_weight(basis, 3)
-    soft = {name: form.with_materials({"all": sc.LinearElastic(E=E / 2, nu=NU)}) for name, form in forms.items()}
-    stages = [sc.Stage("g", load), sc.Stage("same", load, change=soft), sc.Stage("double", 2 * load)]
+    soft = {
+        name: form.with_materials({"all": sc.LinearElastic(E=E / 2, nu=NU)})
+        for name, form in forms.items()
+    }
+    stages = [
+        sc.Stage("g", load),
+        sc.Stage("same", load, change=soft),
+        sc.Stage("double", 2 * load),
+    ]
     result = sc.Model(forms, fixed).run(stages, **QUIET)
     assert result["same"].iterations == (0,)
     np.testing.assert_allclose(result["double"].x, 3 * result["g"].x, atol=1e-12)
 
 
 def test_weaker_material_yields_gradually():
-    """[X] Strength that has gone is released over the stage: the Rankine ratio of the weaker soil in the end."""
-    strong, weak = (sc.MohrCoulomb(E=E, nu=NU, c=c, phi=phi) for c, phi in ((1e3, 30.0), (0.0, 20.0)))
+    """[X] Strength that has gone is released over the stage: the Rankine ratio of the weaker soil
+    in the end.
+    """
+    strong, weak = (
+        sc.MohrCoulomb(E=E, nu=NU, c=c, phi=phi) for c, phi in ((1e3, 30.0), (0.0, 20.0))
+    )
     basis, forms, _ = column("Q1", strong)
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    fixed = np.concatenate(
+        (basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
     load = own_weight(basis, 3)
     change = {name: form.with_materials({"all": weak}) for name, form in forms.items()}
     result = sc.Model(forms, fixed).run(
@@ -250,20 +303,31 @@ def test_names_are_checked():
         with pytest.raises(ValueError, match=match):
             sc.Model(forms, fixed).run(stages, **QUIET, **options)
 
-    error(r"stage 's': there is no form 'layer 3'; existing: layer 0, layer 1, layer 2",
-          sc.Stage("s", load, deactivate="layer 3"))  # fmt: skip
+    error(
+        r"stage 's': there is no form 'layer 3'; existing: layer 0, layer 1, layer 2",
+        sc.Stage("s", load, deactivate="layer 3"),
+    )
     error("there is no form 'pile'", sc.Stage("s", load, activate="pile"))
     error("there is no form 'pile'", sc.Stage("s", load, change={"pile": forms["layer 0"]}))
-    error("stage 't': 'layer 2' is activated, but it is active already",
-          sc.Stage("r", own_weight(basis, 2), deactivate="layer 2"), sc.Stage("s", load, activate="layer 2"),
-          sc.Stage("t", load, activate="layer 2"))  # fmt: skip
-    error("stage 't': 'layer 2' is deactivated, but it is not active",
-          sc.Stage("s", own_weight(basis, 2), deactivate="layer 2"),
-          sc.Stage("t", own_weight(basis, 2), deactivate="layer 2"))  # fmt: skip
-    error(r"stage 's': a part of the load acts on inactive bodies; \['layer 2'\] are not active",
-          sc.Stage("s", load, deactivate="layer 2"))  # fmt: skip
-    error("stage 's': 'layer 0' can only be changed to another material",
-          sc.Stage("s", load, change={"layer 0": forms["layer 1"]}))  # fmt: skip
+    error(
+        "stage 't': 'layer 2' is activated, but it is active already",
+        sc.Stage("r", own_weight(basis, 2), deactivate="layer 2"),
+        sc.Stage("s", load, activate="layer 2"),
+        sc.Stage("t", load, activate="layer 2"),
+    )
+    error(
+        "stage 't': 'layer 2' is deactivated, but it is not active",
+        sc.Stage("s", own_weight(basis, 2), deactivate="layer 2"),
+        sc.Stage("t", own_weight(basis, 2), deactivate="layer 2"),
+    )
+    error(
+        r"stage 's': a part of the load acts on inactive bodies; \['layer 2'\] are not active",
+        sc.Stage("s", load, deactivate="layer 2"),
+    )
+    error(
+        "stage 's': 'layer 0' can only be changed to another material",
+        sc.Stage("s", load, change={"layer 0": forms["layer 1"]}),
+    )
     error("stage 's': fixed must be dofs", sc.Stage("s", load, fixed=np.array([0.5])))
     error("there is no SolidForm", sc.Stage("s", 0 * load, deactivate=list(forms)))
 
@@ -273,7 +337,9 @@ def test_what_is_left_must_be_held():
     basis, forms, _ = column()
     load = sc.weight(basis, {"layer 0": 20.0, "layer 2": 20.0})
     free = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")))
-    with pytest.raises(ValueError, match=r"stage 'dig': body 'layer 2' is not held: .* leaves 1 of 3 rigid motions"):
+    with pytest.raises(
+        ValueError, match=r"stage 'dig': body 'layer 2' is not held: .* leaves 1 of 3 rigid motions"
+    ):
         stages = [sc.Stage("g", own_weight(basis, 3)), sc.Stage("dig", load, deactivate="layer 1")]
         sc.Model(forms, free).run(stages, **QUIET)
 
@@ -282,32 +348,49 @@ def test_contact_with_what_is_not_there():
     """A pair whose body has gone is named, and so is the surface."""
     basis, forms, fixed, *_ = two_blocks(sc.Coulomb(mu=0.5))
     own = sc.weight(basis, {"base": 10.0})
-    with pytest.raises(ValueError, match="stage 'away': 'joint' is active, but acts on an inactive body"):
-        sc.Model(forms, fixed).run([sc.Stage("g", own), sc.Stage("away", own, deactivate="block")], **QUIET)
+    with pytest.raises(
+        ValueError, match="stage 'away': 'joint' is active, but acts on an inactive body"
+    ):
+        sc.Model(forms, fixed).run(
+            [sc.Stage("g", own), sc.Stage("away", own, deactivate="block")], **QUIET
+        )
 
 
-@pytest.mark.parametrize("link", [
-    lambda basis: sc.Bar(basis, (0.0, 10.0), (2.0, 7.0), EA=1e4),
-    lambda basis: sc.Bar(basis, (2.0, 10.0), (5.0, 10.0), EA=1e4, fixed_end=True),
-    lambda basis: sc.Spring(basis, (1.0, 7.0), 100.0, to=(1.0, 10.0)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "link",
+    [
+        lambda basis: sc.Bar(basis, (0.0, 10.0), (2.0, 7.0), EA=1e4),
+        lambda basis: sc.Bar(basis, (2.0, 10.0), (5.0, 10.0), EA=1e4, fixed_end=True),
+        lambda basis: sc.Spring(basis, (1.0, 7.0), 100.0, to=(1.0, 10.0)),
+    ],
+)
 def test_links_to_what_is_not_there(link):
-    """Nodes of a body that has gone are held where they are: they are no ground that an anchor may hold on to."""
+    """Nodes of a body that has gone are held where they are: they are no ground that an anchor may
+    hold on to.
+    """
     basis, forms, fixed = column()
     forms["link"] = link(basis)
     all_there, dug = sc.Stage("g", own_weight(basis, 3)), own_weight(basis, 2)
-    with pytest.raises(ValueError, match="stage 'dig': 'link' is active, but acts on an inactive body"):
+    with pytest.raises(
+        ValueError, match="stage 'dig': 'link' is active, but acts on an inactive body"
+    ):
         sc.Model(forms, fixed).run([all_there, sc.Stage("dig", dug, deactivate="layer 2")], **QUIET)
     with pytest.raises(ValueError, match="'link' is active, but acts on an inactive body"):
-        sc.Model(forms, fixed).run([sc.Stage("g", dug), sc.Stage("fill", all_there.load, activate="layer 2")], **QUIET)
-    sc.Model(forms, fixed).run([all_there, sc.Stage("dig", dug, deactivate=("layer 2", "link"))], **QUIET)
+        sc.Model(forms, fixed).run(
+            [sc.Stage("g", dug), sc.Stage("fill", all_there.load, activate="layer 2")], **QUIET
+        )
+    sc.Model(forms, fixed).run(
+        [all_there, sc.Stage("dig", dug, deactivate=("layer 2", "link"))], **QUIET
+    )
 
 
 def test_links_hold_no_body_that_is_not_given():
     """A bar elsewhere is no reason not to say which unknowns belong to nothing."""
     basis, forms, fixed = column()
     there = {"layer 0": forms["layer 0"], "bar": sc.Bar(basis, (0.0, 7.0), (2.0, 5.0), EA=1e4)}
-    with pytest.raises(ValueError, match=r"dofs belong to no solid .* in the subdomains \['layer 1', 'layer 2'\]"):
+    with pytest.raises(
+        ValueError, match=r"dofs belong to no solid .* in the subdomains \['layer 1', 'layer 2'\]"
+    ):
         sc.Model(there, fixed).run([sc.Stage("g", own_weight(basis, 1))], **QUIET)
 
 
@@ -316,52 +399,101 @@ def test_start_with_another_penalty():
     _, forms, fixed, top, _ = two_blocks(sc.Coulomb(mu=0.5))
     first = sc.Model(forms, fixed).run([sc.Stage("g", top)], **QUIET)
     harder = {**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}
-    with pytest.raises(ValueError, match="'joint' cannot continue the start: its penalty is another one"):
+    with pytest.raises(
+        ValueError, match="'joint' cannot continue the start: its penalty is another one"
+    ):
         sc.Model(harder, fixed).run([sc.Stage("more", 2 * top)], start=first, **QUIET)
 
 
 def test_forces_of_a_lost_body_are_released_in_shares_over_stages():
-    """[X] Two fifths of the forces of a lost body move the ground by two fifths; a later stage releases the rest."""
-    mesh = MeshQuad().refined(2).with_defaults().with_subdomains({
-        "ground": lambda x: x[1] < 0.5, "fill": lambda x: x[1] > 0.5})
+    """[X] Two fifths of the forces of a lost body move the ground by two fifths; a later stage
+    releases the rest.
+    """
+    mesh = (
+        MeshQuad()
+        .refined(2)
+        .with_defaults()
+        .with_subdomains({"ground": lambda x: x[1] < 0.5, "fill": lambda x: x[1] > 0.5})
+    )
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.2), unit_weight=20.0)
-             for name in ("ground", "fill")}
-    model, surface = sc.Model(forms, basis.get_dofs("bottom").all()), basis.nodal_dofs[1, mesh.p[1] == 0.5]
-    result = model.run([sc.Stage("filled"), sc.Stage("half", deactivate="fill", release=0.4), sc.Stage("cleared")])
+    forms = {
+        name: sc.SolidForm(
+            basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.2), unit_weight=20.0
+        )
+        for name in ("ground", "fill")
+    }
+    model, surface = (
+        sc.Model(forms, basis.get_dofs("bottom").all()),
+        basis.nodal_dofs[1, mesh.p[1] == 0.5],
+    )
+    result = model.run(
+        [sc.Stage("filled"), sc.Stage("half", deactivate="fill", release=0.4), sc.Stage("cleared")]
+    )
     filled, half, cleared = (stage.x[surface].mean() for stage in result)
-    alone = model.run([sc.Stage("filled"), sc.Stage("cleared", deactivate="fill")])["cleared"].x[surface].mean()
+    alone = (
+        model.run([sc.Stage("filled"), sc.Stage("cleared", deactivate="fill")])["cleared"]
+        .x[surface]
+        .mean()
+    )
     assert abs(half - (0.6 * filled + 0.4 * alone)) < 1e-12 * abs(filled)
     assert abs(cleared - alone) < 1e-12 * abs(filled)
 
 
 def test_water_of_a_stage_is_that_of_a_seepage_in_its_own_ground():
-    """[X] Ground above the flow is dry, and its weight and that of the wet ground under water are carried."""
-    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 4, 9)).to_meshtri().with_defaults()
-    mesh = mesh.with_subdomains({"wet": lambda x: x[1] < 2, "dry": lambda x: x[1] > 2}).with_boundaries(
-        {"table": mesh.facets_satisfying(lambda x: abs(x[1] - 2) < 1e-9)})
+    """[X] Ground above the flow is dry, and its weight and that of the wet ground under water are
+    carried.
+    """
+    mesh = (
+        MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 4, 9))
+        .to_meshtri()
+        .with_defaults()
+    )
+    mesh = mesh.with_subdomains(
+        {"wet": lambda x: x[1] < 2, "dry": lambda x: x[1] > 2}
+    ).with_boundaries({"table": mesh.facets_satisfying(lambda x: abs(x[1] - 2) < 1e-9)})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
-             for name in ("wet", "dry")}
+    forms = {
+        name: sc.SolidForm(
+            basis.with_elements(name), sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0
+        )
+        for name in ("wet", "dry")
+    }
     flow = sc.water.seepage(basis.with_elements("wet"), 1e-4, {"table": 2.0}, unit_weight=10.0)
     model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
-    one, other = model.run([sc.Stage("flow", water=flow)])["flow"], model.run([sc.Stage("level", water=2.0)])["level"]
+    one, other = (
+        model.run([sc.Stage("flow", water=flow)])["flow"],
+        model.run([sc.Stage("level", water=2.0)])["level"],
+    )
     np.testing.assert_allclose(one.load, other.load, atol=1e-9)
     assert abs(one.load[1::2].sum() + 4 * 4 * 20 - 4 * 2 * 10) < 1e-9
 
 
 def test_displacements_of_a_fill_count_from_its_placement(tmp_path):
-    """[X] A fill of 1 m on 2 m of ground, E = 1000 and weight 20: sinking with the ground by .04 and .01 itself."""
-    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 3, 4)).with_defaults().with_subdomains(
-        {"ground": lambda x: x[1] < 2, "fill": lambda x: x[1] > 2})
+    """[X] A fill of 1 m on 2 m of ground, E = 1000 and weight 20: sinking with the ground by .04
+    and .01 itself.
+    """
+    mesh = (
+        MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 3, 4))
+        .with_defaults()
+        .with_subdomains({"ground": lambda x: x[1] < 2, "fill": lambda x: x[1] > 2})
+    )
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     soil = sc.LinearElastic(E=1e3, nu=0.0)
-    forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0) for name in mesh.subdomains}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0)
+        for name in mesh.subdomains
+    }
     model = sc.Model(forms, sc.box_supports(basis))
-    result = model.run([sc.Stage("ground", deactivate=("fill",)), sc.Stage("fill", activate=("fill",))], progress=False)
+    result = model.run(
+        [sc.Stage("ground", deactivate=("fill",)), sc.Stage("fill", activate=("fill",))],
+        progress=False,
+    )
     for read in (result, sc.load_result(result_file(result, tmp_path), model)):
         before, last = read["ground"], read["fill"]
-        for since, beside in ((None, (-0.08 - 0.04) / 2), (before, -0.04)):  # at the interface the mean of both bodies
+        for since, beside in (
+            (None, (-0.08 - 0.04) / 2),
+            (before, -0.04),
+        ):  # at the interface the mean of both bodies
             moved = last.field("uy", since=since)
             np.testing.assert_allclose(moved[mesh.p[1] == 3.0], -0.05, atol=1e-12)
             np.testing.assert_allclose(moved[mesh.p[1] == 2.0], beside, atol=1e-12)

@@ -10,7 +10,9 @@ from skfem_contact.nonlinear.stepping import Predictor, Stepping
 
 
 def follow(capacity: float, error: type[NotConverged], increments: int = 3) -> tuple[Stepping, int]:
-    """Steps of a stage that has no equilibrium beyond some share of its load, and the number of attempts."""
+    """Steps of a stage that has no equilibrium beyond some share of its load, and the number of
+    attempts.
+    """
     stepping, attempts = Stepping(increments), 0
     while not stepping.exhausted:
         attempts += 1
@@ -50,7 +52,9 @@ def test_collapse_that_was_passed_is_forgotten():
 
 
 def test_known_failures_are_approached_cheaply():
-    """[X] After equilibria, what failed is tried again with little effort, and thoroughly in small increments."""
+    """[X] After equilibria, what failed is tried again with little effort, and thoroughly in small
+    increments.
+    """
     stepping = Stepping(2)
     stepping.accept(0.5, iterations=20)
     assert stepping.try_recovery
@@ -70,7 +74,9 @@ def test_errors_in_time_shorten_steps():
     stepping.accept(stepping.fraction, iterations=5)
     assert stepping.fraction == 0.75
     # .225 of the stage would do; four equal steps lead to its end
-    assert stepping.too_long({"water": (4.0, 1.0)}) and stepping.fraction == pytest.approx(0.4375, rel=1e-12)
+    assert stepping.too_long({"water": (4.0, 1.0)}) and stepping.fraction == pytest.approx(
+        0.4375, rel=1e-12
+    )
 
 
 def test_extrapolation_of_proportional_steps_only():
@@ -78,5 +84,7 @@ def test_extrapolation_of_proportional_steps_only():
     predictor = Predictor(fixed=np.array([0]))
     for step in (0.0, 1.0):
         predictor.accept(x=step * np.array([1.0, 0.4]), load=np.zeros(2))
-    np.testing.assert_allclose(predictor.start(load=np.zeros(2), prescribed=np.array([3.0])), [3.0, 1.2], rtol=1e-14)
+    np.testing.assert_allclose(
+        predictor.start(load=np.zeros(2), prescribed=np.array([3.0])), [3.0, 1.2], rtol=1e-14
+    )
     assert predictor.start(load=np.zeros(2), prescribed=np.array([0.5])) is None

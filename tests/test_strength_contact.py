@@ -16,14 +16,20 @@ ADHESION = 10.0 * np.sin(np.arctan(SLOPE))  # carries half of the driving force,
 
 
 def on_an_incline(law: sc.Coulomb) -> tuple[dict, Result, np.ndarray]:
-    """An elastic unit block at rest on a plane that is inclined by the slope; gravity is, in fact."""
+    """An elastic unit block at rest on a plane that is inclined by the slope; gravity is, in
+    fact.
+    """
     block = MeshQuad().refined(1).with_defaults()
     plane = block.scaled((3.0, 1.0)).translated((-1.0, -1.0))
-    basis = Basis(sc.join_bodies({"plane": plane, "block": block}), ElementVector(ElementQuad1()), intorder=2)
+    basis = Basis(
+        sc.join_bodies({"plane": plane, "block": block}), ElementVector(ElementQuad1()), intorder=2
+    )
     angle = np.arctan(SLOPE)
     load = sc.weight(basis, {"block": WEIGHT}, direction=(np.sin(angle), -np.cos(angle)))
-    forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2)),
-             "joint": sc.ContactPair(basis, "block:bottom", "plane:top", law, quadrature="nodal")}
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2)),
+        "joint": sc.ContactPair(basis, "block:bottom", "plane:top", law, quadrature="nodal"),
+    }
     fixed = basis.get_dofs("plane:bottom").all()
     return forms, sc.Model(forms, fixed).run([sc.Stage("weight", load)]), fixed
 
@@ -33,12 +39,16 @@ def on_an_incline(law: sc.Coulomb) -> tuple[dict, Result, np.ndarray]:
     [(sc.Coulomb(mu=0.6), 1.5), (sc.Coulomb(mu=0.3, adhesion=ADHESION), 0.3 / SLOPE + 0.5)],
     ids=["friction", "friction and adhesion"],
 )
-def test_block_slides_when_friction_and_adhesion_are_used_up(law: sc.Coulomb, factor: float) -> None:
-    """[X] F = mu / tan(beta) + a A / (W sin(beta)): both parts of the contact's strength are divided by the factor."""
+def test_block_slides_when_friction_and_adhesion_are_used_up(
+    law: sc.Coulomb, factor: float
+) -> None:
+    """[X] F = mu / tan(beta) + a A / (W sin(beta)): both parts of the contact's strength are
+    divided by the factor.
+    """
     forms, rest, fixed = on_an_incline(law)
     result = sc.Model(forms, fixed).strength_reduction(start=rest, reduce={"joint"}, tolerance=0.01)
-    # the curve is followed to within the tolerance; the forces balance to 3e-4 of the largest, the weight, which is
-    # 1 / 0.37 times what drives the block
+    # the curve is followed to within the tolerance; the forces balance to 3e-4 of the largest, the
+    # weight, which is 1 / 0.37 times what drives the block
     assert factor - 0.01 < result.factor < factor + 0.002
 
 
@@ -62,13 +72,19 @@ def test_contact_that_is_excluded_keeps_its_strength() -> None:
 
 
 def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
-    """[X] A column that can spread carries 2 c; the layer that was taken off it, and its nodes, do not count."""
+    """[X] A column that can spread carries 2 c; the layer that was taken off it, and its nodes, do
+    not count.
+    """
     mesh = MeshQuad().refined(2).with_defaults()
     mesh = mesh.with_subdomains({"low": lambda x: x[1] < 0.5, "high": lambda x: x[1] > 0.5})
-    mesh = mesh.with_boundaries({"middle": lambda x: np.abs(x[1] - 0.5) < 1e-9}, boundaries_only=False)
+    mesh = mesh.with_boundaries(
+        {"middle": lambda x: np.abs(x[1] - 0.5) < 1e-9}, boundaries_only=False
+    )
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     clay = sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0)
-    forms = {name: sc.SolidForm(basis.with_elements(name), clay, "b_bar") for name in ("low", "high")}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), clay, "b_bar") for name in ("low", "high")
+    }
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
     tributary = np.array([0.125, 0.25, 0.25, 0.25, 0.125])
     loads = []
@@ -89,15 +105,22 @@ def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
 
 @pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()])
 def test_end_with_contact_is_a_start(enforcement: sc.AugmentedLagrangian | None) -> None:
-    """Where contact follows the bodies again it carries what it did in its first geometry, and gaps are those there."""
+    """Where contact follows the bodies again it carries what it did in its first geometry, and gaps
+    are those there.
+    """
     ground = MeshQuad.init_tensor(np.linspace(0, 4, 9), np.linspace(0, 2, 5)).with_defaults()
     block = MeshQuad.init_tensor(np.linspace(1, 2, 4), np.linspace(2, 3, 3)).with_defaults()
     mesh = sc.join_bodies({"ground": ground, "block": block})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), sc.Tresca(E=1e3, nu=0.3, c=10.0), strain="b_bar"),
-             "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e5, nu=0.2)),
-             "joint": sc.ContactPair(basis, "block:bottom", "ground:top", sc.Coulomb(mu=0.3), 2,
-                                     enforcement=enforcement)}  # fmt: skip
+    forms = {
+        "ground": sc.SolidForm(
+            basis.with_elements("ground"), sc.Tresca(E=1e3, nu=0.3, c=10.0), strain="b_bar"
+        ),
+        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e5, nu=0.2)),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "ground:top", sc.Coulomb(mu=0.3), 2, enforcement=enforcement
+        ),
+    }
     fixed = basis.get_dofs("ground:bottom").all()
     push = sc.traction(basis, "block:top", (0.0, -1.0))
     first = sc.Model(forms, fixed).run([sc.Stage("rest", 5.0 * push)], progress=False)
@@ -106,8 +129,14 @@ def test_end_with_contact_is_a_start(enforcement: sc.AugmentedLagrangian | None)
     assert abs(end.x).max() > 0.1  # of a block of 1
     again = pair.assemble(end.x, state).state
     on = state.status != Status.OPEN
-    np.testing.assert_allclose(again.traction[:, on], state.traction[:, on], atol=1e-9 * abs(state.traction).max())
+    np.testing.assert_allclose(
+        again.traction[:, on], state.traction[:, on], atol=1e-9 * abs(state.traction).max()
+    )
     np.testing.assert_allclose(state.gap[on], again.gap[on], atol=1e-12)
-    back = sc.Model(forms, fixed).run([sc.Stage("back", 5.0 * push)], start=end, progress=False)["back"]
+    back = sc.Model(forms, fixed).run([sc.Stage("back", 5.0 * push)], start=end, progress=False)[
+        "back"
+    ]
     top = basis.get_dofs("block:top").all("u^2")
-    assert 0.5 * end.x[top].mean() > back.x[top].mean() > end.x[top].mean()  # sunk, and up by what is elastic
+    assert (
+        0.5 * end.x[top].mean() > back.x[top].mean() > end.x[top].mean()
+    )  # sunk, and up by what is elastic

@@ -30,7 +30,9 @@ def beam_and_bars() -> tuple[sc.Model, Result]:
     bar = sc.Bar(None, beam.at((4.0, 0.0)), (4.0, 3.0), EA=75.0, fixed_end=True)
     model = sc.Model({"beam": beam, "bar": bar}, beam.dofs((0.0, 0.0)))
     load = model.forms["beam"].load((0.0, -10.0), at=(4.0, 0.0))
-    return model, model.run([sc.Stage("free", load, deactivate="bar"), sc.Stage("more", 2 * load, activate="bar")])
+    return model, model.run(
+        [sc.Stage("free", load, deactivate="bar"), sc.Stage("more", 2 * load, activate="bar")]
+    )
 
 
 def test_forces_of_a_propped_cantilever() -> None:
@@ -45,7 +47,9 @@ def test_forces_of_a_propped_cantilever() -> None:
 
 
 def test_stages_and_where_the_largest_values_are() -> None:
-    """[X] Largest moment at the clamp, largest displacement at the tip; no bar in the first stage, and no N at all."""
+    """[X] Largest moment at the clamp, largest displacement at the tip; no bar in the first stage,
+    and no N at all.
+    """
     _, result = beam_and_bars()
     table = result.table()
     assert table["stage"].tolist() == ["free", "more"]
@@ -65,7 +69,8 @@ def test_contact_and_sections_of_solids(pipe: Result) -> None:
     assert table["skin pressure"][1] == along.pressure.max()
     assert table["culvert M"][1] == forces.M[np.abs(forces.M).argmax()]
     assert table["culvert N"][1] == forces.N.min()
-    # both walls of a symmetric pipe have the same moment but for round-off: the first cut of the two counts
+    # both walls of a symmetric pipe have the same moment but for round-off: the first cut of the
+    # two counts
     assert table["culvert M at"][0] == "(0.81, 0)"
     contact = stage.table("skin")
     assert set(contact["status"]) == {"stick"}
@@ -77,7 +82,9 @@ def test_vectors_in_space_have_columns_of_their_own() -> None:
     """[X] A cantilever in space with a force across: two components of V and M, and no torque."""
     beam = sc.Beam(None, np.linspace((0.0, 0.0, 0.0), (2.0, 0.0, 0.0), 3), EI=1e3, EA=1e5)
     model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0, 0.0)))
-    result = model.run([sc.Stage("tip", model.forms["beam"].load((0.0, 3.0, 4.0), at=(2.0, 0.0, 0.0)))])
+    result = model.run(
+        [sc.Stage("tip", model.forms["beam"].load((0.0, 3.0, 4.0), at=(2.0, 0.0, 0.0)))]
+    )
     table = result["tip"].table("beam")
     assert {"x", "y", "z", "N", "V y", "V z", "M y", "M z", "T"} <= set(table.head)
     np.testing.assert_allclose(np.hypot(table["M y"], table["M z"])[0], 10.0)
@@ -86,13 +93,19 @@ def test_vectors_in_space_have_columns_of_their_own() -> None:
 
 
 def test_skin_of_a_nail() -> None:
-    """[X] Half of the resistance of 60 pulls a nail of 4 m whose skin bears 15: 30 kN along it, less at its end."""
+    """[X] Half of the resistance of 60 pulls a nail of 4 m whose skin bears 15: 30 kN along it,
+    less at its end.
+    """
     mesh = MeshTri.init_tensor(np.linspace(0.0, 6.0, 7), np.linspace(0.0, 3.0, 4)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     nail = sc.Beam(None, np.linspace((0.3, 1.6), (4.3, 1.6), 5), EI=10.0, EA=1e5)
     forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=3e4, nu=0.3)), "nail": nail}
-    model = sc.Model({**forms, "skin": sc.Embedded(basis, nail, T_max=15.0)}, basis.get_dofs("bottom").all())
-    stage = model.run([sc.Stage("pull", model.forms["nail"].load((-30.0, 0.0), at=(0.3, 1.6)))])["pull"]
+    model = sc.Model(
+        {**forms, "skin": sc.Embedded(basis, nail, T_max=15.0)}, basis.get_dofs("bottom").all()
+    )
+    stage = model.run([sc.Stage("pull", model.forms["nail"].load((-30.0, 0.0), at=(0.3, 1.6)))])[
+        "pull"
+    ]
     table = stage.table("skin")
     weights = model.forms["skin"]._weight
     assert abs(weights @ table["skin"]) == pytest.approx(30.0, rel=1e-7)  # Newton's tolerance
@@ -101,22 +114,34 @@ def test_skin_of_a_nail() -> None:
 
 
 def test_factors_stand_beside_their_stages() -> None:
-    """[X] A column of soil, F = 2 c / q; a search that does not show a limit says what it has reached."""
+    """[X] A column of soil, F = 2 c / q; a search that does not show a limit says what it has
+    reached.
+    """
     basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0))
-    model = sc.Model({"soil": column}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-    result = model.run([sc.Stage("light", model.traction("top", (0.0, -5.0))),
-                        sc.Stage("heavy", model.traction("top", (0.0, -10.0)))])  # fmt: skip
+    model = sc.Model(
+        {"soil": column}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    )
+    result = model.run(
+        [
+            sc.Stage("light", model.traction("top", (0.0, -5.0))),
+            sc.Stage("heavy", model.traction("top", (0.0, -10.0))),
+        ]
+    )
     found = model.strength_reduction(start=result)
-    assert result.table(searches={"heavy": found})["factor of safety"].tolist() == [pytest.approx(np.nan, nan_ok=True),
-                                                                                   found.factor]
+    assert result.table(searches={"heavy": found})["factor of safety"].tolist() == [
+        pytest.approx(np.nan, nan_ok=True),
+        found.factor,
+    ]
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown"):
         open_end = model.strength_reduction(start=result, max_value=1.2)
     assert "| >= 1.2" in result.table(searches={"heavy": open_end}).to_markdown()
 
 
 def test_table_survives_files(pipe: Result, tmp_path) -> None:
-    """[X] Comma-separated values have all digits, pandas has the same, and a saved result has the same table."""
+    """[X] Comma-separated values have all digits, pandas has the same, and a saved result has the
+    same table.
+    """
     table = pipe["surcharge"].table("skin")
     text = table.to_csv(tmp_path / "skin.csv")
     rows = list(csv.DictReader(io.StringIO((tmp_path / "skin.csv").read_text(encoding="utf-8"))))
@@ -124,32 +149,44 @@ def test_table_survives_files(pipe: Result, tmp_path) -> None:
     assert [float(row["pressure"]) for row in rows] == table["pressure"].tolist()
     pipe.save(tmp_path / "pipe.npz")
     again = sc.load_result(tmp_path / "pipe.npz", culvert().forms)
-    assert str(again.table(sections={"culvert": CUTS})) == str(pipe.table(sections={"culvert": CUTS}))
+    assert str(again.table(sections={"culvert": CUTS})) == str(
+        pipe.table(sections={"culvert": CUTS})
+    )
     pandas = pytest.importorskip("pandas")
     assert isinstance(table.to_frame(), pandas.DataFrame)
     assert table.to_frame()["shear"].tolist() == table["shear"].tolist()
 
 
 def test_text_of_tables() -> None:
-    """Figures have four digits and stand on the right, nothing is a dash, and names cannot break the format."""
-    table = Table(("name", "value"), (("a | b <c>", -12345.678), ("none", float("nan")), ("tiny", -1e-6)))
+    """Figures have four digits and stand on the right, nothing is a dash, and names cannot break
+    the format.
+    """
+    table = Table(
+        ("name", "value"), (("a | b <c>", -12345.678), ("none", float("nan")), ("tiny", -1e-6))
+    )
     assert table.to_markdown().splitlines()[1:3] == ["|:--|--:|", "| a \\| b <c> | -12346 |"]
     assert "| none | – |" in table.to_markdown()
-    assert "a | b &lt;c&gt;" in table._repr_html_() and "right\">-1e-06" in table._repr_html_()
+    assert "a | b &lt;c&gt;" in table._repr_html_() and 'right">-1e-06' in table._repr_html_()
     assert table.to_csv().splitlines()[2] == "none,"
     assert str(Table(("a",), ())) == "a" and len(Table(("a",), ())) == 0
     with pytest.raises(KeyError, match=r"no column 'x'.*\['name', 'value'\]"):
         table["x"]
 
 
-@pytest.mark.parametrize("ask, message", [
-    (lambda r: r.table("wall"), r"'wall'.*ground"),
-    (lambda r: r.table(searches={"dig": None}), r"'dig'.*gravity"),
-    (lambda r: r.table(searches={"gravity": 1.3}), "results of strength_reduction or limit_load, not 1.3"),
-    (lambda r: r.table("culvert"), "'culvert' is a SolidForm: give sections="),
-    (lambda r: r["gravity"].table("ground"), r"'ground' is a SolidForm.*sections.*\['skin'\]"),
-    (lambda r: r["gravity"].table("skin", CUTS), "SolidForm"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "ask, message",
+    [
+        (lambda r: r.table("wall"), r"'wall'.*ground"),
+        (lambda r: r.table(searches={"dig": None}), r"'dig'.*gravity"),
+        (
+            lambda r: r.table(searches={"gravity": 1.3}),
+            "results of strength_reduction or limit_load, not 1.3",
+        ),
+        (lambda r: r.table("culvert"), "'culvert' is a SolidForm: give sections="),
+        (lambda r: r["gravity"].table("ground"), r"'ground' is a SolidForm.*sections.*\['skin'\]"),
+        (lambda r: r["gravity"].table("skin", CUTS), "SolidForm"),
+    ],
+)
 def test_what_cannot_be_tabulated_is_named(pipe: Result, ask, message) -> None:
     with pytest.raises(ValueError, match=message):
         ask(pipe)

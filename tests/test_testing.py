@@ -22,8 +22,12 @@ MATERIALS = [
     sc.Tresca(**STIFF, c=5.0),
     sc.VonMises(**STIFF, strength=5.0),
     sc.DruckerPrager.plane_strain(**STIFF, c=5.0, phi=30.0, psi=10.0),
-    HardeningMohrCoulomb(**STIFF, c=5.0, c_end=2.0, phi=30.0, phi_end=20.0, strain_end=0.05, psi=5.0),
-    sc.MohrCoulomb(E=np.linspace(5e3, 2e4, 50), nu=0.3, c=np.linspace(1.0, 9.0, 50), phi=30.0, psi=10.0),
+    HardeningMohrCoulomb(
+        **STIFF, c=5.0, c_end=2.0, phi=30.0, phi_end=20.0, strain_end=0.05, psi=5.0
+    ),
+    sc.MohrCoulomb(
+        E=np.linspace(5e3, 2e4, 50), nu=0.3, c=np.linspace(1.0, 9.0, 50), phi=30.0, psi=10.0
+    ),
 ]
 LAWS = [
     sc.Coulomb(),
@@ -37,13 +41,17 @@ LAWS = [
 @pytest.mark.parametrize("ncomp", [4, 6])
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda m: type(m).__name__)
 def test_materials(material, ncomp):
-    """[X] Every material of the package passes; differences over a step of 1e-9 are good to 1e-6."""
+    """[X] Every material of the package passes; differences over a step of 1e-9 are good to
+    1e-6.
+    """
     assert sc.testing.check_material(material, ncomp=ncomp, steps=3) < 1e-6
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_interface_laws(law):
-    """[X] Every interface law passes; these are piecewise linear or bilinear, so differences are exact."""
+    """[X] Every interface law passes; these are piecewise linear or bilinear, so differences are
+    exact.
+    """
     assert sc.testing.check_interface_law(law) < 1e-8
 
 
@@ -58,11 +66,17 @@ def test_contact_pairs(element, quadrature, law, rng):
 
 
 def test_rigid_obstacle_is_a_support(rng):
-    """[X] Its reaction is no force of the form: without places the check passes, with them it says so."""
+    """[X] Its reaction is no force of the form: without places the check passes, with them it says
+    so.
+    """
     basis = vector_basis(grid("Q1", np.linspace(-1, 1, 5), np.linspace(0, 1, 3)), "Q1")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid.circle((0.0, -0.9), 1.0), sc.Coulomb(0.3), 3, penalty=1e3)
+    pair = sc.ContactPair(
+        basis, "bottom", sc.rigid.circle((0.0, -0.9), 1.0), sc.Coulomb(0.3), 3, penalty=1e3
+    )
     x = 1e-3 * rng.standard_normal(basis.N)
-    assert sc.testing.check_form(pair, x, pair.initial_state()) < 1e-6  # steps of 1e-9 in coordinates of order one
+    assert (
+        sc.testing.check_form(pair, x, pair.initial_state()) < 1e-6
+    )  # steps of 1e-9 in coordinates of order one
     with pytest.raises(sc.testing.CheckFailed, match="forces do not balance"):
         sc.testing.check_form(pair, x, pair.initial_state(), basis.doflocs)
 
@@ -98,9 +112,13 @@ class Wrong(sc.LinearElastic):
             return new._replace(stress=np.minimum(new.stress, 3.0))
         everywhere = np.arange(new.stress[0].size)
         if self.fault == "tangent":
-            return new._replace(plastic=everywhere, tangent=lambda: np.tile(1.1 * self.elasticity(4), (200, 1, 1)))
+            return new._replace(
+                plastic=everywhere, tangent=lambda: np.tile(1.1 * self.elasticity(4), (200, 1, 1))
+            )
         if self.fault == "twice named":
-            return new._replace(plastic=0 * everywhere, tangent=lambda: np.tile(self.elasticity(4), (200, 1, 1)))
+            return new._replace(
+                plastic=0 * everywhere, tangent=lambda: np.tile(self.elasticity(4), (200, 1, 1))
+            )
         return new
 
     def elasticity(self, ncomp):
@@ -133,7 +151,9 @@ def test_faulty_material(fault, message):
 
 
 def test_material_with_a_memory_of_its_own():
-    """[X] State that is kept in the law, which breaks the line search, shows in the second answer."""
+    """[X] State that is kept in the law, which breaks the line search, shows in the second
+    answer.
+    """
     calls = []
 
     class Ageing(sc.LinearElastic):
@@ -169,7 +189,9 @@ class WrongFriction(sc.Coulomb):
             return new._replace(traction=size * new.traction, tangent=size[:, None] * new.tangent)
         if self.fault == "tangent":
             size[1:] = -1.0
-            return new._replace(tangent=np.where(np.eye(len(jump))[..., None], 1.0, size[:, None]) * new.tangent)
+            return new._replace(
+                tangent=np.where(np.eye(len(jump))[..., None], 1.0, size[:, None]) * new.tangent
+            )
         if self.fault == "forgets":
             return new._replace(elastic_slip=0 * new.elastic_slip)
         if self.fault == "soft":
@@ -237,7 +259,9 @@ class WrongForm:
             return sc.Response(out.force, lambda: away, lambda: out.stiffness)
         if self.fault == "springs":
             springs = 1e3 * identity(len(x), format="csr")
-            return sc.Response(out.force + springs @ x, lambda: out.state, lambda: out.stiffness + springs)
+            return sc.Response(
+                out.force + springs @ x, lambda: out.state, lambda: out.stiffness + springs
+            )
         return out
 
     def outer(self, x, accepted, candidate):

@@ -11,7 +11,14 @@ CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os
 
 
 def test_limit_of_the_environment(monkeypatch):
-    for given, threads in (("1", 1), ("1,1", 1), (str(CORES + 3), CORES), ("0", CORES), ("many", CORES), ("", CORES)):
+    for given, threads in (
+        ("1", 1),
+        ("1,1", 1),
+        (str(CORES + 3), CORES),
+        ("0", CORES),
+        ("many", CORES),
+        ("", CORES),
+    ):
         monkeypatch.setenv("OMP_NUM_THREADS", given)
         assert allowed() == threads, given
     monkeypatch.delenv("OMP_NUM_THREADS")
@@ -39,7 +46,9 @@ def test_side_by_side(monkeypatch):
 
 
 def test_one_number_for_all_phases(monkeypatch):
-    """An analysis keeps its number of threads, and the library has its own again after each call."""
+    """An analysis keeps its number of threads, and the library has its own again after each
+    call.
+    """
     pytest.importorskip("pypardiso")
     import numpy as np
     from scipy.sparse import csr_matrix, diags_array
@@ -51,7 +60,9 @@ def test_one_number_for_all_phases(monkeypatch):
     before = limit(0)
     limit(before)
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
-    A = csr_matrix(diags_array([-np.ones(99), np.full(100, 4.0), -2 * np.ones(99)], offsets=[-1, 0, 1]))
+    A = csr_matrix(
+        diags_array([-np.ones(99), np.full(100, 4.0), -2 * np.ones(99)], offsets=[-1, 0, 1])
+    )
     solver, call = pardiso.Pardiso(), pardiso._Call.__call__
 
     def spy(self, *arguments):

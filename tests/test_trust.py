@@ -25,8 +25,22 @@ def test_all_thresholds_are_found() -> None:
 
 
 def test_cheat_sheet_has_all_names() -> None:
-    """Each public name stands on the page; errors and parts of others, which no script begins with, need not."""
+    """Each public name stands on the page; errors and parts of others, which no script begins with,
+    need not.
+    """
     text = (GUIDE / "cheat_sheet.md").read_text(encoding="utf-8")
-    further = {"AnalysisWarning", "Field", "Internal", "NoEquilibrium", "NotConverged", "Response", "Sections",
-               "Surface", "mesh", "water_load"}  # fmt: skip
-    assert not [name for name in sc.__all__ if name not in further and not re.search(rf"\b{name}\b", text)]
+    further = {
+        "AnalysisWarning",
+        "Field",
+        "Internal",
+        "NoEquilibrium",
+        "NotConverged",
+        "Response",
+        "Sections",
+        "Surface",
+        "mesh",
+        "water_load",
+    }
+    assert not [
+        name for name in sc.__all__ if name not in further and not re.search(rf"\b{name}\b", text)
+    ]

@@ -23,15 +23,25 @@ from skfem import (
 
 import skfem_contact as sc
 
-ELEMENTS = {MeshTri: ElementTriP1, MeshQuad: ElementQuad1, MeshTet: ElementTetP1, MeshHex: ElementHex1}
+ELEMENTS = {
+    MeshTri: ElementTriP1,
+    MeshQuad: ElementQuad1,
+    MeshTet: ElementTetP1,
+    MeshHex: ElementHex1,
+}
 
 
 def box(kind, *sides: np.ndarray):
     """A box with boundaries left, right, bottom and top: the last axis points up."""
     low, high = [s[0] + 1e-9 for s in sides], [s[-1] - 1e-9 for s in sides]
-    return kind.init_tensor(*sides).with_boundaries({
-        "left": lambda x: x[0] < low[0], "right": lambda x: x[0] > high[0],
-        "bottom": lambda x: x[-1] < low[-1], "top": lambda x: x[-1] > high[-1]})  # fmt: skip
+    return kind.init_tensor(*sides).with_boundaries(
+        {
+            "left": lambda x: x[0] < low[0],
+            "right": lambda x: x[0] > high[0],
+            "bottom": lambda x: x[-1] < low[-1],
+            "top": lambda x: x[-1] > high[-1],
+        }
+    )
 
 
 def dam(n: int, length: float, kind=MeshTri, height: float = 10.0, depth: float = 0.0):
@@ -41,20 +51,31 @@ def dam(n: int, length: float, kind=MeshTri, height: float = 10.0, depth: float 
     return box(kind, x, *width, depth + np.linspace(0, height, n + 1))
 
 
-def flow_through(mesh, up: float, down: float, k=1.0, unit_weight=9.81, **options) -> sc.water.Seepage:
+def flow_through(
+    mesh, up: float, down: float, k=1.0, unit_weight=9.81, **options
+) -> sc.water.Seepage:
     """Flow from left to right with a seepage face."""
     heads = {"left": up} | ({"right": down} if down > 0 else {})
-    return sc.water.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, seepage_face="right",
-                      unit_weight=unit_weight, **options)
+    return sc.water.seepage(
+        Basis(mesh, ELEMENTS[type(mesh)]()),
+        k,
+        heads,
+        seepage_face="right",
+        unit_weight=unit_weight,
+        **options,
+    )
 
 
-# -- the dam ----------------------------------------------------------------------------------------------------
+# -- the dam
+# ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
 @pytest.mark.parametrize(("up", "down", "length"), [(10.0, 2.0, 5.0), (10.0, 0.0, 10.0)])
 def test_discharge_of_a_dam(up, down, length, kind):
-    """[X] Charny: k (h1² - h2²) / 2L within .15 %, better on finer meshes, in few iterations; nothing is lost."""
+    """[X] Charny: k (h1² - h2²) / 2L within .15 %, better on finer meshes, in few iterations;
+    nothing is lost.
+    """
     exact, errors = (up**2 - down**2) / 2 / length, []
     for n in (10, 20, 40):
         water = flow_through(dam(n, length, kind), up, down)
@@ -69,7 +90,8 @@ def test_discharge_of_a_dam(up, down, length, kind):
 def test_discharge_does_not_depend_on_the_vertical_permeability(k):
     """[X] Charny's argument integrates over the height: only the horizontal permeability counts.
 
-    Of first order in the elements: .54, .26, .13 and .06 % with 10, 20, 40 and 80 over the height and kh = 10 kv.
+    Of first order in the elements: .54, .26, .13 and .06 % with 10, 20, 40 and 80 over the height
+    and kh = 10 kv.
     """
     water = flow_through(dam(20, 10.0), 10.0, 2.0, k)
     assert water.discharge("left") == pytest.approx(np.ravel(k)[0] * 4.8, rel=3e-3)
@@ -78,13 +100,17 @@ def test_discharge_does_not_depend_on_the_vertical_permeability(k):
 @pytest.mark.parametrize("contrast", [3.0, 0.1])
 def test_dam_with_a_core(contrast):
     """[X] Zones side by side: q = (h1² - h2²) / (2 sum of L / k), by the same argument."""
-    mesh = dam(20, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
+    mesh = dam(20, 10.0).with_subdomains(
+        {"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1}
+    )
     water = flow_through(mesh, 10.0, 2.0, {"core": contrast, "shell": 1.0})
     assert water.discharge("left") == pytest.approx(48 / (8 + 2 / contrast), rel=1e-3)
 
 
 def test_thrust_of_the_water_in_a_dam():
-    """[X] The integral of the pressure over the height falls in proportion to the distance from the water."""
+    """[X] The integral of the pressure over the height falls in proportion to the distance from the
+    water.
+    """
     water = flow_through(dam(40, 10.0), 10.0, 2.0, unit_weight=9.81)
     for x in (2.5, 5.0, 7.5):
         y = (np.arange(4000) + 0.5) / 400
@@ -93,7 +119,9 @@ def test_thrust_of_the_water_in_a_dam():
 
 
 def test_free_surface():
-    """It begins where the water stands and ends above the lower water; the head on it is its height."""
+    """It begins where the water stands and ends above the lower water; the head on it is its
+    height.
+    """
     water = flow_through(dam(40, 5.0), 10.0, 2.0)
     (surface,) = water.free_surface
     np.testing.assert_allclose(surface[0], [0.0, 10.0], atol=1e-9)
@@ -112,17 +140,27 @@ def test_dam_in_space():
 
 
 def test_retention_of_the_soil():
-    """[X] A capillary fringe carries water too; without one the discharge is that of a free surface."""
-    fringe = [flow_through(dam(20, 5.0), 10.0, 2.0, retention=sc.water.VanGenuchten(alpha, 3.0)).discharge("left")
-              for alpha in (1.0, 4.0, 16.0)]
+    """[X] A capillary fringe carries water too; without one the discharge is that of a free
+    surface.
+    """
+    fringe = [
+        flow_through(
+            dam(20, 5.0), 10.0, 2.0, retention=sc.water.VanGenuchten(alpha, 3.0)
+        ).discharge("left")
+        for alpha in (1.0, 4.0, 16.0)
+    ]
     assert fringe[0] > fringe[1] > fringe[2] > 0.99 * 9.6
     # the fringe is about 1 / (3 alpha) high, below the size of the elements
     assert fringe[2] == pytest.approx(9.6, rel=0.01)
 
 
 def test_retention_by_subdomain():
-    """A core that sucks water more than its shell; one law for all is the law of every subdomain."""
-    mesh = dam(20, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
+    """A core that sucks water more than its shell; one law for all is the law of every
+    subdomain.
+    """
+    mesh = dam(20, 10.0).with_subdomains(
+        {"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1}
+    )
     laws = {"core": sc.water.VanGenuchten(0.5, 2.0), "shell": sc.water.Ramp()}
     mixed = flow_through(mesh, 10.0, 2.0, retention=laws).discharge("left")
     ramps = {"core": sc.water.Ramp(), "shell": sc.water.Ramp()}
@@ -131,32 +169,47 @@ def test_retention_by_subdomain():
     assert mixed > 1.001 * same
 
 
-@pytest.mark.parametrize("law", [sc.water.Ramp(0.5), sc.water.Ramp(2.0, 0.1), sc.water.VanGenuchten(2.0, 3.0),
-                                 sc.water.VanGenuchten(0.3, 1.5)], ids=repr)  # fmt: skip
+@pytest.mark.parametrize(
+    "law",
+    [
+        sc.water.Ramp(0.5),
+        sc.water.Ramp(2.0, 0.1),
+        sc.water.VanGenuchten(2.0, 3.0),
+        sc.water.VanGenuchten(0.3, 1.5),
+    ],
+    ids=repr,
+)
 def test_slope_of_the_relative_permeability(law):
     """[N] Slopes against central differences; the permeability falls from 1 with suction."""
     suction, size, step = np.linspace(-2.0, 4.0, 301) + 0.0037, np.full(301, 0.8), 1e-6
     value, slope = law.relative(suction, size)
     up, down = (law.relative(suction + s, size)[0] for s in (step, -step))
     smooth = np.abs(suction) > 0.01  # van Genuchten's curve has a kink at 0
-    # differences of numbers near 1 over 2e-6: 1e-10 of round-off, and the curvature of the steepest part
+    # differences of numbers near 1 over 2e-6: 1e-10 of round-off, and the curvature of the steepest
+    # part
     np.testing.assert_allclose(slope[smooth], ((up - down) / 2 / step)[smooth], atol=1e-7)
     assert (np.diff(value) <= 0).all() and value[0] == 1.0 and value[-1] > 0.0
     np.testing.assert_allclose(law.softer(2.0).relative(2 * suction, size)[0], value, rtol=1e-12)
 
 
-# -- layers, directions, wells ----------------------------------------------------------------------------------
+# -- layers, directions, wells
+# ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ELEMENTS, ids=lambda kind: kind.__name__)
 def test_layers(kind):
-    """[X] Flow across layers and along them, in every kind of element; any basis of the mesh will do."""
+    """[X] Flow across layers and along them, in every kind of element; any basis of the mesh will
+    do.
+    """
     g = np.linspace(0, 1, 5)
     mesh = box(kind, *(g for _ in range(2 if kind in (MeshTri, MeshQuad) else 3))).with_subdomains(
-        {"clay": lambda x: x[-1] < 0.5, "sand": lambda x: x[-1] > 0.5})
+        {"clay": lambda x: x[-1] < 0.5, "sand": lambda x: x[-1] > 0.5}
+    )
     k = {"clay": 1e-7, "sand": 1e-5}
     for element in (ELEMENTS[kind](), ElementVector(ELEMENTS[kind]())):
-        up = sc.water.seepage(Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0}, unit_weight=9.81)
+        up = sc.water.seepage(
+            Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0}, unit_weight=9.81
+        )
         q = 1.0 / (0.5 / 1e-7 + 0.5 / 1e-5)
         assert up.iterations == (1,)
         assert up.discharge("bottom") == pytest.approx(q, rel=1e-9) == -up.discharge("top")
@@ -166,70 +219,119 @@ def test_layers(kind):
 
 
 def test_quadratic_meshes():
-    """[X] Pressures are at the vertices of quadratic meshes: straight ones by P2 and Q2, curved ones by MeshTri2."""
-    for mesh, element in ((dam(4, 10.0), ElementTriP2()), (dam(4, 10.0, MeshQuad), ElementQuad2()),
-                          (MeshTri2.from_mesh(dam(4, 10.0)).with_boundaries(dam(4, 10.0).boundaries), ElementTriP2())):
-        water = sc.water.seepage(Basis(mesh, ElementVector(element)), 1.0, {"left": 12.0, "right": 11.0},
-                                 unit_weight=9.81)
-        np.testing.assert_allclose(water.head[: mesh.nvertices], 12.0 - mesh.p[0, : mesh.nvertices] / 10, rtol=1e-12)
+    """[X] Pressures are at the vertices of quadratic meshes: straight ones by P2 and Q2, curved
+    ones by MeshTri2.
+    """
+    for mesh, element in (
+        (dam(4, 10.0), ElementTriP2()),
+        (dam(4, 10.0, MeshQuad), ElementQuad2()),
+        (MeshTri2.from_mesh(dam(4, 10.0)).with_boundaries(dam(4, 10.0).boundaries), ElementTriP2()),
+    ):
+        water = sc.water.seepage(
+            Basis(mesh, ElementVector(element)),
+            1.0,
+            {"left": 12.0, "right": 11.0},
+            unit_weight=9.81,
+        )
+        np.testing.assert_allclose(
+            water.head[: mesh.nvertices], 12.0 - mesh.p[0, : mesh.nvertices] / 10, rtol=1e-12
+        )
         assert len(water.pressure) == mesh.nvertices
 
 
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad, MeshTet])
 def test_any_direction(kind, rng):
-    """[X] Patch test: with a full tensor a linear head on all sides is linear inside, on a distorted mesh."""
+    """[X] Patch test: with a full tensor a linear head on all sides is linear inside, on a
+    distorted mesh.
+    """
     dim = 3 if kind is MeshTet else 2
     mesh = box(kind, *(np.linspace(0, 1, 5) for _ in range(dim)))
     inner = ~np.isin(np.arange(mesh.nvertices), mesh.facets[:, mesh.boundary_facets()])
     moved = distorted(mesh, rng, 0.05).p
-    mesh = type(mesh)(np.where(inner, moved, mesh.p), mesh.t).with_boundaries({"all": lambda x: x[0] < np.inf})
+    mesh = type(mesh)(np.where(inner, moved, mesh.p), mesh.t).with_boundaries(
+        {"all": lambda x: x[0] < np.inf}
+    )
     tensor = np.diag([3.0, 1.0, 2.0][:dim]) + 0.5
     slope = np.array([0.5, -0.3, 0.2][:dim])
-    water = sc.water.seepage(Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x}, unit_weight=9.81)
+    water = sc.water.seepage(
+        Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x}, unit_weight=9.81
+    )
     np.testing.assert_allclose(water.head, 9 + slope @ mesh.p, rtol=1e-12)
-    np.testing.assert_allclose(water.velocity, np.tile(-(tensor @ slope)[:, None], mesh.nelements), rtol=1e-9)
+    np.testing.assert_allclose(
+        water.velocity, np.tile(-(tensor @ slope)[:, None], mesh.nelements), rtol=1e-9
+    )
 
 
-@pytest.mark.parametrize("kind, coordinates", [(MeshTri, "axial"), (MeshTri, "space"), (MeshTet, "axisymmetric")])
+@pytest.mark.parametrize(
+    "kind, coordinates", [(MeshTri, "axial"), (MeshTri, "space"), (MeshTet, "axisymmetric")]
+)
 def test_coordinates_that_do_not_suit_the_mesh(kind, coordinates):
     with pytest.raises(ValueError, match=rf"coordinates .*must be .*, not '{coordinates}'"):
-        sc.water.seepage(Basis(kind(), ELEMENTS[kind]()), 1.0, {}, unit_weight=9.81, coordinates=coordinates)
+        sc.water.seepage(
+            Basis(kind(), ELEMENTS[kind]()), 1.0, {}, unit_weight=9.81, coordinates=coordinates
+        )
 
 
 @pytest.mark.parametrize("confined", [True, False])
 def test_well(confined):
-    """[X] Thiem's well in a confined layer and Dupuit's discharge of a well with a free surface (exact by Charny)."""
+    """[X] Thiem's well in a confined layer and Dupuit's discharge of a well with a free surface
+    (exact by Charny).
+    """
     radius, far, n = 0.5, 20.0, 30
     r = radius * (far / radius) ** np.linspace(0, 1, 2 * n + 1)
     mesh = box(MeshQuad, r, np.linspace(0, 10, n + 1))
     high, low = (15.0, 12.0) if confined else (10.0, 3.0)
-    water = sc.water.seepage(Basis(mesh, ElementQuad1()), 1e-4, {"right": high, "left": low}, seepage_face="left",
-                       coordinates="axisymmetric", unit_weight=9.81)  # fmt: skip
+    water = sc.water.seepage(
+        Basis(mesh, ElementQuad1()),
+        1e-4,
+        {"right": high, "left": low},
+        seepage_face="left",
+        coordinates="axisymmetric",
+        unit_weight=9.81,
+    )
     depth = 10 * (high - low) if confined else (high**2 - low**2) / 2
     assert water.discharge("left") == pytest.approx(-1e-4 * depth / np.log(far / radius), rel=3e-3)
     if confined:
-        assert water.flux("right")[1] == pytest.approx(1e-4 * 3 / np.log(far / radius) / far, rel=3e-3)
+        assert water.flux("right")[1] == pytest.approx(
+            1e-4 * 3 / np.log(far / radius) / far, rel=3e-3
+        )
 
 
-# -- several bodies, parts of the ground ------------------------------------------------------------------------
+# -- several bodies, parts of the ground
+# ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("matching", [True, False])
 def test_joint(matching):
-    """[X] Water passes a joint between bodies that share no node: the discharge is that of the welded dam."""
+    """[X] Water passes a joint between bodies that share no node: the discharge is that of the
+    welded dam.
+    """
     y = np.linspace(0, 10, 21)
     left = MeshTri.init_tensor(np.linspace(0, 4, 9), y).with_defaults()
-    right = MeshTri.init_tensor(np.linspace(4, 10, 13), y if matching else np.linspace(0, 10, 25)).with_defaults()
+    right = MeshTri.init_tensor(
+        np.linspace(4, 10, 13), y if matching else np.linspace(0, 10, 25)
+    ).with_defaults()
     basis = Basis(sc.join_bodies({"a": left, "b": right}), ElementTriP1())
-    water = sc.water.seepage(basis, 1.0, {"a:left": 10.0}, seepage_face="b:right", connected=[("a:right", "b:left")],
-                             unit_weight=9.81)
+    water = sc.water.seepage(
+        basis,
+        1.0,
+        {"a:left": 10.0},
+        seepage_face="b:right",
+        connected=[("a:right", "b:left")],
+        unit_weight=9.81,
+    )
     assert water.discharge("a:left") == pytest.approx(5.0, rel=2e-3)
     assert water.discharge("b:right") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     assert water.discharge("b:left", of="b") == pytest.approx(water.discharge("a:left"), rel=1e-8)
     assert water.discharge("a:right", of="a") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     if matching:
-        whole = sc.water.seepage(Basis(dam(20, 10.0), ElementTriP1()), 1.0, {"left": 10.0}, seepage_face="right",
-                                 unit_weight=9.81)
+        whole = sc.water.seepage(
+            Basis(dam(20, 10.0), ElementTriP1()),
+            1.0,
+            {"left": 10.0},
+            seepage_face="right",
+            unit_weight=9.81,
+        )
         assert water.discharge("a:left") == pytest.approx(whole.discharge("left"), rel=1e-9)
 
 
@@ -237,15 +339,20 @@ def test_joint(matching):
 def test_joints_of_three_bodies_in_space(middle, error):
     """[X] A stack of three cubes, the middle one tied to both others: flow in series.
 
-    Each node of the finer side passes its water on to the corners of the facet that it meets. The sums at these are
-    even only if all nodes of one side are among those of the other: the rest is an error that goes with the mesh.
+    Each node of the finer side passes its water on to the corners of the facet that it meets. The
+    sums at these are even only if all nodes of one side are among those of the other: the rest is
+    an error that goes with the mesh.
     """
-    cubes = {name: box(MeshTet, *(np.linspace(0, 1, n) for _ in range(2)), z + np.linspace(0, 1, n))
-             for name, n, z in (("low", 5, 0), ("mid", middle, 1), ("top", 5, 2))}
+    cubes = {
+        name: box(MeshTet, *(np.linspace(0, 1, n) for _ in range(2)), z + np.linspace(0, 1, n))
+        for name, n, z in (("low", 5, 0), ("mid", middle, 1), ("top", 5, 2))
+    }
     basis = Basis(sc.join_bodies(cubes), ElementTetP1())
     joints = [("low:top", "mid:bottom"), ("mid:top", "top:bottom")]
     k = {"low": 1.0, "mid": 0.5, "top": 1.0}
-    water = sc.water.seepage(basis, k, {"low:bottom": 7.0, "top:top": 3.0}, connected=joints, unit_weight=9.81)
+    water = sc.water.seepage(
+        basis, k, {"low:bottom": 7.0, "top:top": 3.0}, connected=joints, unit_weight=9.81
+    )
     assert water.discharge("low:bottom") == pytest.approx(4 / (1 + 2 + 1), rel=error)
 
 
@@ -259,18 +366,29 @@ def test_cut_through_the_ground():
 
 
 def test_part_of_the_mesh_is_porous():
-    """Concrete on the ground: elements outside of the basis carry no water, their nodes have no head."""
+    """Concrete on the ground: elements outside of the basis carry no water, their nodes have no
+    head.
+    """
     mesh = box(MeshQuad, np.linspace(0, 8, 17), np.linspace(0, 4, 9)).with_subdomains(
-        {"ground": lambda x: x[1] < 3, "wall": lambda x: (x[1] > 3) & (abs(x[0] - 4) < 1),
-         "air": lambda x: (x[1] > 3) & (abs(x[0] - 4) > 1)})  # fmt: skip
+        {
+            "ground": lambda x: x[1] < 3,
+            "wall": lambda x: (x[1] > 3) & (abs(x[0] - 4) < 1),
+            "air": lambda x: (x[1] > 3) & (abs(x[0] - 4) > 1),
+        }
+    )
     surface = mesh.facets_satisfying(lambda x: np.isclose(x[1], 3))
     middle = mesh.p[0][mesh.facets[:, surface]].mean(axis=0)
     mesh = mesh.with_boundaries({"up": surface[middle < 3], "down": surface[middle > 5]})
     basis = Basis(mesh, ElementVector(ElementQuad1())).with_elements("ground")
     water = sc.water.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
-    assert np.isnan(water.head[mesh.p[1] > 3.01]).all() and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
+    assert (
+        np.isnan(water.head[mesh.p[1] > 3.01]).all()
+        and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
+    )
     assert water.head[np.isclose(mesh.p[0], 4) & np.isclose(mesh.p[1], 0)] == pytest.approx(3.5)
-    with pytest.raises(ValueError, match=r"points lie outside of the porous ground, the first is \(4, 3.5\)"):
+    with pytest.raises(
+        ValueError, match=r"points lie outside of the porous ground, the first is \(4, 3.5\)"
+    ):
         water.pressure_at(np.array([[4.0, 1.0], [3.5, 1.0]]))
 
 
@@ -292,7 +410,9 @@ def test_values_at_places(rng):
     for kind in (MeshTri, MeshQuad, MeshTet):
         x = np.concatenate(([0.0], np.geomspace(1e-3, 1, 12)))
         mesh = box(kind, x, *(np.linspace(0, 1, 3) for _ in range(1 if kind is not MeshTet else 2)))
-        water = sc.water.seepage(Basis(mesh, ELEMENTS[kind]()), 1.0, {"left": 3.0, "right": 2.0}, unit_weight=10.0)
+        water = sc.water.seepage(
+            Basis(mesh, ELEMENTS[kind]()), 1.0, {"left": 3.0, "right": 2.0}, unit_weight=10.0
+        )
         places = np.hstack((rng.uniform(size=(mesh.dim(), 500)), mesh.p))
         np.testing.assert_allclose(water.head_at(places), 3.0 - places[0], rtol=1e-9)
         pressure = 10 * (3 - places[0] - places[-1])

@@ -1,4 +1,6 @@
-"""Undrained ground: Skempton's pore pressure, undrained strengths, a short-term factor of safety."""
+"""Undrained ground: Skempton's pore pressure, undrained strengths, a short-term factor of
+safety.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,16 @@ import warnings
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
-from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTet, MeshTri
+from skfem import (
+    Basis,
+    ElementTetP2,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshTet,
+    MeshTri,
+)
 from slope_meshes import held, slope_mesh
 
 import skfem_contact as sc
@@ -27,15 +38,21 @@ SOIL = sc.MohrCoulomb(E=E, nu=NU, c=5.0, phi=25.0, psi=0.0)
 
 
 def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
-    """A sample under an isotropic effective stress, compressed while its side is pressed: p and q after steps."""
+    """A sample under an isotropic effective stress, compressed while its side is pressed: p and q
+    after steps.
+    """
     mesh = grid("Q1", [0.0, 1.0], [0.0, 1.0])
     basis = vector_basis(mesh, "Q1", intorder=2)
     form = sc.SolidForm(basis, soil, coordinates="axisymmetric" if axisymmetric else "plane")
-    fixed = np.union1d(basis.get_dofs({"bottom", "top"}).all("u^2"), basis.get_dofs("left").all("u^1"))
+    fixed = np.union1d(
+        basis.get_dofs({"bottom", "top"}).all("u^2"), basis.get_dofs("left").all("u^1")
+    )
     side = FacetBasis(mesh, basis.elem, facets="right")
     load = LinearForm(lambda v, w: -P0 * (w.x[0] if axisymmetric else 1.0) * v[0]).assemble(side)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sc.AnalysisWarning)  # the top holds the stress: no load of the start does
+        warnings.simplefilter(
+            "ignore", sc.AnalysisWarning
+        )  # the top holds the stress: no load of the start does
         isotropic = lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]])  # noqa: E731
         start = sc.Model({"soil": form}, fixed).initial_state(load, stress=isotropic)
     stages = []
@@ -48,14 +65,21 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
     return [(pore_pressure(form, s).mean(), (s.stress[0] - s.stress[1]).mean()) for s in states]
 
 
-@pytest.mark.parametrize(("axisymmetric", "share"), [(False, 1 / 2), (True, 1 / 3)], ids=["plane", "triaxial"])
-@pytest.mark.parametrize("soil", [sc.LinearElastic(E=E, nu=NU), SOIL], ids=["elastic", "Mohr-Coulomb"])
+@pytest.mark.parametrize(
+    ("axisymmetric", "share"), [(False, 1 / 2), (True, 1 / 3)], ids=["plane", "triaxial"]
+)
+@pytest.mark.parametrize(
+    "soil", [sc.LinearElastic(E=E, nu=NU), SOIL], ids=["elastic", "Mohr-Coulomb"]
+)
 def test_skempton(soil, axisymmetric, share):
-    """[X] Pore pressure of an elastic sample under a deviator q: B q / 2 in plane strain, B q / 3 in the triaxial test.
+    """[X] Pore pressure of an elastic sample under a deviator q: B q / 2 in plane strain, B q / 3
+    in the triaxial test.
 
     Of the finite modulus of the water, 1000 K, comes an error of about a thousandth.
     """
-    ((pressure, q),) = compressed(sc.Undrained(soil, bulk_modulus_water=1e3 * BULK), axisymmetric, (1e-3,))
+    ((pressure, q),) = compressed(
+        sc.Undrained(soil, bulk_modulus_water=1e3 * BULK), axisymmetric, (1e-3,)
+    )
     assert q > 0
     assert pressure / q == pytest.approx(share, rel=1.5e-3)
 
@@ -67,34 +91,60 @@ def test_skempton_for_compressible_water():
 
 
 def test_strengths():
-    """[X] 2 s_u = 2 (c cos phi + p0 sin phi) in plane strain, M p0 + q0 in the triaxial test, within .06 %."""
-    clay, s, c = sc.Undrained(SOIL, bulk_modulus_water=1e3 * BULK), np.sin(np.radians(25.0)), np.cos(np.radians(25.0))
+    """[X] 2 s_u = 2 (c cos phi + p0 sin phi) in plane strain, M p0 + q0 in the triaxial test,
+    within .06 %.
+    """
+    clay, s, c = (
+        sc.Undrained(SOIL, bulk_modulus_water=1e3 * BULK),
+        np.sin(np.radians(25.0)),
+        np.cos(np.radians(25.0)),
+    )
     exact = {False: 2 * (5.0 * c + P0 * s), True: 6 * s / (3 - s) * P0 + 6 * 5.0 * c / (3 - s)}
     for axisymmetric, q in exact.items():
-        assert compressed(clay, axisymmetric, (0.01, 0.02, 0.04))[-1][1] == pytest.approx(q, rel=6e-4)
+        assert compressed(clay, axisymmetric, (0.01, 0.02, 0.04))[-1][1] == pytest.approx(
+            q, rel=6e-4
+        )
 
 
 def test_poisson_ratio_of_soil_and_water():
-    """[X] With nu_u the moduli are those of an elastic body of that Poisson's ratio and the same shear modulus."""
+    """[X] With nu_u the moduli are those of an elastic body of that Poisson's ratio and the same
+    shear modulus.
+    """
     clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), nu_undrained=0.49)
     whole = sc.LinearElastic(E=E / (1 + NU) * 1.49, nu=0.49)
     for ncomp in (4, 6):
         np.testing.assert_allclose(clay.elasticity(ncomp), whole.elasticity(ncomp), rtol=1e-12)
 
 
-@pytest.mark.parametrize("soil", [SOIL, sc.LinearElastic(E=E, nu=NU), sc.Tresca(E=E, nu=NU, c=10.0),
-                                  sc.DruckerPrager(E=E, nu=NU, alpha=0.2, beta=0.0, k=5.0)], ids=repr)
+@pytest.mark.parametrize(
+    "soil",
+    [
+        SOIL,
+        sc.LinearElastic(E=E, nu=NU),
+        sc.Tresca(E=E, nu=NU, c=10.0),
+        sc.DruckerPrager(E=E, nu=NU, alpha=0.2, beta=0.0, k=5.0),
+    ],
+    ids=repr,
+)
 @pytest.mark.parametrize("ncomp", [4, 6])
 def test_any_material(soil, ncomp):
-    """The tangent is that of differences and stresses are admissible, for any law and for parameters by element."""
-    sc.testing.check_material(sc.Undrained(soil, bulk_modulus_water=20 * BULK), ncomp=ncomp, dissipation=ncomp == 4)
+    """The tangent is that of differences and stresses are admissible, for any law and for
+    parameters by element.
+    """
+    sc.testing.check_material(
+        sc.Undrained(soil, bulk_modulus_water=20 * BULK), ncomp=ncomp, dissipation=ncomp == 4
+    )
     varying = sc.Undrained(soil, bulk_modulus_water=BULK * np.linspace(1, 20, 50))
     sc.testing.check_material(varying, ncomp=ncomp, dissipation=False)
 
 
 def test_pressure_is_not_taken_for_plastic_strain():
-    """An elastic soil has not yielded, whatever the pressure; its pressure lives on where others yield."""
-    mesh = grid("Q1", [0.0, 1.0, 2.0], [0.0, 1.0]).with_subdomains({"a": lambda x: x[0] < 1, "b": lambda x: x[0] > 1})
+    """An elastic soil has not yielded, whatever the pressure; its pressure lives on where others
+    yield.
+    """
+    mesh = grid("Q1", [0.0, 1.0, 2.0], [0.0, 1.0]).with_subdomains(
+        {"a": lambda x: x[0] < 1, "b": lambda x: x[0] > 1}
+    )
     basis = vector_basis(mesh, "Q1", intorder=2)
     clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=BULK)
     form = sc.SolidForm(basis, {"a": clay, "b": SOIL})
@@ -118,7 +168,9 @@ def test_pressure_is_not_taken_for_plastic_strain():
 
 
 def test_mobilised_strength_is_that_of_the_soil():
-    """[X] Effective stresses count: with water in its pores the soil uses as much of its strength as without."""
+    """[X] Effective stresses count: with water in its pores the soil uses as much of its strength
+    as without.
+    """
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), SOIL)
     wet = form.with_materials({"all": sc.Undrained(SOIL, bulk_modulus_water=BULK)})
     state, filled = form.initial_state(), wet.initial_state()
@@ -133,11 +185,15 @@ def test_mobilised_strength_is_that_of_the_soil():
 
 @pytest.mark.parametrize("how", ["change", "start"])
 def test_drains_later(how):
-    """[X] Ground that was undrained and is not any more loses its excess pressure, and settles as drained ground."""
+    """[X] Ground that was undrained and is not any more loses its excess pressure, and settles as
+    drained ground.
+    """
     basis = vector_basis(grid("Q1", [0.0, 1.0], np.linspace(0.0, 2.0, 4)), "Q1", intorder=2)
     drained = sc.SolidForm(basis, SOIL, strain="b_bar")
     quick = drained.with_materials({"all": sc.Undrained(SOIL, bulk_modulus_water=1e3 * BULK)})
-    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1"))
+    fixed = np.append(
+        basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1")
+    )
     top = FacetBasis(basis.mesh, basis.elem, facets="top")
     load = LinearForm(lambda v, w: -10.0 * v[1]).assemble(top)
     first = sc.Model({"soil": quick}, fixed).run([sc.Stage("quick", load)], progress=False)
@@ -146,7 +202,9 @@ def test_drains_later(how):
         stages = [sc.Stage("quick", load), sc.Stage("later", load, change={"soil": drained})]
         later = sc.Model({"soil": quick}, fixed).run(stages, progress=False)["later"]
     else:
-        later = sc.Model({"soil": drained}, fixed).run([sc.Stage("later", load)], start=first, progress=False)["later"]
+        later = sc.Model({"soil": drained}, fixed).run(
+            [sc.Stage("later", load)], start=first, progress=False
+        )["later"]
     slow = sc.Model({"soil": drained}, fixed).run([sc.Stage("slow", load)], progress=False)["slow"]
     np.testing.assert_allclose(later.x, slow.x, atol=1e-9)
     np.testing.assert_allclose(later.states["soil"].stress, slow.states["soil"].stress, atol=1e-6)
@@ -162,27 +220,39 @@ def test_soil_that_drains_has_no_such_pressure():
 
 
 def test_in_space():
-    """[X] A cube of tetrahedra under a quick load between smooth walls: Kw / (Kw + M) of it is carried by the water."""
+    """[X] A cube of tetrahedra under a quick load between smooth walls: Kw / (Kw + M) of it is
+    carried by the water.
+    """
     sides = [("bottom", 2, 0), ("x", 0, 0), ("X", 0, 1), ("y", 1, 0), ("Y", 1, 1)]
-    mesh = MeshTet().refined(1).with_boundaries(
-        {name: lambda x, axis=axis, at=at: np.isclose(x[axis], at) for name, axis, at in sides})
+    mesh = (
+        MeshTet()
+        .refined(1)
+        .with_boundaries(
+            {name: lambda x, axis=axis, at=at: np.isclose(x[axis], at) for name, axis, at in sides}
+        )
+    )
     basis = Basis(mesh, ElementVector(ElementTetP2()), intorder=2)
     form = sc.SolidForm(basis, sc.Undrained(SOIL, bulk_modulus_water=BULK), strain="full")
     names = {"u^1": {"x", "X"}, "u^2": {"y", "Y"}, "u^3": {"bottom"}}
     fixed = np.concatenate([basis.get_dofs(where).all(u) for u, where in names.items()])
     top = FacetBasis(mesh, basis.elem, facets=mesh.facets_satisfying(lambda x: np.isclose(x[2], 1)))
     load = LinearForm(lambda v, w: -1.0 * v[2]).assemble(top)
-    state = sc.Model({"soil": form}, fixed).run([sc.Stage("load", load)], progress=False)["load"].states["soil"]
+    state = (
+        sc.Model({"soil": form}, fixed)
+        .run([sc.Stage("load", load)], progress=False)["load"]
+        .states["soil"]
+    )
     modulus = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
     np.testing.assert_allclose(pore_pressure(form, state), BULK / (BULK + modulus), rtol=1e-9)
 
 
 def test_pressures_and_total_stresses_under_a_strip():
-    """[X] Elastic half-plane at constant volume: pressure q/pi times the angle under which the strip is seen.
+    """[X] Elastic half-plane at constant volume: pressure q/pi times the angle under which the
+    strip is seen.
 
-    Half a width and more from the strip's edges, on elements of an eighth to a third of its width, fields of order h²
-    are .02 q off, the pressure .019; the boundaries of the model, 40 widths away, change .002 q. Single points are more
-    than q off.
+    Half a width and more from the strip's edges, on elements of an eighth to a third of its width,
+    fields of order h² are .02 q off, the pressure .019; the boundaries of the model, 40 widths
+    away, change .002 q. Single points are more than q off.
     """
     q, x = 10.0, np.r_[np.linspace(0, 2, 17)[:-1], 2 + 38 * np.linspace(0, 1, 15) ** 2.2]
     mesh = MeshTri.init_tensor(x, -40 * (1 - np.linspace(0, 1, 25)) ** 2.6).with_defaults()
@@ -205,7 +275,8 @@ def test_pressures_and_total_stresses_under_a_strip():
 def test_pressure_around_a_cavity():
     """[X] A cavity that widens at constant volume presses no water.
 
-    Of its pressure, 2 G u / a, the first of 40 layers takes 15 %; a tenth of that is left in the projection.
+    Of its pressure, 2 G u / a, the first of 40 layers takes 15 %; a tenth of that is left in the
+    projection.
     """
     mesh = MeshTri.init_tensor(20.0 ** np.linspace(0, 1, 41), np.array([0.0, 0.2])).with_defaults()
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
@@ -220,10 +291,12 @@ def test_pressure_around_a_cavity():
 
 
 def test_short_term_factor_of_a_slope():
-    r"""[N] Effective strength without drainage against phi = 0 with the strength that follows from the stresses.
+    r"""[N] Effective strength without drainage against phi = 0 with the strength that follows from
+    the stresses.
 
-    Reduced by F the effective strength is (c + s' tan phi) cos(phi_F) / F with tan phi_F = tan phi / F, that of phi = 0
-    is (c + s' tan phi) cos(phi) / F: so F of the one is that of the other times cos(phi_F) / cos(phi).
+    Reduced by F the effective strength is (c + s' tan phi) cos(phi_F) / F with tan phi_F = tan phi
+    / F, that of phi = 0 is (c + s' tan phi) cos(phi) / F: so F of the one is that of the other
+    times cos(phi_F) / cos(phi).
     """
     basis = Basis(slope_mesh(20.0, 12.0, 5.0, 12.0, 4), ElementVector(ElementTriP2()), intorder=2)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=12.0, phi=18.0, psi=0.0)
@@ -231,7 +304,9 @@ def test_short_term_factor_of_a_slope():
     start = sc.Model({"soil": form}, fixed).gravity_state(load)
     strength = start[-1].undrained_strength("soil")["all"]
     wet = form.with_materials({"all": sc.Undrained(soil, nu_undrained=0.495)})
-    quick = sc.Model({"soil": wet}, fixed).strength_reduction(load, start=start, tolerance=0.004, progress=False)
+    quick = sc.Model({"soil": wet}, fixed).strength_reduction(
+        load, start=start, tolerance=0.004, progress=False
+    )
     dry = form.with_materials({"all": sc.Tresca(E=1e5, nu=0.495, c=strength)})
     total = sc.Model({"soil": dry}, fixed).strength_reduction(load, tolerance=0.004, progress=False)
     phi = np.radians(18.0)
@@ -240,24 +315,35 @@ def test_short_term_factor_of_a_slope():
 
 
 def test_reduction_reaches_the_soil():
-    """Strength reduction acts on the soil inside, which must not dilate by any flow; what has no strength says so."""
+    """Strength reduction acts on the soil inside, which must not dilate by any flow; what has no
+    strength says so.
+    """
     clay = sc.Undrained(SOIL, bulk_modulus_water=BULK)
     assert clay.reduced(2.0).soil.c == 2.5 and clay.reduced(2.0).bulk_modulus_water == BULK
-    assert not sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=BULK).reducible and clay.reducible
+    assert (
+        not sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=BULK).reducible
+        and clay.reducible
+    )
     davis, given = clay.reduced(1.5, "davis_b").soil, SOIL.reduced(1.5)
     assert (davis.c, davis.phi, davis.psi) == (given.c, given.phi, 0.0)
     with pytest.raises(ValueError, match="flow must be one of"):
         clay.reduced(1.5, "davis")
 
 
-@pytest.mark.parametrize(("options", "message"), [
-    ({}, "either bulk_modulus_water or nu_undrained"),
-    ({"bulk_modulus_water": 1.0, "nu_undrained": 0.4}, "either bulk_modulus_water or nu_undrained"),
-    ({"bulk_modulus_water": -1.0}, "bulk_modulus_water must not be negative"),
-    ({"bulk_modulus_water": np.nan}, "bulk_modulus_water must be a finite number"),
-    ({"nu_undrained": 0.5}, "nu_undrained must be less than 0.5"),
-    ({"nu_undrained": 0.1}, r"bulk_modulus_water \(from nu_undrained\) must not be negative"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, "either bulk_modulus_water or nu_undrained"),
+        (
+            {"bulk_modulus_water": 1.0, "nu_undrained": 0.4},
+            "either bulk_modulus_water or nu_undrained",
+        ),
+        ({"bulk_modulus_water": -1.0}, "bulk_modulus_water must not be negative"),
+        ({"bulk_modulus_water": np.nan}, "bulk_modulus_water must be a finite number"),
+        ({"nu_undrained": 0.5}, "nu_undrained must be less than 0.5"),
+        ({"nu_undrained": 0.1}, r"bulk_modulus_water \(from nu_undrained\) must not be negative"),
+    ],
+)
 def test_bad_input(options, message):
     with pytest.raises(ValueError, match=message):
         sc.Undrained(SOIL, **options)
@@ -265,7 +351,9 @@ def test_bad_input(options, message):
 
 def test_strength_in_axial_symmetry():
     """The formula is that of plane strain: in the triaxial test another mean stress stays."""
-    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), SOIL, coordinates="axisymmetric")
+    form = sc.SolidForm(
+        vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), SOIL, coordinates="axisymmetric"
+    )
     with pytest.raises(ValueError, match="is that of plane strain; this solid is axisymmetric"):
         undrained_strength(form, form.initial_state())
 
@@ -273,20 +361,33 @@ def test_strength_in_axial_symmetry():
 def test_bad_soil():
     with pytest.raises(ValueError, match="must be a material in effective stresses"):
         sc.Undrained(sc.Undrained(SOIL, bulk_modulus_water=1.0), bulk_modulus_water=1.0)
-    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU))
-    with pytest.raises(ValueError, match=r"no region has an undrained strength; the regions are \['all'\]"):
+    form = sc.SolidForm(
+        vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU)
+    )
+    with pytest.raises(
+        ValueError, match=r"no region has an undrained strength; the regions are \['all'\]"
+    ):
         undrained_strength(form, form.initial_state())
 
 
-@pytest.mark.parametrize(("quick", "mu", "told"), [(True, 0.3, True), (True, 0.0, False), (False, 0.3, False)])
+@pytest.mark.parametrize(
+    ("quick", "mu", "told"), [(True, 0.3, True), (True, 0.0, False), (False, 0.3, False)]
+)
 def test_friction_beside_undrained_ground(quick: bool, mu: float, told: bool) -> None:
-    """[X] A block on confined ground: its water takes K_w / (K_w + M) of the pressure, which friction counts."""
-    bodies = {"bed": grid("Q1", np.linspace(0, 1, 4), np.linspace(-1, 0, 4)), "cap": grid("Q1", [0.0, 1.0], [0.0, 1.0])}
+    """[X] A block on confined ground: its water takes K_w / (K_w + M) of the pressure, which
+    friction counts.
+    """
+    bodies = {
+        "bed": grid("Q1", np.linspace(0, 1, 4), np.linspace(-1, 0, 4)),
+        "cap": grid("Q1", [0.0, 1.0], [0.0, 1.0]),
+    }
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
     soil = sc.LinearElastic(E=E, nu=NU)
     bed = sc.Undrained(soil, bulk_modulus_water=9.0 * 1.2 * E) if quick else soil  # M = 1.2 E
-    forms = {"solids": sc.SolidForm(basis, {"bed": bed, "cap": sc.LinearElastic(E=1e3 * E, nu=NU)}),
-             "joint": sc.ContactPair(basis, "cap:bottom", "bed:top", sc.Coulomb(mu))}  # fmt: skip
+    forms = {
+        "solids": sc.SolidForm(basis, {"bed": bed, "cap": sc.LinearElastic(E=1e3 * E, nu=NU)}),
+        "joint": sc.ContactPair(basis, "cap:bottom", "bed:top", sc.Coulomb(mu)),
+    }
     sides = basis.get_dofs({"bed:left", "bed:right", "cap:left", "cap:right"}).all("u^1")
     model = sc.Model(forms, [basis.get_dofs("bed:bottom").all("u^2"), sides])
     with warnings.catch_warnings(record=True) as caught:

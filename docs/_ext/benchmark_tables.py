@@ -1,7 +1,7 @@
 """Tables of the benchmarks, made from the figures that their full runs have printed.
 
-``examples/4_benchmarks/results/<example>.json`` is the last line of ``<example>.py --full``; nothing else holds these
-numbers.
+``examples/4_benchmarks/results/<example>.json`` is the last line of ``<example>.py --full``;
+nothing else holds these numbers.
 """
 
 from __future__ import annotations
@@ -14,7 +14,13 @@ from pathlib import Path
 from benchmark_charts import chart
 
 #: Columns of all tables by the key of the row, and keys that no table shows.
-COLUMNS = {"method": "method", "unknowns": "unknowns", "error": "error", "cpu_s": "CPU s", "iterations": "iterations"}
+COLUMNS = {
+    "method": "method",
+    "unknowns": "unknowns",
+    "error": "error",
+    "cpu_s": "CPU s",
+    "iterations": "iterations",
+}
 HIDDEN = {"n", "case", "solver", "peer"}
 
 
@@ -23,8 +29,14 @@ def write_page(app, config) -> None:
     examples = Path(app.srcdir).parent / "examples" / "4_benchmarks"
     target = Path(app.srcdir, "_build", "generated", "benchmarks.md")
     target.parent.mkdir(parents=True, exist_ok=True)
-    sections = [section(examples, path, target.parent) for path in sorted((examples / "results").glob("*.json"))]
-    target.write_text("\n\n".join(["## Beside other programs", overview(examples), *sections]) + "\n", encoding="utf-8")
+    sections = [
+        section(examples, path, target.parent)
+        for path in sorted((examples / "results").glob("*.json"))
+    ]
+    target.write_text(
+        "\n\n".join(["## Beside other programs", overview(examples), *sections]) + "\n",
+        encoding="utf-8",
+    )
 
 
 def section(examples: Path, path: Path, target: Path) -> str:
@@ -46,7 +58,10 @@ def table(rows: list[dict]) -> str:
     """A table in Markdown, its columns those of any row."""
     keys = list(dict.fromkeys(key for row in rows for key in (*COLUMNS, *row) if key not in HIDDEN))
     keys = [key for key in keys if any(row.get(key) is not None for row in rows)]
-    lines = [[COLUMNS.get(key, key.replace("_", " ")) for key in keys], [":--"] + ["--:"] * (len(keys) - 1)]
+    lines = [
+        [COLUMNS.get(key, key.replace("_", " ")) for key in keys],
+        [":--"] + ["--:"] * (len(keys) - 1),
+    ]
     lines += [[text(key, row.get(key)) for key in keys] for row in rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
@@ -64,7 +79,16 @@ def text(key: str, value: object) -> str:
 
 def overview(examples: Path) -> str:
     """A line for every other program on its largest mesh, and what of ours stands against it."""
-    head = ["times faster", "case", "other program", "its error", "its CPU s", "ours", "our error", "our CPU s"]
+    head = [
+        "times faster",
+        "case",
+        "other program",
+        "its error",
+        "its CPU s",
+        "ours",
+        "our error",
+        "our CPU s",
+    ]
     lines = [head, ["--:", ":--", ":--", "--:", "--:", ":--", "--:", "--:"]]
     for path in sorted((examples / "results").glob("*.json")):
         rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
@@ -81,12 +105,24 @@ def largest(peers: Iterable[dict]) -> list[dict]:
 
 
 def rival(peer: dict, rows: list[dict]) -> dict:
-    """Our fastest row on a mesh like the peer's whose error is no larger; if there is none, the most accurate."""
-    same = [row for row in rows if not row.get("peer") and row["error"] is not None
-            and 0.8 < row["unknowns"] / peer["unknowns"] < 1.25 and row.get("psi") == peer.get("psi")
-            and row.get("case") == peer.get("case") and "flow davis" not in row["method"]]  # fmt: skip
+    """Our fastest row on a mesh like the peer's whose error is no larger; if there is none, the
+    most accurate."""
+    same = [
+        row
+        for row in rows
+        if not row.get("peer")
+        and row["error"] is not None
+        and 0.8 < row["unknowns"] / peer["unknowns"] < 1.25
+        and row.get("psi") == peer.get("psi")
+        and row.get("case") == peer.get("case")
+        and "flow davis" not in row["method"]
+    ]
     better = [row for row in same if row["error"] <= peer["error"]]
-    return min(better, key=lambda row: row["cpu_s"]) if better else min(same, key=lambda row: row["error"])
+    return (
+        min(better, key=lambda row: row["cpu_s"])
+        if better
+        else min(same, key=lambda row: row["error"])
+    )
 
 
 def figures(row: dict) -> list[str]:

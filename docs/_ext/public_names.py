@@ -1,4 +1,5 @@
-"""Code spans of public names become links: ``sc.run``, ``ContactPair``, ``plot.contour(...)``; ``Basis`` to scikit-fem.
+"""Code spans of public names become links: ``sc.run``, ``ContactPair``, ``plot.contour(...)``;
+``Basis`` to scikit-fem.
 
 Pages of other projects stand in a table here: the build asks no other machine for an inventory.
 """
@@ -15,15 +16,34 @@ import skfem_contact
 import skfem_contact.plot as plot
 
 #: What may stand around a name: the abbreviations that the pages use, and a call.
-SPAN = re.compile(r"(?:(sc|skfem_contact|plot|skfem_contact\.plot)\.)?([A-Za-z_]\w*)(\(.*\)|=)?$", re.DOTALL)
+SPAN = re.compile(
+    r"(?:(sc|skfem_contact|plot|skfem_contact\.plot)\.)?([A-Za-z_]\w*)(\(.*\)|=)?$", re.DOTALL
+)
 #: Names that are words of their own: they link only where a module or a call stands with them.
-WORDS = {"run", "weight", "bodies", "traction", "tractions", "reactions", "contour", "stages", "history", "mechanism"}
+WORDS = {
+    "run",
+    "weight",
+    "bodies",
+    "traction",
+    "tractions",
+    "reactions",
+    "contour",
+    "stages",
+    "history",
+    "mechanism",
+}
 
 _SKFEM = "https://scikit-fem.readthedocs.io/en/latest/api.html#skfem."
 #: Names of other projects, by how they are written here.
 ELSEWHERE = {
-    **{name: f"{_SKFEM}assembly.{name}" for name in ("Basis", "BilinearForm", "CellBasis", "FacetBasis", "LinearForm")},
-    **{name: f"{_SKFEM}mesh.{name}" for name in ("Mesh", "MeshHex", "MeshQuad", "MeshTet", "MeshTri")},
+    **{
+        name: f"{_SKFEM}assembly.{name}"
+        for name in ("Basis", "BilinearForm", "CellBasis", "FacetBasis", "LinearForm")
+    },
+    **{
+        name: f"{_SKFEM}mesh.{name}"
+        for name in ("Mesh", "MeshHex", "MeshQuad", "MeshTet", "MeshTri")
+    },
     **{name: f"{_SKFEM}utils.{name}" for name in ("condense", "enforce", "solve")},
     "ElementVector": f"{_SKFEM}element.ElementVector",
     "LinearForm.assemble": f"{_SKFEM}assembly.LinearForm.assemble",
@@ -63,11 +83,23 @@ class LinkNames(SphinxPostTransform):
             while node is not None:
                 parents.append(node)
                 node = node.parent
-            if not (name or text in ELSEWHERE) or any(isinstance(parent, inside) for parent in parents):
+            if not (name or text in ELSEWHERE) or any(
+                isinstance(parent, inside) for parent in parents
+            ):
                 continue
-            link = nodes.reference("", "", refuri=ELSEWHERE[text]) if name is None else pending_xref(
-                "", refdomain="py", reftype="obj", reftarget=name, refexplicit=True, refwarn=False,
-                refdoc=self.env.docname)  # fmt: skip
+            link = (
+                nodes.reference("", "", refuri=ELSEWHERE[text])
+                if name is None
+                else pending_xref(
+                    "",
+                    refdomain="py",
+                    reftype="obj",
+                    reftarget=name,
+                    refexplicit=True,
+                    refwarn=False,
+                    refdoc=self.env.docname,
+                )
+            )
             literal.replace_self(link)
             link.append(literal)
 

@@ -15,9 +15,11 @@ from sphinx.errors import ConfigError
 import skfem_contact
 import skfem_contact.plot as plot
 
-#: A link to the page of a name, its module and the name, and what comes before that name in the place on the page.
+#: A link to the page of a name, its module and the name, and what comes before that name in the
+#: place on the page.
 BACK = re.compile(r"(reference/generated/)((?:\w+\.)*)(\w+)\.html#(?:\w+\.)*?\3(?=[.\"])")
-#: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
+#: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the
+#: page.
 ROOMS = {
     "Models and stages": ("model", "stages"),
     "Meshes": ("mesh", "layout"),
@@ -38,9 +40,21 @@ ROOMS = {
 #: Names that no module of the top level exports, but that a method returns or refers to.
 FURTHER = {
     "collapse": ["skfem_contact.collapse.result.CollapseResult"],
-    "limit_analysis": ["skfem_contact.limit_analysis.Bounds", "skfem_contact.limit_analysis.bounds"],
-    "laboratory": [f"skfem_contact.laboratory.{name}" for name in
-                   ("ElementTest", "PathStep", "isotropic", "oedometer", "simple_shear", "triaxial")],
+    "limit_analysis": [
+        "skfem_contact.limit_analysis.Bounds",
+        "skfem_contact.limit_analysis.bounds",
+    ],
+    "laboratory": [
+        f"skfem_contact.laboratory.{name}"
+        for name in (
+            "ElementTest",
+            "PathStep",
+            "isotropic",
+            "oedometer",
+            "simple_shear",
+            "triaxial",
+        )
+    ],
 }
 
 
@@ -66,7 +80,9 @@ def public_names() -> dict[str, list[str]]:
     names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
     homeless = set(names).difference(*ROOMS.values())
     if homeless:
-        raise ConfigError(f"public names of {sorted(homeless)} have no page: add the modules to ROOMS")
+        raise ConfigError(
+            f"public names of {sorted(homeless)} have no page: add the modules to ROOMS"
+        )
     return names
 
 
@@ -85,9 +101,13 @@ def topic(title: str, file: str, names: list[str]) -> str:
     rows = []
     for name in names:
         summary = str(inspect.getdoc(found(name))).split("\n\n")[0].replace("\n", " ")
-        summary = re.sub(r":\w+:`~?([^`]*)`", r"\1", summary).replace("``", "`").replace("|", "&#124;")
+        summary = (
+            re.sub(r":\w+:`~?([^`]*)`", r"\1", summary).replace("``", "`").replace("|", "&#124;")
+        )
         rows.append(f"| {{py:obj}}`{name.rpartition('.')[2]} <{name}>` | {summary} |")
-    return "\n".join([f"## {{doc}}`{title} </reference/generated/{file}>`", "", "| | |", "|:--|:--|", *rows, ""])
+    return "\n".join(
+        [f"## {{doc}}`{title} </reference/generated/{file}>`", "", "| | |", "|:--|:--|", *rows, ""]
+    )
 
 
 def write_pages(app, config) -> None:
@@ -101,7 +121,9 @@ def write_pages(app, config) -> None:
     for number, (title, modules) in enumerate(ROOMS.items()):
         here = [name for module in modules for name in names.get(module, [])]
         if here:
-            (folder / f"{number:02}_{modules[0]}.rst").write_text(page(title, modules[0], here), encoding="utf-8")
+            (folder / f"{number:02}_{modules[0]}.rst").write_text(
+                page(title, modules[0], here), encoding="utf-8"
+            )
             topics.append(topic(title, f"{number:02}_{modules[0]}", here))
     index = Path(app.srcdir, "_build", "generated", "topics.md")
     index.parent.mkdir(parents=True, exist_ok=True)
@@ -109,7 +131,8 @@ def write_pages(app, config) -> None:
 
 
 def to_anchors(body: str) -> str:
-    """Links from the source of a module back to its reference, each to the module that its page is named by.
+    """Links from the source of a module back to its reference, each to the module that its page is
+    named by.
 
     Sphinx takes one module for all names of a source, though some are public elsewhere.
     """

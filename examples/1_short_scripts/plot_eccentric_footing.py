@@ -2,9 +2,10 @@ r"""
 A rigid footing under a load with a lever
 =========================================
 
-A rough strip footing, 2 m wide, on clay. ``sc.RigidBoundary`` lets its line sink and turn, but not bend, and puts a
-force anywhere on it. With the load in its middle it carries :math:`(2 + \pi) c`; nearer to its edge as much as a
-narrower one with the load in the middle (Meyerhof), and more where the clay also holds it down. Units are kN and m.
+A rough strip footing, 2 m wide, on clay. ``sc.RigidBoundary`` lets its line sink and turn, but not
+bend, and puts a force anywhere on it. With the load in its middle it carries :math:`(2 + \pi) c`;
+nearer to its edge as much as a narrower one with the load in the middle (Meyerhof), and more where
+the clay also holds it down. Units are kN and m.
 """
 
 # sphinx_gallery_thumbnail_number = 2
@@ -28,11 +29,21 @@ footing = sc.RigidBoundary(basis, "footing")
 clay = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c))
 model = sc.Model({"clay": clay, "footing": footing}, sc.box_supports(basis))
 levers = np.array([0.0, 0.1, 0.2, 0.3, 0.4]) * width
-found = [model.limit_load(footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False) for lever in levers]
+found = [
+    model.limit_load(footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False)
+    for lever in levers
+]
 
 fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
-ax.plot(levers / width, [one.multiplier / (width * c) for one in found], marker="o", label="held down by the clay")
-ax.plot(levers / width, (2 + np.pi) * (1 - 2 * levers / width), "k:", label="effective width (Meyerhof)")
+ax.plot(
+    levers / width,
+    [one.multiplier / (width * c) for one in found],
+    marker="o",
+    label="held down by the clay",
+)
+ax.plot(
+    levers / width, (2 + np.pi) * (1 - 2 * levers / width), "k:", label="effective width (Meyerhof)"
+)
 ax.set(xlabel="lever / width", ylabel="load / (width c)", xlim=(0, 0.5), ylim=(0, None))
 ax.legend(frameon=False)
 
@@ -44,8 +55,25 @@ import json
 
 carried = np.array([collapse.multiplier for collapse in found])
 error = abs(carried[0] / ((2 + np.pi) * width * c) - 1)
-assert error < 0.03 and carried[0] > (2 + np.pi) * width * c  # from above, with elements of this size
+assert (
+    error < 0.03 and carried[0] > (2 + np.pi) * width * c
+)  # from above, with elements of this size
 assert np.all(carried > (2 + np.pi) * c * (width - 2 * levers)) and np.all(np.diff(carried) < 0)
-print(json.dumps({"case": "eccentric_footing", "rows": [{"method": "P2", "n": 7, "unknowns": int(basis.N),
-      "error": error, "cpu_s": None, "iterations": sum(collapse.iterations for collapse in found)}]}))  # fmt: skip
+print(
+    json.dumps(
+        {
+            "case": "eccentric_footing",
+            "rows": [
+                {
+                    "method": "P2",
+                    "n": 7,
+                    "unknowns": int(basis.N),
+                    "error": error,
+                    "cpu_s": None,
+                    "iterations": sum(collapse.iterations for collapse in found),
+                }
+            ],
+        }
+    )
+)
 # sphinx_gallery_end_ignore

@@ -2,9 +2,9 @@ r"""
 A footing and its load-settlement curve
 =======================================
 
-A rough strip footing, 2 m wide, is pressed into clay. Half of it is computed. Its settlement is prescribed, stage by
-stage; the load is the sum of the reactions below it. The clay carries :math:`(2 + \pi) c` at last (Prandtl). Units
-are kN and m.
+A rough strip footing, 2 m wide, is pressed into clay. Half of it is computed. Its settlement is
+prescribed, stage by stage; the load is the sum of the reactions below it. The clay carries
+:math:`(2 + \pi) c` at last (Prandtl). Units are kN and m.
 """
 
 # sphinx_gallery_thumbnail_number = 2
@@ -47,8 +47,25 @@ plot.contour(result[-1], "gamma", since=result[-2], vectors=True, window=(0, 4, 
 import json
 
 error = abs(load[-1] / ((2 + np.pi) * c) - 1)
-assert 0 < load[-1] / ((2 + np.pi) * c) - 1 < 0.04  # from above, with quadratic triangles of this size
+assert (
+    0 < load[-1] / ((2 + np.pi) * c) - 1 < 0.04
+)  # from above, with quadratic triangles of this size
 assert np.all(np.diff(load) > 0)
-print(json.dumps({"case": "footing_curve", "rows": [{"method": "P2", "n": 12, "unknowns": int(basis.N), "error": error,
-      "cpu_s": None, "iterations": int(sum(sum(stage.iterations) for stage in result))}]}))  # fmt: skip
+print(
+    json.dumps(
+        {
+            "case": "footing_curve",
+            "rows": [
+                {
+                    "method": "P2",
+                    "n": 12,
+                    "unknowns": int(basis.N),
+                    "error": error,
+                    "cpu_s": None,
+                    "iterations": int(sum(sum(stage.iterations) for stage in result)),
+                }
+            ],
+        }
+    )
+)
 # sphinx_gallery_end_ignore

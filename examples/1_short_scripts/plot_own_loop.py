@@ -2,9 +2,9 @@
 A Newton loop of your own with forms of your own
 ================================================
 
-``run`` is a convenience. Here a beam on a bed of springs that cannot pull, a form that is written on the spot, is
-loaded by a Newton loop of ten lines with scikit-fem's ``condense`` and ``solve``. Where the beam lifts off, the bed
-lets go.
+``run`` is a convenience. Here a beam on a bed of springs that cannot pull, a form that is written
+on the spot, is loaded by a Newton loop of ten lines with scikit-fem's ``condense`` and ``solve``.
+Where the beam lifts off, the bed lets go.
 """
 
 import numpy as np
@@ -22,7 +22,9 @@ class Bed(sc.Form):
     """Springs below the beam that push and do not pull: stiffness k per length."""
 
     def __init__(self, basis, k):
-        self.k = -k * sc.traction(basis, "bottom", (0.0, -1.0))  # of every node, by its share of the length
+        self.k = -k * sc.traction(
+            basis, "bottom", (0.0, -1.0)
+        )  # of every node, by its share of the length
 
     def assemble(self, x, state):
         """Force and tangent at the displacements x."""
@@ -57,6 +59,21 @@ again = sc.Model(forms, fixed).run([sc.Stage("load", load)], progress=False)["lo
 error = float(np.abs(again.x - x).max() / np.abs(x).max())
 assert error < 1e-6
 assert (x[basis.get_dofs("bottom").all("u^2")] > 0).any()  # it lifts off
-print(json.dumps({"case": "own_loop", "rows": [{"method": "Q2", "n": 40, "unknowns": int(basis.N), "error": error,
-      "cpu_s": None, "iterations": iteration}]}))  # fmt: skip
+print(
+    json.dumps(
+        {
+            "case": "own_loop",
+            "rows": [
+                {
+                    "method": "Q2",
+                    "n": 40,
+                    "unknowns": int(basis.N),
+                    "error": error,
+                    "cpu_s": None,
+                    "iterations": iteration,
+                }
+            ],
+        }
+    )
+)
 # sphinx_gallery_end_ignore

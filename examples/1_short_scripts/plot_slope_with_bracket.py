@@ -2,10 +2,10 @@
 A slope with its bracket
 ========================
 
-How safe is a slope of clay on a foundation of the same clay, and how certain is that figure? Two proven bounds, a
-stress field in equilibrium and a mechanism, enclose the factor of safety on meshes that are refined where the two
-differ. Strength reduction on the last of these meshes gives the displacements. Taylor's chart (1937) says 1.47. Units
-are kN and m.
+How safe is a slope of clay on a foundation of the same clay, and how certain is that figure? Two
+proven bounds, a stress field in equilibrium and a mechanism, enclose the factor of safety on meshes
+that are refined where the two differ. Strength reduction on the last of these meshes gives the
+displacements. Taylor's chart (1937) says 1.47. Units are kN and m.
 """
 
 # sphinx_gallery_thumbnail_number = 2
@@ -43,10 +43,28 @@ plot.mechanism(found)
 
 # sphinx_gallery_start_ignore
 assert proven.gap < 0.02 and found.stop.kind == "plateau"
-assert proven.lower < 1.47 and proven.lower < found.factor < 1.01 * proven.upper  # elements are too stiff, if anything
+assert (
+    proven.lower < 1.47 and proven.lower < found.factor < 1.01 * proven.upper
+)  # elements are too stiff, if anything
 error = abs(found.factor / 1.47 - 1.0)
 assert error < 0.02, error  # two digits of the chart, whose circles lie above the factor
-print(json.dumps({"case": "slope_with_bracket", "rows": [{"method": "strength reduction", "n": proven.mesh.nelements,
-      "unknowns": len(found.x), "error": error, "factor": found.factor, "bounds": [proven.lower, proven.upper],
-      "cpu_s": round(process_time() - begin, 1), "iterations": found.iterations}]}))  # fmt: skip
+print(
+    json.dumps(
+        {
+            "case": "slope_with_bracket",
+            "rows": [
+                {
+                    "method": "strength reduction",
+                    "n": proven.mesh.nelements,
+                    "unknowns": len(found.x),
+                    "error": error,
+                    "factor": found.factor,
+                    "bounds": [proven.lower, proven.upper],
+                    "cpu_s": round(process_time() - begin, 1),
+                    "iterations": found.iterations,
+                }
+            ],
+        }
+    )
+)
 # sphinx_gallery_end_ignore

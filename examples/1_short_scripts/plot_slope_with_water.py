@@ -2,12 +2,12 @@
 Factor of safety of a slope with two layers and a water table
 =============================================================
 
-Tutorial four: how safe is it? A slope of 10 m in two layers stands half in water. The strength of both soils is
-divided by a factor until the slope fails; the last factor with an equilibrium is the factor of safety. Units are kN
-and m.
+Tutorial four: how safe is it? A slope of 10 m in two layers stands half in water. The strength of
+both soils is divided by a factor until the slope fails; the last factor with an equilibrium is the
+factor of safety. Units are kN and m.
 
-Soils below the water table weigh what they weigh when they are saturated; the water in their pores is a load
-(:func:`~skfem_contact.water_load`), and the stresses are effective ones.
+Soils below the water table weigh what they weigh when they are saturated; the water in their pores
+is a load (:func:`~skfem_contact.water_load`), and the stresses are effective ones.
 """
 
 import numpy as np
@@ -21,7 +21,8 @@ flat = MeshTri.init_tensor(np.linspace(0, 1, 29), np.linspace(0, 1, 15))
 crest = 5 + 10 * (1 - np.clip((40 * flat.p[0] - 10) / 20, 0, 1))
 upper = flat.p[1, flat.t].mean(axis=0) > 0.5
 mesh = MeshTri(np.stack((40 * flat.p[0], crest * flat.p[1])), flat.t).with_subdomains(
-    {"clay": np.flatnonzero(~upper), "sand": np.flatnonzero(upper)})
+    {"clay": np.flatnonzero(~upper), "sand": np.flatnonzero(upper)}
+)
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 
 clay = sc.MohrCoulomb(E=2e4, nu=0.3, c=12.0, phi=22.0, psi=22.0)
@@ -47,8 +48,17 @@ import json
 assert wet.factor < dry.factor
 assert 1.2 < wet.factor < 1.9, wet.factor
 assert wet.stop.shows_limit and dry.stop.shows_limit
-rows = [{"method": name, "n": 14, "unknowns": int(basis.N), "error": None, "cpu_s": None,
-         "iterations": found.iterations, "factor": round(found.factor, 3)}
-        for name, found in (("with water", wet), ("without", dry))]  # fmt: skip
+rows = [
+    {
+        "method": name,
+        "n": 14,
+        "unknowns": int(basis.N),
+        "error": None,
+        "cpu_s": None,
+        "iterations": found.iterations,
+        "factor": round(found.factor, 3),
+    }
+    for name, found in (("with water", wet), ("without", dry))
+]
 print(json.dumps({"case": "slope_with_water", "rows": rows}))
 # sphinx_gallery_end_ignore

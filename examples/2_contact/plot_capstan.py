@@ -2,25 +2,27 @@ r"""
 A belt over a drum: Euler's capstan formula
 ===========================================
 
-A thin elastic belt lies over half of a fixed, rigid drum. A weight hangs on its left end and the right end is pulled
-down until the whole belt slides. The forces at the ends are then
+A thin elastic belt lies over half of a fixed, rigid drum. A weight hangs on its left end and the
+right end is pulled down until the whole belt slides. The forces at the ends are then
 
-.. math:: T_2 = T_1 e^{\mu\vartheta}, \qquad \mu = 0.3, \quad \vartheta = \pi: \quad T_2 / T_1 = 2.566332.
+.. math:: T_2 = T_1 e^{\mu\vartheta}, \qquad \mu = 0.3, \quad \vartheta = \pi: \quad T_2 / T_1 =
+2.566332.
 
-The formula is that of a string. In a belt of thickness t the tension acts at the radius :math:`r = R + t/2`, but
-friction has the lever R only. With :math:`a = t / 2r`, equilibrium of the bent strip (axial force T, shear force V,
-pressure p, no change of the bending moment) reads
+The formula is that of a string. In a belt of thickness t the tension acts at the radius
+:math:`r = R + t/2`, but friction has the lever R only. With :math:`a = t / 2r`, equilibrium of the
+bent strip (axial force T, shear force V, pressure p, no change of the bending moment) reads
 
 .. math:: T' = \mu p R (1 - a), \qquad V = -\mu p R a, \qquad T = p R + V',
 
-so that the tension grows as :math:`e^{k\varphi}` with :math:`k - \mu a k^2 = \mu (1 - a)`: to first order it is the
-radius of the middle of the belt that counts, :math:`k \approx \mu R / r`.
+so that the tension grows as :math:`e^{k\varphi}` with :math:`k - \mu a k^2 = \mu (1 - a)`: to first
+order it is the radius of the middle of the belt that counts, :math:`k \approx \mu R / r`.
 """
 
 # %%
 # Model
 # -----
-# The belt is meshed as it lies on the drum: a strip is bent round it, with straight tails at both ends.
+# The belt is meshed as it lies on the drum: a strip is bent round it, with straight tails at both
+# ends.
 
 import json
 from dataclasses import replace
@@ -45,14 +47,21 @@ def belt(thickness):
     inside = np.linspace(0, wrapped, n_wrapped + 1)
     outside = np.linspace(0, tail, 13)[1:]
     along = np.concatenate((-outside[::-1], inside, wrapped + outside))
-    strip = MeshQuad.init_tensor(along, np.linspace(0, thickness, 3)).with_defaults().with_boundaries({
-        "on drum": lambda s: (s[1] < 1e-9) & (s[0] > 0) & (s[0] < wrapped)})
+    strip = (
+        MeshQuad.init_tensor(along, np.linspace(0, thickness, 3))
+        .with_defaults()
+        .with_boundaries({"on drum": lambda s: (s[1] < 1e-9) & (s[0] > 0) & (s[0] < wrapped)})
+    )
     s, height = strip.p
     angle = np.clip(s, 0, wrapped) / radius
     off = s - radius * angle  # beyond the ends of the arc
     r = radius + height
-    return replace(strip, doflocs=np.stack((-r * np.cos(angle) + off * np.sin(angle),
-                                            r * np.sin(angle) + off * np.cos(angle))))
+    return replace(
+        strip,
+        doflocs=np.stack(
+            (-r * np.cos(angle) + off * np.sin(angle), r * np.sin(angle) + off * np.cos(angle))
+        ),
+    )
 
 
 def growth(thickness):
@@ -68,8 +77,9 @@ def hanging(v, w):
 
 
 # %%
-# The weight stretches the belt towards the left, and friction holds it back. While the right end is pulled, slip in
-# the other direction spreads from there. All displacements are small: a few thousandths of the radius.
+# The weight stretches the belt towards the left, and friction holds it back. While the right end is
+# pulled, slip in the other direction spreads from there. All displacements are small: a few
+# thousandths of the radius.
 
 
 def pulled(thickness):
@@ -77,12 +87,19 @@ def pulled(thickness):
     mesh = belt(thickness)
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     end = basis.get_dofs("right").all("u^2")
-    load = hanging.assemble(FacetBasis(mesh, basis.elem, facets=mesh.boundaries["left"]),
-                            traction=tension / thickness)
+    load = hanging.assemble(
+        FacetBasis(mesh, basis.elem, facets=mesh.boundaries["left"]), traction=tension / thickness
+    )
     forms = {
         "belt": sc.SolidForm(basis, sc.LinearElastic(E=stiffness / thickness, nu=0.0)),
-        "drum": sc.ContactPair(basis, "on drum", sc.rigid.circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
-                               penalty=1e7),
+        "drum": sc.ContactPair(
+            basis,
+            "on drum",
+            sc.rigid.circle((0.0, 0.0), radius),
+            sc.Coulomb(mu=mu),
+            "nodal",
+            penalty=1e7,
+        ),
     }
     stages = [sc.Stage("weight", load)]
     for pull in np.linspace(0, 10 * tension / stiffness, 21)[1:]:
@@ -107,10 +124,17 @@ for thickness in (0.02, 0.01, 0.005):
     forms, stages, end = pulled(thickness)
     result = sc.Model(forms, end).run(stages)
     force = np.array([force_at(end, forms, step) for step in result])
-    runs[thickness] = forms, result, force, -np.array([step.x[end[0]] for step in result]), process_time() - begin
+    runs[thickness] = (
+        forms,
+        result,
+        force,
+        -np.array([step.x[end[0]] for step in result]),
+        process_time() - begin,
+    )
 
 # %%
-# The belt of the middle thickness, seen with its displacements enlarged a thousand times: tension along the belt.
+# The belt of the middle thickness, seen with its displacements enlarged a thousand times: tension
+# along the belt.
 
 forms, result, force, _, _ = runs[0.01]
 plot.contour(result[-1], "s1", deformed=1000.0)
@@ -118,17 +142,26 @@ plot.contour(result[-1], "s1", deformed=1000.0)
 # %%
 # How the belt begins to slide
 # ----------------------------
-# The pressure times the radius is the tension. At first it falls by :math:`e^{-\mu\varphi}` from the weight to the
-# right end. Where the slip has been reversed it rises by :math:`e^{\mu\varphi}`; the kink is the point that slip has
-# reached.
+# The pressure times the radius is the tension. At first it falls by :math:`e^{-\mu\varphi}` from
+# the weight to the right end. Where the slip has been reversed it rises by :math:`e^{\mu\varphi}`;
+# the kink is the point that slip has reached.
 
 fig, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
-for number, label in ((0, "weight only"), (2, "pulled a little"), (5, "further"), (20, "all slides")):
+for number, label in (
+    (0, "weight only"),
+    (2, "pulled a little"),
+    (5, "further"),
+    (20, "all slides"),
+):
     contact = result[number].tractions("drum")
     angle = np.degrees(np.arctan2(contact.y, -contact.x))
     inside = (angle > 1) & (angle < 179)  # the pressure has edges where the belt leaves the drum
     axes[0].semilogy(angle[inside], contact.pressure[inside] * radius / tension, label=label)
-axes[0].set(xlabel="angle from the left end of the arc (degrees)", ylabel="p R / weight", xticks=[0, 45, 90, 135, 180])
+axes[0].set(
+    xlabel="angle from the left end of the arc (degrees)",
+    ylabel="p R / weight",
+    xticks=[0, 45, 90, 135, 180],
+)
 axes[0].set_yticks([0.4, 1, 2.5], ["0.4", "1", "2.5"])
 axes[0].minorticks_off()
 axes[0].legend(frameon=False, loc="upper left")
@@ -142,9 +175,10 @@ axes[1].legend(frameon=False)
 # %%
 # Headline numbers
 # ----------------
-# All belts come within one percent of Euler's formula, and the thinner the closer. What is left is the thickness: the
-# formula for the bent strip is met to a thousandth or two. The displacements must be small for that, since small
-# strains do not turn the tension with the belt: a slide of :math:`u` shifts the directions by :math:`u / R`.
+# All belts come within one percent of Euler's formula, and the thinner the closer. What is left is
+# the thickness: the formula for the bent strip is met to a thousandth or two. The displacements
+# must be small for that, since small strains do not turn the tension with the belt: a slide of
+# :math:`u` shifts the directions by :math:`u / R`.
 
 rows = []
 for thickness, (forms, result, force, _, cpu) in runs.items():
@@ -152,14 +186,27 @@ for thickness, (forms, result, force, _, cpu) in runs.items():
     error = abs(ratio / euler - 1)
     assert (result[-1].states["drum"].status == Status.SLIP).all()
     assert error < 0.01
-    assert abs(ratio / np.exp(growth(thickness) * np.pi) - 1) < 0.002  # terms of second order in t / R
-    assert abs(force[0] / tension * np.exp(growth(thickness) * np.pi) - 1) < 0.02  # slips the other way
+    assert (
+        abs(ratio / np.exp(growth(thickness) * np.pi) - 1) < 0.002
+    )  # terms of second order in t / R
+    assert (
+        abs(force[0] / tension * np.exp(growth(thickness) * np.pi) - 1) < 0.02
+    )  # slips the other way
     assert np.ptp(force[-5:]) < 1e-3 * force[-1]  # slides on under a constant force
-    print(f"t = {thickness:5.3f} R: T2 / T1 = {ratio:.4f}; string {euler:.4f}, "
-          f"belt {np.exp(growth(thickness) * np.pi):.4f}")
-    rows.append({"method": f"belt, t = {thickness:g} R", "n": n_wrapped, "unknowns": int(forms["belt"].basis.N),
-                 "error": float(error), "cpu_s": round(cpu, 2),
-                 "iterations": int(sum(sum(step.iterations) for step in result))})
+    print(
+        f"t = {thickness:5.3f} R: T2 / T1 = {ratio:.4f}; string {euler:.4f}, "
+        f"belt {np.exp(growth(thickness) * np.pi):.4f}"
+    )
+    rows.append(
+        {
+            "method": f"belt, t = {thickness:g} R",
+            "n": n_wrapped,
+            "unknowns": int(forms["belt"].basis.N),
+            "error": float(error),
+            "cpu_s": round(cpu, 2),
+            "iterations": int(sum(sum(step.iterations) for step in result)),
+        }
+    )
 assert [row["error"] for row in rows] == sorted((row["error"] for row in rows), reverse=True)
 
 plt.show()

@@ -2,12 +2,13 @@ r"""
 How to add an interface law
 ===========================
 
-An interface law is a material with two components in the plane and three in space: it answers a gap and a slip with
-tractions. It is a small immutable class, and a pure function: what a point remembers are *internal variables*, which
-the law is given as they were accepted, and gives back as they would be.
+An interface law is a material with two components in the plane and three in space: it answers a gap
+and a slip with tractions. It is a small immutable class, and a pure function: what a point
+remembers are *internal variables*, which the law is given as they were accepted, and gives back as
+they would be.
 
-Two laws are written here, and each is compared with its closed form: a rough joint that dilates as it is sheared,
-and a bond that is damaged until it breaks.
+Two laws are written here, and each is compared with its closed form: a rough joint that dilates as
+it is sheared, and a bond that is damaged until it breaks.
 """
 
 import json
@@ -25,17 +26,21 @@ from skfem_contact.contact.laws import Status
 # %%
 # What a law is asked
 # -------------------
-# ``update(jump, internal, penalty)`` is called with the gap, negative in penetration, and the slip from the stick
-# point, ``jump`` of shape (dim, n); with the accepted internal variables, (n_internal, n); and with the penalties,
-# which are tractions per gap and per elastic slip. It answers with an ``LawUpdate`` of
+# ``update(jump, internal, penalty)`` is called with the gap, negative in penetration, and the slip
+# from the stick point, ``jump`` of shape (dim, n); with the accepted internal variables,
+# (n_internal, n); and with the penalties, which are tractions per gap and per elastic slip. It
+# answers with an ``LawUpdate`` of
 #
-# * ``traction``, (dim, n): a negative number presses, a positive shear drags a slave back that slid forward;
+# * ``traction``, (dim, n): a negative number presses, a positive shear drags a slave back that slid
+#   forward;
 # * ``internal``, the new internal variables;
 # * ``tangent``, (dim, dim, n): the derivative of each traction by each component of the jump;
-# * ``elastic_slip``, (dim - 1, n): the slip that is left to the stick point, which follows as the point slides;
+# * ``elastic_slip``, (dim - 1, n): the slip that is left to the stick point, which follows as the
+#   point slides;
 # * ``status`` of every point: open, stick or slip.
 #
-# ``reaches(gap, internal, closed)`` names the points for which ``update`` is asked; all others are open.
+# ``reaches(gap, internal, closed)`` names the points for which ``update`` is asked; all others are
+# open.
 
 # %%
 # A joint that dilates
@@ -44,12 +49,15 @@ from skfem_contact.contact.laws import Status
 # :math:`\Delta w = \tan\psi\,\Delta\lambda`, and :math:`t_N = \epsilon_N (g - w)`. The condition
 # :math:`|t_T| + \mu\, t_N = 0` at the end of the step gives
 #
-# .. math:: \Delta\lambda = \frac{|t_T^{trial}| + \mu\, t_N^{trial}}{\epsilon_T + \mu\,\epsilon_N \tan\psi} .
+# .. math:: \Delta\lambda = \frac{|t_T^{trial}| + \mu\, t_N^{trial}}{\epsilon_T + \mu\,\epsilon_N
+# \tan\psi} .
 
 
 @dataclass(frozen=True, eq=False)
 class Dilatant(sc.InterfaceLaw):
-    """Coulomb friction with a constant angle of dilation in degrees; it remembers the opening by dilation."""
+    """Coulomb friction with a constant angle of dilation in degrees; it remembers the opening by
+    dilation.
+    """
 
     mu: float
     psi: float
@@ -57,7 +65,9 @@ class Dilatant(sc.InterfaceLaw):
     n_internal = 1
 
     def reaches(self, gap, internal, closed):
-        """Asperities touch below the opening that they have made, and ride up farther where they are in touch."""
+        """Asperities touch below the opening that they have made, and ride up farther where they
+        are in touch.
+        """
         return (gap <= internal[0]) | closed
 
     def update(self, jump, internal, penalty):
@@ -81,19 +91,24 @@ class Dilatant(sc.InterfaceLaw):
         across = np.eye(dim - 1)[..., None] - along[:, None] * along
         tangent[1:, 1:] += by_slip * along[:, None] * along + kept * across
 
-        traction = np.concatenate(((normal - by_gap * rise * plastic)[None], trial - by_slip * plastic * along))
+        traction = np.concatenate(
+            ((normal - by_gap * rise * plastic)[None], trial - by_slip * plastic * along)
+        )
         apart = traction[0] > 0
         traction[:, apart], tangent[:, :, apart], plastic[apart] = 0.0, 0.0, 0.0
         status = np.where(apart, Status.OPEN, np.where(slides, Status.SLIP, Status.STICK))
-        return LawUpdate(traction, internal + rise * plastic, tangent, traction[1:] / by_slip, status)
+        return LawUpdate(
+            traction, internal + rise * plastic, tangent, traction[1:] / by_slip, status
+        )
 
 
 # %%
 # A bond that is damaged
 # ----------------------
-# The bond carries a traction that falls with the largest separation :math:`\kappa` that it has seen, from its
-# strength f to zero at :math:`\delta_f = 2 G / f`, where G is the energy that it takes to part a unit of surface. It
-# unloads along the secant, and pressed it stays a contact without friction.
+# The bond carries a traction that falls with the largest separation :math:`\kappa` that it has
+# seen, from its strength f to zero at :math:`\delta_f = 2 G / f`, where G is the energy that it
+# takes to part a unit of surface. It unloads along the secant, and pressed it stays a contact
+# without friction.
 #
 # .. math:: t = (1 - d)\,\epsilon\,\delta, \qquad
 #           d = \frac{\delta_f}{\kappa}\, \frac{\kappa - \delta_0}{\delta_f - \delta_0}, \qquad
@@ -129,7 +144,9 @@ class Cohesive(sc.InterfaceLaw):
         tangent = np.eye(dim)[..., None] * secant
         grows = (separation == largest) & (separation > first) & (damage < 1)
         rate = np.where(grows, last * first / (largest**2 * (last - first)), 0.0)
-        tangent -= rate * (stiffness * apart)[:, None] * apart / np.where(separation > 0, separation, 1.0)
+        tangent -= (
+            rate * (stiffness * apart)[:, None] * apart / np.where(separation > 0, separation, 1.0)
+        )
 
         status = np.where(damage < 1, Status.STICK, np.where(jump[0] > 0, Status.OPEN, Status.SLIP))
         return LawUpdate(secant * jump, largest[None], tangent, jump[1:].copy(), status)
@@ -138,8 +155,8 @@ class Cohesive(sc.InterfaceLaw):
 # %%
 # Checked without a mesh
 # ----------------------
-# :func:`~skfem_contact.testing.check_interface_law` leads random points to random jumps, in the plane and in space:
-# shapes, tangents against differences, admissibility, dissipation.
+# :func:`~skfem_contact.testing.check_interface_law` leads random points to random jumps, in the
+# plane and in space: shapes, tangents against differences, admissibility, dissipation.
 
 for law in (Dilatant(mu=0.5, psi=10.0), Cohesive(strength=2.0, energy=2e-3)):
     print(type(law).__name__, f"{sc.testing.check_interface_law(law):.0e}")
@@ -147,9 +164,10 @@ for law in (Dilatant(mu=0.5, psi=10.0), Cohesive(strength=2.0, energy=2e-3)):
 # %%
 # The shear box
 # -------------
-# A block, guided so that it does not bend, is pressed on a rough plane and sheared, twice. Under a constant load the
-# joint rises by :math:`\tan\psi` times the plastic slip and the shear stays :math:`\mu p`. With the lid held at its
-# height, nothing can rise: the pressure grows instead, against the block and the penalty in series,
+# A block, guided so that it does not bend, is pressed on a rough plane and sheared, twice. Under a
+# constant load the joint rises by :math:`\tan\psi` times the plastic slip and the shear stays
+# :math:`\mu p`. With the lid held at its height, nothing can rise: the pressure grows instead,
+# against the block and the penalty in series,
 # :math:`1/k = H/E + 1/\epsilon`, so that
 #
 # .. math:: p = \frac{p_0 + k\, s \tan\psi}{1 + k\, \mu \tan\psi / \epsilon} .
@@ -196,7 +214,9 @@ risen = np.array([stage.x[lid].mean() for stage in free]) - free[0].x[lid].mean(
 k = 1 / (H / E + 1 / eps)
 grown = np.where(slips > 0, (p0 + k * slips * rise) / (1 + k * mu * rise / eps), p0)
 pressure, shear = carried(held)
-box_error = max(np.abs(risen - rise * plastic).max() / (rise * slips[-1]), np.abs(pressure / grown - 1).max())
+box_error = max(
+    np.abs(risen - rise * plastic).max() / (rise * slips[-1]), np.abs(pressure / grown - 1).max()
+)
 
 np.testing.assert_allclose(carried(free)[0], p0, rtol=1e-7)
 np.testing.assert_allclose(carried(free)[1][1:], mu * p0, rtol=1e-7)
@@ -206,25 +226,38 @@ assert box_error < 1e-6  # both are straight lines: what is left is the residual
 # %%
 # Pulled apart
 # ------------
-# A block is bonded to a plane and pulled off by its lid. Block and bond are in series, so that beyond the peak
-# :math:`\sigma = (\delta_f - U) / ((\delta_f - \delta_0) / f - H / E)`. Unloaded half-way, it returns to the
-# origin along the secant. In the end the work is the energy of the bond, and nothing else.
-# That nothing touches any more is told.
+# A block is bonded to a plane and pulled off by its lid. Block and bond are in series, so that
+# beyond the peak
+# :math:`\sigma = (\delta_f - U) / ((\delta_f - \delta_0) / f - H / E)`. Unloaded half-way, it
+# returns to the origin along the secant. In the end the work is the energy of the bond, and nothing
+# else. That nothing touches any more is told.
 
 f, G = 50.0, 1.0
 first, last = f / eps, 2 * G / f
 peak = f * H / E + first
 half = 0.5 * (peak + last)
 bond = sc.ContactPair(basis, "bottom", plane, Cohesive(f, G), quadrature="nodal", penalty=eps)
-pull = np.array([0.0, 0.5 * peak, peak, *np.linspace(peak, half, 5)[1:], 0.3 * half, half,
-                 *np.linspace(half, last, 5)[1:], 1.1 * last])  # fmt: skip
+pull = np.array(
+    [
+        0.0,
+        0.5 * peak,
+        peak,
+        *np.linspace(peak, half, 5)[1:],
+        0.3 * half,
+        half,
+        *np.linspace(half, last, 5)[1:],
+        1.1 * last,
+    ]
+)
 stages = []
 for number, up in enumerate(pull):
     x = basis.zeros()
     x[lid] = up
     stages.append(sc.Stage(f"{number}", basis.zeros(), x))
 begin = process_time()
-result = sc.Model({"block": block_form, "bond": bond}, np.union1d(along, lid)).run(stages, progress=False)
+result = sc.Model({"block": block_form, "bond": bond}, np.union1d(along, lid)).run(
+    stages, progress=False
+)
 bond_cpu = process_time() - begin
 stress = np.array([block_form.assemble(s.x, s.states["block"]).force[lid].sum() for s in result])
 
@@ -257,9 +290,21 @@ axes[1].legend(frameon=False)
 
 plt.show()
 rows = [
-    {"method": "dilation", "n": len(slips), "unknowns": int(basis.N), "error": float(box_error),
-     "cpu_s": round(box_cpu, 2), "iterations": sum(sum(s.iterations) for s in free)},
-    {"method": "damage", "n": len(pull), "unknowns": int(basis.N), "error": float(bond_error),
-     "cpu_s": round(bond_cpu, 2), "iterations": sum(sum(s.iterations) for s in result)},
-]  # fmt: skip
+    {
+        "method": "dilation",
+        "n": len(slips),
+        "unknowns": int(basis.N),
+        "error": float(box_error),
+        "cpu_s": round(box_cpu, 2),
+        "iterations": sum(sum(s.iterations) for s in free),
+    },
+    {
+        "method": "damage",
+        "n": len(pull),
+        "unknowns": int(basis.N),
+        "error": float(bond_error),
+        "cpu_s": round(bond_cpu, 2),
+        "iterations": sum(sum(s.iterations) for s in result),
+    },
+]
 print(json.dumps({"case": "own interface laws", "rows": rows}))

@@ -2,27 +2,27 @@ r"""
 A wedge driven under a load: statics, and self-locking
 ======================================================
 
-A wedge is driven over a floor under a load, which a wall guides on its far side. Everything slides: the wedge on
-the floor (:math:`\mu_1`), the load on the wedge (:math:`\mu_2 = \tan\varphi_2`) and along the wall (:math:`\mu_3`).
-Statics alone give the force P that drives a wedge of angle :math:`\alpha` under a weight W, and the force that
-holds it when it is let out again:
+A wedge is driven over a floor under a load, which a wall guides on its far side. Everything slides:
+the wedge on the floor (:math:`\mu_1`), the load on the wedge (:math:`\mu_2 = \tan\varphi_2`) and
+along the wall (:math:`\mu_3`). Statics alone give the force P that drives a wedge of angle
+:math:`\alpha` under a weight W, and the force that holds it when it is let out again:
 
 .. math::
 
    \frac{P}{W} = \frac{\tan(\alpha + \varphi_2) + \mu_1}{1 - \mu_3 \tan(\alpha + \varphi_2)}, \qquad
    \frac{P_{back}}{W} = \frac{\tan(\alpha - \varphi_2) - \mu_1}{1 + \mu_3 \tan(\alpha - \varphi_2)}.
 
-Where the second is negative the wedge locks itself: it stays under the load when nobody holds it, and must be
-pulled out. If even :math:`\alpha < \varphi_2` the load does not slide down the wedge but goes away from the wall with
-it, and :math:`P_{back} = -\mu_1 W`.
+Where the second is negative the wedge locks itself: it stays under the load when nobody holds it,
+and must be pulled out. If even :math:`\alpha < \varphi_2` the load does not slide down the wedge
+but goes away from the wall with it, and :math:`P_{back} = -\mu_1 W`.
 """
 
 # %%
 # Model
 # -----
-# Floor and wall are rigid lines. Wedge and load are elastic, but so hard that statics need not know of it: their
-# strains are less than a thousandth. Three contact pairs act at once, each with a friction of its own, and nothing
-# but contact holds the load.
+# Floor and wall are rigid lines. Wedge and load are elastic, but so hard that statics need not know
+# of it: their strains are less than a thousandth. Three contact pairs act at once, each with a
+# friction of its own, and nothing but contact holds the load.
 
 import json
 import warnings
@@ -53,10 +53,14 @@ def bodies(slope):
     load = MeshQuad.init_tensor(np.linspace(0, 1, 13), np.linspace(0, 1, 9)).with_defaults()
     top = 0.1 + slope * (1.5 - wedge.p[0])
     bottom = 0.1 + slope * (1.5 - load.p[0])
-    return sc.join_bodies({
-        "wedge": replace(wedge, doflocs=np.stack((wedge.p[0], wedge.p[1] * top))),
-        "load": replace(load, doflocs=np.stack((load.p[0], bottom + load.p[1] * (1.6 - bottom)))),
-    })
+    return sc.join_bodies(
+        {
+            "wedge": replace(wedge, doflocs=np.stack((wedge.p[0], wedge.p[1] * top))),
+            "load": replace(
+                load, doflocs=np.stack((load.p[0], bottom + load.p[1] * (1.6 - bottom)))
+            ),
+        }
+    )
 
 
 @LinearForm
@@ -66,11 +70,13 @@ def pressed(v, w):
 
 
 # %%
-# The face of the wedge is pushed ahead by more than one of its segments, and then drawn back. The way back begins
-# with small steps, in which friction turns round everywhere.
+# The face of the wedge is pushed ahead by more than one of its segments, and then drawn back. The
+# way back begins with small steps, in which friction turns round everywhere.
 
 there = np.linspace(0, stroke, n_steps + 1)[1:]
-path = np.concatenate((there, stroke - np.array([0.0005, 0.001, 0.002, 0.004, 0.01]), stroke - there))
+path = np.concatenate(
+    (there, stroke - np.array([0.0005, 0.001, 0.002, 0.004, 0.01]), stroke - there)
+)
 
 
 def driven(angle, mu1, mu2, mu3):
@@ -80,10 +86,17 @@ def driven(angle, mu1, mu2, mu3):
     face = basis.get_dofs("wedge:left").all("u^1")
     forms = {
         "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
-        "floor": sc.ContactPair(basis, "wedge:bottom", sc.rigid.line((-3.0, 0.0), (3.0, 0.0)), sc.Coulomb(mu=mu1),
-                                "nodal"),
+        "floor": sc.ContactPair(
+            basis,
+            "wedge:bottom",
+            sc.rigid.line((-3.0, 0.0), (3.0, 0.0)),
+            sc.Coulomb(mu=mu1),
+            "nodal",
+        ),
         "slope": sc.ContactPair(basis, "load:bottom", "wedge:top", sc.Coulomb(mu=mu2), "nodal"),
-        "wall": sc.ContactPair(basis, "load:right", sc.rigid.line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3), "nodal"),
+        "wall": sc.ContactPair(
+            basis, "load:right", sc.rigid.line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3), "nodal"
+        ),
     }
     load = pressed.assemble(FacetBasis(mesh, basis.elem, facets=mesh.boundaries["load:top"]))
     stages = [sc.Stage("weight", load)]
@@ -116,8 +129,8 @@ for name, wedge in wedges.items():
     runs[name] = *driven(*wedge), process_time() - begin
 
 # %%
-# The wedge of 15 degrees, driven in. The force flows from the top of the load to the floor, and to the wall. The
-# outlines of the start are grey.
+# The wedge of 15 degrees, driven in. The force flows from the top of the load to the floor, and to
+# the wall. The outlines of the start are grey.
 
 forms, result, *_ = runs["smooth wall"]
 plot.contour(result[n_steps], "syy", deformed=1.0)
@@ -125,8 +138,9 @@ plot.contour(result[n_steps], "syy", deformed=1.0)
 # %%
 # The force on the way
 # --------------------
-# It is constant while the wedge slides, over the joints of the mesh too. Two of the wedges come back only when they are
-# pulled: on the way their force passes through zero while everything sticks.
+# It is constant while the wedge slides, over the joints of the mesh too. Two of the wedges come
+# back only when they are pulled: on the way their force passes through zero while everything
+# sticks.
 
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 ax.axhline(0.0, color="k", lw=0.5)
@@ -142,18 +156,30 @@ ax.legend(frameon=False, ncols=2, loc="upper center")
 # %%
 # Headline numbers
 # ----------------
-# All forces are those of statics to a thousandth of the weight, and those that drive to a thousandth of themselves.
+# All forces are those of statics to a thousandth of the weight, and those that drive to a
+# thousandth of themselves.
 
 rows = []
 for name, (forms, result, force, cpu) in runs.items():
     driving, holding = (statics(*wedges[name], sign) for sign in (1, -1))
     into, out = force[1 : n_steps + 1] / weight, force[-n_steps:] / weight
-    print(f"{name:20} in: {into[-1]:8.5f}, statics {driving:8.5f}   out: {out[-1]:8.5f}, statics {holding:8.5f}")
+    print(
+        f"{name:20} in: {into[-1]:8.5f}, statics {driving:8.5f}   out: {out[-1]:8.5f}, statics "
+        f"{holding:8.5f}"
+    )
     error = np.abs(into / driving - 1).max()
     assert error < 1e-3
     assert np.abs(out - holding).max() < 1e-3
-    rows.append({"method": name, "n": n_steps, "unknowns": int(forms["bodies"].basis.N), "error": float(error),
-                 "cpu_s": round(cpu, 2), "iterations": int(sum(sum(step.iterations) for step in result))})
+    rows.append(
+        {
+            "method": name,
+            "n": n_steps,
+            "unknowns": int(forms["bodies"].basis.N),
+            "error": float(error),
+            "cpu_s": round(cpu, 2),
+            "iterations": int(sum(sum(step.iterations) for step in result)),
+        }
+    )
 
 references = {"friction everywhere": 0.640015, "smooth wall": 0.478080, "no friction": 0.363970}
 for name, value in references.items():
@@ -162,7 +188,8 @@ for name in ("friction everywhere", "flat wedge"):  # angles below 2 arctan(mu) 
     assert (runs[name][2][-n_steps:] < 0).all()
 for name in ("smooth wall", "no friction"):
     assert (runs[name][2] > 0).all()
-# a load that goes with the wedge leaves friction on the floor, which is exact up to the tolerance of Newton's method
+# a load that goes with the wedge leaves friction on the floor, which is exact up to the tolerance
+# of Newton's method
 assert np.abs(runs["friction everywhere"][2][-n_steps:] / weight + 0.2).max() < 1e-6
 
 plt.show()

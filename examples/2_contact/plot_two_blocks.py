@@ -2,16 +2,16 @@ r"""
 A block pressed and slid: friction, dissipation, hysteresis
 ===========================================================
 
-An elastic block is pressed on an elastic base and slid over six of its segments, back, and forward again.
-What must come out is known without a computation:
+An elastic block is pressed on an elastic base and slid over six of its segments, back, and forward
+again. What must come out is known without a computation:
 
 * While the block slides, the shear force :math:`T` is :math:`\mu` times the normal force :math:`N`.
 * Friction never gives energy back, at no point and in no step.
-* The second forward stroke ends where the first did: the loop of force against displacement is closed, and
-  its area is the energy that friction has dissipated.
+* The second forward stroke ends where the first did: the loop of force against displacement is
+  closed, and its area is the energy that friction has dissipated.
 
-The meshes do not match. Two quadrature rules of the contact pair are compared: ``"nodal"``, which looks for
-contact at the nodes of the block, and two Gauss points on each of its facets.
+The meshes do not match. Two quadrature rules of the contact pair are compared: ``"nodal"``, which
+looks for contact at the nodes of the block, and two Gauss points on each of its facets.
 """
 
 # %%
@@ -44,8 +44,8 @@ materials = {"base": sc.LinearElastic(E=1e5, nu=0.3), "block": sc.LinearElastic(
 bodies = sc.SolidForm(basis, materials)
 
 # %%
-# The top of the block is held at its height and led sideways. Each stroke begins with a few small steps, in
-# which the block shears until it slides.
+# The top of the block is held at its height and led sideways. Each stroke begins with a few small
+# steps, in which the block shears until it slides.
 
 first_steps = np.array([0.002, 0.004, 0.007, 0.01, 0.015])
 forward = np.concatenate((first_steps, np.linspace(0, stroke, 9)[1:]))
@@ -65,9 +65,9 @@ def stage(step):
 # %%
 # What is measured
 # ----------------
-# The forces are taken where a laboratory would take them, at the top of the block, from the stresses in its
-# elements. The dissipation of a point in a step is its friction times the distance by which its stick point
-# is dragged along.
+# The forces are taken where a laboratory would take them, at the top of the block, from the
+# stresses in its elements. The dissipation of a point in a step is its friction times the distance
+# by which its stick point is dragged along.
 
 
 def force_on_block(step):
@@ -82,10 +82,14 @@ def work_on_block(force):
 
 
 def dissipation(joint, result):
-    """Energy that every point of the joint dissipates in every step but the first, (n_steps - 1, n_points)."""
+    """Energy that every point of the joint dissipates in every step but the first, (n_steps - 1,
+    n_points).
+    """
     states = [step.states["joint"] for step in result]
     dragged = np.diff([along_chain(joint.master, *state.stick) for state in states], axis=0)
-    return dragged * [state.traction[1] for state in states[1:]] * tractions(joint, states[0]).weight
+    return (
+        dragged * [state.traction[1] for state in states[1:]] * tractions(joint, states[0]).weight
+    )
 
 
 # %%
@@ -96,22 +100,23 @@ stages = [stage(step) for step in range(len(path))]
 runs = {}
 for quadrature in ("nodal", 2):
     begin = process_time()
-    joint = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=mu), quadrature=quadrature,
-                          penalty=1e7)
+    joint = sc.ContactPair(
+        basis, "block:bottom", "base:top", sc.Coulomb(mu=mu), quadrature=quadrature, penalty=1e7
+    )
     result = sc.Model({"bodies": bodies, "joint": joint}, fixed).run(stages)
     runs[quadrature] = joint, result, process_time() - begin
 
 # %%
-# The block near the middle of the first stroke: the pressure is highest at its front edge, to which the
-# friction tilts it. Outlines of the start are grey.
+# The block near the middle of the first stroke: the pressure is highest at its front edge, to which
+# the friction tilts it. Outlines of the start are grey.
 
 plot.contour(runs["nodal"][1]["step 10"], "syy", deformed=1.0)
 
 # %%
 # The loop
 # --------
-# After the first stroke force and displacement follow a closed loop. Its area is the work that is done on
-# the block, and all of it goes into friction.
+# After the first stroke force and displacement follow a closed loop. Its area is the work that is
+# done on the block, and all of it goes into friction.
 
 joint, result, _ = runs["nodal"]
 force = np.array([force_on_block(step) for step in result])
@@ -123,7 +128,9 @@ fig, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 axes[0].axhline(mu, color="0.7", lw=1)
 axes[0].axhline(-mu, color="0.7", lw=1)
 axes[0].plot(path[: first + 1], ratio[: first + 1], "C0", label="first stroke")
-axes[0].plot(path[first : second + 1], ratio[first : second + 1], "C1.-", label="back, and forward again")
+axes[0].plot(
+    path[first : second + 1], ratio[first : second + 1], "C1.-", label="back, and forward again"
+)
 axes[0].set(xlabel="displacement of the block", ylabel="T / N", yticks=[-mu, 0, mu])
 axes[0].legend(frameon=False, loc="center")
 axes[1].plot(travelled, work_on_block(force), "C0", label="work done on the block")
@@ -134,8 +141,8 @@ axes[1].legend(frameon=False)
 # %%
 # Headline numbers
 # ----------------
-# While the block slides, T/N differs from :math:`\mu` by less than a thousandth: the surface of the base is
-# bent a little, and the force at the top is not quite parallel to it.
+# While the block slides, T/N differs from :math:`\mu` by less than a thousandth: the surface of the
+# base is bent a little, and the force at the top is not quite parallel to it.
 
 rows = []
 for quadrature, (joint, result, cpu) in runs.items():
@@ -145,15 +152,26 @@ for quadrature, (joint, result, cpu) in runs.items():
     work = work_on_block(force)
     iterations = np.array([sum(step.iterations) for step in result])
 
-    assert all((result[int(k)].states["joint"].status == Status.SLIP).all() for k in np.flatnonzero(sliding))
+    assert all(
+        (result[int(k)].states["joint"].status == Status.SLIP).all()
+        for k in np.flatnonzero(sliding)
+    )
     assert error < 1e-3  # bent surface
     assert energy.min() >= 0.0
     np.testing.assert_allclose(result[second].x, result[first].x, atol=1e-9)  # the loop is closed
     loop = energy[first:second].sum() / (work[second] - work[first])
     assert abs(loop - 1.0) < 0.005  # trapezoidal rule at the turning points
     assert iterations.mean() <= 8.0
-    rows.append({"method": f"quadrature={quadrature!r}", "n": energy.shape[1], "unknowns": int(basis.N),
-                 "error": float(error), "cpu_s": round(cpu, 2), "iterations": int(iterations.sum())})
+    rows.append(
+        {
+            "method": f"quadrature={quadrature!r}",
+            "n": energy.shape[1],
+            "unknowns": int(basis.N),
+            "error": float(error),
+            "cpu_s": round(cpu, 2),
+            "iterations": int(iterations.sum()),
+        }
+    )
 
 plt.show()
 print(json.dumps({"case": "two blocks", "rows": rows}))

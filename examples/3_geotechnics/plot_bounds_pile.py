@@ -2,16 +2,17 @@ r"""
 A pile in a slope, between two bounds
 =====================================
 
-How much safer does a pile make a slope? Strength reduction with contact gives a factor, and a coarse mesh or a search
-that ends early moves it. Here the slope of
-:doc:`the stabilising pile </gallery/3_geotechnics/plot_pile_in_slope>` gets two numbers that enclose the true factor of
-the model, with a proof, without the pile and with it, whose interface is as strong as the soil (with ``--full`` also
-two thirds as strong, and smooth). Then strength reduction with contact runs on the mesh that the bounds have refined.
+How much safer does a pile make a slope? Strength reduction with contact gives a factor, and a
+coarse mesh or a search that ends early moves it. Here the slope of
+:doc:`the stabilising pile </gallery/3_geotechnics/plot_pile_in_slope>` gets two numbers that
+enclose the true factor of the model, with a proof, without the pile and with it, whose interface is
+as strong as the soil (with ``--full`` also two thirds as strong, and smooth). Then strength
+reduction with contact runs on the mesh that the bounds have refined.
 
-What is proven holds for soils that flow with :math:`\psi = \phi`, which they do here, and for interfaces that open as
-they slip. Those of contact do not, so the lower number is an estimate for them. The safe one beside it, with the
-adhesion of the interface alone, is proven for both. Units are kN and m. Run with ``--full`` for all interfaces, small
-gaps, and a stiffer pile.
+What is proven holds for soils that flow with :math:`\psi = \phi`, which they do here, and for
+interfaces that open as they slip. Those of contact do not, so the lower number is an estimate for
+them. The safe one beside it, with the adhesion of the interface alone, is proven for both. Units
+are kN and m. Run with ``--full`` for all interfaces, small gaps, and a stiffer pile.
 """
 
 import json
@@ -32,8 +33,9 @@ FULL = "--full" in sys.argv
 # %%
 # A coarse mesh
 # -------------
-# The bounds refine it. The slope rises 1 to 2 from left to right, and the head of the pile in its middle is the origin;
-# columns of quadrilaterals follow the pile, rows the interface of the two layers.
+# The bounds refine it. The slope rises 1 to 2 from left to right, and the head of the pile in its
+# middle is the origin; columns of quadrilaterals follow the pile, rows the interface of the two
+# layers.
 
 width, tip, layer, base, toe, end = 0.2, -15.6, -10.6, -20.6, 16.1, 45.0
 
@@ -54,14 +56,15 @@ def slope(with_pile):
     def pile(x):
         return with_pile & (abs(x[0]) < 0.1) & (x[1] > tip)
 
-    mesh = mesh.with_subdomains({"upper": lambda x: (x[1] > layer) & ~pile(x),
-                                 "lower": lambda x: (x[1] < layer) & ~pile(x)})
-    mesh = mesh.with_boundaries({"bottom": lambda x: np.isclose(x[1], base),
-                                 "sides": lambda x: np.isclose(abs(x[0]), end)})
+    mesh = mesh.with_subdomains(
+        {"upper": lambda x: (x[1] > layer) & ~pile(x), "lower": lambda x: (x[1] < layer) & ~pile(x)}
+    )
+    mesh = mesh.with_boundaries(
+        {"bottom": lambda x: np.isclose(x[1], base), "sides": lambda x: np.isclose(abs(x[0]), end)}
+    )
     if not with_pile:
         return mesh
-    sides = {"left": lambda x: np.isclose(x[0], -0.1),
-             "right": lambda x: np.isclose(x[0], 0.1)}
+    sides = {"left": lambda x: np.isclose(x[0], -0.1), "right": lambda x: np.isclose(x[0], 0.1)}
     faces = {"tip": lambda x: np.isclose(x[1], tip) & (abs(x[0]) < 0.1)}
     for name, on in sides.items():
         faces[f"{name} upper"] = lambda x, on=on: on(x) & (x[1] > layer)
@@ -77,8 +80,10 @@ def slope(with_pile):
 # The pile yields at a moment of 150 kNm/m. An interface of strength :math:`R` has :math:`R\, c` and
 # :math:`R \tan\phi` of the layer that it touches. The pile keeps its strength, all else is reduced.
 
-soils = {"upper": sc.MohrCoulomb(1e5, 0.3, c=32.5, phi=10.0, psi=10.0),
-         "lower": sc.MohrCoulomb(2e5, 0.3, c=50.0, phi=35.0, psi=35.0)}
+soils = {
+    "upper": sc.MohrCoulomb(1e5, 0.3, c=32.5, phi=10.0, psi=10.0),
+    "lower": sc.MohrCoulomb(2e5, 0.3, c=50.0, phi=35.0, psi=35.0),
+}
 weights = {"upper": 19.0, "lower": 20.0}
 
 
@@ -89,8 +94,10 @@ def model(mesh, share=None, stiffness=2.8e7):
     if share is None:
         return {"ground": sc.SolidForm(basis, soils)}, fixed, weights
     concrete = sc.Tresca(E=stiffness, nu=0.2, c=2.0 * 150.0 / width**2)
-    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), soils),
-             "pile": sc.SolidForm(basis.with_elements("pile"), concrete)}
+    forms = {
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils),
+        "pile": sc.SolidForm(basis.with_elements("pile"), concrete),
+    }
     for face in ("left upper", "left lower", "right upper", "right lower", "tip"):
         soil = soils["upper" if "upper" in face else "lower"]
         law = sc.Coulomb(mu=share * np.tan(np.radians(soil.phi)), adhesion=share * soil.c)
@@ -102,8 +109,8 @@ def model(mesh, share=None, stiffness=2.8e7):
 # %%
 # Bounds, and strength reduction on their mesh
 # --------------------------------------------
-# A factor of strength reduction above its bracket is the mesh's, one below would be an error. A weaker interface never
-# raises a factor.
+# A factor of strength reduction above its bracket is the mesh's, one below would be an error. A
+# weaker interface never raises a factor.
 
 gap, elements = (0.05, 3000) if FULL else (0.1, 700)
 cases = {"without pile": None, "interface 1": 1.0, "interface 2/3": 2 / 3, "smooth": 0.0}
@@ -116,25 +123,44 @@ for name, share in cases.items():
     begin = process_time()
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the bounds .* differ", sc.AnalysisWarning)
-        found = sc.Model(forms, fixed).bounds(weight=weight, exclude=kept, gap=gap, elements=elements, progress=False)
+        found = sc.Model(forms, fixed).bounds(
+            weight=weight, exclude=kept, gap=gap, elements=elements, progress=False
+        )
     middle = begin, process_time()
     forms, fixed, weight = model(found.mesh, share)
     basis = Basis(found.mesh, ElementVector(ElementTriP2()), intorder=2)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "no collapse was shown", sc.AnalysisWarning)
-        reduction = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude=kept, tolerance=0.02,
-                                                              certify=False, progress=False)
+        reduction = sc.Model(forms, fixed).strength_reduction(
+            sc.weight(basis, weight), exclude=kept, tolerance=0.02, certify=False, progress=False
+        )
     proven[name], factors[name] = found, reduction.factor
     safe = "" if found.safe is None else f", safe {found.safe:.3f}"
-    print(f"{name:14} [{found.lower:.3f}, {found.upper:.3f}]{safe}, strength reduction "
-          f"{reduction.factor:.3f} ({reduction.stop.kind})")
-    rows += [{"method": f"bounds, {name}", "n": found.mesh.nelements, "lower": round(found.lower, 4),
-              "upper": round(found.upper, 4), "unknowns": found.certificates[1].unknowns,
-              "error": found.gap, "cpu_s": round(middle[1] - begin, 2),
-              "iterations": sum(c.iterations for c in found.history)},
-             {"method": f"strength reduction, {name}", "n": found.mesh.nelements,
-              "factor": round(reduction.factor, 4), "unknowns": len(reduction.x), "error": None,
-              "cpu_s": round(process_time() - middle[1], 2), "iterations": reduction.iterations}]  # fmt: skip
+    print(
+        f"{name:14} [{found.lower:.3f}, {found.upper:.3f}]{safe}, strength reduction "
+        f"{reduction.factor:.3f} ({reduction.stop.kind})"
+    )
+    rows += [
+        {
+            "method": f"bounds, {name}",
+            "n": found.mesh.nelements,
+            "lower": round(found.lower, 4),
+            "upper": round(found.upper, 4),
+            "unknowns": found.certificates[1].unknowns,
+            "error": found.gap,
+            "cpu_s": round(middle[1] - begin, 2),
+            "iterations": sum(c.iterations for c in found.history),
+        },
+        {
+            "method": f"strength reduction, {name}",
+            "n": found.mesh.nelements,
+            "factor": round(reduction.factor, 4),
+            "unknowns": len(reduction.x),
+            "error": None,
+            "cpu_s": round(process_time() - middle[1], 2),
+            "iterations": reduction.iterations,
+        },
+    ]
 
 for name, found in proven.items():
     assert found.lower < factors[name] < found.upper * 1.02
@@ -146,13 +172,15 @@ assert factors["without pile"] < factors["interface 1"]
 # %%
 # Young's modulus
 # ---------------
-# Limits do not know it. With a pile ten times as stiff strength reduction finds the same factor, but for its tolerance.
+# Limits do not know it. With a pile ten times as stiff strength reduction finds the same factor,
+# but for its tolerance.
 
 if FULL:
     forms, fixed, weight = model(proven["interface 1"].mesh, 1.0, stiffness=2.8e8)
     basis = Basis(proven["interface 1"].mesh, ElementVector(ElementTriP2()), intorder=2)
-    stiff = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude="pile", certify=False,
-                                                      progress=False)
+    stiff = sc.Model(forms, fixed).strength_reduction(
+        sc.weight(basis, weight), exclude="pile", certify=False, progress=False
+    )
     print(f"a pile ten times as stiff: {stiff.factor:.3f}")
     assert abs(stiff.factor - factors["interface 1"]) < 0.02
 

@@ -60,8 +60,9 @@ def in_space(kind):
     below = np.isclose(z, 0) & (np.hypot(x, y) < 1.0001)
     upright = np.flatnonzero(below & (np.arange(basis.N) % 3 == 2))
     area = m * np.sin(np.pi / 4 / m)  # of the quarter of a polygon
-    return press(basis, form, base, upright if kind == "smooth" else np.flatnonzero(below),
-                 upright, area)  # fmt: skip
+    return press(
+        basis, form, base, upright if kind == "smooth" else np.flatnonzero(below), upright, area
+    )
 
 
 def axisymmetric(kind):
@@ -75,8 +76,9 @@ def axisymmetric(kind):
     below = np.isclose(basis.doflocs[1], 0) & (basis.doflocs[0] < 1.0001)
     base = np.union1d(sc.box_supports(basis), basis.get_dofs("right").all())
     upright = np.flatnonzero(below & (np.arange(basis.N) % 2 == 1))
-    return press(basis, form, base, upright if kind == "smooth" else np.flatnonzero(below),
-                 upright, 0.5)  # fmt: skip
+    return press(
+        basis, form, base, upright if kind == "smooth" else np.flatnonzero(below), upright, 0.5
+    )
 
 
 # %%
@@ -91,9 +93,16 @@ for color, kind in zip(("C0", "C1"), EXACT):
         pressure, result = model(kind)
         name = f"{kind}, {'in space' if model is in_space else 'axisymmetric'}"
         error = pressure[-1] / EXACT[kind] - 1
-        rows.append({"method": name, "n": m, "unknowns": len(result[-1].x), "error": float(error),
-                     "cpu_s": round(process_time() - begin, 2),
-                     "iterations": sum(sum(step.iterations) for step in result)})  # fmt: skip
+        rows.append(
+            {
+                "method": name,
+                "n": m,
+                "unknowns": len(result[-1].x),
+                "error": float(error),
+                "cpu_s": round(process_time() - begin, 2),
+                "iterations": sum(sum(step.iterations) for step in result),
+            }
+        )
         print(f"{name:22} {len(result[-1].x):6} unknowns: {pressure[-1]:.3f} ({error:+.2%})")
         ax.plot(np.append(0, settlements), np.append(0, pressure), style, color=color, label=name)
         if model is in_space:
@@ -108,9 +117,14 @@ plt.show()
 # --------------------
 # The ground moves down with the disc, sideways, and up beside it.
 
-plot.cutaway(last[-1], "u", since=last[-2], towards=(1, 1.4, -0.7), deformed=500.0,
-             cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
-                   ((0, 0, -1), (0, 0, -1.5))])  # fmt: skip
+plot.cutaway(
+    last[-1],
+    "u",
+    since=last[-2],
+    towards=(1, 1.4, -0.7),
+    deformed=500.0,
+    cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)), ((0, 0, -1), (0, 0, -1.5))],
+)
 
 # %%
 # Headline numbers

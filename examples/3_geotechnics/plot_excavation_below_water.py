@@ -83,9 +83,7 @@ def ground_and_wall():
         )
     )
     mesh = sc.join_bodies(mesh, bodies={"ground": ["sand", *LIFTS], "piles": "wall"})
-    named = {
-        "lake": mesh.facets_satisfying(lambda x: (x[1] > -1e-9) & (x[0] > OUTER), True)
-    }
+    named = {"lake": mesh.facets_satisfying(lambda x: (x[1] > -1e-9) & (x[0] > OUTER), True)}
     for i, level in enumerate(LEVELS):
         named[f"floor {i}"] = mesh.facets_satisfying(
             lambda x, y=level: (abs(x[1] - y) < 1e-9) & (x[0] < INNER)
@@ -111,19 +109,13 @@ forms = {
     name: sc.SolidForm(basis.with_elements(name), material, unit_weight=WEIGHT)
     for name, material in materials.items()
 }
-steel = sc.SolidForm(
-    basis.with_elements("wall"), WALL, unit_weight=WALL_WEIGHT, porous=False
-)
+steel = sc.SolidForm(basis.with_elements("wall"), WALL, unit_weight=WALL_WEIGHT, porous=False)
 friction = sc.Coulomb(mu=float(np.tan(np.radians(20))))
 forms |= {
-    f"{name}|wall": sc.ContactPair(
-        basis, f"{name}|wall", "piles|ground", friction, quadrature=2
-    )
+    f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "piles|ground", friction, quadrature=2)
     for name in GROUND
 }
-fixed = np.append(
-    basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")
-)
+fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
 at_top = np.flatnonzero((basis.doflocs[1] > -1e-9) & (abs(basis.doflocs[0] - INNER) < 1e-9))
 of_wall = np.unique(basis.element_dofs[:, mesh.subdomains["wall"]])
 strut = np.intersect1d(at_top[at_top % 2 == 0], of_wall)
@@ -167,9 +159,7 @@ flows, rows = {}, []
 for lift in (1, 2, 3):
     began = process_time()
     wet = basis.with_elements(left_after(lift))
-    flow = sc.water.seepage(
-        wet, K, {"lake": 0.0, f"floor {lift}": LEVELS[lift]}, unit_weight=WATER
-    )
+    flow = sc.water.seepage(wet, K, {"lake": 0.0, f"floor {lift}": LEVELS[lift]}, unit_weight=WATER)
     flows[lift] = flow
     q, (expected, share) = flow.discharge("lake"), fragments(lift)
     at_toe = flow.head_at(np.array([INNER + THICK / 2, TOE])) / -LEVELS[lift] + 1
@@ -267,27 +257,19 @@ rows[-1]["error"] = float(balance)
 # Moments
 # -------
 
-cuts = sc.Sections.line(
-    (INNER + THICK / 2, -0.25), (INNER + THICK / 2, TOE + 0.25), THICK, n=55
-)
+cuts = sc.Sections.line((INNER + THICK / 2, -0.25), (INNER + THICK / 2, TOE + 0.25), THICK, n=55)
 moments = {
     key: {stage.name: stage.section_forces("wall", cuts) for stage in result}
     for key, result in results.items()
 }
-figure, (left, right) = plt.subplots(
-    1, 2, figsize=(9, 4.8), sharey=True, layout="constrained"
-)
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4.8), sharey=True, layout="constrained")
 for key, style in (("without water", "--"), ("with water", "-")):
     for i, color in ((1, "#777777"), (2, "#1f4e8c"), (3, "#d55e00")):
         forces = moments[key][f"dig {i}"]
         left.plot(forces.M, -forces.y, style, color=color, label=f"{-LEVELS[i]:g} m, {key}")
-    print(
-        key, {name: round(float(np.abs(f.M).max()), 1) for name, f in moments[key].items()}
-    )
+    print(key, {name: round(float(np.abs(f.M).max()), 1) for name, f in moments[key].items()})
 for i in (1, 2, 3):
-    wet, dry = (
-        np.abs(moments[key][f"dig {i}"].M).max() for key in ("with water", "without water")
-    )
+    wet, dry = (np.abs(moments[key][f"dig {i}"].M).max() for key in ("with water", "without water"))
     assert wet > 2.5 * dry
 right.plot(flow.pressure_at(np.array([np.full(4001, OUTER), y])), -y, label="lake")
 right.plot(flow.pressure_at(np.array([np.full(4001, INNER), below])), -below, label="pit")

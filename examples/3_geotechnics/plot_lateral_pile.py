@@ -54,20 +54,27 @@ def half_ring(radial, around, width):
     polar = MeshQuad2.from_mesh(grid)
     r, angle = polar.doflocs
     mesh = replace(polar, doflocs=np.stack((r * np.cos(angle), r * np.sin(angle))))
-    return mesh.with_boundaries({"shaft": lambda x: np.hypot(*x) < 0.51,
-                                 "far": lambda x: np.hypot(*x) > 0.98 * width,
-                                 "symmetry": lambda x: np.isclose(x[1], 0.0)})
+    return mesh.with_boundaries(
+        {
+            "shaft": lambda x: np.hypot(*x) < 0.51,
+            "far": lambda x: np.hypot(*x) > 0.98 * width,
+            "symmetry": lambda x: np.isclose(x[1], 0.0),
+        }
+    )
 
 
 def slice_of(alpha):
     """Np at each displacement; forms, result, processor time."""
     begin = process_time()
-    basis = Basis(half_ring(*(24, 36) if FULL else (14, 24), 3.0),
-                  ElementVector(ElementQuad2()), intorder=4)
+    basis = Basis(
+        half_ring(*(24, 36) if FULL else (14, 24), 3.0), ElementVector(ElementQuad2()), intorder=4
+    )
     law = sc.Coulomb(adhesion=alpha, tension=SUCTION)
     circle = sc.rigid.circle((0.0, 0.0), 0.5)
-    forms = {"clay": sc.SolidForm(basis, CLAY),
-             "shaft": sc.ContactPair(basis, "shaft", circle, law, 2, initial="adjusted")}
+    forms = {
+        "clay": sc.SolidForm(basis, CLAY),
+        "shaft": sc.ContactPair(basis, "shaft", circle, law, 2, initial="adjusted"),
+    }
     fixed = np.union1d(basis.get_dofs("far").all(), basis.get_dofs("symmetry").all("u^2"))
     along, stages = basis.get_dofs("far").all("u^1"), []
     for u in (5e-4, 1e-3, 2e-3, 3e-3):
@@ -102,12 +109,16 @@ plot.contour(result[-1], "u", since=result[-2], window=(-2.0, 2.0, 0.0, 2.0))
 
 LENGTH = 3.0
 m, levels, first = (3, 6, 0.05) if FULL else (2, 3, 0.06)
-basis = Basis(short_pile_in_ground(m, first, 2.0, LENGTH, levels),
-              ElementVector(ElementHex1()), intorder=2)
+basis = Basis(
+    short_pile_in_ground(m, first, 2.0, LENGTH, levels), ElementVector(ElementHex1()), intorder=2
+)
 pile = np.unique(basis.get_dofs(elements="pile").all())
 push = pile[pile % 3 == 0]
-fixed = np.unique(np.concatenate((basis.get_dofs("soil:far").all(), pile,
-                                  basis.get_dofs("soil:symmetry").all("u^2"))))
+fixed = np.unique(
+    np.concatenate(
+        (basis.get_dofs("soil:far").all(), pile, basis.get_dofs("soil:symmetry").all("u^2"))
+    )
+)
 displacements = np.array([5e-4, 1e-3, 2e-3, 4e-3] if FULL else [1.5e-3, 4e-3])
 
 
@@ -116,10 +127,13 @@ def pushed(tension):
     begin = process_time()
     law = sc.Coulomb(adhesion=1.0, tension=tension)
     steel = sc.LinearElastic(E=1e6, nu=0.2)
-    forms = {"clay": sc.SolidForm(basis.with_elements("soil"), CLAY, strain="b_bar"),
-             "pile": sc.SolidForm(basis.with_elements("pile"), steel),
-             "shaft": sc.ContactPair(basis, "soil:shaft", "pile:shaft", law, "nodal",
-                                     initial="adjusted")}
+    forms = {
+        "clay": sc.SolidForm(basis.with_elements("soil"), CLAY, strain="b_bar"),
+        "pile": sc.SolidForm(basis.with_elements("pile"), steel),
+        "shaft": sc.ContactPair(
+            basis, "soil:shaft", "pile:shaft", law, "nodal", initial="adjusted"
+        ),
+    }
     stages = []
     for u in displacements:
         x = basis.zeros()
@@ -145,8 +159,9 @@ for (name, (force, _, result, _)), style in zip(piles.items(), ("o-", "s--")):
     resistance = 2 * np.bincount(level, shaft.weight * ahead / reach)
     deep.plot(resistance, -spacing * np.arange(levels + 1), style, label=name)
 deep.axvline(exact(1.0), color="k", lw=1, label="flow around the pile")
-ax.set(xlabel="displacement / D", ylabel="mean resistance / $s_u D$", xlim=(0, None),
-       ylim=(0, None))
+ax.set(
+    xlabel="displacement / D", ylabel="mean resistance / $s_u D$", xlim=(0, None), ylim=(0, None)
+)
 deep.set(xlabel="resistance / $s_u D$", ylabel="height / D", xlim=(0, None))
 deep.legend(frameon=False, loc="lower left", fontsize="small")
 plt.show()
@@ -159,9 +174,12 @@ plt.show()
 # ----------------
 # With suction the clay rises before the pile and sinks behind it.
 
-view = {"cuts": [((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.0, 0)),
-                 ((0, 0, -1), (0, 0, -4.5))],
-        "towards": (-0.6, 1.4, -0.8), "deformed": 30.0, "limits": (-1.2e-3, 1.2e-3)}
+view = {
+    "cuts": [((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.0, 0)), ((0, 0, -1), (0, 0, -4.5))],
+    "towards": (-0.6, 1.4, -0.8),
+    "deformed": 30.0,
+    "limits": (-1.2e-3, 1.2e-3),
+}
 _, forms, result, _ = piles["held by suction"]
 plot.cutaway(result[-1], "uz", **view)
 
@@ -181,13 +199,28 @@ print(result[-1].report("shaft"))
 
 bonded, free = (piles[name][0][-1] for name in piles)
 assert bonded < 1.05 * exact(1.0) and 0.4 < free / bonded < 0.6
-rows = [{"method": f"slice, alpha = {alpha:g}", "n": 36 if FULL else 24,
-         "unknowns": len(result[-1].x), "error": float(force[-1] / exact(alpha) - 1),
-         "cpu_s": round(cpu, 2), "iterations": sum(sum(step.iterations) for step in result)}
-        for alpha, (force, _, result, cpu) in slices.items()]
+rows = [
+    {
+        "method": f"slice, alpha = {alpha:g}",
+        "n": 36 if FULL else 24,
+        "unknowns": len(result[-1].x),
+        "error": float(force[-1] / exact(alpha) - 1),
+        "cpu_s": round(cpu, 2),
+        "iterations": sum(sum(step.iterations) for step in result),
+    }
+    for alpha, (force, _, result, cpu) in slices.items()
+]
 assert all(0 < row["error"] < (0.02 if FULL else 0.03) for row in rows)
-rows += [{"method": f"short pile, {name}", "n": 4 * m, "unknowns": int(basis.N),
-          "error": None, "resistance": float(force[-1]), "cpu_s": round(cpu, 2),
-          "iterations": sum(sum(step.iterations) for step in result)}
-         for name, (force, _, result, cpu) in piles.items()]
+rows += [
+    {
+        "method": f"short pile, {name}",
+        "n": 4 * m,
+        "unknowns": int(basis.N),
+        "error": None,
+        "resistance": float(force[-1]),
+        "cpu_s": round(cpu, 2),
+        "iterations": sum(sum(step.iterations) for step in result),
+    }
+    for name, (force, _, result, cpu) in piles.items()
+]
 print(json.dumps({"case": "pile that is pushed sideways", "rows": rows}))

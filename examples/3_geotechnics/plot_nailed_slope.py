@@ -2,13 +2,13 @@ r"""
 A nailed slope and a wall of geogrids
 =====================================
 
-Nails and geogrids are thin and resist tension only: :class:`skfem_contact.Reinforcement` has a normal force and nothing
-else. Nails lie anywhere in the mesh and hold the ground by their skin (:class:`skfem_contact.Embedded`), geogrids are
-bonded along lines of the mesh.
+Nails and geogrids are thin and resist tension only: :class:`skfem_contact.Reinforcement` has a
+normal force and nothing else. Nails lie anywhere in the mesh and hold the ground by their skin
+(:class:`skfem_contact.Embedded`), geogrids are bonded along lines of the mesh.
 
-A steep slope of 8 m that does not stand is nailed: the factor of safety against the skin resistance and against the
-spacing of the nails, beside that of a log spiral with the forces of the nails. A wall of reinforced soil stands beside
-Coulomb's wedge, and geogrids beside solid inclusions.
+A steep slope of 8 m that does not stand is nailed: the factor of safety against the skin resistance
+and against the spacing of the nails, beside that of a log spiral with the forces of the nails. A
+wall of reinforced soil stands beside Coulomb's wedge, and geogrids beside solid inclusions.
 """
 
 import json
@@ -25,15 +25,17 @@ from skfem_contact import plot
 # %%
 # The slope
 # ---------
-# Five rows of nails of 7 m. All that belongs to a nail is that of one nail, in kN and m; `spacing` makes it that of a
-# metre of the slope. The toe is the origin.
+# Five rows of nails of 7 m. All that belongs to a nail is that of one nail, in kN and m; `spacing`
+# makes it that of a metre of the slope. The toe is the origin.
 
 HEIGHT, RUN, SOIL = 8.0, 4.0, {"c": 8.0, "phi": 30.0}
 LINES = [((-y / 2, y), (-y / 2 - 7.0, y - 0.7)) for y in 0.8 + 1.5 * np.arange(5)]
 
 
 def slope_mesh():
-    """Triangles with a smooth face, 15 m of ground behind it, and smaller elements towards the toe."""
+    """Triangles with a smooth face, 15 m of ground behind it, and smaller elements towards the
+    toe.
+    """
     x = np.append(-15.0 * np.linspace(1, 0, 11) ** 1.3, 5.0 * np.linspace(0, 1, 4)[1:] ** 1.3)
     y = np.append(-3.0 * np.linspace(1, 0, 3)[:-1] ** 1.2, HEIGHT * np.linspace(0, 1, 7) ** 1.15)
     grid = MeshQuad.init_tensor(x, y)
@@ -41,7 +43,9 @@ def slope_mesh():
     grid = grid.restrict(np.flatnonzero((middle[0] < 0) | (middle[1] < 0)))
     x, y = grid.p
     share = np.where(x < 0, 1 + x / 15.0, x <= 0)
-    return MeshQuad(np.array([x - share * RUN * np.clip(y / HEIGHT, 0, 1), y]), grid.t).to_meshtri(style="x")
+    return MeshQuad(np.array([x - share * RUN * np.clip(y / HEIGHT, 0, 1), y]), grid.t).to_meshtri(
+        style="x"
+    )
 
 
 def nailed(T_max, spacing=1.5):
@@ -58,14 +62,20 @@ def nailed(T_max, spacing=1.5):
 # %%
 # A log spiral
 # ------------
-# Limit analysis knows an upper bound: the ground above a logarithmic spiral turns about its pole. The weight does the
-# work, and cohesion resists along the spiral. Each nail that the spiral cuts resists with the skin of the shorter part,
-# before or behind it, times the motion along the nail. Of all spirals the one is sought whose factor is the least.
+# Limit analysis knows an upper bound: the ground above a logarithmic spiral turns about its pole.
+# The weight does the work, and cohesion resists along the spiral. Each nail that the spiral cuts
+# resists with the skin of the shorter part, before or behind it, times the motion along the nail.
+# Of all spirals the one is sought whose factor is the least.
 
 
 def resistance(F, first, last, out, force):
-    """What resists over what drives, for a spiral between two angles that leaves the face or the ground before it."""
-    tan, at = np.tan(np.radians(SOIL["phi"])) / F, np.array([out, 0.0] if out > 0 else [out * RUN / HEIGHT, -out])
+    """What resists over what drives, for a spiral between two angles that leaves the face or the
+    ground before it.
+    """
+    tan, at = (
+        np.tan(np.radians(SOIL["phi"])) / F,
+        np.array([out, 0.0] if out > 0 else [out * RUN / HEIGHT, -out]),
+    )
     angle = np.linspace(last, first, 80)
     ray = np.exp((angle - last) * tan) * np.array([np.cos(angle), np.sin(angle)])
     size = (HEIGHT - at[1]) / (ray[1, -1] - ray[1, 0])
@@ -81,7 +91,9 @@ def resistance(F, first, last, out, force):
     cross = X * Y1 - X1 * Y
     driving = 20.0 * (((X + X1) * cross).sum() / 6 - px * cross.sum() / 2)
     middle = np.hypot((x[1:] + x[:-1]) / 2 - px, (y[1:] + y[:-1]) / 2 - py)
-    resisting = SOIL["c"] / F * np.cos(np.arctan(tan)) * (middle * np.hypot(np.diff(x), np.diff(y))).sum()
+    resisting = (
+        SOIL["c"] / F * np.cos(np.arctan(tan)) * (middle * np.hypot(np.diff(x), np.diff(y))).sum()
+    )
     for head, tip in np.array(LINES if force else []):
         length = np.linalg.norm(tip - head)
         t = (tip - head) / length
@@ -97,13 +109,22 @@ def resistance(F, first, last, out, force):
 
 def spiral(force):
     """Factor of safety with a skin resistance per length and metre of the slope."""
-    starts = [(a, b, out) for a in np.radians([190, 210, 230]) for b in np.radians([240, 255, 270, 300])
-              for out in (-1e-6, 1.0, 3.0) if b > a]
+    starts = [
+        (a, b, out)
+        for a in np.radians([190, 210, 230])
+        for b in np.radians([240, 255, 270, 300])
+        for out in (-1e-6, 1.0, 3.0)
+        if b > a
+    ]
 
     def least(F):
         start = min(starts, key=lambda start: resistance(F, *start, force))
-        return minimize(lambda p: resistance(F, *p, force), start, method="Nelder-Mead",
-                        options={"xatol": 1e-3, "fatol": 1e-4}).fun
+        return minimize(
+            lambda p: resistance(F, *p, force),
+            start,
+            method="Nelder-Mead",
+            options={"xatol": 1e-3, "fatol": 1e-4},
+        ).fun
 
     return brentq(lambda F: least(F) - 1, 0.7, 2.2, xtol=2e-3)
 
@@ -111,15 +132,22 @@ def spiral(force):
 # %%
 # Factors of safety
 # -----------------
-# Without nails the slope falls, and certified bounds say so. With nails whose skin slips the curve of the factor over
-# the displacement levels off within a metre: nails transfer normal force only, so that ground which slides past meets
-# no other resistance. What counts is the skin resistance over the spacing. Strong nails hold, and the slope slides
-# behind and below them: the factor then hardly rises any more, and is less than that of one spiral.
+# Without nails the slope falls, and certified bounds say so. With nails whose skin slips the curve
+# of the factor over the displacement levels off within a metre: nails transfer normal force only,
+# so that ground which slides past meets no other resistance. What counts is the skin resistance
+# over the spacing. Strong nails hold, and the slope slides behind and below them: the factor then
+# hardly rises any more, and is less than that of one spiral.
 
 bare = nailed(0)
 bounds = bare.bounds(gap=0.05, progress=False)
-cases = {"bare": (0.0, 1.5), "T_max 9": (9.0, 1.5), "T_max 22.5": (22.5, 1.5), "T_max 60": (60.0, 1.5),
-         "spacing 2": (22.5, 2.0), "spacing 3": (22.5, 3.0)}
+cases = {
+    "bare": (0.0, 1.5),
+    "T_max 9": (9.0, 1.5),
+    "T_max 22.5": (22.5, 1.5),
+    "T_max 60": (60.0, 1.5),
+    "spacing 2": (22.5, 2.0),
+    "spacing 3": (22.5, 3.0),
+}
 found, rows, spirals = {}, [], {}
 for name, (T_max, spacing) in cases.items():
     begin = process_time()
@@ -129,22 +157,46 @@ for name, (T_max, spacing) in cases.items():
     if (force := T_max / spacing) not in spirals:
         spirals[force] = spiral(force)
     error = search.factor / spirals[force] - 1
-    rows.append({"method": name, "n": 6, "unknowns": int(model.layout.size), "error": abs(error),
-                 "cpu_s": round(seconds, 2), "iterations": search.iterations, "factor": round(search.factor, 4)})
-    print(f"{name:10} {force:5.1f} kN/m: factor {search.factor:.3f}, spiral {spirals[force]:.3f}, ended by "
-          f"{search.stop.kind} at {search.curve[-1, 2]:.2f} m, {search.iterations} iterations, {seconds:.1f} s")
+    rows.append(
+        {
+            "method": name,
+            "n": 6,
+            "unknowns": int(model.layout.size),
+            "error": abs(error),
+            "cpu_s": round(seconds, 2),
+            "iterations": search.iterations,
+            "factor": round(search.factor, 4),
+        }
+    )
+    print(
+        f"{name:10} {force:5.1f} kN/m: factor {search.factor:.3f}, spiral {spirals[force]:.3f}, "
+        f"ended by "
+        f"{search.stop.kind} at {search.curve[-1, 2]:.2f} m, {search.iterations} iterations, "
+        f"{seconds:.1f} s"
+    )
     assert search.stop.kind in ("plateau", "collapse") and search.bracket[1] < search.factor + 0.005
     assert search.curve[-1, 2] < 2.0  # small beside the slope
     assert error < 0.04  # a spiral is an upper bound; elements of 1.3 m give 3 % too much
     assert error > -0.02 or force > 15
 print(f"bounds of the bare slope: {bounds.lower:.3f} to {bounds.upper:.3f}")
-assert bounds.lower < spirals[0.0] < 1.01 * bounds.upper and bounds.lower < found["bare"].factor < 1.05 * bounds.upper
-assert found["bare"].factor < found["spacing 3"].factor < found["spacing 2"].factor < found["T_max 22.5"].factor
+assert (
+    bounds.lower < spirals[0.0] < 1.01 * bounds.upper
+    and bounds.lower < found["bare"].factor < 1.05 * bounds.upper
+)
+assert (
+    found["bare"].factor
+    < found["spacing 3"].factor
+    < found["spacing 2"].factor
+    < found["T_max 22.5"].factor
+)
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 order = sorted(spirals)
 left.plot(order, [spirals[force] for force in order], "--", color="#888888", label="log spiral")
-for label, mark, names in (("spacing 1.5 m", "o", list(cases)[:4]), ("22.5 kN/m", "s", list(cases)[4:])):
+for label, mark, names in (
+    ("spacing 1.5 m", "o", list(cases)[:4]),
+    ("22.5 kN/m", "s", list(cases)[4:]),
+):
     forces = [cases[name][0] / cases[name][1] for name in names]
     left.plot(forces, [found[name].factor for name in names], mark, label=label)
 left.axhspan(bounds.lower, bounds.upper, color="#dd8844", alpha=0.4, label="bounds without nails")
@@ -157,7 +209,8 @@ right.legend()
 plt.show()
 
 # %%
-# Forces in the nails when the slope slides, per metre of the slope: the skin of the shorter part bounds them.
+# Forces in the nails when the slope slides, per metre of the slope: the skin of the shorter part
+# bounds them.
 
 end = found["T_max 22.5"].end
 nails = [end.section_forces(f"nail {k}") for k in range(len(LINES))]
@@ -169,23 +222,40 @@ plot.contour(end, "u")
 # %%
 # A wall of geogrids
 # ------------------
-# A vertical cut of 4 m in soil with some cohesion, five geogrids of 4 m that yield at a force Np each. If all of them
-# yield, Coulomb's wedge gives ``5 Np = K H^2 gamma / 2 - 2 c H sqrt(K)``, with the strength divided by the factor.
-# Geogrids are bonded, and stay in tension.
+# A vertical cut of 4 m in soil with some cohesion, five geogrids of 4 m that yield at a force Np
+# each. If all of them yield, Coulomb's wedge gives ``5 Np = K H^2 gamma / 2 - 2 c H sqrt(K)``, with
+# the strength divided by the factor. Geogrids are bonded, and stay in tension.
 
 
 def wall(Np):
     """Model of the wall."""
-    x = np.concatenate((-8 + 4 * np.linspace(0, 1, 5)[:-1] ** 0.8, np.linspace(-4, 0, 9), [0.7, 1.6, 3.0]))
+    x = np.concatenate(
+        (-8 + 4 * np.linspace(0, 1, 5)[:-1] ** 0.8, np.linspace(-4, 0, 9), [0.7, 1.6, 3.0])
+    )
     grid = MeshQuad.init_tensor(x, np.append([-1.0, -0.5], np.linspace(0, 4, 11)))
     middle = grid.p[:, grid.t].mean(axis=1)
-    mesh = grid.restrict(np.flatnonzero((middle[0] < 0) | (middle[1] < 0))).to_meshtri().with_defaults()
+    mesh = (
+        grid.restrict(np.flatnonzero((middle[0] < 0) | (middle[1] < 0)))
+        .to_meshtri()
+        .with_defaults()
+    )
     levels = {f"grid {k}": y for k, y in enumerate(np.linspace(0.4, 3.6, 5))}
-    mesh = mesh.with_boundaries({name: lambda x, y=y: np.isclose(x[1], y) & (x[0] > -4) & (x[0] < 0)
-                                 for name, y in levels.items()}, boundaries_only=False)  # fmt: skip
+    mesh = mesh.with_boundaries(
+        {
+            name: lambda x, y=y: np.isclose(x[1], y) & (x[0] > -4) & (x[0] < 0)
+            for name, y in levels.items()
+        },
+        boundaries_only=False,
+    )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=2e4, nu=0.3, c=5.0, phi=30.0, psi=30.0), unit_weight=18.0)}
-    forms |= {name: sc.Reinforcement(basis, name, EA=500.0, Np=Np, tension_only=True) for name in levels}
+    forms = {
+        "soil": sc.SolidForm(
+            basis, sc.MohrCoulomb(E=2e4, nu=0.3, c=5.0, phi=30.0, psi=30.0), unit_weight=18.0
+        )
+    }
+    forms |= {
+        name: sc.Reinforcement(basis, name, EA=500.0, Np=Np, tension_only=True) for name in levels
+    }
     return sc.Model(forms, sc.box_supports(basis))
 
 
@@ -204,8 +274,16 @@ for Np in (5.0, 7.0):
     search = model.strength_reduction(certify=False, progress=False)
     forces = [search.end.section_forces(name) for name in model.forms if name != "soil"]
     error = search.factor / wedge(Np) - 1
-    rows.append({"method": f"wall, Np {Np:g}", "n": 10, "unknowns": int(model.layout.size), "error": abs(error),
-                 "cpu_s": round(process_time() - begin, 2), "iterations": search.iterations})
+    rows.append(
+        {
+            "method": f"wall, Np {Np:g}",
+            "n": 10,
+            "unknowns": int(model.layout.size),
+            "error": abs(error),
+            "cpu_s": round(process_time() - begin, 2),
+            "iterations": search.iterations,
+        }
+    )
     print(f"Np {Np:g}: factor {search.factor:.3f}, wedge {wedge(Np):.3f}")
     assert abs(error) < 0.04 and search.stop.kind == "plateau"
     assert all(part.N.min() >= -1e-9 and part.N.max() <= Np * (1 + 1e-9) for part in forces)
@@ -223,11 +301,14 @@ plt.show()
 # %%
 # Beside solid inclusions
 # -----------------------
-# Three layers in an elastic cut, as bonded reinforcement and as solid strips of 1 cm with the same ``EA``.
+# Three layers in an elastic cut, as bonded reinforcement and as solid strips of 1 cm with the same
+# ``EA``.
 
 
 def layered(solid, EA=2e4, thickness=0.01):
-    """Return the displacement of the face at half of its height, and the largest normal force there."""
+    """Return the displacement of the face at half of its height, and the largest normal force
+    there.
+    """
     levels = np.array([1.0, 2.0, 3.0])
     y = np.unique(np.concatenate((np.linspace(0, 4, 13), levels, levels + thickness)).round(9))
     mesh = MeshTri.init_tensor(np.linspace(-8, 0, 25), y).with_defaults()
@@ -236,7 +317,9 @@ def layered(solid, EA=2e4, thickness=0.01):
         return np.any([(x[1] > y) & (x[1] < y + thickness) for y in levels], axis=0) & (x[0] > -5)
 
     mesh = mesh.with_subdomains({"strips": inside, "ground": lambda x: ~inside(x)}).with_boundaries(
-        {f"layer {y:g}": lambda x, y=y: np.isclose(x[1], y) & (x[0] > -5) for y in levels}, boundaries_only=False)
+        {f"layer {y:g}": lambda x, y=y: np.isclose(x[1], y) & (x[0] > -5) for y in levels},
+        boundaries_only=False,
+    )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     ground = sc.LinearElastic(E=1e4, nu=0.3)
     strips = sc.LinearElastic(E=EA / thickness, nu=0.0) if solid else ground
@@ -253,9 +336,20 @@ def layered(solid, EA=2e4, thickness=0.01):
 
 begin = process_time()
 (u, N, unknowns), (u_solid, N_solid, _) = layered(False), layered(True)
-print(f"face {1e3 * u:.3f} mm beside {1e3 * u_solid:.3f} mm of solid strips, force {N:.3f} beside {N_solid:.3f} kN/m")
+print(
+    f"face {1e3 * u:.3f} mm beside {1e3 * u_solid:.3f} mm of solid strips, force {N:.3f} beside "
+    f"{N_solid:.3f} kN/m"
+)
 error = max(abs(u / u_solid - 1), abs(N / N_solid - 1))
 assert error < 0.02
-rows.append({"method": "solid inclusions", "n": 12, "unknowns": int(unknowns), "error": error,
-             "cpu_s": round(process_time() - begin, 2), "iterations": 2})
+rows.append(
+    {
+        "method": "solid inclusions",
+        "n": 12,
+        "unknowns": int(unknowns),
+        "error": error,
+        "cpu_s": round(process_time() - begin, 2),
+        "iterations": 2,
+    }
+)
 print(json.dumps({"case": "nailed slope", "rows": rows}))

@@ -2,14 +2,14 @@ r"""
 How to add a material
 =====================
 
-A material is a small immutable class with two functions: its elasticity, and an ``update`` that returns the stress
-after a strain increment. It declares its memory, and how this memory follows from the stresses in the ground. Nothing
-has to be registered, and nothing changes while Newton's method iterates: ``update`` is a pure function of the increment
-and of the accepted state.
+A material is a small immutable class with two functions: its elasticity, and an ``update`` that
+returns the stress after a strain increment. It declares its memory, and how this memory follows
+from the stresses in the ground. Nothing has to be registered, and nothing changes while Newton's
+method iterates: ``update`` is a pure function of the increment and of the accepted state.
 
-The example adds a clay with a cap: its pores close for good where the pressure exceeds the largest one that the clay
-has ever borne, the preconsolidation pressure. One implementation serves plane strain, axial symmetry and, with six
-components, three dimensions.
+The example adds a clay with a cap: its pores close for good where the pressure exceeds the largest
+one that the clay has ever borne, the preconsolidation pressure. One implementation serves plane
+strain, axial symmetry and, with six components, three dimensions.
 """
 
 import json
@@ -27,27 +27,35 @@ from skfem_contact.materials import Update
 # %%
 # The law
 # -------
-# Tension is positive, the components are (xx, yy, zz, xy[, yz, zx]), and shear strains are engineering strains.
-# Arrays are (components, anything), so there is no loop over points.
+# Tension is positive, the components are (xx, yy, zz, xy[, yz, zx]), and shear strains are
+# engineering strains. Arrays are (components, anything), so there is no loop over points.
 #
-# Shear is limited by the cylinder of :class:`~skfem_contact.VonMises`, from which the law derives. Where the trial
-# pressure :math:`p` exceeds the preconsolidation pressure :math:`p_c`, the volume shrinks by
-# :math:`\Delta\varepsilon_v = (p - p_c) / (K + H)`, and :math:`p_c` grows by :math:`H \Delta\varepsilon_v`. The bulk
-# modulus of the consistent tangent is then :math:`K - K^2 / (K + H)`.
+# Shear is limited by the cylinder of :class:`~skfem_contact.VonMises`, from which the law derives.
+# Where the trial pressure :math:`p` exceeds the preconsolidation pressure :math:`p_c`, the volume
+# shrinks by
+# :math:`\Delta\varepsilon_v = (p - p_c) / (K + H)`, and :math:`p_c` grows by
+# :math:`H \Delta\varepsilon_v`. The bulk modulus of the consistent tangent is then
+# :math:`K - K^2 / (K + H)`.
 #
-# ``internal`` declares the memory; a variable that is returned but not declared is refused. ``initial_internal`` gives
-# its values when an analysis starts from given stresses: here the clay has once borne ``ocr`` times its pressure.
-# ``tangent`` is a function: a line search, which asks for stresses alone, never pays for it. It concerns the points in
-# ``plastic`` only, all others keep their elastic stiffness.
+# ``internal`` declares the memory; a variable that is returned but not declared is refused.
+# ``initial_internal`` gives its values when an analysis starts from given stresses: here the clay
+# has once borne ``ocr`` times its pressure. ``tangent`` is a function: a line search, which asks
+# for stresses alone, never pays for it. It concerns the points in ``plastic`` only, all others keep
+# their elastic stiffness.
 
 
 @dataclass(frozen=True, eq=False)
 class CapClay(sc.VonMises):
-    """Linear elasticity, von Mises plasticity, and a cap that hardens linearly with the plastic volume."""
+    """Linear elasticity, von Mises plasticity, and a cap that hardens linearly with the plastic
+    volume.
+    """
 
     hardening: float = 500.0
     ocr: float = 1.0
-    internal = (sc.Internal("plastic strain"), sc.Internal("preconsolidation pressure", initial=1.0, unit="kPa"))
+    internal = (
+        sc.Internal("plastic strain"),
+        sc.Internal("preconsolidation pressure", initial=1.0, unit="kPa"),
+    )
 
     def initial_internal(self, stress):
         """Return the memory of ground under a stress."""
@@ -59,7 +67,9 @@ class CapClay(sc.VonMises):
         """Return to the cylinder, then to the cap."""
         sheared = super().update(strain_increment, stress, internal[:1])
         bulk = self.lame[0] + 2 / 3 * self.lame[1]
-        volume = np.maximum(-sheared.stress[:3].mean(axis=0) - internal[1], 0.0) / (bulk + self.hardening)
+        volume = np.maximum(-sheared.stress[:3].mean(axis=0) - internal[1], 0.0) / (
+            bulk + self.hardening
+        )
         new = sheared.stress.copy()
         new[:3] += bulk * volume
         memory = np.stack((sheared.internal[0] + volume, internal[1] + self.hardening * volume))
@@ -78,18 +88,22 @@ class CapClay(sc.VonMises):
 # %%
 # Is it right?
 # ------------
-# :func:`~skfem_contact.testing.check_material` checks the law on random paths. Arguments must not change, the returned
-# stress must be admissible, the tangent must be the derivative of the stress, and plastic flow must dissipate. The
-# largest error of the tangent is returned.
+# :func:`~skfem_contact.testing.check_material` checks the law on random paths. Arguments must not
+# change, the returned stress must be admissible, the tangent must be the derivative of the stress,
+# and plastic flow must dissipate. The largest error of the tangent is returned.
 
 clay = CapClay(E=6e3, nu=0.25, strength=70.0)
 for components in (4, 6):
-    print(f"{components} components: {sc.testing.check_material(clay, strain=1e-2, ncomp=components):.1e}")
+    print(
+        f"{components} components: "
+        f"{sc.testing.check_material(clay, strain=1e-2, ncomp=components):.1e}"
+    )
 
 # %%
-# The oedometer has a closed form. A sample that starts under a vertical stress of 40 kPa with K0 = 0.8 and has
-# once borne 1.5 times its pressure is loaded, unloaded and loaded again. The curve bends where the pressure reaches the
-# preconsolidation pressure, for the second time at the largest stress before.
+# The oedometer has a closed form. A sample that starts under a vertical stress of 40 kPa with K0 =
+# 0.8 and has once borne 1.5 times its pressure is loaded, unloaded and loaded again. The curve
+# bends where the pressure reaches the preconsolidation pressure, for the second time at the largest
+# stress before.
 
 begin = process_time()
 basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad2()), intorder=4)
@@ -123,12 +137,20 @@ ax.legend(frameon=False)
 # %%
 # A load on ground with a history
 # -------------------------------
-# A strip of 60 kPa on 8 m of clay, normally consolidated and overconsolidated. The K0 procedure fills the memory
-# of every point from its own stress. Newton's method converges in a few iterations, because the tangent is consistent.
+# A strip of 60 kPa on 8 m of clay, normally consolidated and overconsolidated. The K0 procedure
+# fills the memory of every point from its own stress. Newton's method converges in a few
+# iterations, because the tangent is consistent.
 
-rows = [{"method": "oedometer", "n": 2, "unknowns": int(basis.N), "error": error,
-         "cpu_s": round(process_time() - begin, 2),
-         "iterations": sum(sum(stage.iterations) for stage in result)}]  # fmt: skip
+rows = [
+    {
+        "method": "oedometer",
+        "n": 2,
+        "unknowns": int(basis.N),
+        "error": error,
+        "cpu_s": round(process_time() - begin, 2),
+        "iterations": sum(sum(stage.iterations) for stage in result),
+    }
+]
 mesh = MeshQuad.init_tensor(np.linspace(0, 16, 17), np.linspace(-8, 0, 9)).with_defaults()
 mesh = mesh.with_boundaries({"strip": lambda x: (x[1] > -1e-9) & (x[0] < 3)})
 basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
@@ -138,20 +160,35 @@ for ocr in (1.0, 2.0):
     clay = CapClay(E=6e3, nu=0.25, strength=70.0, ocr=ocr)
     ground = sc.Model({"clay": sc.SolidForm(basis, clay, unit_weight=18.0)}, sc.box_supports(basis))
     start = ground.k0_state(K0=0.7)
-    stage = ground.run([sc.Stage("strip", strip, increments=4)], start=start, progress=False)["strip"]
+    stage = ground.run([sc.Stage("strip", strip, increments=4)], start=start, progress=False)[
+        "strip"
+    ]
     settlement[ocr] = -1e3 * float(stage.x[1::2].min())
-    print(f"ocr {ocr}: {settlement[ocr]:.0f} mm, {stage.summary['clay']}, iterations {stage.iterations}")
+    print(
+        f"ocr {ocr}: {settlement[ocr]:.0f} mm, {stage.summary['clay']}, iterations "
+        f"{stage.iterations}"
+    )
     assert max(stage.iterations) <= 8
-    rows.append({"method": f"strip, ocr {ocr}", "n": 16, "unknowns": int(basis.N), "error": None,
-                 "cpu_s": round(process_time() - begin, 2), "iterations": sum(stage.iterations),
-                 "settlement_mm": round(settlement[ocr], 1)})  # fmt: skip
+    rows.append(
+        {
+            "method": f"strip, ocr {ocr}",
+            "n": 16,
+            "unknowns": int(basis.N),
+            "error": None,
+            "cpu_s": round(process_time() - begin, 2),
+            "iterations": sum(stage.iterations),
+            "settlement_mm": round(settlement[ocr], 1),
+        }
+    )
 assert settlement[1.0] > 1.5 * settlement[2.0]
 plot.contour(stage, "plastic")
 
 # %%
-# Materials whose strength shall be reduced by :func:`~skfem_contact.strength_reduction` have a method
-# ``reduced(factor, flow)`` besides, which this law has from ``VonMises``. All further questions have defaults in
-# :class:`~skfem_contact.Material`: elasticity that depends on the stress, creep, the mobilised strength, bounds.
+# Materials whose strength shall be reduced by :func:`~skfem_contact.strength_reduction` have a
+# method ``reduced(factor, flow)`` besides, which this law has from ``VonMises``. All further
+# questions have defaults in
+# :class:`~skfem_contact.Material`: elasticity that depends on the stress, creep, the mobilised
+# strength, bounds.
 #
 # Figures
 # -------

@@ -114,8 +114,14 @@ plt.show()
 # The ground that is drawn along
 # ------------------------------
 
-plot.cutaway(result["8 mm"], "uz", since=result["initial"], limits=(0, 1.6e-3),
-             cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0))], towards=(1, 1.4, -0.8))
+plot.cutaway(
+    result["8 mm"],
+    "uz",
+    since=result["initial"],
+    limits=(0, 1.6e-3),
+    cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0))],
+    towards=(1, 1.4, -0.8),
+)
 
 # %%
 # Headline numbers
@@ -123,9 +129,19 @@ plot.cutaway(result["8 mm"], "uz", since=result["initial"], limits=(0, 1.6e-3),
 
 assert abs(rigid[0][-1] / exact - 1) < 0.01
 assert np.all(np.diff(force) > -1e-3 * exact) and abs(force[-1] / exact - 1) < 0.2
-rows = [{"method": method, "n": 5, "unknowns": int(basis.N),
-         "error": float(abs(Q[-1] / exact - 1)), "force": float(Q[-1]), "cpu_s": round(cpu, 2),
-         "iterations": sum(sum(step.iterations) for step in run)}
-        for method, (Q, _, run, cpu) in {"rigid pile, elastic ground": rigid,
-                                         "concrete pile in sand": concrete}.items()]  # fmt: skip
+rows = [
+    {
+        "method": method,
+        "n": 5,
+        "unknowns": int(basis.N),
+        "error": float(abs(Q[-1] / exact - 1)),
+        "force": float(Q[-1]),
+        "cpu_s": round(cpu, 2),
+        "iterations": sum(sum(step.iterations) for step in run),
+    }
+    for method, (Q, _, run, cpu) in {
+        "rigid pile, elastic ground": rigid,
+        "concrete pile in sand": concrete,
+    }.items()
+]
 print(json.dumps({"case": "pile that is pulled out", "rows": rows}))

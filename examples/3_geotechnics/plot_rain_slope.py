@@ -2,16 +2,18 @@ r"""
 Rain on a long slope
 ====================
 
-Dry ground sucks, and suction makes it strong. Rain takes that away, and where it cannot leave, water rises on the rock
-below: many shallow slides follow. The factor of safety of a slope of infinite length is exact at every depth z,
-whatever the pressure of the water there (N. Lu and J. Godt 2008; S is the effective saturation):
+Dry ground sucks, and suction makes it strong. Rain takes that away, and where it cannot leave,
+water rises on the rock below: many shallow slides follow. The factor of safety of a slope of
+infinite length is exact at every depth z, whatever the pressure of the water there (N. Lu and J.
+Godt 2008; S is the effective saturation):
 
 .. math:: F = \frac{\tan\varphi}{\tan\beta} + \frac{2 c}{\gamma z \sin 2\beta}
           - \frac{S\,u_w}{\gamma z} (\tan\beta + \cot\beta) \tan\varphi .
 
-The flow is that of :func:`transient_seepage <skfem_contact.water.transient_seepage>`, the factor that of the strength
-reduction of a strip whose sides move alike. ``error`` is that of the factor.
+The flow is that of :func:`transient_seepage <skfem_contact.water.transient_seepage>`, the factor
+that of the strength reduction of a strip whose sides move alike. ``error`` is that of the factor.
 """
+
 import json
 import time
 from dataclasses import dataclass
@@ -31,15 +33,24 @@ DAYS = [0.0, 4.0, 7.0, 7.5, 8.0, 8.5, 9.0, 9.5, 16.0]
 # %%
 # The water
 # ---------
-# On a long slope everything depends on the vertical depth z alone. The flow in it is that of a vertical column whose
-# height, permeability and rain are :math:`\cos^2\beta` times as large. The rock is tight. When the ground is full the
-# rain runs off.
+# On a long slope everything depends on the vertical depth z alone. The flow in it is that of a
+# vertical column whose height, permeability and rain are :math:`\cos^2\beta` times as large. The
+# rock is tight. When the ground is full the rain runs off.
 
 turned = np.cos(BETA) ** 2
-column = MeshQuad.init_tensor(np.array([0.0, 0.1]), np.linspace(0, DEPTH * turned, 81)).with_defaults()
+column = MeshQuad.init_tensor(
+    np.array([0.0, 0.1]), np.linspace(0, DEPTH * turned, 81)
+).with_defaults()
 silt = sc.water.VanGenuchten(alpha=1.5, n=2.0, content=(0.05, 0.4))
-flow = sc.water.transient_seepage(Basis(column, ElementQuad1()), K * turned, retention=silt, times=DAYS,
-                                  start=lambda x: x[1] - 2.0, flux={"top": RAIN * turned}, unit_weight=WATER)
+flow = sc.water.transient_seepage(
+    Basis(column, ElementQuad1()),
+    K * turned,
+    retention=silt,
+    times=DAYS,
+    start=lambda x: x[1] - 2.0,
+    flux={"top": RAIN * turned},
+    unit_weight=WATER,
+)
 print(flow)
 assert flow.balance_error < 1e-8
 assert abs(flow.entered[1] / (4.0 * RAIN * turned * 0.1) - 1) < 1e-6  # nothing runs off at first
@@ -48,7 +59,9 @@ assert abs(flow.entered[1] / (4.0 * RAIN * turned * 0.1) - 1) < 1e-6  # nothing 
 def pressure(water):
     """Pressure with the suction stress, as a function of the coordinates of the slope."""
     sucking = water.with_suction()
-    return lambda x: sucking.pressure_at(np.array([np.full_like(x[0], 0.05), DEPTH * turned - depth(x) * turned]))
+    return lambda x: sucking.pressure_at(
+        np.array([np.full_like(x[0], 0.05), DEPTH * turned - depth(x) * turned])
+    )
 
 
 def depth(x):
@@ -74,15 +87,21 @@ class Ties(sc.Form):
 
 
 grid = MeshQuad.init_tensor(np.array([0.0, 0.1]), np.linspace(0, DEPTH, 41)).with_defaults()
-strip = MeshQuad(np.array([grid.p[0], grid.p[1] + np.tan(BETA) * grid.p[0]]), grid.t).with_boundaries(grid.boundaries)
+strip = MeshQuad(
+    np.array([grid.p[0], grid.p[1] + np.tan(BETA) * grid.p[0]]), grid.t
+).with_boundaries(grid.boundaries)
 basis = Basis(strip, ElementVector(ElementQuad2()), intorder=4)
 base = basis.get_dofs("bottom").all()
 left, right = (np.setdiff1d(basis.get_dofs(side).all(), base) for side in ("left", "right"))
 left, right = (dofs[np.lexsort((basis.doflocs[1, dofs], dofs % 2))] for dofs in (left, right))
 pairs, one = np.arange(len(left)), np.ones(len(left))
-apart = csr_matrix((np.append(one, -one), (np.append(pairs, pairs), np.append(left, right))), (len(left), basis.N))
+apart = csr_matrix(
+    (np.append(one, -one), (np.append(pairs, pairs), np.append(left, right))), (len(left), basis.N)
+)
 soil = sc.MohrCoulomb(E=2e4, nu=0.3, c=C, phi=PHI, psi=PHI)
-model = sc.Model({"ground": sc.SolidForm(basis, soil), "ties": Ties((1e5 * apart.T @ apart).tocsr())}, base)
+model = sc.Model(
+    {"ground": sc.SolidForm(basis, soil), "ties": Ties((1e5 * apart.T @ apart).tocsr())}, base
+)
 
 # %%
 # Factor against time
@@ -93,17 +112,35 @@ rows, factors, exact = [], [], []
 for day, water in zip(DAYS, flow, strict=True):
     began = time.process_time()
     u = pressure(water)
-    found = model.strength_reduction(sc.weight(basis, GAMMA) + sc.water_load(basis, u), tolerance=2e-3, certify=False,
-                                     progress=False)
+    found = model.strength_reduction(
+        sc.weight(basis, GAMMA) + sc.water_load(basis, u),
+        tolerance=2e-3,
+        certify=False,
+        progress=False,
+    )
     tan = np.tan(np.radians(PHI))
-    at = tan / np.tan(BETA) + 2 * C / (GAMMA * z * np.sin(2 * BETA)) - u(np.array([0 * z, DEPTH - z])) / (GAMMA * z) * (
-        np.tan(BETA) + 1 / np.tan(BETA)) * tan
+    at = (
+        tan / np.tan(BETA)
+        + 2 * C / (GAMMA * z * np.sin(2 * BETA))
+        - u(np.array([0 * z, DEPTH - z])) / (GAMMA * z) * (np.tan(BETA) + 1 / np.tan(BETA)) * tan
+    )
     factors.append(found.factor)
     exact.append(at.min())
-    rows.append({"method": f"day {day:g}", "n": strip.nelements, "unknowns": int(basis.N),
-                 "error": abs(found.factor / exact[-1] - 1), "cpu_s": round(time.process_time() - began, 2),
-                 "iterations": found.iterations, "factor": round(found.factor, 4)})
-    print(f"day {day:4g}: F = {factors[-1]:.3f}, exact {exact[-1]:.3f} at the depth {z[at.argmin()]:.2f} m")
+    rows.append(
+        {
+            "method": f"day {day:g}",
+            "n": strip.nelements,
+            "unknowns": int(basis.N),
+            "error": abs(found.factor / exact[-1] - 1),
+            "cpu_s": round(time.process_time() - began, 2),
+            "iterations": found.iterations,
+            "factor": round(found.factor, 4),
+        }
+    )
+    print(
+        f"day {day:4g}: F = {factors[-1]:.3f}, exact {exact[-1]:.3f} at the depth "
+        f"{z[at.argmin()]:.2f} m"
+    )
     assert rows[-1]["error"] < 0.01
 
 # %%

@@ -2,13 +2,15 @@ r"""
 Slope in Hoek-Brown rock
 ========================
 
-A slope of 45 degrees, 10 m high, in a poor rock mass: :math:`\sigma_{ci}` = 30 MPa, :math:`m_b` = 0.067,
-:math:`s` = 2.5e-5, :math:`a` = 0.619, 25 kN/m³.  R. E. Hammah, T. E. Yacoub, B. Corkum, J. H. Curran (40th U.S.
-Symposium on Rock Mechanics, 2005, 05-810) found a factor of safety of 1.15 by strength reduction and 1.152 by limit
-equilibrium.
+A slope of 45 degrees, 10 m high, in a poor rock mass: :math:`\sigma_{ci}` = 30 MPa, :math:`m_b` =
+0.067,
+:math:`s` = 2.5e-5, :math:`a` = 0.619, 25 kN/m³.  R. E. Hammah, T. E. Yacoub, B. Corkum, J. H.
+Curran (40th U.S. Symposium on Rock Mechanics, 2005, 05-810) found a factor of safety of 1.15 by
+strength reduction and 1.152 by limit equilibrium.
 
-A strength reduction divides the shear strength on every plane by the factor: cohesion and :math:`\tan\varphi` of every
-tangent of the curved envelope are divided.  The lower bound has chords of the envelope, the upper one tangents.
+A strength reduction divides the shear strength on every plane by the factor: cohesion and
+:math:`\tan\varphi` of every tangent of the curved envelope are divided.  The lower bound has chords
+of the envelope, the upper one tangents.
 """
 
 # %%
@@ -34,8 +36,11 @@ def slope(size: float) -> sc.Model:
     x, y = np.arange(-22.5, 10.1, size), np.arange(-7.5, 10.1, size)
     grid = MeshQuad.init_tensor(x, y).to_meshtri(style="x")
     middle = grid.p[:, grid.t].mean(axis=1)
-    basis = Basis(grid.restrict(np.flatnonzero((middle[1] < 0) | (middle[1] < -middle[0]))),
-                  ElementVector(ElementTriP2()), intorder=2)
+    basis = Basis(
+        grid.restrict(np.flatnonzero((middle[1] < 0) | (middle[1] < -middle[0]))),
+        ElementVector(ElementTriP2()),
+        intorder=2,
+    )
     sides = basis.get_dofs(lambda x: np.isclose(x[0], -22.5) | np.isclose(x[0], 10.0)).all("u^1")
     fixed = np.concatenate((basis.get_dofs(lambda x: np.isclose(x[1], -7.5)).all(), sides))
     return sc.Model({"rock": sc.SolidForm(basis, rock, unit_weight=25.0)}, fixed)
@@ -45,8 +50,16 @@ begin = process_time()
 model = slope(1.25)
 found = model.strength_reduction(flow="associated", certify=False)
 error = found.factor / PUBLISHED - 1.0
-rows = [{"method": "strength reduction, psi = phi", "n": 8, "unknowns": int(model.forms["rock"].basis.N),
-         "error": abs(error), "cpu_s": round(process_time() - begin, 2), "iterations": found.iterations}]
+rows = [
+    {
+        "method": "strength reduction, psi = phi",
+        "n": 8,
+        "unknowns": int(model.forms["rock"].basis.N),
+        "error": abs(error),
+        "cpu_s": round(process_time() - begin, 2),
+        "iterations": found.iterations,
+    }
+]
 print(f"factor {found.factor:.3f}, published {PUBLISHED}")
 assert abs(error) < 0.03
 
@@ -61,8 +74,16 @@ with warnings.catch_warnings():
 print(proof)
 assert proof.lower < PUBLISHED < proof.upper
 assert proof.lower < found.factor < 1.01 * proof.upper
-rows.append({"method": "gap of the bounds", "n": 4, "unknowns": 0, "error": proof.gap,
-             "cpu_s": round(process_time() - begin, 2), "iterations": 0})
+rows.append(
+    {
+        "method": "gap of the bounds",
+        "n": 4,
+        "unknowns": 0,
+        "error": proof.gap,
+        "cpu_s": round(process_time() - begin, 2),
+        "iterations": 0,
+    }
+)
 
 # %%
 # Mechanism

@@ -1,6 +1,7 @@
 """A slope of random strength: its model, a random field, one sample, and many of them on a cluster.
 
-As a module it offers :func:`sample`; as a program it runs many samples on Dask (``pip install "dask[distributed]"``)::
+As a module it offers :func:`sample`; as a program it runs many samples on Dask (``pip install
+"dask[distributed]"``)::
 
     OMP_NUM_THREADS=1 python random_slope.py --samples 500 --workers 2
 """
@@ -38,12 +39,16 @@ def model(n):
 
 @lru_cache(maxsize=2)
 def root(length, n):
-    """Cholesky factor of the covariance of averages over elements of a field with correlation exp(-2 r / length)."""
+    """Cholesky factor of the covariance of averages over elements of a field with correlation
+    exp(-2 r / length).
+    """
     x = np.asarray(model(n)[0].global_coordinates())
     dim, elements, points = x.shape
     x = x.reshape(dim, -1).T
     correlation = np.exp(-2.0 * cdist(x, x) / length)
-    return np.linalg.cholesky(correlation.reshape(elements, points, elements, points).mean(axis=(1, 3)))
+    return np.linalg.cholesky(
+        correlation.reshape(elements, points, elements, points).mean(axis=(1, 3))
+    )
 
 
 def strength(seed, length, n):
@@ -68,17 +73,25 @@ def stands(c, n):
 def sample(seed, length=0.5 * height, n=5):
     """One sample: a row that tells what it was and what came out."""
     begin = time.perf_counter()
-    return {"seed": seed, "stands": bool(stands(strength(seed, length, n), n)), "process": os.getpid(),
-            "seconds": time.perf_counter() - begin}
+    return {
+        "seed": seed,
+        "stands": bool(stands(strength(seed, length, n), n)),
+        "process": os.getpid(),
+        "seconds": time.perf_counter() - begin,
+    }
 
 
 def many(samples, workers, kill=False):
-    """Samples on Dask; rows, seconds, and seconds beside the samples as a share. A worker may be killed on the way."""
+    """Samples on Dask; rows, seconds, and seconds beside the samples as a share. A worker may be
+    killed on the way.
+    """
     from distributed import Client, LocalCluster, as_completed
 
     rows = []
-    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, \
-            Client(cluster) as client:
+    with (
+        LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
         client.run(sample, 0)  # every process builds its model
         begin = time.perf_counter()
         for task, row in as_completed(client.map(sample, range(samples)), with_results=True):
@@ -95,13 +108,23 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--samples", type=int, default=500)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--timed", type=int, default=100, help="samples of the comparison with one worker")
+    parser.add_argument(
+        "--timed", type=int, default=100, help="samples of the comparison with one worker"
+    )
     arguments = parser.parse_args()
     alone, together = (many(arguments.timed, workers) for workers in (1, arguments.workers))
     rows, seconds, _ = many(arguments.samples, arguments.workers, kill=True)
-    print(json.dumps({"speed_up": alone[1] / together[1], "overhead": max(alone[2], together[2]), "seconds": seconds,
-                      "processes": len({row["process"] for row in rows}),
-                      "rows": sorted(rows, key=lambda row: row["seed"])}))  # fmt: skip
+    print(
+        json.dumps(
+            {
+                "speed_up": alone[1] / together[1],
+                "overhead": max(alone[2], together[2]),
+                "seconds": seconds,
+                "processes": len({row["process"] for row in rows}),
+                "rows": sorted(rows, key=lambda row: row["seed"]),
+            }
+        )
+    )
 
 
 if __name__ == "__main__":  # the processes of a cluster import this file

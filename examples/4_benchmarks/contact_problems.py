@@ -1,7 +1,8 @@
 """The contact problems of this chapter: meshes, supports, exact solutions and error measures.
 
-All of them are in plane strain with one elastic material, and are driven by displacements of the top.  Pressures
-are taken from nodal forces: the force on a node of the upper body's lower face over the width that belongs to it.
+All of them are in plane strain with one elastic material, and are driven by displacements of the
+top.  Pressures are taken from nodal forces: the force on a node of the upper body's lower face over
+the width that belongs to it.
 """
 
 from __future__ import annotations
@@ -64,8 +65,12 @@ class Problem:
         """Lower face of the upper body, on which tractions are measured."""
         return sc.Surface.from_boundary(self.basis, UPPER)
 
-    def pair(self, mu: float, quadrature: str | int, slave: str = UPPER, **options) -> sc.ContactPair:
-        """Contact between the bodies; further options as for :class:`~skfem_contact.ContactPair`."""
+    def pair(
+        self, mu: float, quadrature: str | int, slave: str = UPPER, **options
+    ) -> sc.ContactPair:
+        """Contact between the bodies; further options as for
+        :class:`~skfem_contact.ContactPair`.
+        """
         master = LOWER if slave == UPPER else UPPER
         return sc.ContactPair(self.basis, slave, master, sc.Coulomb(mu=mu), quadrature, **options)
 
@@ -74,19 +79,25 @@ class Problem:
         model = sc.Model({"bodies": self.solid, "contact": pair}, self.fixed, **settings)
         return model.run(stages, progress=False)
 
-    def stage(self, name: str, normal: float = 1.0, tangential: float = 0.0, increments: int = 1) -> sc.Stage:
+    def stage(
+        self, name: str, normal: float = 1.0, tangential: float = 0.0, increments: int = 1
+    ) -> sc.Stage:
         """A stage that ends at these shares of the normal and the tangential loading."""
         x = normal * self.pressed + tangential * self.shifted
         return sc.Stage(name, self.basis.zeros(), x, increments)
 
     def nodal_tractions(self, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-        """Places of the face's nodes along x, widths that belong to them and forces per width, (n, 2)."""
+        """Places of the face's nodes along x, widths that belong to them and forces per width, (n,
+        2).
+        """
         nodes, segments = self.face.nodes[:, 0], self.face.facets
         # integrals of the shape functions of a segment
         shares = [1 / 2, 1 / 2] if segments.shape[1] == 2 else [1 / 6, 1 / 6, 2 / 3]
         widths = np.abs(nodes[segments[:, 1]] - nodes[segments[:, 0]])[:, None] * shares
         width = np.bincount(segments.ravel(), widths.ravel())
-        force = (self.solid.elastic_stiffness @ x[:self.basis.N])[self.face.dofs]  # multipliers follow
+        force = (self.solid.elastic_stiffness @ x[: self.basis.N])[
+            self.face.dofs
+        ]  # multipliers follow
         order = np.argsort(nodes)
         return nodes[order], width[order], (force / width[:, None])[order]
 
@@ -97,7 +108,8 @@ def _two_bodies(lower, upper, element: str) -> Basis:
     return Basis(mesh, ElementVector(kind()), intorder=order)
 
 
-# -- patch test ---------------------------------------------------------------------------------------------
+# -- patch test
+# ---------------------------------------------------------------------------------------------
 
 
 def patch(n: int, element: str = "Q1", slope: float = 0.0, stuck: bool = False) -> Problem:
@@ -112,8 +124,9 @@ def patch(n: int, element: str = "Q1", slope: float = 0.0, stuck: bool = False) 
     slope
         Slope of the interface; at zero both blocks are square.
     stuck
-        Friction holds the blocks together.  Then, and if the interface is level, the right sides are free;
-        across a frictionless slope only an equal pressure from all sides is in equilibrium.
+        Friction holds the blocks together.  Then, and if the interface is level, the right sides
+        are free; across a frictionless slope only an equal pressure from all sides is in
+        equilibrium.
     """
 
     def block(m: int, below: bool):
@@ -121,7 +134,9 @@ def patch(n: int, element: str = "Q1", slope: float = 0.0, stuck: bool = False) 
         mesh = ELEMENTS[element][0].init_tensor(t, t).with_defaults()
         x, y = mesh.p
         interface = 1 + slope * (x - 0.5)
-        return replace(mesh, doflocs=np.stack((x, interface * y if below else interface + (2 - interface) * y)))
+        return replace(
+            mesh, doflocs=np.stack((x, interface * y if below else interface + (2 - interface) * y))
+        )
 
     basis = _two_bodies(block(n, True), block(max(n + 1, round(1.4 * n)), False), element)
     left = [("lower:left", "u^1", 0.0), ("upper:left", "u^1", 0.0)]
@@ -145,7 +160,9 @@ def patch(n: int, element: str = "Q1", slope: float = 0.0, stuck: bool = False) 
 
 
 def patch_errors(problem: Problem, x: ndarray) -> tuple[float, float]:
-    """Largest deviations of the pressure at the nodes and of the vertical stress from their means, relative."""
+    """Largest deviations of the pressure at the nodes and of the vertical stress from their means,
+    relative.
+    """
     _, width, traction = problem.nodal_tractions(x)
     pressure = traction[:, 1]  # the rollers at the sides carry no vertical force
     stress = problem.solid.assemble(x, problem.solid.initial_state()).state.stress[1]
@@ -153,7 +170,8 @@ def patch_errors(problem: Problem, x: ndarray) -> tuple[float, float]:
     return float(np.abs(pressure / mean - 1).max()), float(np.abs(stress / stress.mean() - 1).max())
 
 
-# -- Hertz and Cattaneo-Mindlin -----------------------------------------------------------------------------
+# -- Hertz and Cattaneo-Mindlin
+# -----------------------------------------------------------------------------
 
 RADIUS, WIDTH, HEIGHT = 50.0, 20.0, 20.0
 APPROACH, SHIFT = 0.038, 0.0135  # the half-width of the contact becomes 1, the stick zone's 0.65
@@ -163,11 +181,15 @@ def graded(h: float, fine: float, end: float, growth: float = 1.2) -> ndarray:
     """Coordinates from 0 to `end`: the spacing is h up to `fine`, and grows from there."""
     n = int(np.ceil(np.log1p((end - fine) * (growth - 1) / (growth * h)) / np.log(growth)))
     steps = np.cumsum(growth ** np.arange(n))
-    return np.concatenate((np.linspace(0, fine, round(fine / h) + 1), fine + steps * (end - fine) / steps[-1]))
+    return np.concatenate(
+        (np.linspace(0, fine, round(fine / h) + 1), fine + steps * (end - fine) / steps[-1])
+    )
 
 
 def hertz(n: int) -> Problem:
-    """A parabola on a block, with n elements of it and 0.8 n of the block in the half-width of the contact."""
+    """A parabola on a block, with n elements of it and 0.8 n of the block in the half-width of the
+    contact.
+    """
 
     def block(h: float):
         half = graded(h, 2.0, WIDTH)
@@ -178,7 +200,9 @@ def hertz(n: int) -> Problem:
     x, y = block(1 / n)
     upper = MeshQuad.init_tensor(x, y).with_defaults()
     profile = upper.p[0] ** 2 / (2 * RADIUS)
-    upper = replace(upper, doflocs=np.stack((upper.p[0], profile + (1 - profile / HEIGHT) * upper.p[1])))
+    upper = replace(
+        upper, doflocs=np.stack((upper.p[0], profile + (1 - profile / HEIGHT) * upper.p[1]))
+    )
     basis = _two_bodies(lower, upper, "Q1")
     top, pressed, shifted = basis.get_dofs("upper:top"), basis.zeros(), basis.zeros()
     pressed[top.all("u^2")] = -APPROACH
@@ -262,15 +286,21 @@ class Contact:
         return self.error(self.shear, self.exact_shear(self.x, mu))
 
     def exact_reversed_shear(self, x: ndarray, mu: float, largest: float) -> ndarray:
-        """The same after the shear force has fallen from its largest value: slip comes back from the edge."""
+        """The same after the shear force has fallen from its largest value: slip comes back from
+        the edge.
+        """
         a, friction = self.half_width, mu * self.normal_force
         stuck = a * np.sqrt(1 - largest / friction)  # has never slipped
-        turned = a * np.sqrt(1 - (largest - self.shear_force) / (2 * friction))  # has not slipped back
+        turned = a * np.sqrt(
+            1 - (largest - self.shear_force) / (2 * friction)
+        )  # has not slipped back
         sticks = 2 * turned / a * ellipse(x, turned) - stuck / a * ellipse(x, stuck)
         return mu * self.peak * (sticks - ellipse(x, a))
 
     def stick_error(self, mu: float) -> float:
-        """Error of the width of the stick zone: the nodes around the deepest one below 95 % of the friction."""
+        """Error of the width of the stick zone: the nodes around the deepest one below 95 % of the
+        friction.
+        """
         sticks = (self.shear < 0.95 * mu * self.pressure) & (self.pressure > 0.02 * self.peak)
         deepest = np.argmax(mu * self.pressure - self.shear)
         slips = np.flatnonzero(~sticks)

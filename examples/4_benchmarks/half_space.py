@@ -1,8 +1,10 @@
 """Closed forms of contact on elastic half-spaces: Hertz, Mindlin, punches, torsion.
 
-K. L. Johnson, Contact Mechanics (Cambridge, 1985), by section; the torsion is that of J. L. Lubkin, J. Appl. Mech. 18
-(1951) 183. Two bodies count by their ``modulus`` E* and, sideways, by their ``compliance``.
+K. L. Johnson, Contact Mechanics (Cambridge, 1985), by section; the torsion is that of J. L. Lubkin,
+J. Appl. Mech. 18 (1951) 183. Two bodies count by their ``modulus`` E* and, sideways, by their
+``compliance``.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -24,13 +26,20 @@ def dome(r: ndarray, a: float) -> ndarray:
 
 
 def hertz(force: float, radius: float, modulus: float) -> tuple[float, float]:
-    """Radius a of the contact of a ball and its largest pressure (section 4.2); the approach is a^2 / R."""
+    """Radius a of the contact of a ball and its largest pressure (section 4.2); the approach is a^2
+    / R.
+    """
     a = (0.75 * force * radius / modulus) ** (1 / 3)
     return a, 1.5 * force / (np.pi * a**2)
 
 
-def hertz_ellipse(force: float, flat: float, steep: float, modulus: float) -> tuple[float, float, float, float]:
-    """Semi-axes a > b, largest pressure and approach for the gap A x^2 + B y^2 with A < B (section 4.2)."""
+def hertz_ellipse(
+    force: float, flat: float, steep: float, modulus: float
+) -> tuple[float, float, float, float]:
+    """Semi-axes a > b, largest pressure and approach for the gap A x^2 + B y^2 with A < B (section
+    4.2).
+    """
+
     def integrals(k: float) -> tuple[float, float]:
         return ellipk(1 - k**2), ellipe(1 - k**2)
 
@@ -78,7 +87,9 @@ class Mindlin:
     @property
     def shift(self) -> float:
         """Approach of far points sideways."""
-        return 3 * self.friction / (16 * self.radius) * self.compliance * (1 - self._left ** (2 / 3))
+        return (
+            3 * self.friction / (16 * self.radius) * self.compliance * (1 - self._left ** (2 / 3))
+        )
 
     def traction(self, r: ndarray) -> ndarray:
         """Shear traction: friction less what the stick zone takes back."""
@@ -93,7 +104,9 @@ class Mindlin:
         return 0.9 * self.friction**2 * self.compliance / self.radius * shape
 
 
-def flat_punch(r: ndarray, depth: float, a: float, modulus: float) -> tuple[float, ndarray, ndarray]:
+def flat_punch(
+    r: ndarray, depth: float, a: float, modulus: float
+) -> tuple[float, ndarray, ndarray]:
     """Force on a rigid cylinder, its pressure and the settlement of the surface (section 3.8)."""
     inside = np.minimum(r / a, 1 - 1e-15)
     pressure = np.where(r < a, depth * modulus / (np.pi * a * np.sqrt(1 - inside**2)), 0.0)
@@ -108,18 +121,31 @@ def cone(r: ndarray, a: float, slope: float, modulus: float) -> tuple[float, flo
 
 
 def lubkin(r: ndarray, stick: float, friction: float, a: float) -> ndarray:
-    """Shear traction around the axis under a ball that is turned, with the stick radius `stick` a."""
+    """Shear traction around the axis under a ball that is turned, with the stick radius `stick`
+    a.
+    """
     x, m = np.minimum(r / a, 1.0), 1 - stick**2
     within = np.clip((stick**2 - x**2) / np.maximum(1 - x**2, 1e-300), 0.0, None)
     angle = np.arcsin(np.clip(np.sqrt(within) / stick, 0.0, 1.0))
     K, E = ellipk(m), ellipe(m)
     sticks = np.pi / 2 + (K - E) * ellipkinc(angle, stick**2) - K * ellipeinc(angle, stick**2)
-    return 3 * friction / (np.pi * a) ** 2 * np.sqrt(1 - x**2) * np.where(x >= stick, np.pi / 2, sticks)
+    return (
+        3
+        * friction
+        / (np.pi * a) ** 2
+        * np.sqrt(1 - x**2)
+        * np.where(x >= stick, np.pi / 2, sticks)
+    )
 
 
 def lubkin_twist(stick: float, friction: float, a: float, shear_modulus: float) -> float:
     """Angle by which the half-space is turned against a rigid ball."""
-    return 3 * friction / (4 * np.pi * shear_modulus * a**2) * (ellipk(1 - stick**2) - ellipe(1 - stick**2))
+    return (
+        3
+        * friction
+        / (4 * np.pi * shear_modulus * a**2)
+        * (ellipk(1 - stick**2) - ellipe(1 - stick**2))
+    )
 
 
 def lubkin_torque(stick: float, friction: float, a: float) -> float:
@@ -134,7 +160,9 @@ def lubkin_torque(stick: float, friction: float, a: float) -> float:
 
 
 def far_field(points: ndarray, force: float, young: float, poisson: float) -> ndarray:
-    """Displacements (3, n) below a force at the origin that acts downwards, -z (Boussinesq; section 3.2)."""
+    """Displacements (3, n) below a force at the origin that acts downwards, -z (Boussinesq; section
+    3.2).
+    """
     x, y, z = points[0], points[1], -points[2]
     r, R = np.hypot(x, y), np.sqrt(x**2 + y**2 + z**2)
     scale = force * (1 + poisson) / (2 * np.pi * young * R)

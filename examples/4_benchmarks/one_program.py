@@ -1,4 +1,5 @@
 """Another program as a peer: run with one thread, its process time measured."""
+
 from __future__ import annotations
 
 import os
@@ -21,10 +22,22 @@ def version_of(program: str) -> str:
     return next(iter(re.findall(r"[Vv]ersion (\S+)", said)), "")
 
 
-def timed(command: Sequence[str | Path], folder: Path) -> tuple[subprocess.CompletedProcess[str], float]:
+def timed(
+    command: Sequence[str | Path], folder: Path
+) -> tuple[subprocess.CompletedProcess[str], float]:
     """Run a program in a folder: what it prints and returns, and its process time in seconds."""
     begin, environment = os.times(), {**os.environ, "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=TIMEOUT,
-                          check=False)
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
     end = os.times()
-    return done, end.children_user + end.children_system - begin.children_user - begin.children_system
+    return (
+        done,
+        end.children_user + end.children_system - begin.children_user - begin.children_system,
+    )

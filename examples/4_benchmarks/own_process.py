@@ -1,4 +1,5 @@
 """Analyses in processes of their own, and their peak memory."""
+
 from __future__ import annotations
 
 import json
@@ -11,7 +12,11 @@ from typing import Any
 
 def peak() -> float:
     """Peak memory of the process, MB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024 / (1024 if sys.platform == "darwin" else 1)
+    return (
+        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        / 1024
+        / (1024 if sys.platform == "darwin" else 1)
+    )
 
 
 def apart(function: Callable[..., Any], *args: Any) -> Any:

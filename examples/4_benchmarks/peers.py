@@ -1,7 +1,8 @@
 """CalculiX on the problems of this chapter, as a peer to compare with.
 
-Its elements of plane strain do not come with its best contact, so that one layer of bricks is computed whose
-nodes do not move across the plane: the same displacements with three times the unknowns.
+Its elements of plane strain do not come with its best contact, so that one layer of bricks is
+computed whose nodes do not move across the plane: the same displacements with three times the
+unknowns.
 """
 
 from __future__ import annotations
@@ -53,7 +54,9 @@ def available() -> bool:
     return shutil.which("ccx") is not None
 
 
-def calculix(problem: Problem, stages: Sequence[sc.Stage], mu: float, method: str = SURFACE_TO_SURFACE) -> Run:
+def calculix(
+    problem: Problem, stages: Sequence[sc.Stage], mu: float, method: str = SURFACE_TO_SURFACE
+) -> Run:
     """Run stages with one thread in a directory that is removed afterwards.
 
     Parameters
@@ -83,25 +86,37 @@ def _deck(problem: Problem, stages: Sequence[sc.Stage], mu: float, method: str) 
     n, quads = mesh.p.shape[1], _counterclockwise(mesh.p, mesh.t)
     yield "*NODE,NSET=ALL"
     for layer in (0, 1):
-        yield from (f"{i + 1 + layer * n},{x:.12g},{y:.12g},{layer}" for i, (x, y) in enumerate(mesh.p.T))
+        yield from (
+            f"{i + 1 + layer * n},{x:.12g},{y:.12g},{layer}" for i, (x, y) in enumerate(mesh.p.T)
+        )
     yield "*ELEMENT,TYPE=C3D8,ELSET=BODIES"
     for e, nodes in enumerate(quads.T + 1):
         yield ",".join(map(str, (e + 1, *nodes, *(nodes + n))))
     slave = _faces(mesh, quads, UPPER)
     if method == NODE_TO_SURFACE:
         yield "*NSET,NSET=FACE"
-        yield from (f"{i + 1}" for i in np.unique(mesh.facets[:, mesh.boundaries[UPPER]] + [[[0]], [[n]]]))
+        yield from (
+            f"{i + 1}" for i in np.unique(mesh.facets[:, mesh.boundaries[UPPER]] + [[[0]], [[n]]])
+        )
         yield from ("*SURFACE,NAME=SLAVE,TYPE=NODE", "FACE")
     else:
         yield from ("*SURFACE,NAME=SLAVE,TYPE=ELEMENT", *slave)
     yield from ("*SURFACE,NAME=MASTER,TYPE=ELEMENT", *_faces(mesh, quads, LOWER))
     yield from ("*MATERIAL,NAME=ELASTIC", "*ELASTIC", f"{E},{NU}")
     yield "*SOLID SECTION,ELSET=BODIES,MATERIAL=ELASTIC"
-    yield from ("*SURFACE INTERACTION,NAME=CONTACT", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR")
+    yield from (
+        "*SURFACE INTERACTION,NAME=CONTACT",
+        "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
+    )
     yield f"{PENALTY}" + (",0." if method == NODE_TO_SURFACE else "")
     if mu:
         yield from ("*FRICTION", f"{mu},{PENALTY}")
-    yield from (f"*CONTACT PAIR,INTERACTION=CONTACT,TYPE={method}", "SLAVE,MASTER", "*BOUNDARY", "ALL,3,3,0.")
+    yield from (
+        f"*CONTACT PAIR,INTERACTION=CONTACT,TYPE={method}",
+        "SLAVE,MASTER",
+        "*BOUNDARY",
+        "ALL,3,3,0.",
+    )
     for stage in stages:
         size = 1 / stage.increments
         yield from ("*STEP,INC=1000", "*STATIC", f"{size},1.,1e-6,{size}", "*BOUNDARY")
@@ -119,7 +134,9 @@ def _counterclockwise(p: ndarray, t: ndarray) -> ndarray:
 
 
 def _faces(mesh, quads: ndarray, boundary: str) -> list[str]:
-    """Faces of the bricks along a boundary; the one from a brick's node i to the next has the number 3 + i."""
+    """Faces of the bricks along a boundary; the one from a brick's node i to the next has the
+    number 3 + i.
+    """
     facets = mesh.boundaries[boundary]
     elements = mesh.f2t[0, facets]
     ends = np.sort(np.stack((quads[:, elements], np.roll(quads[:, elements], -1, axis=0))), axis=0)

@@ -2,20 +2,22 @@ r"""
 Tangent and force against scikit-fem's forms
 ============================================
 
-A Newton iteration needs the internal force and the tangent of every solid. Both can be written as forms of
-scikit-fem, with the stresses and moduli at the integration points as their coefficients:
+A Newton iteration needs the internal force and the tangent of every solid. Both can be written as
+forms of scikit-fem, with the stresses and moduli at the integration points as their coefficients:
 
-.. math:: f_i = \int \varepsilon(v_i) \cdot \sigma, \qquad K_{ij} = \int \varepsilon(v_i) \cdot D\,\varepsilon(u_j).
+.. math:: f_i = \int \varepsilon(v_i) \cdot \sigma, \qquad K_{ij} = \int \varepsilon(v_i) \cdot
+D\,\varepsilon(u_j).
 
-``SolidForm`` computes the same numbers from matrices that are prepared once per mesh. What does that gain, with
-a fifth of the elements yielding? The return mapping is the same for both; it is timed on its own.
+``SolidForm`` computes the same numbers from matrices that are prepared once per mesh. What does
+that gain, with a fifth of the elements yielding? The return mapping is the same for both; it is
+timed on its own.
 """
 
 # %%
 # The forms
 # ---------
-# Strains are those of Voigt's notation, as arrays of three components: the four of ``SolidForm`` without the one
-# out of plane, which vanishes.
+# Strains are those of Voigt's notation, as arrays of three components: the four of ``SolidForm``
+# without the one out of plane, which vanishes.
 
 import json
 import sys
@@ -31,7 +33,7 @@ from skfem import (
     ElementVector,
     LinearForm,
     MeshQuad,
-    MeshTri,  # fmt: skip
+    MeshTri,
 )
 
 import skfem_contact as sc
@@ -55,8 +57,11 @@ def internal_force(v, w):
 @BilinearForm
 def tangent(u, v, w):
     """Work of the change of the stresses: written out, which is twice as fast as ``einsum``."""
-    return sum(e * (D[0] * xx + D[1] * yy + D[2] * xy)
-               for xx, yy, xy in [strain(u)] for e, D in zip(strain(v), np.asarray(w.moduli)))  # fmt: skip
+    return sum(
+        e * (D[0] * xx + D[1] * yy + D[2] * xy)
+        for xx, yy, xy in [strain(u)]
+        for e, D in zip(strain(v), np.asarray(w.moduli))
+    )
 
 
 # %%
@@ -72,8 +77,12 @@ def scene(element, n):
     """Basis of about n elements, displacements."""
     kind, shape, (across, up) = ELEMENTS[element]
     cells = round((n / (across * up) / (2 if kind is MeshTri else 1)) ** 0.5)
-    mesh = kind.init_tensor(np.linspace(0, 1, across * cells + 1), np.linspace(0, 1, up * cells + 1))
-    p = mesh.p + 0.2 / (2 * cells) * np.sin(40 * mesh.p[::-1]) * (np.prod(mesh.p * (1 - mesh.p), axis=0) > 1e-9)
+    mesh = kind.init_tensor(
+        np.linspace(0, 1, across * cells + 1), np.linspace(0, 1, up * cells + 1)
+    )
+    p = mesh.p + 0.2 / (2 * cells) * np.sin(40 * mesh.p[::-1]) * (
+        np.prod(mesh.p * (1 - mesh.p), axis=0) > 1e-9
+    )
     basis = Basis(kind(p, mesh.t), ElementVector(shape), intorder=2)
     x, y = basis.doflocs[:, ::2]
     u = np.stack((0 * x, -1e-3 * y - 0.05 * np.minimum(x - 0.2, 0.0)), axis=1)
@@ -92,8 +101,11 @@ class Returned:
 
     def update(self, strain_increment, stress, internal) -> Update:
         """The answer."""
-        return self.answer if internal.size == self.answer.internal.size else soil.update(
-            strain_increment, stress, internal)  # fmt: skip
+        return (
+            self.answer
+            if internal.size == self.answer.internal.size
+            else soil.update(strain_increment, stress, internal)
+        )
 
 
 # %%
@@ -127,7 +139,9 @@ def compare(element, n):
 
     def by_forms():
         strain(basis.interpolate(x))
-        return tangent.assemble(basis, moduli=moduli), internal_force.assemble(basis, stress=answer.stress[IN_PLANE])
+        return tangent.assemble(basis, moduli=moduli), internal_force.assemble(
+            basis, stress=answer.stress[IN_PLANE]
+        )
 
     form = form.with_materials({"all": Returned(answer)})
     form.elastic_stiffness  # once per analysis
@@ -138,12 +152,24 @@ def compare(element, n):
 
     (K, f), fast = shortest(ours)
     (K_forms, f_forms), slow = shortest(by_forms, 3)
-    error = max(abs(K - K_forms).max() / abs(K_forms).max(), abs(f - f_forms).max() / abs(f_forms).max())
-    common = {"n": basis.nelems, "unknowns": int(basis.N), "iterations": None, "yielding": round(share, 3)}
+    error = max(
+        abs(K - K_forms).max() / abs(K_forms).max(), abs(f - f_forms).max() / abs(f_forms).max()
+    )
+    common = {
+        "n": basis.nelems,
+        "unknowns": int(basis.N),
+        "iterations": None,
+        "yielding": round(share, 3),
+    }
     return [
         {"method": f"{element}, forms of scikit-fem", "error": 0.0, "cpu_s": slow, **common},
-        {"method": f"{element}, SolidForm", "error": float(error), "cpu_s": fast, **common,
-         "times_faster": slow / fast},
+        {
+            "method": f"{element}, SolidForm",
+            "error": float(error),
+            "cpu_s": fast,
+            **common,
+            "times_faster": slow / fast,
+        },
         {"method": f"{element}, return mapping", "error": 0.0, "cpu_s": mapping, **common},
     ]
 
@@ -154,12 +180,18 @@ def compare(element, n):
 sizes = (2_500, 10_000, 40_000) if "--full" in sys.argv else (1_000, 2_500)
 rows = [row for element in ELEMENTS for n in sizes for row in compare(element, n)]
 for row in rows:
-    print(f"{row['method']:28} {row['n']:6} elements {1e3 * row['cpu_s']:8.2f} ms"
-          f"   error {row['error']:.0e}  {row.get('times_faster', 0):5.1f} times faster")  # fmt: skip
+    print(
+        f"{row['method']:28} {row['n']:6} elements {1e3 * row['cpu_s']:8.2f} ms"
+        f"   error {row['error']:.0e}  {row.get('times_faster', 0):5.1f} times faster"
+    )
     assert row["error"] < 1e-12
     assert 0.15 < row["yielding"] < 0.25
 if "--full" in sys.argv:
-    assert all(row["times_faster"] > 12 for row in rows if row["n"] >= 39_000 and "SolidForm" in row["method"])
+    assert all(
+        row["times_faster"] > 12
+        for row in rows
+        if row["n"] >= 39_000 and "SolidForm" in row["method"]
+    )
 
 # %%
 # Time of one tangent and one force:
@@ -168,8 +200,13 @@ fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 for element, color in zip(ELEMENTS, ("#d55e00", "#1f4e8c")):
     for method, style in (("forms of scikit-fem", "o--"), ("SolidForm", "o-")):
         points = [row for row in rows if row["method"] == f"{element}, {method}"]
-        ax.loglog([row["n"] for row in points], [row["cpu_s"] for row in points], style, color=color,
-                  label=points[0]["method"])  # fmt: skip
+        ax.loglog(
+            [row["n"] for row in points],
+            [row["cpu_s"] for row in points],
+            style,
+            color=color,
+            label=points[0]["method"],
+        )
 ax.set(xlabel="elements", ylabel="processor time [s]")
 ax.grid(color="#dddddd", linewidth=0.6)
 ax.legend(frameon=False)

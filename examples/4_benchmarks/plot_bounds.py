@@ -2,11 +2,12 @@ r"""
 Bounds of published problems
 ============================
 
-Factors of safety and limit loads between two proven numbers: slopes of Griffiths and Lane, ACADS and Dawson, a vertical
-cut, footings and a block on a joint. Each bracket holds the exact answer, or overlaps the rigorous bracket of others.
-The cases stand in ``bound_cases.py``.
+Factors of safety and limit loads between two proven numbers: slopes of Griffiths and Lane, ACADS
+and Dawson, a vertical cut, footings and a block on a joint. Each bracket holds the exact answer, or
+overlaps the rigorous bracket of others. The cases stand in ``bound_cases.py``.
 
-Run with ``--full`` for small gaps, and for a diagram of the gap over time beside the error of strength reduction.
+Run with ``--full`` for small gaps, and for a diagram of the gap over time beside the error of
+strength reduction.
 """
 
 import json
@@ -29,7 +30,11 @@ SMALL = {"Griffiths and Lane 1": 0.003, "sliding block": 2e-5, **dict.fromkeys(S
 # ``cpu_s`` is cumulative: all meshes, both bounds.
 
 rows, histories = [], {}
-names = list(CASES) if FULL else ["Griffiths and Lane 1", "vertical cut", "N_c, 20 degrees", "sliding block"]
+names = (
+    list(CASES)
+    if FULL
+    else ["Griffiths and Lane 1", "vertical cut", "N_c, 20 degrees", "sliding block"]
+)
 for name in names:
     problem, (low, high) = CASES[name]
     gap = SMALL.get(name, 0.01) if FULL else 0.04
@@ -37,27 +42,41 @@ for name in names:
     found = bracket(**problem, gap=gap, progress=False)
     seconds = process_time() - begin
     histories[name] = found.history
-    rows.append({"method": name, "n": found.mesh.nelements, "lower": round(found.lower, 6),
-                 "upper": round(found.upper, 6), "error": found.gap, "elements": found.mesh.nelements,
-                 "unknowns": found.certificates[1].unknowns, "cpu_s": round(seconds, 2),
-                 "iterations": sum(c.iterations for c in found.history)})  # fmt: skip
-    print(f"{name:30} [{found.lower:.6g}, {found.upper:.6g}], gap {found.gap:.3%}, {found.mesh.nelements} triangles, "
-          f"{seconds:.1f} s")
+    rows.append(
+        {
+            "method": name,
+            "n": found.mesh.nelements,
+            "lower": round(found.lower, 6),
+            "upper": round(found.upper, 6),
+            "error": found.gap,
+            "elements": found.mesh.nelements,
+            "unknowns": found.certificates[1].unknowns,
+            "cpu_s": round(seconds, 2),
+            "iterations": sum(c.iterations for c in found.history),
+        }
+    )
+    print(
+        f"{name:30} [{found.lower:.6g}, {found.upper:.6g}], gap {found.gap:.3%}, "
+        f"{found.mesh.nelements} triangles, "
+        f"{seconds:.1f} s"
+    )
     assert found.gap <= gap
     assert found.lower <= high * (1 + 1e-6) and found.upper >= low * (1 - 1e-6)
 
 # %%
 # Gap over time
 # -------------
-# Griffiths and Lane 1. The factor of strength reduction converges to the bracket from above; how far it is from it,
-# only the bracket tells.
+# Griffiths and Lane 1. The factor of strength reduction converges to the bracket from above; how
+# far it is from it, only the bracket tells.
 
 
 def gaps(history):
     """Gap of the best bounds so far, and processor time."""
     lower, upper, points = 0.0, float("inf"), []
     for c in history:
-        lower, upper = (max(lower, c.value), upper) if c.kind == "lower" else (lower, min(upper, c.value))
+        lower, upper = (
+            (max(lower, c.value), upper) if c.kind == "lower" else (lower, min(upper, c.value))
+        )
         if lower > 0 and upper < float("inf"):
             points.append((c.cpu, 2 * (upper - lower) / (upper + lower)))
     return points
@@ -72,7 +91,9 @@ for times in range(3 if FULL else 2):
     begin = process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
-        factor = model.strength_reduction(model.weight(20.0), tolerance=0.002, certify=False, progress=False).factor
+        factor = model.strength_reduction(
+            model.weight(20.0), tolerance=0.002, certify=False, progress=False
+        ).factor
     reduction.append((process_time() - begin, abs(factor / 1.3772 - 1)))
 
 figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")

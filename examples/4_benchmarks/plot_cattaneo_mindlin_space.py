@@ -59,6 +59,7 @@ FORCE = 4.12  # of the half-spaces; the blocks give way a little less
 
 def stages(problem, cycle=True):
     """Three steps down, two to each shift, and a cycle if asked for."""
+
     def sideways(name, shift, increments=1):
         x = problem.pressed + shift * problem.shifted
         return sc.Stage(name, problem.basis.zeros(), x, increments)
@@ -67,9 +68,11 @@ def stages(problem, cycle=True):
     shifts = [half_space.Mindlin(MU * FORCE, x * MU * FORCE, a, COMPLIANCE).shift for x in RATIOS]
     there = np.linspace(1, -1, CYCLE + 1)[1:] if cycle else []
     way = [*there, *(-x for x in there)]
-    return [sideways("press", 0.0, 3),
-            *(sideways(f"{x} mu P", shift, 2) for x, shift in zip(RATIOS, shifts, strict=True)),
-            *(sideways(f"cycle {i + 1}", x * shifts[-1]) for i, x in enumerate(way))]  # fmt: skip
+    return [
+        sideways("press", 0.0, 3),
+        *(sideways(f"{x} mu P", shift, 2) for x, shift in zip(RATIOS, shifts, strict=True)),
+        *(sideways(f"cycle {i + 1}", x * shifts[-1]) for i, x in enumerate(way)),
+    ]
 
 
 PENALTY = {"penalty": (20 * YOUNG, 10 * YOUNG)}
@@ -104,13 +107,21 @@ def figures(problem, step):
     left = joint.weight * (MU * joint.raw_pressure - np.linalg.norm(joint.raw_shear, axis=1))
     stuck = np.sqrt(2.5 * left @ (joint.x**2 + joint.y**2) / left.sum())
     middle, shear = np.argmin(nodes.r), -nodes.force[:, 0]
-    force, friction = (nodes.exact(f) for f in (
-        mindlin.traction, half_space.Mindlin(mindlin.friction, mindlin.friction * (1 - 1e-9),
-                                             mindlin.radius, COMPLIANCE).traction))  # fmt: skip
-    return {"ratio": mindlin.shear / mindlin.friction,
-            "stick_radius": stuck / mindlin.stick_radius - 1,
-            "shear": shear[middle] / force[middle] - 1,
-            "error": nodes.norm(shear - force) / nodes.norm(friction)}  # fmt: skip
+    force, friction = (
+        nodes.exact(f)
+        for f in (
+            mindlin.traction,
+            half_space.Mindlin(
+                mindlin.friction, mindlin.friction * (1 - 1e-9), mindlin.radius, COMPLIANCE
+            ).traction,
+        )
+    )
+    return {
+        "ratio": mindlin.shear / mindlin.friction,
+        "stick_radius": stuck / mindlin.stick_radius - 1,
+        "shear": shear[middle] / force[middle] - 1,
+        "error": nodes.norm(shear - force) / nodes.norm(friction),
+    }
 
 
 def loop(problem, result):
@@ -133,15 +144,25 @@ def table(method, n, options, cycle=True):
     begin = process_time()
     problem, result = analyse(n, options, cycle)
     cpu, iterations = process_time() - begin, sum(sum(step.iterations) for step in result)
-    own = {"n": n, "unknowns": int(problem.basis.N), "cpu_s": round(cpu, 2), "iterations": iterations}
+    own = {
+        "n": n,
+        "unknowns": int(problem.basis.N),
+        "cpu_s": round(cpu, 2),
+        "iterations": iterations,
+    }
     if cycle:
         own["loss"] = loss(problem, result)
-    found = [{"method": f"{method}, {x} mu P", **figures(problem, result[f"{x} mu P"]), **own}
-             for x in RATIOS]  # fmt: skip
+    found = [
+        {"method": f"{method}, {x} mu P", **figures(problem, result[f"{x} mu P"]), **own}
+        for x in RATIOS
+    ]
     print(f"{method}, n = {n}, {own['unknowns']} unknowns: {cpu:.1f} s, {iterations} iterations")
     for row in found:
-        print(f"  Q/mu P = {row['ratio']:.3f}:  stick radius {row['stick_radius']:+.2%}  shear in the "
-              f"middle {row['shear']:+.2%}  all of it {row['error']:.2%} of the friction")  # fmt: skip
+        print(
+            f"  Q/mu P = {row['ratio']:.3f}:  stick radius {row['stick_radius']:+.2%}  shear in "
+            f"the "
+            f"middle {row['shear']:+.2%}  all of it {row['error']:.2%} of the friction"
+        )
     if cycle:
         print(f"  energy of a cycle {own['loss']:+.2%}")
     return problem, result, found
@@ -164,8 +185,13 @@ for color, x in zip(("C0", "C1", "C2", "C3"), RATIOS):
     scale = 1.5 * mindlin.friction / (np.pi * mindlin.radius**2)
     near = nodes.r < 1.15
     left.plot(r, mindlin.traction(r) / scale, color, lw=1)
-    left.plot(nodes.r[near], -(nodes.force[:, 0] / nodes.area)[near] / scale, color + ".", ms=4,
-              label=f"Q = {x} μP")  # fmt: skip
+    left.plot(
+        nodes.r[near],
+        -(nodes.force[:, 0] / nodes.area)[near] / scale,
+        color + ".",
+        ms=4,
+        label=f"Q = {x} μP",
+    )
 left.set(xlabel="distance from the axis", ylabel=r"shear over $\mu p_0$", ylim=(-0.05, 1.05))
 left.set_title("nodal forces over areas; lines: exact")
 left.legend(frameon=False, fontsize="small")
@@ -199,9 +225,18 @@ plt.show()
 # ------
 # Sheared by nine tenths of the friction: the plane of symmetry.
 
-plot.cutaway(result[f"{RATIOS[-1]} mu P"], "szx", towards=(0.3, 1.0, -0.5),
-             cuts=[((1, 0, 0), (2.5, 0, 0)), ((-1, 0, 0), (-2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
-                   ((0, 0, 1), (0, 0, 2)), ((0, 0, -1), (0, 0, -2))])  # fmt: skip
+plot.cutaway(
+    result[f"{RATIOS[-1]} mu P"],
+    "szx",
+    towards=(0.3, 1.0, -0.5),
+    cuts=[
+        ((1, 0, 0), (2.5, 0, 0)),
+        ((-1, 0, 0), (-2.5, 0, 0)),
+        ((0, 1, 0), (0, 2.5, 0)),
+        ((0, 0, 1), (0, 0, 2)),
+        ((0, 0, -1), (0, 0, -2)),
+    ],
+)
 
 # %%
 # Multipliers
@@ -213,8 +248,10 @@ plot.cutaway(result[f"{RATIOS[-1]} mu P"], "szx", towards=(0.3, 1.0, -0.5),
 
 METHODS = {"multipliers": sc.DualMultipliers(), "augmented": sc.AugmentedLagrangian()}
 n = 6 if FULL else 4
-inside, after = (table(f"Gauss(2), {method}", n, {"enforcement": enforcement}, FULL)[2]
-                 for method, enforcement in METHODS.items())  # fmt: skip
+inside, after = (
+    table(f"Gauss(2), {method}", n, {"enforcement": enforcement}, FULL)[2]
+    for method, enforcement in METHODS.items()
+)
 
 # %%
 # Headline numbers
@@ -238,12 +275,16 @@ def mean(figure, found):
     return sum(abs(row[figure]) for row in found) / len(found)
 
 
-print(f"multipliers inside: {inside[0]['iterations'] / after[0]['iterations']:.1%} of the iterations")
+print(
+    f"multipliers inside: {inside[0]['iterations'] / after[0]['iterations']:.1%} of the iterations"
+)
 
 assert inside[0]["iterations"] <= 0.22 * after[0]["iterations"]
 assert largest("stick_radius", inside) <= 0.5 * largest("stick_radius", after)
 assert mean("shear", inside) <= mean("shear", after)
-assert mean("error", inside) <= 1.1 * mean("error", after)  # which nodes slip is an element's matter
+assert mean("error", inside) <= 1.1 * mean(
+    "error", after
+)  # which nodes slip is an element's matter
 if FULL:
     assert abs(inside[0]["loss"]) <= abs(after[0]["loss"])
 

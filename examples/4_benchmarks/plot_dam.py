@@ -2,16 +2,19 @@ r"""
 Seepage through a dam
 =====================
 
-Water seeps through a dam with vertical faces on a tight base. Its free surface is not known beforehand: it begins at
-the level of the reservoir and ends somewhere on the downstream face, where water leaves at zero pressure above the
-tailwater. Nevertheless the discharge is known exactly (I. A. Charny 1951),
+Water seeps through a dam with vertical faces on a tight base. Its free surface is not known
+beforehand: it begins at the level of the reservoir and ends somewhere on the downstream face, where
+water leaves at zero pressure above the tailwater. Nevertheless the discharge is known exactly (I.
+A. Charny 1951),
 
 .. math:: q = k \, \frac{h_1^2 - h_2^2}{2 L} ,
 
-because the thrust of the water, :math:`\int p \, dy`, falls in proportion to the distance from the reservoir.
+because the thrust of the water, :math:`\int p \, dy`, falls in proportion to the distance from the
+reservoir.
 
 ``--full`` adds the finest mesh, ``error`` is the relative error of the discharge.
 """
+
 import json
 import sys
 import time
@@ -31,8 +34,8 @@ SIZES = (10, 20, 40, 80) if "--full" in sys.argv else (10, 20, 40)
 # %%
 # The analysis
 # ------------
-# The head of a boundary is the level of the water that stands there; it holds below that level. Above the tailwater
-# the downstream face is a seepage face: water may leave, but not enter.
+# The head of a boundary is the level of the water that stands there; it holds below that level.
+# Above the tailwater the downstream face is a seepage face: water may leave, but not enter.
 
 
 def dam(kind, n: int, length: float):
@@ -56,17 +59,33 @@ for name, (up, down, length) in CASES.items():
             began = time.process_time()
             water = leak(dam(kind, n, length), up, down)
             q = water.discharge("left")
-            rows.append({"method": f"{'P1' if kind is MeshTri else 'Q1'}, {name}", "n": n, "unknowns": len(water.head),
-                         "error": abs(q / exact - 1), "cpu_s": round(time.process_time() - began, 2),
-                         "iterations": sum(water.iterations), "lost": abs(1 + water.discharge("right") / q)})
-            print(f"{rows[-1]['method']:<18} n = {n:2d}  q = {q:.4f}, exact {exact:g} ({q / exact - 1:+.3%}), "
-                  f"{rows[-1]['iterations']} iterations")
-            assert rows[-1]["error"] < 1.5e-3 and rows[-1]["iterations"] <= 40 and rows[-1]["lost"] < 1e-8
+            rows.append(
+                {
+                    "method": f"{'P1' if kind is MeshTri else 'Q1'}, {name}",
+                    "n": n,
+                    "unknowns": len(water.head),
+                    "error": abs(q / exact - 1),
+                    "cpu_s": round(time.process_time() - began, 2),
+                    "iterations": sum(water.iterations),
+                    "lost": abs(1 + water.discharge("right") / q),
+                }
+            )
+            print(
+                f"{rows[-1]['method']:<18} n = {n:2d}  q = {q:.4f}, exact {exact:g} "
+                f"({q / exact - 1:+.3%}), "
+                f"{rows[-1]['iterations']} iterations"
+            )
+            assert (
+                rows[-1]["error"] < 1.5e-3
+                and rows[-1]["iterations"] <= 40
+                and rows[-1]["lost"] < 1e-8
+            )
 
 # %%
 # Pressure, flow, and the free surface
 # ------------------------------------
-# Above the free surface the pores suck a little water from element to element: the permeability there is a thousandth.
+# Above the free surface the pores suck a little water from element to element: the permeability
+# there is a thousandth.
 
 water = leak(dam(MeshTri, 40, 5.0), 10.0, 2.0)
 print(water)
@@ -85,19 +104,29 @@ assert np.abs(thrust / exact - 1).max() < 0.01
 # %%
 # A core
 # ------
-# By the same argument zones side by side act in series: :math:`q = (h_1^2 - h_2^2) / (2 \sum L_i / k_i)`. The free
-# surface falls inside the core, and the steeper the tighter it is.
+# By the same argument zones side by side act in series:
+# :math:`q = (h_1^2 - h_2^2) / (2 \sum L_i / k_i)`. The free surface falls inside the core, and the
+# steeper the tighter it is.
 
 figure, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 for ax, core in zip(axes, (0.1, 0.01), strict=True):
     began = time.process_time()
     mesh = dam(MeshTri, 40, 10.0)
-    mesh = mesh.with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
+    mesh = mesh.with_subdomains(
+        {"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1}
+    )
     water = leak(mesh, 10.0, 2.0, {"core": core, "shell": 1.0})
     exact = 48 / (8 + 2 / core)
-    rows.append({"method": f"P1, core {core:g} times as permeable", "n": 40, "unknowns": len(water.head),
-                 "error": abs(water.discharge("left") / exact - 1), "cpu_s": round(time.process_time() - began, 2),
-                 "iterations": sum(water.iterations)})
+    rows.append(
+        {
+            "method": f"P1, core {core:g} times as permeable",
+            "n": 40,
+            "unknowns": len(water.head),
+            "error": abs(water.discharge("left") / exact - 1),
+            "cpu_s": round(time.process_time() - began, 2),
+            "iterations": sum(water.iterations),
+        }
+    )
     print(rows[-1])
     assert rows[-1]["error"] < 5e-3
     plot.flow_diagram(water, "head", ax=ax)

@@ -2,13 +2,14 @@ r"""
 A footing in space, by multigrid and by a direct solver
 =======================================================
 
-In space the factors of a direct solver take time in proportion to the square of the unknowns. Algebraic multigrid
-(``solver="amg"``, the extra ``amg``) takes a time that grows little faster than their number. Here a rigid footing is
-pressed onto sand that yields, in five stages.
+In space the factors of a direct solver take time in proportion to the square of the unknowns.
+Algebraic multigrid (``solver="amg"``, the extra ``amg``) takes a time that grows little faster than
+their number. Here a rigid footing is pressed onto sand that yields, in five stages.
 
-Three things make multigrid fast where soil yields. Linear solutions are as accurate as Newton's method needs at that
-moment (Eisenstat and Walker), about .03 of the residual far from equilibrium. Aggregates of nodes are kept from
-tangent to tangent, and only their stiffness is computed anew. Smoothers are polynomials of the tangent itself.
+Three things make multigrid fast where soil yields. Linear solutions are as accurate as Newton's
+method needs at that moment (Eisenstat and Walker), about .03 of the residual far from equilibrium.
+Aggregates of nodes are kept from tangent to tangent, and only their stiffness is computed anew.
+Smoothers are polynomials of the tangent itself.
 
 Run with ``--full`` for 10,000 to 100,000 unknowns.
 """
@@ -16,8 +17,8 @@ Run with ``--full`` for 10,000 to 100,000 unknowns.
 # %%
 # The scene
 # ---------
-# A quarter of the footing on a cube of sand, in hexahedra with averaged volumetric strains. The flow is not associated,
-# so the tangent is not symmetric.
+# A quarter of the footing on a cube of sand, in hexahedra with averaged volumetric strains. The
+# flow is not associated, so the tangent is not symmetric.
 
 import json
 import logging
@@ -40,11 +41,14 @@ def footing(n, solver):
     """Model of ground of n elements along its sides, and the vertical dofs of its footing."""
     side = np.linspace(0.0, 1.0, n + 1)
     mesh = MeshHex.init_tensor(side, side, side).with_boundaries(
-        {"footing": lambda x: (x[2] == 1.0) & (x[0] < WIDTH) & (x[1] < WIDTH)})  # fmt: skip
+        {"footing": lambda x: (x[2] == 1.0) & (x[0] < WIDTH) & (x[1] < WIDTH)}
+    )
     basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
     ground = sc.SolidForm(basis, SAND, strain="b_bar", unit_weight=20.0)
     foot = basis.get_dofs("footing").all("u^3")
-    return sc.Model({"ground": ground}, np.union1d(sc.box_supports(basis), foot), solver=solver), foot
+    return sc.Model(
+        {"ground": ground}, np.union1d(sc.box_supports(basis), foot), solver=solver
+    ), foot
 
 
 class Counter(logging.Handler):
@@ -76,17 +80,29 @@ def analyse(n, solver, stages):
     cost = process_time() - begin
     ground = model.forms["ground"]
     found = [result[stage.name] for stage in path]
-    loads = [float(-ground.assemble(stage.x, stage.states["ground"]).force[foot].sum()) for stage in found]
-    return {"method": f"{solver}, {stages} stages", "solver": solver, "n": n, "unknowns": model.layout.size,
-            "stages": stages, "cpu_s": cost, "iterations": sum(sum(stage.iterations) for stage in found),
-            "linear_iterations": sum(counter.counts), "peak_MB": peak(), "loads": loads}  # fmt: skip
+    loads = [
+        float(-ground.assemble(stage.x, stage.states["ground"]).force[foot].sum())
+        for stage in found
+    ]
+    return {
+        "method": f"{solver}, {stages} stages",
+        "solver": solver,
+        "n": n,
+        "unknowns": model.layout.size,
+        "stages": stages,
+        "cpu_s": cost,
+        "iterations": sum(sum(stage.iterations) for stage in found),
+        "linear_iterations": sum(counter.counts),
+        "peak_MB": peak(),
+        "loads": loads,
+    }
 
 
 # %%
 # Measurements
 # ------------
-# Processor times of one thread, from the mesh to the result. The direct solver computes one stage of the finest mesh,
-# so the ratio there is that of the first stage.
+# Processor times of one thread, from the mesh to the result. The direct solver computes one stage
+# of the finest mesh, so the ratio there is that of the first stage.
 
 BEFORE = os.environ.get("OMP_NUM_THREADS")
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -109,8 +125,12 @@ def measured(n, solver, stages):
     """Row of an analysis, which is printed."""
     row = apart(analyse, n, solver, stages)
     rows.append(row)
-    print(f"{row['unknowns']:7} unknowns  {solver:8} {stages} stages {row['cpu_s']:8.2f} s  {row['iterations']:3} "
-          f"iterations, {row['linear_iterations']:4} of the linear solver, {row['peak_MB']:5.0f} MB", flush=True)
+    print(
+        f"{row['unknowns']:7} unknowns  {solver:8} {stages} stages {row['cpu_s']:8.2f} s  "
+        f"{row['iterations']:3} "
+        f"iterations, {row['linear_iterations']:4} of the linear solver, {row['peak_MB']:5.0f} MB",
+        flush=True,
+    )
     return row
 
 
@@ -123,21 +143,28 @@ for n in SIZES:
         own = first or whole
         ratios[n] = own["cpu_s"] / direct["cpu_s"]
         errors[n] = max(abs(a / b - 1.0) for a, b in zip(own["loads"], direct["loads"]))
-        print(f"        multigrid takes {ratios[n]:.2f} times as long, loads differ by {errors[n]:.0e}")
+        print(
+            f"        multigrid takes {ratios[n]:.2f} times as long, loads differ by "
+            f"{errors[n]:.0e}"
+        )
 if BEFORE is None:
     os.environ.pop("OMP_NUM_THREADS")
 else:
     os.environ["OMP_NUM_THREADS"] = BEFORE
 
 # %%
-# Checks: both find the same loads. Of the large bodies multigrid takes a fraction of the time. More iterations of
-# Newton's method on finer meshes are part of its growth.
+# Checks: both find the same loads. Of the large bodies multigrid takes a fraction of the time. More
+# iterations of Newton's method on finer meshes are part of its growth.
 
 
 def growth(quantity):
     """Exponent of a quantity of multigrid's whole analyses against the unknowns."""
     own = [row for row in rows if (row["solver"], row["stages"]) == ("amg", STAGES)]
-    return float(np.polyfit(np.log([row["unknowns"] for row in own]), np.log([quantity(row) for row in own]), 1)[0])
+    return float(
+        np.polyfit(
+            np.log([row["unknowns"] for row in own]), np.log([quantity(row) for row in own]), 1
+        )[0]
+    )
 
 
 for row in rows:
@@ -145,10 +172,15 @@ for row in rows:
 assert all(error < 1e-6 for error in errors.values())
 exponents = {}
 if pyamg is not None:
-    exponents = {"time": growth(lambda row: row["cpu_s"]),
-                 "time of an iteration": growth(lambda row: row["cpu_s"] / row["iterations"]),
-                 "linear iterations": growth(lambda row: row["linear_iterations"] / row["iterations"])}  # fmt: skip
-    print("growth with the unknowns:", ", ".join(f"{name} {value:.2f}" for name, value in exponents.items()))
+    exponents = {
+        "time": growth(lambda row: row["cpu_s"]),
+        "time of an iteration": growth(lambda row: row["cpu_s"] / row["iterations"]),
+        "linear iterations": growth(lambda row: row["linear_iterations"] / row["iterations"]),
+    }
+    print(
+        "growth with the unknowns:",
+        ", ".join(f"{name} {value:.2f}" for name, value in exponents.items()),
+    )
 if FULL and pyamg is not None and DIRECT == "pardiso":
     assert ratios[22] <= 1.0
     assert ratios[31] <= 0.4
@@ -161,7 +193,9 @@ figure, axes = plt.subplots(1, 2, figsize=(8, 3.5), constrained_layout=True)
 for solver in (DIRECT, "amg"):
     own = [row for row in rows if (row["solver"], row["stages"]) == (solver, STAGES)]
     if own:
-        axes[0].loglog([row["unknowns"] for row in own], [row["cpu_s"] for row in own], "o-", label=solver)
+        axes[0].loglog(
+            [row["unknowns"] for row in own], [row["cpu_s"] for row in own], "o-", label=solver
+        )
         depths = 1000 * DEPTH * np.arange(1, STAGES + 1) / STAGES
         for row in own if solver == "amg" or pyamg is None else ():
             axes[1].plot(depths, row["loads"], "o-", label=f"{row['unknowns']} unknowns")

@@ -47,13 +47,25 @@ METHODS = {
 def figures(method, n, problem, x, cpu, iterations, element="Q1"):
     """A row of the table."""
     found = hertz(problem, x)
-    row = {"method": method, "element": element, "n": n, "unknowns": int(problem.basis.N),
-           "error": found.forces, "half_width": found.half_width, "pressure": found.error,
-           "exact": found.exact, "force": found.force, "cpu_s": round(cpu, 2),
-           "iterations": iterations}  # fmt: skip
-    print(f"{method:21} {element}  n = {n:2}, {row['unknowns']:6} unknowns, {cpu:6.1f} s:  "
-          f"forces {found.forces:6.2%}  pressure {found.error:6.2%} (exact {found.exact:6.2%})  "
-          f"half-width {found.half_width:+.2%}  {iterations:3} its", flush=True)  # fmt: skip
+    row = {
+        "method": method,
+        "element": element,
+        "n": n,
+        "unknowns": int(problem.basis.N),
+        "error": found.forces,
+        "half_width": found.half_width,
+        "pressure": found.error,
+        "exact": found.exact,
+        "force": found.force,
+        "cpu_s": round(cpu, 2),
+        "iterations": iterations,
+    }
+    print(
+        f"{method:21} {element}  n = {n:2}, {row['unknowns']:6} unknowns, {cpu:6.1f} s:  "
+        f"forces {found.forces:6.2%}  pressure {found.error:6.2%} (exact {found.exact:6.2%})  "
+        f"half-width {found.half_width:+.2%}  {iterations:3} its",
+        flush=True,
+    )
     return row
 
 
@@ -68,7 +80,9 @@ def press(method, n, element="Q1", harder=1):
     forms = {"bodies": problem.solid, "joint": pair}
     if harder > 1:
         pair = choose_penalties(forms)["joint"]
-        forms["joint"] = pair.with_penalty(*(harder * p for p in pair.penalty), harder * pair.stiffness)
+        forms["joint"] = pair.with_penalty(
+            *(harder * p for p in pair.penalty), harder * pair.stiffness
+        )
         method = f"{method}, {harder} times"
     stage = sc.Stage("press", problem.basis.zeros(), problem.pressed, increments=4)
     solver = "superlu" if problem.basis.N > 50_000 else None
@@ -91,8 +105,12 @@ for name, n in product(peers_space.available(), SIZES) if PEERS else ():
     problem = paraboloid(n)
     found = peers_space.run(name, problem)
     if found.x is not None:
-        rows.append({**figures(name, n, problem, found.x, found.cpu, found.iterations),
-                     "peer": version_of(name)})  # fmt: skip
+        rows.append(
+            {
+                **figures(name, n, problem, found.x, found.cpu, found.iterations),
+                "peer": version_of(name),
+            }
+        )
 
 # %%
 # Pressure
@@ -120,18 +138,27 @@ plt.show()
 # The largest shear stress lies below the surface, in both bodies. The symmetry planes are in
 # front.
 
-plot.cutaway(result["press"], "mises", towards=(1.0, 1.4, -0.7),
-             cuts=[((1, 0, 0), (3, 0, 0)), ((0, 1, 0), (0, 3, 0)),
-                   ((0, 0, 1), (0, 0, 2.5)), ((0, 0, -1), (0, 0, -2.5))])  # fmt: skip
+plot.cutaway(
+    result["press"],
+    "mises",
+    towards=(1.0, 1.4, -0.7),
+    cuts=[
+        ((1, 0, 0), (3, 0, 0)),
+        ((0, 1, 0), (0, 3, 0)),
+        ((0, 0, 1), (0, 0, 2.5)),
+        ((0, 0, -1), (0, 0, -2.5)),
+    ],
+)
 
 # %%
 # Where the contact ends
 # ----------------------
-# Dual multipliers have better pressures at the nodes than the augmented method, and worse nodal forces. A
-# node is open or closed: an open one beside the edge has no force, although the pressure reaches into its
-# facets. The augmented method evaluates its law at points of the facets. There its penalty of ten times
-# the stiffness of the elements is a thin layer that rounds the edge off, as that of the penalty method is.
-# With a layer that is 100 times as hard its nodal forces are no closer than those of dual multipliers.
+# Dual multipliers have better pressures at the nodes than the augmented method, and worse nodal
+# forces. A node is open or closed: an open one beside the edge has no force, although the pressure
+# reaches into its facets. The augmented method evaluates its law at points of the facets. There its
+# penalty of ten times the stiffness of the elements is a thin layer that rounds the edge off, as
+# that of the penalty method is. With a layer that is 100 times as hard its nodal forces are no
+# closer than those of dual multipliers.
 #
 # Headline numbers
 # ----------------
@@ -148,7 +175,9 @@ for n in SIZES:
     assert inside["iterations"] <= (0.2 if FULL else 0.21) * after["iterations"]
     assert inside["pressure"] <= after["pressure"]
     assert inside["error"] <= 1.45 * after["error"]
-inside, hard = (table[method, SIZES[0]] for method in ("segments, multipliers", f"Gauss(2), {HARDER} times"))
+inside, hard = (
+    table[method, SIZES[0]] for method in ("segments, multipliers", f"Gauss(2), {HARDER} times")
+)
 assert hard["error"] >= 0.98 * inside["error"]
 for name, share in (("Kratos", 1 / 2), ("CalculiX", 1 / 4)):
     if FULL and (name, 4) in table:

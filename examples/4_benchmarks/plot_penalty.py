@@ -2,17 +2,18 @@ r"""
 Any penalty to start from
 =========================
 
-Two bodies that press on each other penetrate by the pressure over the penalty. A soft penalty gives a wrong
-answer. A hard one lets Newton's method chatter between open and closed points, and more points press than
-the nodes can follow. The right one lies in between, and a program that asks for a number leaves finding it
-to its user. Here the Hertz contact is computed with penalties from 0.01 to 10,000 times E/h:
+Two bodies that press on each other penetrate by the pressure over the penalty. A soft penalty gives
+a wrong answer. A hard one lets Newton's method chatter between open and closed points, and more
+points press than the nodes can follow. The right one lies in between, and a program that asks for a
+number leaves finding it to its user. Here the Hertz contact is computed with penalties from 0.01 to
+10,000 times E/h:
 
 * with the penalty that was given,
 * with the augmented Lagrangian method that starts from it.
 
-The augmented method knows the stiffness k of the elements beside the surfaces, about E/h. It brings a start
-that is out of proportion between k/10 and 10 k, goes to 10 k when it has a first solution, and corrects the
-tractions until nothing penetrates.
+The augmented method knows the stiffness k of the elements beside the surfaces, about E/h. It brings
+a start that is out of proportion between k/10 and 10 k, goes to 10 k when it has a first solution,
+and corrects the tractions until nothing penetrates.
 
 Run with ``--full`` for 20 instead of 5 elements in the half-width of the contact.
 """
@@ -36,8 +37,8 @@ METHODS = {"penalty": None, "augmented": sc.AugmentedLagrangian()}
 # %%
 # Seven penalties
 # ---------------
-# A penalty that lets the bodies penetrate by more than 1 % of an element is reported by a warning. It is
-# silenced here, where this is the point.
+# A penalty that lets the bodies penetrate by more than 1 % of an element is reported by a warning.
+# It is silenced here, where this is the point.
 
 
 def press(penalty, enforcement):
@@ -54,8 +55,14 @@ def press(penalty, enforcement):
         return {**row, "error": None, "cpu_s": round(process_time() - begin, 3), "iterations": None}
     contact = Contact.of(problem, result[-1].x)
     cpu, iterations = round(process_time() - begin, 3), sum(result[-1].iterations)
-    return {**row, "error": contact.pressure_error, "force": contact.normal_force,
-            "peak": float(contact.pressure.max()), "cpu_s": cpu, "iterations": iterations}  # fmt: skip
+    return {
+        **row,
+        "error": contact.pressure_error,
+        "force": contact.normal_force,
+        "peak": float(contact.pressure.max()),
+        "cpu_s": cpu,
+        "iterations": iterations,
+    }
 
 
 rows = [
@@ -64,7 +71,9 @@ rows = [
     for penalty in PENALTIES
 ]
 for row in rows:
-    reached = "L2 {error:6.2%}  force {force:.4f}  {iterations:3} its" if row["iterations"] else "failed"
+    reached = (
+        "L2 {error:6.2%}  force {force:.4f}  {iterations:3} its" if row["iterations"] else "failed"
+    )
     print(("{method:10} {penalty:8g} E/h  " + reached).format(**row))
 
 # %%
@@ -73,13 +82,17 @@ for row in rows:
 fig, axes = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 for method, marker in {"penalty": "o-", "augmented": "s-"}.items():
     own = [row for row in rows if row["method"] == method and row["error"] is not None]
-    axes[0].loglog([row["penalty"] for row in own], [100 * row["error"] for row in own], marker, label=method)
-    axes[1].semilogx([row["penalty"] for row in own], [row["iterations"] for row in own], marker, label=method)
+    axes[0].loglog(
+        [row["penalty"] for row in own], [100 * row["error"] for row in own], marker, label=method
+    )
+    axes[1].semilogx(
+        [row["penalty"] for row in own], [row["iterations"] for row in own], marker, label=method
+    )
 axes[0].set(xlabel="penalty over E/h", ylabel="L2 error of the pressure [%]")
 axes[1].set(xlabel="penalty over E/h", ylabel="iterations in four steps", ylim=(0, None))
 axes[0].legend(frameon=False)
 for ax in axes:
-    ax.grid(alpha=0.3);
+    ax.grid(alpha=0.3)
 
 # %%
 # Headline numbers

@@ -46,9 +46,14 @@ def press(name, n, block, master, depth, force):
     forms = {"block": block.solid, "joint": pair}
     stage = sc.Stage(name, block.basis.zeros(), block.moved(depth, force), increments=2)
     result = sc.Model(forms, block.fixed).run([stage], progress=False)
-    row = {"method": name, "n": n, "unknowns": int(block.basis.N), "error": 0.0,
-           "cpu_s": round(process_time() - begin, 2),
-           "iterations": sum(result[-1].iterations)}  # fmt: skip
+    row = {
+        "method": name,
+        "n": n,
+        "unknowns": int(block.basis.N),
+        "error": 0.0,
+        "cpu_s": round(process_time() - begin, 2),
+        "iterations": sum(result[-1].iterations),
+    }
     return forms, result[-1], block.touched(result[-1].x), row
 
 
@@ -93,8 +98,12 @@ r = np.hypot(*block.basis.doflocs[:2, surface])
 settled = depth - step.x[surface]
 _, _, exact_surface = half_space.flat_punch(r, exact_depth, 1.0, MODULUS)
 beside = np.argmin(np.abs(r - 2.0))
-report(row, depth=depth / exact_depth - 1, pressure=(found.pressure[half] / pressure).mean() - 1,
-       surface=settled[beside] / exact_surface[beside] - 1)  # fmt: skip
+report(
+    row,
+    depth=depth / exact_depth - 1,
+    pressure=(found.pressure[half] / pressure).mean() - 1,
+    surface=settled[beside] / exact_surface[beside] - 1,
+)
 
 line = np.linspace(0, 0.999, 400)
 _, pressure, _ = half_space.flat_punch(line, exact_depth, 1.0, MODULUS)
@@ -103,9 +112,14 @@ drawn_beside(found.r, found.pressure, line, pressure, "flat punch", "r / a", yli
 # %%
 # How the ground settles, thirty times enlarged, and its vertical stress.
 
-plot.cutaway(step, "szz", deformed=30.0, limits=(-20.0, 0.0), towards=(1.0, 1.4, -0.7),
-             cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
-                   ((0, 0, -1), (0, 0, -2.0))])  # fmt: skip
+plot.cutaway(
+    step,
+    "szz",
+    deformed=30.0,
+    limits=(-20.0, 0.0),
+    towards=(1.0, 1.4, -0.7),
+    cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)), ((0, 0, -1), (0, 0, -2.0))],
+)
 
 # %%
 # A cone
@@ -128,8 +142,12 @@ a = np.sqrt(force / (0.5 * np.pi * MODULUS * slope))
 half = found.circle(0.5)
 _, exact_depth, pressure = half_space.cone(found.r[half], a, slope, MODULUS)
 by_moment = np.sqrt(3 * found.normal @ found.r**2 / force)
-report(row, depth=depth / exact_depth - 1, radius=by_moment / a - 1,
-       pressure=(found.pressure[half] / pressure).mean() - 1)  # fmt: skip
+report(
+    row,
+    depth=depth / exact_depth - 1,
+    radius=by_moment / a - 1,
+    pressure=(found.pressure[half] / pressure).mean() - 1,
+)
 
 line = np.linspace(0.005, 1.3, 400)
 exact = half_space.cone(line, a, slope, MODULUS)[2]
@@ -164,25 +182,32 @@ def across(p):
 n = 9 if FULL else 6
 x, y, z = lines(1 / n, 1.3), lines(1.3 * b / n, 1.3 * b), lines(1.3 * b / n, 2.6 * b / n)
 x, y = (np.append(-c[:0:-1], c) for c in (x, y))
-level = Block.of(MeshHex.init_tensor(x, y, -z[::-1]),
-                 near=lambda p: (np.abs(p[0]) < 1.3) & (np.abs(p[1]) < 1.3 * b))  # fmt: skip
+level = Block.of(
+    MeshHex.init_tensor(x, y, -z[::-1]),
+    near=lambda p: (np.abs(p[0]) < 1.3) & (np.abs(p[1]) < 1.3 * b),
+)
 axis = 3 * np.array([np.cos(TURN), -np.sin(TURN), 0.0])
 above = np.array([0.0, 0.0, RADIUS])
 rod = sc.rigid.cylinder(above - axis, above + axis, RADIUS, name="cylinder")
-forms, step, found, row = press("crossed cylinders", n, level.raised(across), rod, depth,
-                                unit_axis**-3)  # fmt: skip
+forms, step, found, row = press(
+    "crossed cylinders", n, level.raised(across), rod, depth, unit_axis**-3
+)
 
 force = found.normal.sum()
 a, b, peak, exact_depth = half_space.hertz_ellipse(force, A, B, MODULUS)
 long, short = (np.sqrt(5 * found.normal @ c**2 / force) for c in found.coordinates)
-report(row, depth=depth / exact_depth - 1, a=long / a - 1, b=short / b - 1,
-       peak=found.pressure[found.circle(0.0)].mean() / peak - 1)  # fmt: skip
+report(
+    row,
+    depth=depth / exact_depth - 1,
+    a=long / a - 1,
+    b=short / b - 1,
+    peak=found.pressure[found.circle(0.0)].mean() / peak - 1,
+)
 
 line = np.linspace(0, 1.3, 400)
 out = np.hypot(found.coordinates[0] / a, found.coordinates[1] / b)
 exact = peak * half_space.dome(line, 1.0)
-drawn_beside(out, found.pressure, line, exact, "crossed cylinders",
-             r"$(x^2/a^2 + y^2/b^2)^{1/2}$")  # fmt: skip
+drawn_beside(out, found.pressure, line, exact, "crossed cylinders", r"$(x^2/a^2 + y^2/b^2)^{1/2}$")
 
 # %%
 # The elliptic contact from above: pressure at the nodes and Hertz's ellipse.

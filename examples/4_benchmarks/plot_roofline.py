@@ -2,20 +2,23 @@ r"""
 Kernels and factors against the machine
 =======================================
 
-How fast could they be? A kernel can take no less time than its operations need at the rate of large products of dense
-matrices, nor less than its data need at the bandwidth of the memory. Both are measured here, on one thread:
+How fast could they be? A kernel can take no less time than its operations need at the rate of large
+products of dense matrices, nor less than its data need at the bandwidth of the memory. Both are
+measured here, on one thread:
 
-.. math:: t \ge \max\left( \frac{\text{operations}}{\text{rate of dgemm}}, \frac{\text{bytes}}{\text{bandwidth}}
+.. math:: t \ge \max\left( \frac{\text{operations}}{\text{rate of dgemm}},
+\frac{\text{bytes}}{\text{bandwidth}}
           \right).
 
-The share of this bound that a kernel reaches tells what other code could gain at most. Bytes are those that have to be
-read and written once, by a cache of any size.
+The share of this bound that a kernel reaches tells what other code could gain at most. Bytes are
+those that have to be read and written once, by a cache of any size.
 """
 
 # %%
 # The machine
 # -----------
-# The rate of products of dense matrices, and the bandwidth of :math:`a = b + c` with vectors that no cache holds.
+# The rate of products of dense matrices, and the bandwidth of :math:`a = b + c` with vectors that
+# no cache holds.
 
 import json
 import sys
@@ -55,9 +58,9 @@ def machine():
 # %%
 # Kernels
 # -------
-# What an iteration does with a body: strains, forces, element matrices, their sum, products with the sum, and factors.
-# Operations are additions and multiplications. Those of a factor follow from the entries of L and U: with l entries
-# below and u entries right of a pivot they are l + 2 l u.
+# What an iteration does with a body: strains, forces, element matrices, their sum, products with
+# the sum, and factors. Operations are additions and multiplications. Those of a factor follow from
+# the entries of L and U: with l entries below and u entries right of a pivot they are l + 2 l u.
 
 
 def by_superlu(K, locations):
@@ -66,7 +69,9 @@ def by_superlu(K, locations):
     A = K[order][:, order].tocsc()
 
     def factor():
-        return splu(A, permc_spec="NATURAL", diag_pivot_thresh=0.01, options={"SymmetricMode": True})
+        return splu(
+            A, permc_spec="NATURAL", diag_pivot_thresh=0.01, options={"SymmetricMode": True}
+        )
 
     lu = factor()
     below, right = np.diff(lu.L.indptr) - 1.0, np.bincount(lu.U.indices, minlength=len(order)) - 1.0
@@ -97,16 +102,33 @@ def kernels(dim, n):
     B = np.ascontiguousarray(B[:, :, acting])
     n_elements, n_points, r, m = B.shape
     D = E[np.ix_(acting, acting)] * weight[..., None, None]
-    u, dofs = np.random.default_rng(0).random(basis.N), np.ascontiguousarray(form.basis.element_dofs.T)
+    u, dofs = (
+        np.random.default_rng(0).random(basis.N),
+        np.ascontiguousarray(form.basis.element_dofs.T),
+    )
     stress = np.random.default_rng(1).random(F.shape[1])
     K_e = element_stiffness(B, D)
     K = pattern.matrix(pattern.scatter(K_e))
     flat = B.reshape(n_elements, n_points * r, m)
-    yield "strains", 2 * B.size, B.nbytes + dofs.nbytes + u.nbytes + 8 * B.size // m, \
-        lambda: np.matmul(flat, u.take(dofs)[:, :, None])
+    yield (
+        "strains",
+        2 * B.size,
+        B.nbytes + dofs.nbytes + u.nbytes + 8 * B.size // m,
+        lambda: np.matmul(flat, u.take(dofs)[:, :, None]),
+    )
     yield "forces", 2 * F.nnz, 12 * F.nnz + stress.nbytes + u.nbytes, lambda: F @ stress
-    yield "element matrices", 2 * B.size * (r + m), B.nbytes + D.nbytes + K_e.nbytes, lambda: element_stiffness(B, D)
-    yield "their sum", K_e.size, K_e.nbytes + pattern.slots.nbytes + K.data.nbytes, lambda: pattern.scatter(K_e)
+    yield (
+        "element matrices",
+        2 * B.size * (r + m),
+        B.nbytes + D.nbytes + K_e.nbytes,
+        lambda: element_stiffness(B, D),
+    )
+    yield (
+        "their sum",
+        K_e.size,
+        K_e.nbytes + pattern.slots.nbytes + K.data.nbytes,
+        lambda: pattern.scatter(K_e),
+    )
     yield "product with the sum", 2 * K.nnz, 12 * K.nnz + 2 * u.nbytes, lambda: K @ u
     free = np.setdiff1d(np.arange(basis.N), sc.box_supports(basis))
     K, locations = K[free][:, free].tocsr(), basis.doflocs[:, free]
@@ -135,15 +157,26 @@ with threadpool_limits(1):
         for name, operations, moved, call in kernels(dim, n):
             seconds = shortest(call)
             shares = operations / seconds / rate, moved / seconds / bandwidth
-            rows.append({"method": f"{'plane' if dim == 2 else 'space'}, {name}", "n": n, "seconds": seconds,
-                         "Gflop": operations / 1e9, "MB": moved / 1e6, "of_dgemm": shares[0],
-                         "of_bandwidth": shares[1], "share": max(shares)})  # fmt: skip
-            print(f"{rows[-1]['method']:28} {1e3 * seconds:9.2f} ms  {shares[0]:6.1%} of dgemm, "
-                  f"{shares[1]:6.1%} of the bandwidth")
+            rows.append(
+                {
+                    "method": f"{'plane' if dim == 2 else 'space'}, {name}",
+                    "n": n,
+                    "seconds": seconds,
+                    "Gflop": operations / 1e9,
+                    "MB": moved / 1e6,
+                    "of_dgemm": shares[0],
+                    "of_bandwidth": shares[1],
+                    "share": max(shares),
+                }
+            )
+            print(
+                f"{rows[-1]['method']:28} {1e3 * seconds:9.2f} ms  {shares[0]:6.1%} of dgemm, "
+                f"{shares[1]:6.1%} of the bandwidth"
+            )
 
 # %%
-# No kernel is faster than the machine, and none takes a hundred times as long as the bound. A share above 1 of the
-# bandwidth means that a cache holds the data of these small bodies.
+# No kernel is faster than the machine, and none takes a hundred times as long as the bound. A share
+# above 1 of the bandwidth means that a cache holds the data of these small bodies.
 
 if FULL:  # other programs disturb the times of small sizes
     assert all(row["of_dgemm"] < 1.1 and row["share"] > 0.01 for row in rows)

@@ -2,20 +2,22 @@ r"""
 Time and memory against size
 ============================
 
-Two analyses on finer and finer meshes: the buried culvert, with contact and both stages, and a slope of which
-gravity makes a part yield. What do they cost, and how does the cost grow?
+Two analyses on finer and finer meshes: the buried culvert, with contact and both stages, and a
+slope of which gravity makes a part yield. What do they cost, and how does the cost grow?
 
 A two-dimensional mesh of :math:`N` unknowns has factors of :math:`O(N \log N)` entries that take
-:math:`O(N^{3/2})` operations; everything else is linear. An exponent below 1.5 is what a direct solver can reach.
+:math:`O(N^{3/2})` operations; everything else is linear. An exponent below 1.5 is what a direct
+solver can reach.
 """
 
 # %%
 # The scenes
 # ----------
-# The culvert is that of the tutorial, its elements divided by four again and again, in soils that dilate as their
-# flow rule says when it is associated. (Without dilatancy both stages take 20 iterations instead of 8 at 66,000
-# unknowns, the time of 32 factorisations, and 85 factorisations at 260,000, an increment that fails included.) The
-# slope is that of Griffiths and Lane, 1:2, on triangles of second order.
+# The culvert is that of the tutorial, its elements divided by four again and again, in soils that
+# dilate as their flow rule says when it is associated. (Without dilatancy both stages take 20
+# iterations instead of 8 at 66,000 unknowns, the time of 32 factorisations, and 85 factorisations
+# at 260,000, an increment that fails included.) The slope is that of Griffiths and Lane, 1:2, on
+# triangles of second order.
 
 import json
 import sys
@@ -37,20 +39,38 @@ def culvert(refinements):
     welded = sc.load_mesh(files("skfem_contact") / "data" / "culvert.msh").refined(refinements)
     mesh = sc.join_bodies(welded, bodies={"ground": ["soft", "stiff"], "culvert": "culvert"})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    soils = {"soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0, psi=25.0),
-             "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0, psi=35.0)}  # fmt: skip
+    soils = {
+        "soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0, psi=25.0),
+        "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0, psi=35.0),
+    }
     concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
     forms = {
         "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
         "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar"),
-        "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
-                               quadrature="nodal", smoothing=0.5, initial="adjusted"),
-    }  # fmt: skip
+        "skin": sc.ContactPair(
+            basis,
+            slave="ground|culvert",
+            master="culvert|ground",
+            law=sc.Coulomb(mu=0.6),
+            quadrature="nodal",
+            smoothing=0.5,
+            initial="adjusted",
+        ),
+    }
     gravity = sc.weight(basis, {"soft": 18.0, "stiff": 20.0, "culvert": 25.0})
     surface = FacetBasis(mesh, basis.elem, facets="surface")
-    strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
-    return basis, forms, [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)], fixed
+    strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(
+        surface
+    )
+    fixed = np.concatenate(
+        (basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    )
+    return (
+        basis,
+        forms,
+        [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)],
+        fixed,
+    )
 
 
 def slope(n):
@@ -58,18 +78,25 @@ def slope(n):
     s = np.linspace(0, 1, n + 1)
     mesh = MeshTri.init_tensor(np.linspace(0, 1, 2 * n + 1), s).with_defaults()
     y = 10.0 * mesh.p[1]
-    mesh = MeshTri(np.array([mesh.p[0] * (12.0 + 2.0 * (10.0 - y)), y]), mesh.t).with_boundaries(mesh.boundaries)
+    mesh = MeshTri(np.array([mesh.p[0] * (12.0 + 2.0 * (10.0 - y)), y]), mesh.t).with_boundaries(
+        mesh.boundaries
+    )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")))
-    return basis, {"slope": sc.SolidForm(basis, soil)}, [sc.Stage("gravity", sc.weight(basis, 20.0))], fixed
+    return (
+        basis,
+        {"slope": sc.SolidForm(basis, soil)},
+        [sc.Stage("gravity", sc.weight(basis, 20.0))],
+        fixed,
+    )
 
 
 # %%
 # Measurements
 # ------------
-# The unit of time is one factorisation of the last tangent. Each analysis has a process of its own, whose peak
-# memory is taken, less what it holds at the start.
+# The unit of time is one factorisation of the last tangent. Each analysis has a process of its own,
+# whose peak memory is taken, less what it holds at the start.
 
 
 def factorisation(basis, forms, result, fixed):
@@ -91,9 +118,18 @@ def analyse(name, scene, n):
     result = sc.Model(forms, fixed).run(stages)
     cost, memory = process_time() - begin, peak() - before
     one = factorisation(basis, forms, result, fixed)
-    return {"method": name, "n": n, "unknowns": int(basis.N), "error": max(stage.residual for stage in result),
-            "cpu_s": cost, "set_up_s": set_up, "iterations": sum(sum(stage.iterations) for stage in result),
-            "factorisations": cost / one, "peak_MB": memory, "KB_per_unknown": 1024 * memory / basis.N}  # fmt: skip
+    return {
+        "method": name,
+        "n": n,
+        "unknowns": int(basis.N),
+        "error": max(stage.residual for stage in result),
+        "cpu_s": cost,
+        "set_up_s": set_up,
+        "iterations": sum(sum(stage.iterations) for stage in result),
+        "factorisations": cost / one,
+        "peak_MB": memory,
+        "KB_per_unknown": 1024 * memory / basis.N,
+    }
 
 
 full = "--full" in sys.argv
@@ -103,18 +139,26 @@ rows = []
 for run in runs:
     rows.append(row := apart(analyse, *run))
     name = row["method"]
-    print(f"{name:8} {row['unknowns']:7} unknowns {row['cpu_s']:8.2f} s = {row['factorisations']:5.1f} factorisations, "
-          f"{row['iterations']:3} iterations, {row['KB_per_unknown']:.1f} KB per unknown", flush=True)  # fmt: skip
+    print(
+        f"{name:8} {row['unknowns']:7} unknowns {row['cpu_s']:8.2f} s = "
+        f"{row['factorisations']:5.1f} factorisations, "
+        f"{row['iterations']:3} iterations, {row['KB_per_unknown']:.1f} KB per unknown",
+        flush=True,
+    )
 
 # %%
-# Exponents, fitted to all sizes of a scene. An iteration more or less on the way is part of the scatter, so the time
-# of an iteration is fitted as well.
+# Exponents, fitted to all sizes of a scene. An iteration more or less on the way is part of the
+# scatter, so the time of an iteration is fitted as well.
 
 
 def exponent(name, quantity):
     """Slope of a quantity in double logarithmic scales."""
     own = [row for row in rows if row["method"] == name]
-    return float(np.polyfit(np.log([row["unknowns"] for row in own]), np.log([quantity(row) for row in own]), 1)[0])
+    return float(
+        np.polyfit(
+            np.log([row["unknowns"] for row in own]), np.log([quantity(row) for row in own]), 1
+        )[0]
+    )
 
 
 if full:
@@ -132,7 +176,13 @@ fig, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 for name, color in zip(("culvert", "slope"), ("#1f4e8c", "#d55e00")):
     own = [row for row in rows if row["method"] == name]
     for ax, quantity in zip(axes, ("cpu_s", "peak_MB")):
-        ax.loglog([row["unknowns"] for row in own], [row[quantity] for row in own], "o-", color=color, label=name)
+        ax.loglog(
+            [row["unknowns"] for row in own],
+            [row[quantity] for row in own],
+            "o-",
+            color=color,
+            label=name,
+        )
 for ax, title in zip(axes, ("processor time [s]", "peak memory [MB]")):
     ax.set(xlabel="unknowns", title=title)
     ax.grid(color="#dddddd", linewidth=0.6)

@@ -2,11 +2,12 @@ r"""
 The linear solver
 =================
 
-Direct factorisation is most of an analysis. The default orders the unknowns by a nested dissection of the mesh,
-once, and hands them to SuperLU; what scipy's ``splu`` does by itself is ordered anew in every call, by COLAMD.
-Where ``pypardiso`` is installed (the extra ``fast``), PARDISO takes the place of SuperLU. In space factors fill up
-much faster than in the plane: there, large bodies are solved by algebraic multigrid that is told their rigid motions,
-where ``pyamg`` is installed (the extra ``amg``). Contact in space costs it no iterations, whatever the penalty.
+Direct factorisation is most of an analysis. The default orders the unknowns by a nested dissection
+of the mesh, once, and hands them to SuperLU; what scipy's ``splu`` does by itself is ordered anew
+in every call, by COLAMD. Where ``pypardiso`` is installed (the extra ``fast``), PARDISO takes the
+place of SuperLU. In space factors fill up much faster than in the plane: there, large bodies are
+solved by algebraic multigrid that is told their rigid motions, where ``pyamg`` is installed (the
+extra ``amg``). Contact in space costs it no iterations, whatever the penalty.
 
 Compared is what an iteration pays: a tangent with new values is factored and a system is solved.
 """
@@ -14,8 +15,8 @@ Compared is what an iteration pays: a tangent with new values is factored and a 
 # %%
 # Two blocks in frictional contact
 # --------------------------------
-# On a structured mesh; on meshes of triangles without any structure, graded towards the contact by 1:20; and on
-# structured triangles of second order.
+# On a structured mesh; on meshes of triangles without any structure, graded towards the contact by
+# 1:20; and on structured triangles of second order.
 
 import json
 import sys
@@ -63,9 +64,11 @@ def structured(kind):
 
 
 def graded(n):
-    """Unit square of about n by n nodes that come closer towards y = 1, moved at random and joined by Delaunay."""
+    """Unit square of about n by n nodes that come closer towards y = 1, moved at random and joined
+    by Delaunay.
+    """
     s = np.linspace(0, 1, n + 1)
-    across, up = s, (1.0 - 0.05 ** s) / 0.95
+    across, up = s, (1.0 - 0.05**s) / 0.95
     x, y = (v.ravel().copy() for v in np.meshgrid(across, up, indexing="ij"))
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
     spacing = np.broadcast_to(np.gradient(up), (n + 1, n + 1)).ravel()
@@ -86,17 +89,23 @@ CASES = {
 
 
 def system(case, unknowns):
-    """Two tangents that differ in their values, the coordinates of the unknowns, and the free ones."""
+    """Two tangents that differ in their values, the coordinates of the unknowns, and the free
+    ones.
+    """
     square, element, order = CASES[case]
     n = round((unknowns / 2 / 1.81) ** 0.5 / order) + 1
     lower, upper = square(n), square(round(0.9 * n))
     mirrored = type(upper)(np.array([upper.p[0], 2.0 - upper.p[1]]), np.ascontiguousarray(upper.t))
     mesh = sc.join_bodies({"lower": lower.with_defaults(), "upper": mirrored.with_defaults()})
     basis = Basis(mesh, ElementVector(element), intorder=2)
-    forms = choose_penalties({
-        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-        "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=0.3), "nodal"),
-    })  # fmt: skip
+    forms = choose_penalties(
+        {
+            "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+            "contact": sc.ContactPair(
+                basis, "upper:bottom", "lower:top", sc.Coulomb(mu=0.3), "nodal"
+            ),
+        }
+    )
     x, dofs = basis.zeros(), basis.get_dofs(elements="upper")
     x[dofs.all("u^2")] = -1e-4
     x[dofs.all("u^1")] = 2e-4  # it slips: the tangent is not symmetric
@@ -119,7 +128,12 @@ def colamd(matrices, locations, free, b):
     begin = process_time()
     lu = splu(A)
     x = lu.solve(b[free])
-    return process_time() - begin, 0.0, lu.nnz, np.linalg.norm(b[free] - A @ x) / np.linalg.norm(b[free])
+    return (
+        process_time() - begin,
+        0.0,
+        lu.nnz,
+        np.linalg.norm(b[free] - A @ x) / np.linalg.norm(b[free]),
+    )
 
 
 def direct(engine):
@@ -151,21 +165,40 @@ for case in CASES:
         b = np.random.default_rng(2).standard_normal(problem[1].shape[1])
         for method, measure in METHODS.items():
             cost, once, fill, residual = min(measure(*problem, b) for _ in range(2))
-            rows.append({"method": f"{method}, {case}", "case": case, "solver": method, "n": unknowns,
-                         "unknowns": len(b), "error": float(residual), "cpu_s": cost, "once_s": once,
-                         "factor_entries": fill or None, "iterations": None})  # fmt: skip
-            print(f"{case:24} {len(b):7} unknowns  {method:16} {cost:8.3f} s, once {once:6.3f} s, "
-                  f"{fill / 1e6:6.1f} M entries, residual {residual:.0e}")  # fmt: skip
+            rows.append(
+                {
+                    "method": f"{method}, {case}",
+                    "case": case,
+                    "solver": method,
+                    "n": unknowns,
+                    "unknowns": len(b),
+                    "error": float(residual),
+                    "cpu_s": cost,
+                    "once_s": once,
+                    "factor_entries": fill or None,
+                    "iterations": None,
+                }
+            )
+            print(
+                f"{case:24} {len(b):7} unknowns  {method:16} {cost:8.3f} s, once {once:6.3f} s, "
+                f"{fill / 1e6:6.1f} M entries, residual {residual:.0e}"
+            )
 
 # %%
-# Checks: the default is never slower than ``splu`` by itself, and of large systems it is two and a half times
-# faster and more, with less than 0.7 of the memory.
+# Checks: the default is never slower than ``splu`` by itself, and of large systems it is two and a
+# half times faster and more, with less than 0.7 of the memory.
 
 
 def gain(row, quantity="cpu_s", solver="splu, COLAMD"):
     """Ratio of another solver's figure to that of a row."""
-    return next(r[quantity] for r in rows if (r["case"], r["n"], r["solver"]) == (row["case"], row["n"], solver)
-                ) / row[quantity]  # fmt: skip
+    return (
+        next(
+            r[quantity]
+            for r in rows
+            if (r["case"], r["n"], r["solver"]) == (row["case"], row["n"], solver)
+        )
+        / row[quantity]
+    )
 
 
 assert all(row["error"] < 1e-8 for row in rows)
@@ -181,13 +214,16 @@ if "--full" in sys.argv:
 # %%
 # An elastic block in space
 # -------------------------
-# Clamped at one side and loaded by its weight, in hexahedra of first and tetrahedra of second order.
+# Clamped at one side and loaded by its weight, in hexahedra of first and tetrahedra of second
+# order.
 
 SPACE = {"hexahedra": (MeshHex, ElementHex1(), 1), "P2 tetrahedra": (MeshTet, ElementTetP2(), 2)}
 
 
 def block(case, unknowns):
-    """Two tangents that differ by a factor, the coordinates of the unknowns, the free ones, and the load."""
+    """Two tangents that differ by a factor, the coordinates of the unknowns, the free ones, and the
+    load.
+    """
     kind, element, order = SPACE[case]
     n = round((unknowns / 6) ** (1 / 3) / order)
     mesh = kind.init_tensor(*(np.linspace(0, side, side * n + 1) for side in (2, 1, 1)))
@@ -198,7 +234,9 @@ def block(case, unknowns):
 
 
 def costs(make, matrices, locations, free, b):
-    """Solution, time that is spent once, time of an iteration, and of one more solution with the same matrix."""
+    """Solution, time that is spent once, time of an iteration, and of one more solution with the
+    same matrix.
+    """
     begin = process_time()
     solver = make(locations, free)
     solver.factor(matrices[0], symmetric=True)
@@ -226,29 +264,54 @@ for case in SPACE:
             solutions[method], once, cost, one_more = costs(make, *problem)
             x, expected = solutions[method], solutions["SuperLU"]
             assert abs(x - expected).max() < 1e-7 * abs(expected).max(), (case, method)
-            residual = float(np.linalg.norm((b - problem[0][1] @ x)[free]) / np.linalg.norm(b[free]))
+            residual = float(
+                np.linalg.norm((b - problem[0][1] @ x)[free]) / np.linalg.norm(b[free])
+            )
             spent[method, case, len(b)] = cost
-            rows.append({"method": f"{method}, {case} in space", "case": case, "solver": method, "n": unknowns,
-                         "unknowns": len(b), "error": residual, "cpu_s": cost, "once_s": once, "one_more_s": one_more,
-                         "factor_entries": None, "iterations": None})  # fmt: skip
-            print(f"{case:24} {len(b):7} unknowns  {method:16} {cost:8.3f} s, once {once:6.3f} s, "
-                  f"one more {one_more:6.3f} s, residual {residual:.0e}")  # fmt: skip
+            rows.append(
+                {
+                    "method": f"{method}, {case} in space",
+                    "case": case,
+                    "solver": method,
+                    "n": unknowns,
+                    "unknowns": len(b),
+                    "error": residual,
+                    "cpu_s": cost,
+                    "once_s": once,
+                    "one_more_s": one_more,
+                    "factor_entries": None,
+                    "iterations": None,
+                }
+            )
+            print(
+                f"{case:24} {len(b):7} unknowns  {method:16} {cost:8.3f} s, once {once:6.3f} s, "
+                f"one more {one_more:6.3f} s, residual {residual:.0e}"
+            )
         if unknowns == 100_000 and pyamg is not None:
             assert spent["multigrid", case, len(b)] < 0.25 * spent["SuperLU", case, len(b)], case
 
 # %%
 # Contact in space
 # ----------------
-# The paraboloid on a block of the example on Hertz's problem in space, 0.02 deep in it, without friction and slipping
-# with :math:`\mu = 0.3`. Its elements are stretched far from the contact, which costs multigrid iterations with or
-# without contact. The penalty is 1 to 1000 times E/h.
+# The paraboloid on a block of the example on Hertz's problem in space, 0.02 deep in it, without
+# friction and slipping with :math:`\mu = 0.3`. Its elements are stretched far from the contact,
+# which costs multigrid iterations with or without contact. The penalty is 1 to 1000 times E/h.
 
 
 def closed(n, mu, ratio):
-    """Tangent of bodies in contact, that of the bodies, coordinates of the unknowns, the free ones, the interface."""
+    """Tangent of bodies in contact, that of the bodies, coordinates of the unknowns, the free ones,
+    the interface.
+    """
     problem = paraboloid(n)
-    pair = sc.ContactPair(problem.basis, "upper:bottom", "lower:top", sc.Coulomb(mu=mu), 2,
-                          penalty=ratio * YOUNG * n, tangent="primary")  # fmt: skip
+    pair = sc.ContactPair(
+        problem.basis,
+        "upper:bottom",
+        "lower:top",
+        sc.Coulomb(mu=mu),
+        2,
+        penalty=ratio * YOUNG * n,
+        tangent="primary",
+    )
     x, upper = problem.basis.zeros(), problem.basis.get_dofs(elements="upper")
     x[upper.all("u^3")], x[upper.all("u^1")] = -0.02, 0.02 if mu else 0.0
     alone = problem.solid.elastic_stiffness
@@ -258,7 +321,9 @@ def closed(n, mu, ratio):
 
 
 def timed(make, K, locations, free, symmetric):
-    """Residual, times once, of an iteration and of one more solution, and multigrid's iterations."""
+    """Residual, times once, of an iteration and of one more solution, and multigrid's
+    iterations.
+    """
     b = np.random.default_rng(2).standard_normal(K.shape[0])
     begin = process_time()
     solver = make(locations, free)
@@ -270,7 +335,13 @@ def timed(make, K, locations, free, symmetric):
     x = solve(b)
     cost = process_time() - begin
     residual = float(np.linalg.norm((b - 1.01 * K @ x)[free]) / np.linalg.norm(b[free]))
-    return residual, max(first - prepared, 0.0), cost, cost - prepared, getattr(solver, "iterations", None)
+    return (
+        residual,
+        max(first - prepared, 0.0),
+        cost,
+        cost - prepared,
+        getattr(solver, "iterations", None),
+    )
 
 
 class Colamd:
@@ -304,18 +375,33 @@ for n in (4, 6, 11) if "--full" in sys.argv else (2,):
                 continue  # a factorisation does not know how stiff things are
             residual, once, cost, one_more, taken = timed(make, K, coordinates, free, mu == 0.0)
             case = f"{'slipping' if mu else 'closed'}, penalty {ratio} E/h"
-            rows.append({"method": f"{method}, {case}, in space", "case": f"contact in space, {case}", "solver": method,
-                         "n": n, "unknowns": len(free), "error": residual, "cpu_s": cost, "once_s": once,
-                         "one_more_s": one_more, "factor_entries": None, "iterations": taken})  # fmt: skip
-            print(f"{case:24} {len(free):7} unknowns  {method:16} {cost:8.3f} s, once {once:6.3f} s, "
-                  f"one more {one_more:6.3f} s, residual {residual:.0e}, iterations {taken}")  # fmt: skip
+            rows.append(
+                {
+                    "method": f"{method}, {case}, in space",
+                    "case": f"contact in space, {case}",
+                    "solver": method,
+                    "n": n,
+                    "unknowns": len(free),
+                    "error": residual,
+                    "cpu_s": cost,
+                    "once_s": once,
+                    "one_more_s": one_more,
+                    "factor_entries": None,
+                    "iterations": taken,
+                }
+            )
+            print(
+                f"{case:24} {len(free):7} unknowns  {method:16} {cost:8.3f} s, once {once:6.3f} s, "
+                f"one more {one_more:6.3f} s, residual {residual:.0e}, iterations {taken}"
+            )
             if taken is not None:
                 iterations[n, mu, ratio] = taken
 print("multigrid's iterations:", iterations)
 
 # %%
-# Checks: a factor in the order of a nested dissection costs no more than scipy's own, and contact costs multigrid no
-# more than a fifth of the iterations that it needs for the bodies alone, on meshes like those of an analysis.
+# Checks: a factor in the order of a nested dissection costs no more than scipy's own, and contact
+# costs multigrid no more than a fifth of the iterations that it needs for the bodies alone, on
+# meshes like those of an analysis.
 
 contacts = [row for row in rows if row["case"].startswith("contact in space")]
 assert all(row["error"] < 1e-8 for row in contacts)
@@ -324,27 +410,42 @@ if "--full" in sys.argv:
         if row["solver"] == "multigrid":
             assert row["iterations"] <= 1.2 * iterations[row["n"], "alone"], row
         if row["solver"] == "splu, COLAMD":
-            own = next(r for r in contacts if (r["case"], r["n"], r["solver"]) == (row["case"], row["n"], "SuperLU"))
+            own = next(
+                r
+                for r in contacts
+                if (r["case"], r["n"], r["solver"]) == (row["case"], row["n"], "SuperLU")
+            )
             assert own["cpu_s"] < row["cpu_s"], row
 
 # %%
 # Gains
 # -----
 
-fig, axes = plt.subplot_mosaic([["time", "entries"], ["space", "space"]], figsize=(9, 7), layout="constrained")
+fig, axes = plt.subplot_mosaic(
+    [["time", "entries"], ["space", "space"]], figsize=(9, 7), layout="constrained"
+)
 for case, color in zip(CASES, ("#1f4e8c", "#d55e00", "#e69f00", "#009e73")):
     for ax, quantity in ((axes["time"], "cpu_s"), (axes["entries"], "factor_entries")):
         own = [row for row in rows if (row["case"], row["solver"]) == (case, "default")]
-        ax.semilogx([row["unknowns"] for row in own], [gain(row, quantity) for row in own], "o-", color=color,
-                    label=case)  # fmt: skip
-for ax, title in ((axes["time"], "time of splu / time of the default"),
-                  (axes["entries"], "entries of splu / entries of the default")):
+        ax.semilogx(
+            [row["unknowns"] for row in own],
+            [gain(row, quantity) for row in own],
+            "o-",
+            color=color,
+            label=case,
+        )
+for ax, title in (
+    (axes["time"], "time of splu / time of the default"),
+    (axes["entries"], "entries of splu / entries of the default"),
+):
     ax.set(xlabel="unknowns", title=title, ylim=(0, None))
     ax.axhline(1.0, color="#999999", linewidth=0.8)
 axes["time"].legend(frameon=False)
 for method, color in zip(IN_SPACE, ("#1f4e8c", "#d55e00", "#009e73")):
     for case, style in zip(SPACE, ("o-", "s--")):
-        points = [(n, cost) for (name, of, n), cost in spent.items() if (name, of) == (method, case)]
+        points = [
+            (n, cost) for (name, of, n), cost in spent.items() if (name, of) == (method, case)
+        ]
         axes["space"].loglog(*zip(*points), style, color=color, label=f"{method}, {case}")
 axes["space"].set(xlabel="unknowns", title="time in space [s]")
 axes["space"].legend(frameon=False)

@@ -41,8 +41,10 @@ def block(n):
     away = growing(2 / n, 2.0, 8.5)[1:]
     share = np.arange(round(0.4 * n)) / round(0.4 * n)
     section = quarter_disc(n // 2, share, 1 + np.append(fine, fine[-1] + away))
-    return Block.of(drawn(whole(section), np.append(2 * fine, 2 * fine[-1] + away)),
-                    near=lambda p: np.hypot(*p[:2]) < 1.35)  # fmt: skip
+    return Block.of(
+        drawn(whole(section), np.append(2 * fine, 2 * fine[-1] + away)),
+        near=lambda p: np.hypot(*p[:2]) < 1.35,
+    )
 
 
 def turn(n):
@@ -55,24 +57,31 @@ def turn(n):
     for k in STICK:
         twist = half_space.lubkin_twist(k, MU * force, 1.0, SHEAR_MODULUS)
         rough = {"ball": pair.with_law(sc.Coulomb(mu=MU))} if k == STICK[0] else {}
-        stages.append(sc.Stage(f"c = {k} a", body.basis.zeros(),
-                               body.moved(1 / RADIUS, force, twist), 2, change=rough))  # fmt: skip
+        stages.append(
+            sc.Stage(
+                f"c = {k} a",
+                body.basis.zeros(),
+                body.moved(1 / RADIUS, force, twist),
+                2,
+                change=rough,
+            )
+        )
     forms = {"block": body.solid, "ball": pair}
     return body, twists(force), sc.Model(forms, body.fixed).run(stages, progress=False)
 
 
 def twists(force):
     """Angles by stage."""
-    return {f"c = {k} a": half_space.lubkin_twist(k, MU * force, 1.0, SHEAR_MODULUS)
-            for k in STICK}  # fmt: skip
+    return {f"c = {k} a": half_space.lubkin_twist(k, MU * force, 1.0, SHEAR_MODULUS) for k in STICK}
 
 
 def exact(found, twist):
     """Friction, radius of the contact and share of it that sticks, for the force that is found."""
     friction = MU * found.normal.sum()
     a, _ = half_space.hertz(found.normal.sum(), RADIUS, MODULUS)
-    share = brentq(lambda k: half_space.lubkin_twist(k, friction, a, SHEAR_MODULUS) - twist,
-                   0.01, 0.999)  # fmt: skip
+    share = brentq(
+        lambda k: half_space.lubkin_twist(k, friction, a, SHEAR_MODULUS) - twist, 0.01, 0.999
+    )
     return friction, a, share
 
 
@@ -81,8 +90,10 @@ def figures(found, twist):
     friction, a, share = exact(found, twist)
     near = found.circle(0.2 * a)
     shear = half_space.lubkin(found.r[near], share, friction, a)
-    return {"torque": -found.torque / half_space.lubkin_torque(share, friction, a) - 1,
-            "shear": (-found.around[near] / shear).mean() - 1}  # fmt: skip
+    return {
+        "torque": -found.torque / half_space.lubkin_torque(share, friction, a) - 1,
+        "shear": (-found.around[near] / shear).mean() - 1,
+    }
 
 
 rows = []
@@ -92,11 +103,21 @@ for n in (8, 12) if FULL else (8,):
     cpu = round(process_time() - begin, 2)
     for name, twist in angles.items():
         errors = figures(body.touched(result[name].x), twist)
-        rows.append({"method": name, "n": n, "unknowns": int(body.basis.N), **errors,
-                     "error": max(map(abs, errors.values())), "cpu_s": cpu,
-                     "iterations": sum(sum(step.iterations) for step in result)})  # fmt: skip
-        print(f"n = {n}, {body.basis.N} unknowns, {cpu:5.1f} s, {name}:  "
-              + "  ".join(f"{what} {error:+.2%}" for what, error in errors.items()))  # fmt: skip
+        rows.append(
+            {
+                "method": name,
+                "n": n,
+                "unknowns": int(body.basis.N),
+                **errors,
+                "error": max(map(abs, errors.values())),
+                "cpu_s": cpu,
+                "iterations": sum(sum(step.iterations) for step in result),
+            }
+        )
+        print(
+            f"n = {n}, {body.basis.N} unknowns, {cpu:5.1f} s, {name}:  "
+            + "  ".join(f"{what} {error:+.2%}" for what, error in errors.items())
+        )
 
 # %%
 # Shear around the axis
@@ -115,8 +136,13 @@ for color, (name, twist) in zip(("C0", "C1", "C2", "C3"), angles.items()):
 left.set(xlabel="r / a", ylabel=r"shear over $\mu p_0$", ylim=(-0.05, 1.05))
 left.legend(frameon=False)
 shares = np.linspace(0.999, 0.05, 100)
-right.plot([half_space.lubkin_twist(k, 1, 1, 1) for k in shares],
-           [half_space.lubkin_torque(k, 1, 1) for k in shares], "k", lw=1, label="Lubkin")  # fmt: skip
+right.plot(
+    [half_space.lubkin_twist(k, 1, 1, 1) for k in shares],
+    [half_space.lubkin_torque(k, 1, 1) for k in shares],
+    "k",
+    lw=1,
+    label="Lubkin",
+)
 right.plot(np.array(list(angles.values())) * SHEAR_MODULUS * a**2 / friction, torques, "o")
 right.axhline(3 * np.pi / 16, color="0.6", lw=0.8)
 right.set(xlabel=r"$G a^2 \theta / \mu P$", ylabel=r"torque over $\mu P a$", ylim=(0, None))
@@ -128,10 +154,19 @@ plt.show()
 # ----------------------------------------------------------
 # Largest shear strain, in front of the axis.
 
-plot.cutaway(result["c = 0.5 a"], "gamma", since=result["press"],
-             towards=(0.7, 1.4, -1.0), cuts=[((0, -1, 0), (0, 0, 0)), ((1, 0, 0), (2, 0, 0)),
-                                             ((-1, 0, 0), (-2, 0, 0)), ((0, 0, -1), (0, 0, -1.5)),
-                                             ((0, 1, 0), (0, 2, 0))])  # fmt: skip
+plot.cutaway(
+    result["c = 0.5 a"],
+    "gamma",
+    since=result["press"],
+    towards=(0.7, 1.4, -1.0),
+    cuts=[
+        ((0, -1, 0), (0, 0, 0)),
+        ((1, 0, 0), (2, 0, 0)),
+        ((-1, 0, 0), (-2, 0, 0)),
+        ((0, 0, -1), (0, 0, -1.5)),
+        ((0, 1, 0), (0, 2, 0)),
+    ],
+)
 
 # %%
 # Headline numbers

@@ -2,17 +2,19 @@ r"""
 Where the time goes
 ===================
 
-A footing is pressed onto soil that yields under it; in space, a paraboloid onto a block. How much of a Newton iteration
-is spent on the return mapping, on the kernels of the solids, on contact and the search for it, and on the linear solve?
+A footing is pressed onto soil that yields under it; in space, a paraboloid onto a block. How much
+of a Newton iteration is spent on the return mapping, on the kernels of the solids, on contact and
+the search for it, and on the linear solve?
 
-Everything but the linear solve should be of no account: there is nothing to be gained by another assembly then.
+Everything but the linear solve should be of no account: there is nothing to be gained by another
+assembly then.
 """
 
 # %%
 # The scene
 # ---------
-# An elastic footing rests with friction on a layer of Mohr-Coulomb soil, whose mesh does not match its own. First
-# gravity acts, then the footing is loaded until a seventh of the soil yields.
+# An elastic footing rests with friction on a layer of Mohr-Coulomb soil, whose mesh does not match
+# its own. First gravity acts, then the footing is loaded until a seventh of the soil yields.
 
 import json
 import sys
@@ -33,9 +35,10 @@ from skfem_contact.solvers.schur import SchurSolver
 # %%
 # Stop watches
 # ------------
-# What a part calls is charged to itself, not to the part: the return mapping is no share of the kernels. What
-# happens before the residual is first evaluated is set-up, which a run pays once. The linear solve is all that the
-# solver does with the tangent: its order of elimination, factors, solutions, and their checks.
+# What a part calls is charged to itself, not to the part: the return mapping is no share of the
+# kernels. What happens before the residual is first evaluated is set-up, which a run pays once. The
+# linear solve is all that the solver does with the tangent: its order of elimination, factors,
+# solutions, and their checks.
 
 spent, running = {}, ["set-up"]
 
@@ -86,8 +89,12 @@ def watch(part, kind):
         def assemble(self, *args):
             with charged(part):
                 out = super().assemble(*args)
-            return sc.Response(out.force, watched(part, lambda: out.state), watched(part, lambda: out.stiffness),
-                               watched(part, lambda: out.damped))  # fmt: skip
+            return sc.Response(
+                out.force,
+                watched(part, lambda: out.state),
+                watched(part, lambda: out.stiffness),
+                watched(part, lambda: out.damped),
+            )
 
     return Watched
 
@@ -135,8 +142,12 @@ def analyse(m):
     gravity = sc.weight(basis, {"ground": 18.0, "footing": 25.0})
     top = FacetBasis(mesh, basis.elem, facets="footing:top")
     load = LinearForm(lambda v, w: -85.0 * v[1]).assemble(top)
-    fixed = np.concatenate((basis.get_dofs("ground:bottom").all(),
-                            basis.get_dofs({"ground:left", "ground:right"}).all("u^1")))  # fmt: skip
+    fixed = np.concatenate(
+        (
+            basis.get_dofs("ground:bottom").all(),
+            basis.get_dofs({"ground:left", "ground:right"}).all("u^1"),
+        )
+    )
     middle = basis.get_dofs("footing:top").all("u^1")
     fixed = np.append(fixed, middle[len(middle) // 2])
     start = sc.Model(forms, fixed).run([sc.Stage("gravity", gravity)])
@@ -151,20 +162,32 @@ def measured(method, n, forms, stage, fixed, start=None):
     result = sc.Model(forms, fixed).run([stage], start=start)
     charge()
     total = sum(spent.get(part, 0.0) for part in PARTS)
-    return {"method": method, "n": n, "unknowns": len(result[-1].x), "error": result[-1].residual,
-            "cpu_s": total, "iterations": sum(result[-1].iterations), "set_up_s": spent["set-up"],
-            **{part: spent.get(part, 0.0) / total for part in PARTS}}, result  # fmt: skip
+    return {
+        "method": method,
+        "n": n,
+        "unknowns": len(result[-1].x),
+        "error": result[-1].residual,
+        "cpu_s": total,
+        "iterations": sum(result[-1].iterations),
+        "set_up_s": spent["set-up"],
+        **{part: spent.get(part, 0.0) / total for part in PARTS},
+    }, result
 
 
 PARTS = ("material", "kernels", "contact", "search", "rest", "solve")
 sizes = (3, 8, 14, 26, 45) if "--full" in sys.argv else (3, 5)
 rows = []
 for m in sizes:
-    runs = [analyse(m) for _ in range(3 if m < 20 else 1)]  # what else runs on a machine disturbs small ones
+    runs = [
+        analyse(m) for _ in range(3 if m < 20 else 1)
+    ]  # what else runs on a machine disturbs small ones
     row, result = min(runs, key=lambda run: run[0]["cpu_s"])
     rows.append(row)
-    print(f"{row['unknowns']:7} unknowns, {row['iterations']:2} iterations in {row['cpu_s']:6.2f} s:  ",
-          ",  ".join(f"{part} {row[part]:.1%}" for part in PARTS))  # fmt: skip
+    print(
+        f"{row['unknowns']:7} unknowns, {row['iterations']:2} iterations in {row['cpu_s']:6.2f} s: "
+        f" ",
+        ",  ".join(f"{part} {row[part]:.1%}" for part in PARTS),
+    )
 print(result)
 
 # %%
@@ -178,9 +201,17 @@ print(result)
 def press(n, quadrature):
     """As above, with n elements in a unit of length near the contact."""
     problem = paraboloid(n)
-    forms = {"bodies": Solid(problem.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), "full"),
-             "joint": Contact(problem.basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature,
-                              enforcement=sc.AugmentedLagrangian())}  # fmt: skip
+    forms = {
+        "bodies": Solid(problem.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), "full"),
+        "joint": Contact(
+            problem.basis,
+            "upper:bottom",
+            "lower:top",
+            sc.Coulomb(),
+            quadrature,
+            enforcement=sc.AugmentedLagrangian(),
+        ),
+    }
     stage = sc.Stage("press", problem.basis.zeros(), problem.pressed, increments=4)
     return measured(f"paraboloid in space, {quadrature}", n, forms, stage, problem.fixed)[0]
 
@@ -188,17 +219,26 @@ def press(n, quadrature):
 cases = ((4, 2), (6, 2), (4, "segments")) if "--full" in sys.argv else ((2, 2), (2, "segments"))
 in_space = [min((press(*case) for _ in range(2)), key=lambda row: row["cpu_s"]) for case in cases]
 for row in in_space:
-    print(f"{row['method']}: {row['unknowns']} unknowns, {row['iterations']} iterations in {row['cpu_s']:.2f} s:  ",
-          ",  ".join(f"{part} {row[part]:.1%}" for part in PARTS))  # fmt: skip
+    print(
+        f"{row['method']}: {row['unknowns']} unknowns, {row['iterations']} iterations in "
+        f"{row['cpu_s']:.2f} s:  ",
+        ",  ".join(f"{part} {row[part]:.1%}" for part in PARTS),
+    )
 
 # %%
-# The factorisation grows faster than everything else: the other parts are a quarter of an iteration at 10,000
-# unknowns, a sixth at 30,000, and a twelfth at 300,000.
+# The factorisation grows faster than everything else: the other parts are a quarter of an iteration
+# at 10,000 unknowns, a sixth at 30,000, and a twelfth at 300,000.
 
 if "--full" in sys.argv:
-    assert all(row["solve"] > (0.8 if row["unknowns"] > 20_000 else 0.65) for row in rows[1:])  # 84 and 74 %
-    assert all(row["contact"] < 0.2 and row["search"] < 0.02 for row in in_space[:2])  # 15 and 1 % at 10,356 unknowns
-    assert in_space[2]["contact"] < 0.28 and in_space[2]["search"] < 0.06  # 23 and 4 %: pieces are cut anew as well
+    assert all(
+        row["solve"] > (0.8 if row["unknowns"] > 20_000 else 0.65) for row in rows[1:]
+    )  # 84 and 74 %
+    assert all(
+        row["contact"] < 0.2 and row["search"] < 0.02 for row in in_space[:2]
+    )  # 15 and 1 % at 10,356 unknowns
+    assert (
+        in_space[2]["contact"] < 0.28 and in_space[2]["search"] < 0.06
+    )  # 23 and 4 %: pieces are cut anew as well
 
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 unknowns, floor = [row["unknowns"] for row in rows], np.zeros(len(rows))
@@ -206,7 +246,13 @@ for part, color in zip(PARTS, ("#d55e00", "#e69f00", "#009e73", "#66c2a5", "#999
     share = np.array([row[part] for row in rows])
     ax.fill_between(unknowns, floor, floor + share, color=color, label=part)
     floor = floor + share
-ax.set(xscale="log", xlabel="unknowns", ylabel="share of an iteration", ylim=(0, 1), xlim=(unknowns[0], unknowns[-1]))
+ax.set(
+    xscale="log",
+    xlabel="unknowns",
+    ylabel="share of an iteration",
+    ylim=(0, 1),
+    xlim=(unknowns[0], unknowns[-1]),
+)
 ax.legend(loc="center left", bbox_to_anchor=(1, 0.5), frameon=False)
 plt.show()
 

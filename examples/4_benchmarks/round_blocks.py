@@ -1,4 +1,7 @@
-"""Round elastic blocks under rigid bodies: quarters and whole ones, finest under the middle of their top."""
+"""Round elastic blocks under rigid bodies: quarters and whole ones, finest under the middle of
+their top.
+"""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -21,7 +24,7 @@ WIDTH = 10.0
 def growing(size: float, growth: float, end: float) -> ndarray:
     """Distances from 0 to about an end, whose steps grow from a size on."""
     away = np.append(0.0, np.cumsum(size * growth ** np.arange(60)))
-    return away[:np.searchsorted(away, end) + 1]
+    return away[: np.searchsorted(away, end) + 1]
 
 
 def quarter_disc(m: int, inner: ndarray, outer: ndarray) -> MeshQuad:
@@ -38,11 +41,16 @@ def quarter_disc(m: int, inner: ndarray, outer: ndarray) -> MeshQuad:
     """
     side = 0.6 * outer[0]
     core = MeshQuad.init_tensor(*[np.linspace(0, side, m + 1)] * 2)
-    rings = MeshQuad.init_tensor(np.linspace(0, 2, 2 * m + 1), np.append(inner, 1 + np.arange(1, len(outer))))
+    rings = MeshQuad.init_tensor(
+        np.linspace(0, 2, 2 * m + 1), np.append(inner, 1 + np.arange(1, len(outer)))
+    )
     t, level = rings.p
     edge = side * np.stack((np.minimum(1, 2 - t), np.minimum(1, t)))
     radius = np.interp(level, 1 + np.arange(len(outer)), outer)
-    share, circle = np.minimum(level, 1.0), radius * np.stack((np.cos(np.pi / 4 * t), np.sin(np.pi / 4 * t)))
+    share, circle = (
+        np.minimum(level, 1.0),
+        radius * np.stack((np.cos(np.pi / 4 * t), np.sin(np.pi / 4 * t))),
+    )
     return _joined(core, replace(rings, doflocs=(1 - share) * edge + share * circle))
 
 
@@ -71,7 +79,8 @@ def drawn(section: MeshQuad, depth: ndarray) -> MeshHex:
 
 @dataclass(frozen=True)
 class Block:
-    """An elastic block that is pressed onto a rigid body: its edges move as those of a half-space do.
+    """An elastic block that is pressed onto a rigid body: its edges move as those of a half-space
+    do.
 
     Attributes
     ----------
@@ -83,18 +92,30 @@ class Block:
 
     @classmethod
     def of(cls, mesh: MeshHex, near: Callable[[ndarray], ndarray]) -> Block:
-        """A whole block, or the quarter x, y > 0 of one, with its top at z = 0; `near` tells of what may touch."""
+        """A whole block, or the quarter x, y > 0 of one, with its top at z = 0; `near` tells of
+        what may touch.
+        """
         low, rim = mesh.p[2].min(), 0.98 * np.hypot(*mesh.p[:2]).max()
         x, y = mesh.p[:2].max(axis=1)
-        named = {"contact": lambda p: np.isclose(p[2], 0.0) & near(p),
-                 "surface": lambda p: np.isclose(p[2], 0.0), "bottom": lambda p: np.isclose(p[2], low),
-                 "side": lambda p: (np.hypot(*p[:2]) > rim) | np.isclose(np.abs(p[0]), x) | np.isclose(np.abs(p[1]), y)}
+        named = {
+            "contact": lambda p: np.isclose(p[2], 0.0) & near(p),
+            "surface": lambda p: np.isclose(p[2], 0.0),
+            "bottom": lambda p: np.isclose(p[2], low),
+            "side": lambda p: (
+                (np.hypot(*p[:2]) > rim) | np.isclose(np.abs(p[0]), x) | np.isclose(np.abs(p[1]), y)
+            ),
+        }
         if np.isclose(mesh.p[:2].min(), 0.0):
-            named |= {"left": lambda p: np.isclose(p[0], 0.0), "front": lambda p: np.isclose(p[1], 0.0)}
+            named |= {
+                "left": lambda p: np.isclose(p[0], 0.0),
+                "front": lambda p: np.isclose(p[1], 0.0),
+            }
         return cls(Basis(mesh.with_boundaries(named), ElementVector(ElementHex1()), intorder=2))
 
     def raised(self, height: Callable[[ndarray], ndarray]) -> Block:
-        """The top moved up by a height, a function of coordinates, which fades towards the bottom."""
+        """The top moved up by a height, a function of coordinates, which fades towards the
+        bottom.
+        """
         mesh = self.basis.mesh
         fades = height(mesh.p) * (1 - mesh.p[2] / mesh.p[2].min())
         mesh = replace(mesh, doflocs=mesh.p + np.stack((0 * fades, 0 * fades, fades)))
@@ -120,14 +141,20 @@ class Block:
         """Those, and the ones across the planes of symmetry."""
         if self.share == 1.0:
             return self.edges
-        planes = [self.basis.get_dofs(name).all(f"u^{axis}") for name, axis in (("left", 1), ("front", 2))]
+        planes = [
+            self.basis.get_dofs(name).all(f"u^{axis}") for name, axis in (("left", 1), ("front", 2))
+        ]
         return np.unique(np.concatenate((self.edges, *planes)))
 
     def moved(self, depth: float, force: float, twist: float = 0.0) -> ndarray:
-        """Displacements of the edges under a force: the rigid body stands still, the half-space rises and turns."""
+        """Displacements of the edges under a force: the rigid body stands still, the half-space
+        rises and turns.
+        """
         coordinates = self.basis.doflocs[:, self.edges[::3]]
         field = half_space.far_field(coordinates, force, YOUNG, POISSON)
-        field += np.stack((-twist * coordinates[1], twist * coordinates[0], np.full(coordinates.shape[1], depth)))
+        field += np.stack(
+            (-twist * coordinates[1], twist * coordinates[0], np.full(coordinates.shape[1], depth))
+        )
         x = self.basis.zeros()
         x[self.edges] = field.T.ravel()
         return x
@@ -147,7 +174,9 @@ class Block:
 
 @dataclass(frozen=True)
 class Touched:
-    """Nodes of a surface: coordinates (2, n), forces on the whole block (n, 3) and areas that belong to the nodes."""
+    """Nodes of a surface: coordinates (2, n), forces on the whole block (n, 3) and areas that
+    belong to the nodes.
+    """
 
     coordinates: ndarray
     force: ndarray
@@ -173,7 +202,9 @@ class Touched:
     def around(self) -> ndarray:
         """Tractions around the axis."""
         x, y = self.coordinates
-        return (x * self.force[:, 1] - y * self.force[:, 0]) / (np.maximum(self.r, 1e-12) * self.area)
+        return (x * self.force[:, 1] - y * self.force[:, 0]) / (
+            np.maximum(self.r, 1e-12) * self.area
+        )
 
     @property
     def pressure(self) -> ndarray:

@@ -1,4 +1,7 @@
-"""Beams: walls, linings and frames, with plastic hinges, alone or in contact with the ground; reinforcement."""
+"""Beams: walls, linings and frames, with plastic hinges, alone or in contact with the ground;
+reinforcement.
+"""
+
 from .beam import Beam
 from .embedded import Embedded
 from .lines import split_along

@@ -1,4 +1,5 @@
 """Lines of a mesh: those that beams follow, boundaries that their sides touch, and slits."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -26,44 +27,68 @@ _ON = 1e-6
 _LEVEL = 1e-6
 
 
-def nodes_of(basis: CellBasis | None, line: Any, cells: Any, bonded: bool | None
-             ) -> tuple[ndarray | None, ndarray, ndarray]:
+def nodes_of(
+    basis: CellBasis | None, line: Any, cells: Any, bonded: bool | None
+) -> tuple[ndarray | None, ndarray, ndarray]:
     """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
     shared, points, elements = _nodes_of(basis, line, cells, bool(bonded))
     return shared if bonded or bonded is None else None, points, elements
 
 
-def _nodes_of(basis: CellBasis | None, line: Any, cells: Any, bonded: bool) -> tuple[ndarray | None, ndarray, ndarray]:
+def _nodes_of(
+    basis: CellBasis | None, line: Any, cells: Any, bonded: bool
+) -> tuple[ndarray | None, ndarray, ndarray]:
     if isinstance(line, str):
         if basis is not None:
             check_plane(basis, "a beam along a named line")
         if basis is None or cells is not None:
-            raise ValueError(f"the line '{line}' needs a basis with this name, and gives its own cells")
+            raise ValueError(
+                f"the line '{line}' needs a basis with this name, and gives its own cells"
+            )
         return line_of(basis, line)
     points = finite(line, "line")
     dims = (2, 3) if basis is None else (basis.mesh.dim(),)
     if points.ndim != 2 or points.shape[1] not in dims or len(points) < 2:
-        raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), in space (x, y, z), not "
-                         f"{line!r}")
+        raise ValueError(
+            f"the line of a beam must be a name, or at least two points (x, y), in space (x, y, "
+            f"z), not "
+            f"{line!r}"
+        )
     if bonded:
         if basis is None or cells is not None:
-            raise ValueError("a beam bonded along points needs the basis of the ground, whose edges are its elements")
+            raise ValueError(
+                "a beam bonded along points needs the basis of the ground, whose edges are its "
+                "elements"
+            )
         return _edges_along(basis, points)
     n = len(points)
-    given = np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
-    if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "iu" or not len(given) \
-            or given.min() < 0 or given.max() >= n:
-        raise ValueError(f"cells of a beam must be numbers of 2 or 3 of its {n} nodes, not {cells!r}")
+    given = (
+        np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
+    )
+    if (
+        given.ndim != 2
+        or given.shape[1] not in (2, 3)
+        or given.dtype.kind not in "iu"
+        or not len(given)
+        or given.min() < 0
+        or given.max() >= n
+    ):
+        raise ValueError(
+            f"cells of a beam must be numbers of 2 or 3 of its {n} nodes, not {cells!r}"
+        )
     if given.shape[1] == 2:
         points = np.vstack((points, points[given].mean(axis=1)))
         given = np.column_stack((given, n + np.arange(len(given))))
     if len(unused := np.setdiff1d(np.arange(len(points)), given)):
-        raise ValueError(f"the node of a beam at {format_point(points[unused[0]])} belongs to no element")
+        raise ValueError(
+            f"the node of a beam at {format_point(points[unused[0]])} belongs to no element"
+        )
     return None, points, given
 
 
 def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
-    """Return dofs of the nodes, (n, 2), coordinates and elements of a named line, on the boundary or inside.
+    """Return dofs of the nodes, (n, 2), coordinates and elements of a named line, on the boundary
+    or inside.
 
     It begins at its upper end, a level one at its left end, and goes clockwise where it is closed.
     """
@@ -87,7 +112,8 @@ def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
 
 
 def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Return dofs of the nodes, (n, dim), coordinates and elements of the edges of the mesh along a polyline.
+    """Return dofs of the nodes, (n, dim), coordinates and elements of the edges of the mesh along a
+    polyline.
 
     Its corners are vertices of the mesh, and so are those between two of them.
     """
@@ -96,12 +122,16 @@ def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, n
     if len(middles) != dim:
         raise ValueError("beams have three nodes: take a basis of second order")
     chain = _vertices_along(mesh, np.unique(mesh.t[:, elements_of(basis)]), points)
-    number = csr_matrix((np.arange(1, edges.shape[1] + 1), np.sort(edges, axis=0)), shape=(len(mesh.p.T),) * 2)
+    number = csr_matrix(
+        (np.arange(1, edges.shape[1] + 1), np.sort(edges, axis=0)), shape=(len(mesh.p.T),) * 2
+    )
     ends = np.sort(np.stack((chain[:-1], chain[1:])), axis=0)
     edge = np.asarray(number[ends[0], ends[1]]).ravel() - 1
     if (edge < 0).any():
         a, b = (format_point(mesh.p[:, chain[k]]) for k in np.argmin(edge) + np.arange(2))
-        raise ValueError(f"the mesh has no edge between {a} and {b}: a bonded beam follows its edges")
+        raise ValueError(
+            f"the mesh has no edge between {a} and {b}: a bonded beam follows its edges"
+        )
     nodal, middle = basis.nodal_dofs[0, chain], middles[0, edge]
     first, cells = np.unique(np.concatenate((nodal[:-1], nodal[1:], middle)), return_inverse=True)
     return first[:, None] + np.arange(dim), basis.doflocs[:, first].T, cells.reshape(3, -1).T
@@ -120,15 +150,21 @@ def _vertices_along(mesh: Mesh, vertices: ndarray, points: ndarray) -> ndarray:
         for point, end in ((a, found[:1]), (b, found[-1:])):
             distance = np.linalg.norm(x - point, axis=1)
             if not len(end) or (distance < near).sum() != 1 or distance[end[0]] > near:
-                raise ValueError(f"{(distance < near).sum()} vertices of the mesh lie at {format_point(point)}, where "
-                                 f"a bonded beam has a node; the nearest is at {format_point(x[distance.argmin()])}; "
-                                 "where bodies touch give the basis of one, basis.with_elements(...)")
-        chain += list(vertices[found[1 if chain else 0:]])
+                raise ValueError(
+                    f"{(distance < near).sum()} vertices of the mesh lie at {format_point(point)}, "
+                    f"where "
+                    f"a bonded beam has a node; the nearest is at "
+                    f"{format_point(x[distance.argmin()])}; "
+                    "where bodies touch give the basis of one, basis.with_elements(...)"
+                )
+        chain += list(vertices[found[1 if chain else 0 :]])
     return np.array(chain)
 
 
 def _one_way(ends: ndarray, name: str) -> ndarray:
-    """Return end nodes of facets, (2, n), turned so that each facet begins where another one ends."""
+    """Return end nodes of facets, (2, n), turned so that each facet begins where another one
+    ends.
+    """
     ends = ends.copy()
     at: dict[int, list[int]] = {}
     for k, pair in enumerate(ends.T):
@@ -145,37 +181,53 @@ def _one_way(ends: ndarray, name: str) -> ndarray:
             ends[:, k] = ends[::-1, k]
         node = int(ends[1, k])
     if left:
-        raise ValueError(f"'{name}' is no single chain: {len(left)} of its {ends.shape[1]} facets lie apart")
+        raise ValueError(
+            f"'{name}' is no single chain: {len(left)} of its {ends.shape[1]} facets lie apart"
+        )
     return ends
 
 
-def touching(mesh: Mesh, boundaries: str | Sequence[str] | None, points: ndarray, half: float) -> dict[str, int]:
-    """Return boundaries and the side of beams, (m, 3, 2), on which they lie, see :func:`side_of`; by default all."""
+def touching(
+    mesh: Mesh, boundaries: str | Sequence[str] | None, points: ndarray, half: float
+) -> dict[str, int]:
+    """Return boundaries and the side of beams, (m, 3, 2), on which they lie, see :func:`side_of`;
+    by default all.
+    """
     given = list(mesh.boundaries or {}) if boundaries is None else list(names_of(boundaries))
     sides = {name: side_of(mesh, name, points, half) for name in given}
     if boundaries is not None and (away := [name for name, side in sides.items() if side is None]):
         raise ValueError(f"{away} lie on neither side of the beam, {half:g} off its axis")
     found = {name: side for name, side in sides.items() if side is not None}
     if not found:
-        raise ValueError(f"no boundary lies on a side of the beam, {half:g} off its axis; existing: {', '.join(given)}")
+        raise ValueError(
+            f"no boundary lies on a side of the beam, {half:g} off its axis; existing: "
+            f"{', '.join(given)}"
+        )
     facets = np.concatenate([np.unique(facets_of(mesh, name)) for name in found])
     if len(np.unique(facets)) < len(facets):
-        raise ValueError(f"the boundaries {list(found)} on the sides of the beam share facets: say which ones touch it")
+        raise ValueError(
+            f"the boundaries {list(found)} on the sides of the beam share facets: say which ones "
+            f"touch it"
+        )
     return found
 
 
 def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
-    """Return on which side of beams a boundary lies, 1 for the left one and -1 for the right one; None if on neither.
+    """Return on which side of beams a boundary lies, 1 for the left one and -1 for the right one;
+    None if on neither.
 
-    Its facets are those of the mesh's surface whose middles lie half a thickness off the beams, (m, 3, 2), and which
-    face them.
+    Its facets are those of the mesh's surface whose middles lie half a thickness off the beams, (m,
+    3, 2), and which face them.
     """
     facets = np.unique(facets_of(mesh, name))
     if (mesh.f2t[1, facets] >= 0).any():
         return None
     ends = mesh.p[:, mesh.facets[:, facets]].transpose(2, 1, 0)
     middle, inner = ends.mean(axis=1), mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1).T
-    start, end = points[:, [0, 2]].reshape(-1, 2), points[:, [2, 1]].reshape(-1, 2)  # chords of the halves
+    start, end = (
+        points[:, [0, 2]].reshape(-1, 2),
+        points[:, [2, 1]].reshape(-1, 2),
+    )  # chords of the halves
     along = end - start
     length = np.linalg.norm(along, axis=1)
     t = along / length[:, None]
@@ -193,16 +245,18 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
 
 
 def split_along(mesh: Mesh, name: str) -> Mesh:
-    """Return a plane mesh with a slit along a named line of facets inside; ends that lie inside stay single.
+    """Return a plane mesh with a slit along a named line of facets inside; ends that lie inside
+    stay single.
 
-    The sides of a line ``"wall"`` become the boundaries ``"wall|left"`` and ``"wall|right"``, or ``"wall|below"`` and
-    ``"wall|above"`` if it is more level than upright. Elements keep their numbers, and all other tags stay.
+    The sides of a line ``"wall"`` become the boundaries ``"wall|left"`` and ``"wall|right"``, or
+    ``"wall|below"`` and ``"wall|above"`` if it is more level than upright. Elements keep their
+    numbers, and all other tags stay.
 
     Raises
     ------
     ValueError
-        A line with facets on the surface of the mesh, one that is no open chain, or a single facet inside. Closed lines
-        separate bodies: see :func:`join_bodies`.
+        A line with facets on the surface of the mesh, one that is no open chain, or a single facet
+        inside. Closed lines separate bodies: see :func:`join_bodies`.
 
     Examples
     --------
@@ -216,22 +270,36 @@ def split_along(mesh: Mesh, name: str) -> Mesh:
     check_topology(mesh)
     line, tags = np.unique(facets_of(mesh, name)), own_tags(mesh.boundaries)
     if mesh.dim() != 2 or (n := (mesh.f2t[1, line] < 0).sum()):
-        raise ValueError(f"'{name}' must be a line inside a plane mesh" + ("" if mesh.dim() != 2 else
-                                                                           f", but {n} facets lie on its surface"))
+        raise ValueError(
+            f"'{name}' must be a line inside a plane mesh"
+            + ("" if mesh.dim() != 2 else f", but {n} facets lie on its surface")
+        )
     others = np.setdiff1d(np.flatnonzero(mesh.f2t[1] >= 0), line)
-    here, there = (mesh.nelements * (mesh.t[:, e] == mesh.facets[:, None, others]).argmax(axis=1) + e
-                   for e in mesh.f2t[:, others])  # the nodes of facets in `t` of either element
-    joined = coo_matrix((np.ones(here.size), (here.ravel(), there.ravel())), shape=(mesh.t.size, mesh.t.size))
-    fan = connected_components(joined, directed=False)[1].reshape(mesh.t.shape)  # elements round a node up to the line
+    here, there = (
+        mesh.nelements * (mesh.t[:, e] == mesh.facets[:, None, others]).argmax(axis=1) + e
+        for e in mesh.f2t[:, others]
+    )  # the nodes of facets in `t` of either element
+    joined = coo_matrix(
+        (np.ones(here.size), (here.ravel(), there.ravel())), shape=(mesh.t.size, mesh.t.size)
+    )
+    fan = connected_components(joined, directed=False)[1].reshape(
+        mesh.t.shape
+    )  # elements round a node up to the line
     first = np.full(mesh.nvertices, mesh.t.size)
     np.minimum.at(first, mesh.t, fan)
     slit = renumbered([mesh], np.zeros(mesh.nelements, int), fan - first[mesh.t])
     if slit.nvertices == mesh.nvertices:
-        raise ValueError(f"'{name}' has no node to double: a single facet needs an end on the surface")
+        raise ValueError(
+            f"'{name}' has no node to double: a single facet needs an end on the surface"
+        )
     sides = {f"{name}|{side}": owners for side, owners in _sides(mesh, line, name).items()}
     if known := sorted(set(sides) & set(tags)):
         raise ValueError(f"the names {known} are not unique; rename these boundaries")
-    boundaries = {tag: moved(mesh, slit, part, owners_of(mesh, part)) for tag, part in tags.items() if tag != name}
+    boundaries = {
+        tag: moved(mesh, slit, part, owners_of(mesh, part))
+        for tag, part in tags.items()
+        if tag != name
+    }
     boundaries |= {side: moved(mesh, slit, line, owners) for side, owners in sides.items()}
     return replace(slit, _boundaries=boundaries, _subdomains=own_tags(mesh.subdomains))
 
@@ -244,8 +312,15 @@ def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
         raise ValueError(f"'{name}' is closed, and separates bodies: use join_bodies")
     way = mesh.p[:, chain[1, -1]] - mesh.p[:, chain[0, 0]]
     level = bool(abs(way[0]) > abs(way[1]))
-    x, y = (mesh.p[:, ends[1]] - mesh.p[:, ends[0]]) * np.sign(way[0 if level else 1])  # to the right, or upwards
+    x, y = (mesh.p[:, ends[1]] - mesh.p[:, ends[0]]) * np.sign(
+        way[0 if level else 1]
+    )  # to the right, or upwards
     inner = mesh.p[:, mesh.t[:, mesh.f2t[0, line]]].mean(axis=1) - mesh.p[:, ends[0]]
     left = np.where(x * inner[1] > y * inner[0], *mesh.f2t[:, line])
-    return dict(zip(("above", "below") if level else ("left", "right"), (left, mesh.f2t[:, line].sum(axis=0) - left),
-                    strict=True))
+    return dict(
+        zip(
+            ("above", "below") if level else ("left", "right"),
+            (left, mesh.f2t[:, line].sum(axis=0) - left),
+            strict=True,
+        )
+    )

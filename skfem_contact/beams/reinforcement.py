@@ -1,4 +1,5 @@
 """Reinforcement of the ground by geogrids, strips and nails: normal force only."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -21,7 +22,8 @@ from .element import GAUSS, BeamElements, SpaceElements
 from .lines import nodes_of
 from .nodes import BeamNodes, DofName
 
-#: Share of its stiffness that slack or yielding reinforcement keeps in the tangent: nothing else may hold its nodes.
+#: Share of its stiffness that slack or yielding reinforcement keeps in the tangent: nothing else
+#: may hold its nodes.
 _KEPT = 1e-6
 
 
@@ -44,8 +46,9 @@ class ReinforcementState:
 class Reinforcement(BeamNodes):
     """Reinforcement that transfers normal force only: a geogrid, a strip, or a row of nails.
 
-    Small displacements: it resists no displacement across its line. It has three-node elements without rotations, with
-    nodes of its own or those of a line of the mesh, to which it is bonded. Nodes of its own need contact on both sides,
+    Small displacements: it resists no displacement across its line. It has three-node elements
+    without rotations, with nodes of its own or those of a line of the mesh, to which it is bonded.
+    Nodes of its own need contact on both sides,
     :meth:`contact`, or :class:`~skfem_contact.Embedded`.
 
     Parameters
@@ -53,15 +56,15 @@ class Reinforcement(BeamNodes):
     basis, line, cells, bonded
         As of :class:`~skfem_contact.Beam`.
     EA
-        Stiffness against stretching, of a geogrid its stiffness J: force per strain, in the plane per unit of length
-        out of it.
+        Stiffness against stretching, of a geogrid its stiffness J: force per strain, in the plane
+        per unit of length out of it.
     Np
         Largest normal force, beyond which reinforcement flows.
     tension_only
         True for a geogrid, which falls slack where it would be compressed.
     spacing
-        Distance of the members of a row in the plane: EA and Np are those of one of them. Section forces are per unit
-        of length.
+        Distance of the members of a row in the plane: EA and Np are those of one of them. Section
+        forces are per unit of length.
 
     Raises
     ------
@@ -70,8 +73,9 @@ class Reinforcement(BeamNodes):
 
     Notes
     -----
-    Section forces are those at the Gauss points, two an element. `Np` holds there: a head that is pulled has the skin
-    of a tenth of its element more. Strength reduction leaves `Np` as it is; `bounds` refuses reinforcement.
+    Section forces are those at the Gauss points, two an element. `Np` holds there: a head that is
+    pulled has the skin of a tenth of its element more. Strength reduction leaves `Np` as it is;
+    `bounds` refuses reinforcement.
 
     Examples
     --------
@@ -96,8 +100,18 @@ class Reinforcement(BeamNodes):
     thickness = 0.0
     _brought = ("parameters", "spacing", "_EA", "_most", "_least", "unilateral")
 
-    def __init__(self, basis: CellBasis | None, line: Any, EA: float, *, Np: float = np.inf, tension_only: bool = False,
-                 spacing: float | None = None, cells: ArrayLike | None = None, bonded: bool | None = None) -> None:
+    def __init__(
+        self,
+        basis: CellBasis | None,
+        line: Any,
+        EA: float,
+        *,
+        Np: float = np.inf,
+        tension_only: bool = False,
+        spacing: float | None = None,
+        cells: ArrayLike | None = None,
+        bonded: bool | None = None,
+    ) -> None:
         for name, value in {"EA": EA, "Np": Np, "spacing": spacing or 1.0}.items():
             if not (is_number(value, 0.0, np.inf) or (name == "Np" and value == np.inf)):
                 raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
@@ -108,10 +122,15 @@ class Reinforcement(BeamNodes):
             raise ValueError("reinforcement in space has no spacing")
         self.coordinates, kind = ("plane", BeamElements) if dim == 2 else ("space", SpaceElements)
         elements = kind.of(self.points[self.cells])
-        self._strain = elements.strains[:, ::elements.strains.shape[1] // 2, :3 * dim]
-        self._length, self._where = elements.weights, elements.gauss()[0].reshape(2, -1, dim).transpose(1, 0, 2)
+        self._strain = elements.strains[:, :: elements.strains.shape[1] // 2, : 3 * dim]
+        self._length, self._where = (
+            elements.weights,
+            elements.gauss()[0].reshape(2, -1, dim).transpose(1, 0, 2),
+        )
         self.spacing = spacing or 1.0
-        self._displacement = Field("displacement of reinforcement", np.repeat(self.points, dim, axis=0).T)
+        self._displacement = Field(
+            "displacement of reinforcement", np.repeat(self.points, dim, axis=0).T
+        )
         self.fields = (self._displacement,) if self._shared is None else ()
         self._rows = (dim * self.cells[:, :, None] + np.arange(dim)).reshape(len(self.cells), -1)
         self._gathering = Gathering(self.points.size)
@@ -127,7 +146,7 @@ class Reinforcement(BeamNodes):
     @property
     @override
     def _names(self) -> tuple[DofName, ...]:
-        return super()._names[:self.points.shape[1]]
+        return super()._names[: self.points.shape[1]]
 
     def __repr__(self) -> str:
         return f"<Reinforcement {len(self.cells)} elements, {self._length.sum():.4g} long>"
@@ -156,14 +175,22 @@ class Reinforcement(BeamNodes):
         share = np.where(changed, _KEPT, 1.0) * self._EA * self._length
 
         def after() -> ReinforcementState:
-            return ReinforcementState(force, np.where(flows & changed, strain - force / self._EA, state.free))
+            return ReinforcementState(
+                force, np.where(flows & changed, strain - force / self._EA, state.free)
+            )
 
         def stiffness() -> csr_matrix:
-            return self._gathering.matrix(self._rows, np.einsum("mg,mgi,mgj->mij", share, self._strain, self._strain))
+            return self._gathering.matrix(
+                self._rows, np.einsum("mg,mgi,mgj->mij", share, self._strain, self._strain)
+            )
 
-        total, measure = (self._gathering.force(self._rows, np.einsum("mg,mgj->mj", self._length * f, B))
-                          for f, B in ((force, self._strain), (abs(force), abs(self._strain))))
-        return Response(total, after, stiffness, active=changed.tobytes(), measure=measure, dofs=self._dofs)
+        total, measure = (
+            self._gathering.force(self._rows, np.einsum("mg,mgj->mj", self._length * f, B))
+            for f, B in ((force, self._strain), (abs(force), abs(self._strain)))
+        )
+        return Response(
+            total, after, stiffness, active=changed.tobytes(), measure=measure, dofs=self._dofs
+        )
 
     @override
     def stretched(self, state: ReinforcementState) -> ndarray:
@@ -191,8 +218,12 @@ class Reinforcement(BeamNodes):
         return position.ravel(), x, y, N, nothing, nothing, *z
 
     @override
-    def line_points(self, x: ndarray, state: ReinforcementState) -> tuple[ndarray, dict[str, ndarray]]:
+    def line_points(
+        self, x: ndarray, state: ReinforcementState
+    ) -> tuple[ndarray, dict[str, ndarray]]:
         dim, N = self.points.shape[1], state.force
-        values = {"N": np.column_stack((N, N.mean(axis=1))).ravel()}  # not extrapolated: no thrust in a geogrid
+        values = {
+            "N": np.column_stack((N, N.mean(axis=1))).ravel()
+        }  # not extrapolated: no thrust in a geogrid
         values["displacement"] = x[self._of_model()][self._rows].reshape(-1, dim)
         return self.points[self.cells].reshape(-1, dim), values

@@ -1,4 +1,5 @@
 """Limit load and load-displacement curve by indirect continuation; stability in one equilibrium."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -48,35 +49,79 @@ class _Load(Branch):
 
 
 @single_threaded
-def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tolerance: float, step: float,
-               max_value: float, flow: Flow, max_step: float, min_displacement: float,
-               certify: bool | Mapping[str, Any], undrained: bool, progress: bool | None) -> CollapseResult:
+def limit_load(
+    setup: Setup,
+    load: Any,
+    start: Result | StageResult | None,
+    tolerance: float,
+    step: float,
+    max_value: float,
+    flow: Flow,
+    max_step: float,
+    min_displacement: float,
+    certify: bool | Mapping[str, Any],
+    undrained: bool,
+    progress: bool | None,
+) -> CollapseResult:
     """Multiply a load until the structure collapses, see :meth:`skfem_contact.Model.limit_load`."""
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_step > 0:
-        raise ValueError(f"tolerance, step and max_step must be positive, not {tolerance!r}, {step!r} and {max_step!r}")
+        raise ValueError(
+            f"tolerance, step and max_step must be positive, not {tolerance!r}, {step!r} and "
+            f"{max_step!r}"
+        )
     if load is None:
         raise ValueError("there is no load to be multiplied: give `load`")
-    begun = loaded_start(setup, load, start, False, undrained, flow)  # the load of the start stays, its water with it
+    begun = loaded_start(
+        setup, load, start, False, undrained, flow
+    )  # the load of the start stays, its water with it
     system, reference = begun.system, begun.load
     if flow != "given":
-        system = system.with_forms({name: form.reduced(1.0, flow, form.strengths)
-                                    for name, form in system.forms.items()})
+        system = system.with_forms(
+            {name: form.reduced(1.0, flow, form.strengths) for name, form in system.forms.items()}
+        )
     last = last_stage(start)
     dead = begun.weight if last is None else setup.vector(last.load, "the load of the start")
-    proven = beside(certify, begun.forms, system.fixed, dead, reference, flow=flow, progress=progress,
-                    at_rest=partial(setup.at_rest, begun.forms, None if last is None else last.water))
+    proven = beside(
+        certify,
+        begun.forms,
+        system.fixed,
+        dead,
+        reference,
+        flow=flow,
+        progress=progress,
+        at_rest=partial(setup.at_rest, begun.forms, None if last is None else last.water),
+    )
     branch = _Load(system, dead, reference)
     newton = setup.newton or Newton(tolerance=0.03 * tolerance, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system, bar, begun.origin)
         points = [begun.origin, _first(branch, begun.origin, step, newton, log)]
-        found = follow(branch, reference, points, newton, tolerance, log, relative=True, max_value=max_value,
-                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, max_step=max_step * points[-1].work,
-                       min_displacement=min_displacement)
+        found = follow(
+            branch,
+            reference,
+            points,
+            newton,
+            tolerance,
+            log,
+            relative=True,
+            max_value=max_value,
+            growth=_SMALL_GROWTH if flow == "lagged" else GROWTH,
+            max_step=max_step * points[-1].work,
+            min_displacement=min_displacement,
+        )
     end = found.points[-1]
-    result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow,
-                      multiplied=reference)
+    result = conclude(
+        LOAD,
+        found,
+        end,
+        system,
+        branch.at(end.parameter)[1],
+        log.steps,
+        "continuation",
+        flow,
+        multiplied=reference,
+    )
     return begun.ended(result).beside(proven, tolerance * abs(result.value))
 
 
@@ -86,28 +131,55 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)
         try:
-            found = system.equilibrium(origin.x, origin.states, load, origin.x[system.fixed], newton, ("energy",),
-                                       at_least=1)
+            found = system.equilibrium(
+                origin.x,
+                origin.states,
+                load,
+                origin.x[system.fixed],
+                newton,
+                ("energy",),
+                at_least=1,
+            )
         except NotConverged as error:
             log.reject(multiplier, error, 0.0)
             continue
-        point = Point(found.x, found.states, multiplier, system.work(branch.reference, found.x - origin.x),
-                      found.residuals)
+        point = Point(
+            found.x,
+            found.states,
+            multiplier,
+            system.work(branch.reference, found.x - origin.x),
+            found.residuals,
+        )
         log.accept(point)
         return point
-    raise NotConverged(f"no equilibrium was found under {multiplier:g} times the reference load; is the structure "
-                       "stable without it?")
+    raise NotConverged(
+        f"no equilibrium was found under {multiplier:g} times the reference load; is the structure "
+        "stable without it?"
+    )
 
 
 @single_threaded
-def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water: Any, undrained: bool) -> bool:
+def is_stable(
+    setup: Setup, load: Any, start: Result | StageResult | None, water: Any, undrained: bool
+) -> bool:
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
     begun = loaded_start(setup, load, start, water, undrained)
     system, origin = begun.system, begun.origin
-    whole, newton = begun.weight + begun.load, setup.newton or Newton(tolerance=3e-4, max_iterations=60)
+    whole, newton = (
+        begun.weight + begun.load,
+        setup.newton or Newton(tolerance=3e-4, max_iterations=60),
+    )
     try:
-        system.equilibrium(origin.x, origin.states, whole, origin.x[system.fixed], newton, ("energy", "residual"),
-                           at_least=1, damp=True)
+        system.equilibrium(
+            origin.x,
+            origin.states,
+            whole,
+            origin.x[system.fixed],
+            newton,
+            ("energy", "residual"),
+            at_least=1,
+            damp=True,
+        )
     except NotConverged as error:
         found = as_collapse(error, system, origin.x, origin.states, whole, newton)
         if not isinstance(found, NoEquilibrium) or found.x is None:

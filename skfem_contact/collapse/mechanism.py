@@ -1,4 +1,5 @@
 """Mechanisms: motions that bars, blocks in contact and points that flow do not resist."""
+
 from __future__ import annotations
 
 from collections import Counter
@@ -21,28 +22,34 @@ from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem
 
 FACTOR, LOAD = "factor of safety", "limit load"
-#: Stiffnesses of the springs, relative to the largest entry of each row of the tangent, and those that lead to them one
-#: by one: a cube of quadratic tetrahedra that is crushed as a whole, with two equal stresses, fails without, and takes
-#: 2 to 5 iterations with each of these.
+#: Stiffnesses of the springs, relative to the largest entry of each row of the tangent, and those
+#: that lead to them one by one: a cube of quadratic tetrahedra that is crushed as a whole, with two
+#: equal stresses, fails without, and takes 2 to 5 iterations with each of these.
 _SOFT, _SOFTER = (1e-7, 1e-9), (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-#: Least share of the load that springs resist in a mechanism, and its ratio for the two stiffnesses: 1 in a mechanism,
-#: 0.01 where something else resists, 0.6 to 0.8 where that is as soft as the springs (a bar of .015 m lever, limit load
-#: 16.4 instead of 16.7 with a ratio of 0.5; five bars, 7.44 instead of 7.51 with one of 0.7).
+#: Least share of the load that springs resist in a mechanism, and its ratio for the two
+#: stiffnesses: 1 in a mechanism, 0.01 where something else resists, 0.6 to 0.8 where that is as
+#: soft as the springs (a bar of .015 m lever, limit load 16.4 instead of 16.7 with a ratio of 0.5;
+#: five bars, 7.44 instead of 7.51 with one of 0.7).
 _SHARE, _SAME = 1e-3, 0.9
-#: Share of the forces out of balance that may remain: a push of 1 % of the weight is within the tolerance of a search.
+#: Share of the forces out of balance that may remain: a push of 1 % of the weight is within the
+#: tolerance of a search.
 _BALANCE = 0.1
-#: Displacement up to which displacements count as small, over the extent of the model. Five nails as elastic beams in a
-#: slope of 8 m led a search to 193 m and a factor of 1.61, for 1.575 at a tenth of the extent, 2.4 m.
+#: Displacement up to which displacements count as small, over the extent of the model. Five nails
+#: as elastic beams in a slope of 8 m led a search to 193 m and a factor of 1.61, for 1.575 at a
+#: tenth of the extent, 2.4 m.
 _FAR = 0.1
 
-#: Share that the mesh adds, over what the stresses lose by their projection: 1.1 to 3.5 on slopes with phi of 0, 20 and
-#: 35 degrees and vertical cuts, of 48 to 1,536 elements of either order, and under rigid strips and even loads with phi
-#: of 0 and 20 degrees, whether elements shrink towards the edge or not; .6 under rigid strips on sand with a weight.
+#: Share that the mesh adds, over what the stresses lose by their projection: 1.1 to 3.5 on slopes
+#: with phi of 0, 20 and 35 degrees and vertical cuts, of 48 to 1,536 elements of either order, and
+#: under rigid strips and even loads with phi of 0 and 20 degrees, whether elements shrink towards
+#: the edge or not; .6 under rigid strips on sand with a weight.
 _ADDED = 2.0
-#: Share of the way from the lower to the upper bound on a mesh at which the exact value lies: .24 to .33 on these
-#: slopes, if the bounds are closer than the second number, as a share of the upper one.
+#: Share of the way from the lower to the upper bound on a mesh at which the exact value lies: .24
+#: to .33 on these slopes, if the bounds are closer than the second number, as a share of the upper
+#: one.
 _BETWEEN, _CLOSE = 0.3, 0.4
-#: Share by which a mesh is too coarse where bounds do not show it, and times the tolerance where they do.
+#: Share by which a mesh is too coarse where bounds do not show it, and times the tolerance where
+#: they do.
 _COARSE, _TIMES = 0.03, 2.0
 
 #: Kinds of remarks on what changes a collapse load.
@@ -58,14 +65,26 @@ class _Springs(Form):
         self._stiffness, self._x = stiffness, x
 
     def assemble(self, x: ndarray, state: Any) -> Response:
-        return Response(self._stiffness * (x - self._x), lambda: state, lambda: csr_matrix(diags(self._stiffness)))
+        return Response(
+            self._stiffness * (x - self._x),
+            lambda: state,
+            lambda: csr_matrix(diags(self._stiffness)),
+        )
 
 
-def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping[str, Any], load: ndarray,
-                newton: Newton) -> NotConverged:
-    """Return the error, or :class:`NoEquilibrium` if only springs hold the structure, however soft they are.
+def as_collapse(
+    error: NotConverged,
+    system: System,
+    x: ndarray,
+    states: Mapping[str, Any],
+    load: ndarray,
+    newton: Newton,
+) -> NotConverged:
+    """Return the error, or :class:`NoEquilibrium` if only springs hold the structure, however soft
+    they are.
 
-    The tangent of a mechanism is singular, but so is that of single points without pressure beside an equilibrium.
+    The tangent of a mechanism is singular, but so is that of single points without pressure beside
+    an equilibrium.
     """
     begun = system.evaluate(x, states, load)
     rows = abs(system.tangent(begun)).max(axis=1).toarray().ravel()
@@ -78,10 +97,24 @@ def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping
         now, found = x, {}
         for soft in stiffnesses:
             springs = _Springs(soft * rows, x)
-            now = system.with_forms({**system.forms, name: springs}).equilibrium(
-                x, {**states, name: None}, load, x[system.fixed], exact, at_least=1, damp=True, start=now).x
+            now = (
+                system.with_forms({**system.forms, name: springs})
+                .equilibrium(
+                    x,
+                    {**states, name: None},
+                    load,
+                    x[system.fixed],
+                    exact,
+                    at_least=1,
+                    damp=True,
+                    start=now,
+                )
+                .x
+            )
             work = float(begun.residual @ (now - x))
-            found[soft] = float(springs.assemble(now, None).force @ (now - x)) / work if work > 0.0 else 0.0
+            found[soft] = (
+                float(springs.assemble(now, None).force @ (now - x)) / work if work > 0.0 else 0.0
+            )
         return now, found
 
     try:
@@ -94,28 +127,44 @@ def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping
     share = found[_SOFT[-1]]
     if share < max(_SHARE, _SAME * found[_SOFT[0]]):
         return error
-    return NoEquilibrium(f"nothing resists a motion: only springs would resist {share:.1%} of the load",
-                         now, error.residuals, int(np.argmax(np.abs(now - x))))
+    return NoEquilibrium(
+        f"nothing resists a motion: only springs would resist {share:.1%} of the load",
+        now,
+        error.residuals,
+        int(np.argmax(np.abs(now - x))),
+    )
 
 
 def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
-    """Raise warnings of what changes a collapse load: joints that turn inside of their ends, elements that lock."""
+    """Raise warnings of what changes a collapse load: joints that turn inside of their ends,
+    elements that lock.
+    """
     for name, form in system.forms.items():
-        for remark in form.remarks(x[:form.size], states[name]):
+        for remark in form.remarks(x[: form.size], states[name]):
             if remark.kind in _TOLD:
                 warn(f"{name}: {remark.text}")
 
 
-def warn_of_motion(what: str, value: float, curve: ndarray, tolerance: float, end: StageResult) -> None:
-    """Raise a warning if a value needs displacements that are not small: the curve, (n, 3), still rises there."""
+def warn_of_motion(
+    what: str, value: float, curve: ndarray, tolerance: float, end: StageResult
+) -> None:
+    """Raise a warning if a value needs displacements that are not small: the curve, (n, 3), still
+    rises there.
+    """
     coordinates = end.layout.coordinates if end.layout else np.zeros((2, 1))
     moved, near = np.maximum.accumulate(curve[1:, 2]), _FAR * np.ptp(coordinates, axis=1).max()
     if len(moved) and moved[-1] > near > 0.0:
-        reached = max(np.interp(near, moved, curve[1:, 1]), curve[curve[:, 2] <= near, 1].max(initial=-np.inf))
+        reached = max(
+            np.interp(near, moved, curve[1:, 1]), curve[curve[:, 2] <= near, 1].max(initial=-np.inf)
+        )
         if value - reached > tolerance:
-            warn(f"the {what} {value:.4g} belongs to displacements of {moved[-1]:.3g}, and those up to {near:.3g}, a "
-                 f"tenth of the model, give {reached:.4g}: parts such as elastic beams resist without limit, or bodies "
-                 "are soft")
+            warn(
+                f"the {what} {value:.4g} belongs to displacements of {moved[-1]:.3g}, and those up "
+                f"to {near:.3g}, a "
+                f"tenth of the model, give {reached:.4g}: parts such as elastic beams resist "
+                f"without limit, or bodies "
+                "are soft"
+            )
 
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
@@ -128,47 +177,84 @@ def describe_mesh(forms: Mapping[str, Form]) -> str:
     return f"{elements}, {bases[0].N} dofs" if bases else "no elements"
 
 
-def added_by_mesh(forms: Mapping[str, Form], bands: Mapping[str, ndarray], states: Mapping[str, Any], motion: ndarray,
-                  power: float | None = None) -> float:
-    r"""Estimate the share that the size of the elements adds to a factor, or to a limit load with its power.
+def added_by_mesh(
+    forms: Mapping[str, Form],
+    bands: Mapping[str, ndarray],
+    states: Mapping[str, Any],
+    motion: ndarray,
+    power: float | None = None,
+) -> float:
+    r"""Estimate the share that the size of the elements adds to a factor, or to a limit load with
+    its power.
 
-    The exact stresses balance the exact load, also on the mechanism of the mesh, :math:`\dot\varepsilon`, so that
-    :math:`\int (\sigma - \sigma_{\rm exact}) : \dot\varepsilon` is the power of what the mesh adds.  Stresses that are
-    projected on linear functions stand for the exact ones.  Strength adds the power :math:`\int \tau (\dot\gamma^2 -
-    \dot\varepsilon_V^2) / \dot\gamma` of the largest shear stresses and strains; soil with friction,
-    :math:`\dot\varepsilon_V = \dot\gamma \sin\phi`, gets less from it.  Bands are these strains by solid, (n_elements,
-    n_points).
+    The exact stresses balance the exact load, also on the mechanism of the mesh,
+    :math:`\dot\varepsilon`, so that
+    :math:`\int (\sigma - \sigma_{\rm exact}) : \dot\varepsilon` is the power of what the mesh adds.
+     Stresses that are projected on linear functions stand for the exact ones.  Strength adds the
+     power :math:`\int \tau (\dot\gamma^2 -
+    \dot\varepsilon_V^2) /
+    \dot\gamma` of the largest shear stresses and strains; soil with friction,
+    :math:`\dot\varepsilon_V = \dot\gamma \sin\phi`, gets less from it.  Bands are these strains by
+    solid, (n_elements, n_points).
     """
     lost = strength = 0.0
     for name, form in solids_of(forms).items():
         if name in bands:
-            stress, strain, slip = states[name].stress, form.strains(motion[:form.size]), bands[name]
+            stress, strain, slip = (
+                states[name].stress,
+                form.strains(motion[: form.size]),
+                bands[name],
+            )
             at, _, smooth = projected(form, stress)
-            lost += float((form.weight * ((stress - (at @ smooth).T.reshape(stress.shape)) * strain).sum(axis=0)).sum())
+            lost += float(
+                (
+                    form.weight
+                    * ((stress - (at @ smooth).T.reshape(stress.shape)) * strain).sum(axis=0)
+                ).sum()
+            )
             largest, _, smallest = principal_stresses(stress)
-            less = np.divide(strain[:3].sum(axis=0)**2, slip, out=np.zeros_like(slip), where=slip > 0.0)
-            strength += 0.5 * float((form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)).sum())
+            less = np.divide(
+                strain[:3].sum(axis=0) ** 2, slip, out=np.zeros_like(slip), where=slip > 0.0
+            )
+            strength += 0.5 * float(
+                (form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)).sum()
+            )
     whole = strength if power is None else power
     return max(_ADDED * lost / whole, 0.0) if whole > 0.0 else 0.0
 
 
-def warn_of_mesh(what: str, value: float, added: float, proven: Bounds | None, tolerance: float) -> None:
-    """Raise a warning if a value lies outside of its bounds, or if the mesh adds more to it than is tolerable."""
+def warn_of_mesh(
+    what: str, value: float, added: float, proven: Bounds | None, tolerance: float
+) -> None:
+    """Raise a warning if a value lies outside of its bounds, or if the mesh adds more to it than is
+    tolerable.
+    """
     coarse = f"the {what} {value:.4g} is about {{:.1%}}{{}} too high, for displacements do not jump inside of elements"
     if proven is None or proven.estimate or not proven.lower > (1.0 - _CLOSE) * proven.upper:
         if added > _COARSE:
-            warn(f"{coarse.format(added, ' (half to twice that)')}: refine the mesh along the mechanism")
+            warn(
+                f"{coarse.format(added, ' (half to twice that)')}: refine the mesh along the "
+                f"mechanism"
+            )
     elif added * value > tolerance:
         exact = proven.lower + _BETWEEN * (proven.upper - proven.lower)
         if proven.upper + tolerance >= value > exact + _TIMES * tolerance:
-            warn(f"{coarse.format(value / exact - 1.0, '')}: bounds are [{proven.lower:.4g}, {proven.upper:.4g}]; "
-                 "refine the mesh along the mechanism")
+            warn(
+                f"{coarse.format(value / exact - 1.0, '')}: bounds are [{proven.lower:.4g}, "
+                f"{proven.upper:.4g}]; "
+                "refine the mesh along the mechanism"
+            )
     if proven is None:
         return
-    where = f"the {what} {value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
+    where = (
+        f"the {what} {value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
+    )
     if value > proven.upper + tolerance:
-        warn(where.format("above") + f"the mesh is too coarse by at least {value / proven.upper - 1.0:.1%}, "
-             "or elements of corner nodes lock; `proven.mesh` is a better one")
+        warn(
+            where.format("above")
+            + f"the mesh is too coarse by at least {value / proven.upper - 1.0:.1%}, "
+            "or elements of corner nodes lock; `proven.mesh` is a better one"
+        )
     elif value < proven.lower - tolerance and not proven.estimate:
         warn(where.format("below") + "the search ended too early, or the flow is not associated")
 

@@ -1,4 +1,7 @@
-"""Pore pressures beside a search for a collapse: kept, or those of ground that has no time to drain."""
+"""Pore pressures beside a search for a collapse: kept, or those of ground that has no time to
+drain.
+"""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -14,8 +17,9 @@ from ..nonlinear.system import System
 from ..solvers.direct import DirectSolver, SingularSystem
 from ..sparse import Total
 
-#: Thrust of the pressures that have yet to drain, as a share of the load, that is remarked on. A cut of 6 m has .055
-#: at once and a factor of 2.74 for 2.50 without drainage; .010 and 2.40 for 2.41 after a year.
+#: Thrust of the pressures that have yet to drain, as a share of the load, that is remarked on. A
+#: cut of 6 m has .055 at once and a factor of 2.74 for 2.50 without drainage; .010 and 2.40 for
+#: 2.41 after a year.
 _FRESH = 0.05
 #: Time for drainage, in those of the tightest element and of a line of all nodes.
 _LONG = 1e2
@@ -23,34 +27,53 @@ _LONG = 1e2
 
 def carriers(forms: Mapping[str, Form]) -> dict[str, Form]:
     """Return the forms that bring or move pore pressures."""
-    return {name: form for name, form in forms.items()
-            if any(field.kind == "pressure" for field in (*form.fields, *form.borrowed))}
+    return {
+        name: form
+        for name, form in forms.items()
+        if any(field.kind == "pressure" for field in (*form.fields, *form.borrowed))
+    }
 
 
-def without_drainage(forms: Mapping[str, Form], fixed: ndarray, flow: str) -> tuple[dict[str, Form], ndarray]:
+def without_drainage(
+    forms: Mapping[str, Form], fixed: ndarray, flow: str
+) -> tuple[dict[str, Form], ndarray]:
     """Return forms whose water does not flow, and fixed dofs without those of their pressures."""
     wet = carriers(forms)
     if not any(form.fields for form in wet.values()):
-        raise ValueError("undrained=True is for ground with PoreWater, and none is active: give the ground Undrained "
-                         "materials")
+        raise ValueError(
+            "undrained=True is for ground with PoreWater, and none is active: give the ground "
+            "Undrained "
+            "materials"
+        )
     if flow != "given":
-        raise ValueError(f"undrained=True takes the flow rule as given, not flow='{flow}': ground that dilates and "
-                         "cannot drain gets stronger without end")
+        raise ValueError(
+            f"undrained=True takes the flow rule as given, not flow='{flow}': ground that dilates "
+            f"and "
+            "cannot drain gets stronger without end"
+        )
     if any(material.dilates for form in forms.values() for material in form.materials.values()):
-        warn("a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
-             "undrained soils take psi=0")
+        warn(
+            "a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
+            "undrained soils take psi=0"
+        )
     pressures = [form.carries for form in wet.values() if form.carries is not None]
-    return {name: form.undrained() for name, form in forms.items()}, np.setdiff1d(fixed, np.concatenate(pressures))
+    return {name: form.undrained() for name, form in forms.items()}, np.setdiff1d(
+        fixed, np.concatenate(pressures)
+    )
 
 
-def _assembled(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> tuple[ndarray, csr_matrix]:
+def _assembled(
+    forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]
+) -> tuple[ndarray, csr_matrix]:
     """Return force and tangent of some forms, (N,) and (N, N)."""
     responses = responses_of(forms, x, states).values()
     force = sum((response.force for response in responses), start=np.zeros(len(x)))
     return force, Total().of([response.stiffness for response in responses])
 
 
-def warn_of_fresh_pressures(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> None:
+def warn_of_fresh_pressures(
+    system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
+) -> None:
     """Raise a warning where a search keeps pressures that have yet to drain."""
     wet = carriers(system.forms)
     pressures = [form.carries for form in wet.values() if form.carries is not None]
@@ -58,18 +81,28 @@ def warn_of_fresh_pressures(system: System, x: ndarray, states: Mapping[str, Any
         return
     p = np.intersect1d(np.concatenate(pressures), system.free)
     capacity = _assembled(wet, x, states)[1].diagonal()
-    rates = abs(_assembled({name: form.over(1.0) for name, form in wet.items()}, x, states)[1].diagonal())
+    rates = abs(
+        _assembled({name: form.over(1.0) for name, form in wet.items()}, x, states)[1].diagonal()
+    )
     if len(p) == 0 or not (capacity[p].all() and rates[p].all()):
         return
     long = _LONG * float((capacity[p] / rates[p]).max()) * len(p) ** 2
     force, K = _assembled({name: form.over(long) for name, form in wet.items()}, x, states)
     try:
-        change = DirectSolver(system.layout.coordinates, p).factor((K - diags(capacity)).tocsr())(-force)
+        change = DirectSolver(system.layout.coordinates, p).factor((K - diags(capacity)).tocsr())(
+            -force
+        )
     except SingularSystem:
         return
-    thrust = float(np.linalg.norm((K @ change)[np.intersect1d(system.free, system.layout.displacements)]))
+    thrust = float(
+        np.linalg.norm((K @ change)[np.intersect1d(system.free, system.layout.displacements)])
+    )
     share = thrust / max(float(np.linalg.norm(load)), 1e-300)
     if share > _FRESH:
-        warn(f"the search keeps excess pore pressures that have yet to drain; their thrust is {share:.2g} of the load. "
-             "The value is that of a collapse as slow as the drainage; just after a quick change it may be lower: "
-             "undrained=True")
+        warn(
+            f"the search keeps excess pore pressures that have yet to drain; their thrust is "
+            f"{share:.2g} of the load. "
+            "The value is that of a collapse as slow as the drainage; just after a quick change it "
+            "may be lower: "
+            "undrained=True"
+        )

@@ -1,4 +1,5 @@
 """Searches for a collapse: their steps, ends and results."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,15 @@ from ..errors import NoEquilibrium, NotConverged, warn
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.stage import StageResult
-from .mechanism import FACTOR, LOAD, added_by_mesh, describe_mesh, warn_of_errors, warn_of_mesh, warn_of_motion
+from .mechanism import (
+    FACTOR,
+    LOAD,
+    added_by_mesh,
+    describe_mesh,
+    warn_of_errors,
+    warn_of_mesh,
+    warn_of_motion,
+)
 
 
 class PeakPassed(NotConverged):
@@ -22,7 +31,9 @@ class PeakPassed(NotConverged):
 
 @dataclass(frozen=True)
 class Point:
-    """Equilibrium on the curve of parameter over work: displacements, (N,), and states; see :class:`Step`."""
+    """Equilibrium on the curve of parameter over work: displacements, (N,), and states; see
+    :class:`Step`.
+    """
 
     x: ndarray
     states: Mapping[str, Any]
@@ -38,7 +49,13 @@ class Point:
 
 def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
     """Return the outcome of a step that failed."""
-    return "collapse" if isinstance(error, NoEquilibrium) else "peak" if isinstance(error, PeakPassed) else "stall"
+    return (
+        "collapse"
+        if isinstance(error, NoEquilibrium)
+        else "peak"
+        if isinstance(error, PeakPassed)
+        else "stall"
+    )
 
 
 @dataclass(frozen=True)
@@ -50,7 +67,8 @@ class Step:
     parameter
         Factor of safety or load multiplier.
     outcome
-        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
+        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last
+        one.
     iterations, residual
         Number of tangents factored, and relative residual at the end.
     displacement
@@ -84,27 +102,57 @@ class SearchLog:
 
     def accept(self, point: Point) -> None:
         """Add an equilibrium."""
-        self._add(Step(point.parameter, "equilibrium", point.iterations, point.residuals[-1],
-                       self.moved(point.x), self._yielding(point.states), point.work))
+        self._add(
+            Step(
+                point.parameter,
+                "equilibrium",
+                point.iterations,
+                point.residuals[-1],
+                self.moved(point.x),
+                self._yielding(point.states),
+                point.work,
+            )
+        )
         self._states = point.states
 
     def reject(self, parameter: float, error: NotConverged, work: float) -> None:
         """Add a step without equilibrium."""
-        self._add(Step(parameter, kind_of(error), max(len(error.residuals) - 1, 0),
-                       error.residuals[-1] if error.residuals else np.nan, self.moved(error.x), np.nan, work))
+        self._add(
+            Step(
+                parameter,
+                kind_of(error),
+                max(len(error.residuals) - 1, 0),
+                error.residuals[-1] if error.residuals else np.nan,
+                self.moved(error.x),
+                np.nan,
+                work,
+            )
+        )
 
     def moved(self, x: ndarray | None) -> float:
-        """Return the largest displacement from where counting began; pressures and multipliers do not count."""
-        return np.nan if x is None else float(np.abs((x - self._origin)[self._displacements]).max(initial=0.0))
+        """Return the largest displacement from where counting began; pressures and multipliers do
+        not count.
+        """
+        return (
+            np.nan
+            if x is None
+            else float(np.abs((x - self._origin)[self._displacements]).max(initial=0.0))
+        )
 
     @property
     def straight(self) -> bool:
-        """True if no point of a solid has flowed in the last step: bars and joints make curves of straight pieces."""
+        """True if no point of a solid has flowed in the last step: bars and joints make curves of
+        straight pieces.
+        """
         return self.steps[-1].yielding == 0.0
 
     def _yielding(self, states: Mapping[str, Any]) -> float:
-        """Return the share of the points of all solids that have flowed since the last equilibrium."""
-        flowed, points = np.sum([f.yielding(self._states[k], states[k]) for k, f in self._forms.items()], axis=0)
+        """Return the share of the points of all solids that have flowed since the last
+        equilibrium.
+        """
+        flowed, points = np.sum(
+            [f.yielding(self._states[k], states[k]) for k, f in self._forms.items()], axis=0
+        )
         return float(flowed / points) if points else 0.0
 
     def _add(self, step: Step) -> None:
@@ -120,10 +168,10 @@ class Stop:
     Attributes
     ----------
     kind
-        Two kinds show the limit. ``"plateau"``: the curve has levelled off; ``"collapse"``: there is no equilibrium
-        close above. Four do not. ``"peak"``: the curve falls, and another path may lead higher; ``"stall"``: neither
-        equilibrium nor collapse was found; ``"max_value"``: the parameter has exceeded `max_value`; ``"steps"``: the
-        search took too many steps.
+        Two kinds show the limit. ``"plateau"``: the curve has levelled off; ``"collapse"``: there
+        is no equilibrium close above. Four do not. ``"peak"``: the curve falls, and another path
+        may lead higher; ``"stall"``: neither equilibrium nor collapse was found; ``"max_value"``:
+        the parameter has exceeded `max_value`; ``"steps"``: the search took too many steps.
     text
         Explanation for a message.
     """
@@ -158,7 +206,8 @@ class SearchResult:
     above
         Smallest parameter that is known not to be reached; infinite where nothing is known.
     motion
-        Displacements at collapse, (N,); by default those from the last equilibrium but one to the last.
+        Displacements at collapse, (N,); by default those from the last equilibrium but one to the
+        last.
     """
 
     points: Sequence[Point]
@@ -183,8 +232,8 @@ class CollapseResult:
     value
         Largest factor or multiplier with an equilibrium: :attr:`factor`, :attr:`multiplier`.
     bracket
-        That value, and the smallest one that is known not to be reached, by a collapse or by the last slope of the
-        curve; infinite where nothing is known.
+        That value, and the smallest one that is known not to be reached, by a collapse or by the
+        last slope of the curve; infinite where nothing is known.
     stop
         Reason why the search ended.
     method, flow
@@ -196,22 +245,25 @@ class CollapseResult:
     steps
         All steps, failed ones included.
     end
-        Equilibrium at the largest factor of a strength reduction, or at the end of the curve of a limit load: a start
-        for other analyses. :attr:`x`, :attr:`states` and :attr:`load` are those of this equilibrium.
+        Equilibrium at the largest factor of a strength reduction, or at the end of the curve of a
+        limit load: a start for other analyses. :attr:`x`, :attr:`states` and :attr:`load` are those
+        of this equilibrium.
     mechanism
         Displacement increment at collapse, its largest component is 1, (N,).
     bands
-        Largest shear strain of the mechanism by solid, in the plane for plane ones, (n_elements, n_points).
+        Largest shear strain of the mechanism by solid, in the plane for plane ones, (n_elements,
+        n_points).
     added
-        Estimated share of the value that the size of the elements adds, right to a factor of two in most scenes; up to
-        three times too large under rigid strips on ground with friction and weight.
+        Estimated share of the value that the size of the elements adds, right to a factor of two in
+        most scenes; up to three times too large under rigid strips on ground with friction and
+        weight.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
         True if soil has psi < phi: the value then depends on mesh and path.
     davis
-        The search with the soils of Davis (procedure B), of a strength reduction with psi < phi: its factor is on the
-        safe side.
+        The search with the soils of Davis (procedure B), of a strength reduction with psi < phi:
+        its factor is on the safe side.
     proven
         Proven bounds of the value, see ``certify``.
     """
@@ -266,23 +318,48 @@ class CollapseResult:
 
     @property
     def curve(self) -> ndarray:
-        """Work of the load, factor or multiplier, and largest displacement of all equilibria, (n, 3)."""
-        return np.array([(t.work, t.parameter, t.displacement) for t in self.steps if t.outcome == "equilibrium"])
+        """Work of the load, factor or multiplier, and largest displacement of all equilibria, (n,
+        3).
+        """
+        return np.array(
+            [
+                (t.work, t.parameter, t.displacement)
+                for t in self.steps
+                if t.outcome == "equilibrium"
+            ]
+        )
 
     def __str__(self) -> str:
         reduced = f"reduced: {', '.join(self.reduced)}\n" if self.reduced else ""
-        davis = f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side\n" if self.davis else ""
+        davis = (
+            f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side\n"
+            if self.davis
+            else ""
+        )
         proven = f"bounds: {str(self.proven).splitlines()[0]}\n" if self.proven else ""
         adds = f", whose size adds about {self.added:.0%}" if self.added >= 0.01 else ""
-        return (f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n{davis}{proven}"
-                f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}{adds}; {self.iterations} Newton iterations\n"
-                f"stopped by {self.stop}\n{self._table()}")
+        return (
+            f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, "
+            f"{self.bracket[1]:.4g}]\n{davis}{proven}"
+            f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}{adds}; {self.iterations} "
+            f"Newton iterations\n"
+            f"stopped by {self.stop}\n{self._table()}"
+        )
 
     __repr__ = __str__  # a notebook would show the arrays
 
     def _repr_html_(self) -> str:
-        rows = tuple((f"{s.parameter:.5f}", s.outcome, s.iterations, f"{s.residual:.1e}", f"{s.displacement:.4g}",
-                      f"{s.yielding:.1%}") for s in self.steps)
+        rows = tuple(
+            (
+                f"{s.parameter:.5f}",
+                s.outcome,
+                s.iterations,
+                f"{s.residual:.1e}",
+                f"{s.displacement:.4g}",
+                f"{s.yielding:.1%}",
+            )
+            for s in self.steps
+        )
         head = str(self).split("\n" + self._table())[0]
         columns = ("value", "outcome", "iterations", "residual", "displacement", "yielding")
         return Table(columns, rows, head)._repr_html_()
@@ -292,9 +369,14 @@ class CollapseResult:
         lines = [f"{'value':>10}  outcome      iterations  residual  displacement  yielding"]
         for s in self.steps:
             found = s.outcome == "equilibrium"
-            moved, yielding = (f"{s.displacement:.4g}", f"{s.yielding:.1%}") if found else ("–", "–")
-            lines.append(f"{s.parameter:10.5f}  {s.outcome:11}  {s.iterations:10d}  {s.residual:8.1e}  {moved:>12}  "
-                         f"{yielding:>8}")
+            moved, yielding = (
+                (f"{s.displacement:.4g}", f"{s.yielding:.1%}") if found else ("–", "–")
+            )
+            lines.append(
+                f"{s.parameter:10.5f}  {s.outcome:11}  {s.iterations:10d}  {s.residual:8.1e}  "
+                f"{moved:>12}  "
+                f"{yielding:>8}"
+            )
         return "\n".join(lines)
 
     def _advice(self) -> str:
@@ -308,34 +390,80 @@ class CollapseResult:
         return ""
 
     def beside(self, proven: Bounds | None, tolerance: float) -> CollapseResult:
-        """Add bounds; warn of a search without limit, a factor below 1, a value beyond its bounds."""
+        """Add bounds; warn of a search without limit, a factor below 1, a value beyond its
+        bounds.
+        """
         if not self.stop.shows_limit:
-            warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, stopped by "
-                 f"{self.stop}{self._advice()}")
+            warn(
+                f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, "
+                f"stopped by "
+                f"{self.stop}{self._advice()}"
+            )
         elif self.what == FACTOR and self.value < 1.0:
-            warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}")
+            warn(
+                f"the structure is unstable under its own load: its factor of safety is "
+                f"{self.value:.3f}"
+            )
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
-        warn_of_mesh(self.what, self.value, self.added if self.stop.shows_limit else 0.0, proven, tolerance)
+        warn_of_mesh(
+            self.what, self.value, self.added if self.stop.shows_limit else 0.0, proven, tolerance
+        )
         return replace(self, proven=proven)
 
 
-def conclude(what: str, found: SearchResult, last: Point, system: System, load: ndarray, steps: Sequence[Step],
-             method: str, flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None,
-             multiplied: ndarray | None = None) -> CollapseResult:
+def conclude(
+    what: str,
+    found: SearchResult,
+    last: Point,
+    system: System,
+    load: ndarray,
+    steps: Sequence[Step],
+    method: str,
+    flow: str,
+    reduced: tuple[str, ...] = (),
+    davis: CollapseResult | None = None,
+    multiplied: ndarray | None = None,
+) -> CollapseResult:
     """Return the result of a search; other analyses start from the `last` equilibrium."""
     warn_of_errors(system, last.x, last.states)
     motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
     mechanism = motion / (np.abs(motion).max() or 1.0)
-    bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}
-    less = any(material.dilates_less for form in system.forms.values() for material in form.materials.values())
+    bands = {
+        name: band
+        for name, form in system.forms.items()
+        if (band := form.shear_strain(mechanism)) is not None
+    }
+    less = any(
+        material.dilates_less
+        for form in system.forms.values()
+        for material in form.materials.values()
+    )
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
-    released = {name: form.released(last.x, last.states[name]) for name, form in system.forms.items()}
+    released = {
+        name: form.released(last.x, last.states[name]) for name, form in system.forms.items()
+    }
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
-    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout)
+    end = StageResult(
+        what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout
+    )
     value = found.best.parameter
     power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
-    return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
-                          describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
-                          added_by_mesh(system.forms, bands, last.states, mechanism, power),
-                          tuple((point.parameter, point.x) for point in found.points), less, davis)
+    return CollapseResult(
+        what,
+        value,
+        (value, found.above),
+        found.stop,
+        method,
+        flow,
+        reduced,
+        describe_mesh(system.forms),
+        tuple(steps),
+        end,
+        mechanism,
+        bands,
+        added_by_mesh(system.forms, bands, last.states, mechanism, power),
+        tuple((point.parameter, point.x) for point in found.points),
+        less,
+        davis,
+    )

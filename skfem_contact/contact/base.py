@@ -1,4 +1,5 @@
 """Data of a contact pair: surfaces, law, quadrature and settings, checked and connected once."""
+
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
@@ -32,8 +33,9 @@ Fit = NamedFit | float
 TOUCHING = 1e-8
 #: Gaps below this share of it are those of one surface meshed twice.
 _ADJUSTED = 0.5
-#: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers there double the
-#: pressure at the edge of the contact, of a sphere on a block with 4 elements in its half-width.
+#: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers
+#: there double the pressure at the edge of the contact, of a sphere on a block with 4 elements in
+#: its half-width.
 _NEGATIVE = 8
 #: Cosine of the angle between facets, above which they face the same way.
 _SAME_WAY = 0.5
@@ -45,8 +47,9 @@ class ContactBase(Form):
     """Data of a contact pair, for regularisation, diagnosis and prestress."""
 
     unilateral = True
-    # A regularised pair has other values here: present and final clearance, (2, n), share of the tangential penalty,
-    # shift of the slip, (dim - 1, n), points with a broken bond, (n,), and the families in force.
+    # A regularised pair has other values here: present and final clearance, (2, n), share of the
+    # tangential penalty, shift of the slip, (dim - 1, n), points with a broken bond, (n,), and the
+    # families in force.
     clearance: ndarray | None = None
     _nodes: tuple[Any, Any] = (None, None)
     softness: float = 1.0
@@ -55,18 +58,30 @@ class ContactBase(Form):
     families: tuple[Any, ...] = ()
     multipliers = np.zeros((0, 0), int)  # their dofs, (dim, n_nodes), which the model numbers
 
-    def __init__(self, basis: CellBasis | None, slave: str | Surface, master: str | Surface, law: InterfaceLaw,
-                 quadrature: Literal["nodal", "segments"] | int = "segments",
-                 penalty: float | tuple[float, float] | None = None,
-                 smoothing: float | None = None, enforcement: AugmentedLagrangian | DualMultipliers | None = None,
-                 initial: Fit = "as meshed", share: float = 1.0,
-                 tangent: Literal["exact", "primary"] = "exact") -> None:
+    def __init__(
+        self,
+        basis: CellBasis | None,
+        slave: str | Surface,
+        master: str | Surface,
+        law: InterfaceLaw,
+        quadrature: Literal["nodal", "segments"] | int = "segments",
+        penalty: float | tuple[float, float] | None = None,
+        smoothing: float | None = None,
+        enforcement: AugmentedLagrangian | DualMultipliers | None = None,
+        initial: Fit = "as meshed",
+        share: float = 1.0,
+        tangent: Literal["exact", "primary"] = "exact",
+    ) -> None:
         if basis is not None or isinstance(slave, str) or isinstance(master, str):
             check_basis(basis)
         self.mesh_dofs = 0 if basis is None else int(basis.N)
-        self.slave, self.facets = (side if isinstance(side, Surface) else Surface.from_boundary(basis, side)
-                                   for side in (slave, master))
-        self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
+        self.slave, self.facets = (
+            side if isinstance(side, Surface) else Surface.from_boundary(basis, side)
+            for side in (slave, master)
+        )
+        self.master = (
+            self.facets if smoothing is None else smoothed(self.facets, smoothing)
+        ).facing(self.slave)
         _check_surfaces(self.slave, self.master)
         _check_settings(self.slave, quadrature, enforcement, initial, share)
         _check_law(law, len(self.slave.nodes))
@@ -82,25 +97,40 @@ class ContactBase(Form):
         self.complete = False
         self._connect()
         if penalty is not None:
-            both = penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
+            both = (
+                penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
+            )
             self.penalty = self.with_penalty(*both).penalty
 
     def _connect(self) -> None:
         adjusted = _adjusted(self.initial, self.law.bonds)
         self.interface = Interface(self.slave, self.master, self.quadrature, adjusted)
-        size = max(self.mesh_dofs, self.slave.end, self.master.end, int(self.multipliers.max(initial=-1)) + 1)
+        size = max(
+            self.mesh_dofs,
+            self.slave.end,
+            self.master.end,
+            int(self.multipliers.max(initial=-1)) + 1,
+        )
         self.size: int = size or None  # type: ignore[assignment]  # unknown before fields are numbered
         self.gathering = Gathering(size)
 
     def __repr__(self) -> str:
-        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
-                f"quadrature {self.quadrature}, {self.law!r}>")
+        return (
+            f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} "
+            f"facets, "
+            f"quadrature {self.quadrature}, {self.law!r}>"
+        )
 
     @property
     @override
     def parameters(self) -> Mapping[str, Any]:  # type: ignore[override]
-        return {"slave": self.slave.name, "master": self.master.name, "law": self.law, "penalty": self.penalty,
-                "quadrature": self.quadrature}
+        return {
+            "slave": self.slave.name,
+            "master": self.master.name,
+            "law": self.law,
+            "penalty": self.penalty,
+            "quadrature": self.quadrature,
+        }
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with other attributes."""
@@ -108,8 +138,12 @@ class ContactBase(Form):
         vars(new).update(changes)
         return new
 
-    def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> Self:
-        """Return a copy with other penalties; `stiffness` is the traction per displacement of the surfaces, E/h."""
+    def with_penalty(
+        self, normal: float, tangential: float, stiffness: float | None = None
+    ) -> Self:
+        """Return a copy with other penalties; `stiffness` is the traction per displacement of the
+        surfaces, E/h.
+        """
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
@@ -139,18 +173,27 @@ class ContactBase(Form):
             new._connect()
         if not self.borrowed:
             return new
-        return new.with_surfaces(*(part.numbered(numbers) for part in (self.slave, self.facets, self.master)))
+        return new.with_surfaces(
+            *(part.numbered(numbers) for part in (self.slave, self.facets, self.master))
+        )
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Self:
         if self.complete:
             return self
         bodies = [form for form in forms.values() if form.elastic_stiffness is not None]
-        new = self._about_axis(any(form.coordinates == "axisymmetric" for form in bodies)).with_(complete=True)
+        new = self._about_axis(any(form.coordinates == "axisymmetric" for form in bodies)).with_(
+            complete=True
+        )
         if new.stiffness is not None:
             return new
-        penalty, stiffness = chosen(new.slave, new.facets, [form.elastic_stiffness for form in bodies], new.penalty,
-                                    new.enforcement is None)
+        penalty, stiffness = chosen(
+            new.slave,
+            new.facets,
+            [form.elastic_stiffness for form in bodies],
+            new.penalty,
+            new.enforcement is None,
+        )
         if self.dual:
             new.fields = (replace(self.fields[0], scale=stiffness or penalty[0]),)
         return new.with_penalty(*penalty, stiffness=stiffness)
@@ -165,13 +208,17 @@ class ContactBase(Form):
             return self
         slave = replace(self.slave, axisymmetric=axisymmetric)
         if axisymmetric and (slave.dim == 3 or slave.nodes[:, 0].min() < -_ON_AXIS * slave.spacing):
-            raise ValueError(f"contact of '{slave.name}': axial symmetry is for plane meshes with x >= 0")
+            raise ValueError(
+                f"contact of '{slave.name}': axial symmetry is for plane meshes with x >= 0"
+            )
         return self.with_surfaces(slave, self.facets, self.master)
 
     @property
     @override
     def outer_after(self) -> Literal["near", "exact"] | None:  # type: ignore[override]
-        """Equilibrium after which multipliers are improved ("exact"), or cuts follow the bodies ("near")."""
+        """Equilibrium after which multipliers are improved ("exact"), or cuts follow the bodies
+        ("near").
+        """
         if isinstance(self.enforcement, AugmentedLagrangian):
             return "exact"
         return "near" if self.quadrature == "segments" else None
@@ -190,7 +237,9 @@ class ContactBase(Form):
     @property
     @override
     def changing(self) -> ndarray:  # type: ignore[override]
-        return np.concatenate((self.acts_on, self.multipliers.ravel())) if self.dual else self.acts_on
+        return (
+            np.concatenate((self.acts_on, self.multipliers.ravel())) if self.dual else self.acts_on
+        )
 
     @property
     @override
@@ -208,7 +257,8 @@ class ContactBase(Form):
     def symmetric(self) -> bool:  # type: ignore[override]
         """Symmetry of the tangent, which the law decides.
 
-        Points that stick have no symmetric tangent once they transfer shear or have slipped elastically.
+        Points that stick have no symmetric tangent once they transfer shear or have slipped
+        elastically.
         """
         return self.law.symmetric
 
@@ -235,8 +285,10 @@ class ContactBase(Form):
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Return the normal and the tangential penalty in a state."""
         if self.penalty is None:
-            raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
-                             "`penalty=`, or take the pair from Model(forms).forms")
+            raise ValueError(
+                f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
+                "`penalty=`, or take the pair from Model(forms).forms"
+            )
         if self.dual and self.stiffness is not None:  # on the way only
             return self.stiffness, self.stiffness
         normal, tangential = self.penalty * state.penalty_factor
@@ -248,14 +300,15 @@ class ContactBase(Form):
         return float(np.max((state.clearance - state.gap)[closed] / size[closed], initial=0.0))
 
     def effective(self, state: ContactState) -> ContactState:
-        """Return an accepted state with this pair's internal variables, clearance, stick and broken bonds.
+        """Return an accepted state with this pair's internal variables, clearance, stick and broken
+        bonds.
 
         Internal variables that the state lacks are zero, as before any update.
         """
         missing, changes = self.law.n_internal - len(state.internal), {}
         internal = state.internal
         if missing:
-            internal = np.pad(internal, ((0, max(missing, 0)), (0, 0)))[:self.law.n_internal]
+            internal = np.pad(internal, ((0, max(missing, 0)), (0, 0)))[: self.law.n_internal]
         if self.debonded is not None:
             internal = np.where(self.debonded, self.law.debonded(internal), internal)
         if internal is not state.internal:
@@ -270,59 +323,102 @@ class ContactBase(Form):
 def _check_surfaces(slave: Surface, master: Surface) -> None:
     """Check that surfaces can touch: no common nodes, not both rigid, facing each other."""
     if slave.rigid and master.rigid:
-        raise ValueError(f"both '{slave.name}' and '{master.name}' are rigid: at least one surface needs dofs")
+        raise ValueError(
+            f"both '{slave.name}' and '{master.name}' are rigid: at least one surface needs dofs"
+        )
     known = slave.dofs[slave.dofs >= 0]
     if not (slave.fields or master.fields) and np.isin(known, master.dofs).any():
-        raise ValueError(f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
-                         "itself there; separate the bodies with join_bodies")
+        raise ValueError(
+            f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
+            "itself there; separate the bodies with join_bodies"
+        )
     # a run refuses what is not finite
     here, there = (np.nan_to_num(surface.centres.x[0]) for surface in (slave, master))
     opposite = cKDTree(there).query(here)[1]
-    if (np.einsum("nc,nc->n", slave.centres.normal, master.centres.normal[opposite]) > _SAME_WAY).all():
-        raise ValueError(f"slave '{slave.name}' and master '{master.name}' face the same way, and cannot touch: take "
-                         "the boundary on the other side of the body; a rigid line is free to the left of its way")
+    if (
+        np.einsum("nc,nc->n", slave.centres.normal, master.centres.normal[opposite]) > _SAME_WAY
+    ).all():
+        raise ValueError(
+            f"slave '{slave.name}' and master '{master.name}' face the same way, and cannot touch: "
+            f"take "
+            "the boundary on the other side of the body; a rigid line is free to the left of its "
+            "way"
+        )
 
 
-def _check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any) -> None:
-    for name, value, what in (("quadrature", quadrature, "number of points"), ("initial", initial, "interference")):
+def _check_settings(
+    slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any
+) -> None:
+    for name, value, what in (
+        ("quadrature", quadrature, "number of points"),
+        ("initial", initial, "interference"),
+    ):
         if not isinstance(value, str) and value <= 0:
-            raise ValueError(f"{name} must be one of its names, or a positive {what}, not {value!r}")
+            raise ValueError(
+                f"{name} must be one of its names, or a positive {what}, not {value!r}"
+            )
     if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if enforcement is not None and slave.facets.shape[1] == _NEGATIVE:
-        raise ValueError(f"multipliers are not for facets of eight nodes, as '{slave.name}' has them: the corners have "
-                         "negative areas; take ElementHex2 or ElementHex1, or the penalty method")
+        raise ValueError(
+            f"multipliers are not for facets of eight nodes, as '{slave.name}' has them: the "
+            f"corners have "
+            "negative areas; take ElementHex2 or ElementHex1, or the penalty method"
+        )
 
 
 def _check_dual(slave: Surface, law: InterfaceLaw, quadrature: Any, share: float) -> None:
-    """Refuse what has more multipliers than motions, or directions of slip that differ at a node."""
+    """Refuse what has more multipliers than motions, or directions of slip that differ at a
+    node.
+    """
     if slave.rigid:
-        raise ValueError(f"DualMultipliers are dofs of a slave that deforms: '{slave.name}' is rigid, make it the "
-                         "master")
+        raise ValueError(
+            f"DualMultipliers are dofs of a slave that deforms: '{slave.name}' is rigid, make it "
+            f"the "
+            "master"
+        )
     if share != 1.0:
-        raise ValueError("DualMultipliers hold both surfaces in one pass: share must be 1, and no second pair")
+        raise ValueError(
+            "DualMultipliers hold both surfaces in one pass: share must be 1, and no second pair"
+        )
     if not isinstance(quadrature, str) and quadrature <= slave.shape.exponents.max():
-        raise ValueError(f'DualMultipliers need quadrature="segments", or at least {slave.shape.exponents.max() + 1} '
-                         f"points along a facet, not {quadrature}")
+        raise ValueError(
+            f'DualMultipliers need quadrature="segments", or at least '
+            f"{slave.shape.exponents.max() + 1} "
+            f"points along a facet, not {quadrature}"
+        )
     if slave.dim == 3 and not law.symmetric and (slave.directions != slave.directions[0]).any():
-        raise ValueError(f"DualMultipliers with friction: the facets of '{slave.name}' have no axis that lies along all"
-                         " of them, from which slip is counted; split the boundary, or take AugmentedLagrangian()")
+        raise ValueError(
+            f"DualMultipliers with friction: the facets of '{slave.name}' have no axis that lies "
+            f"along all"
+            " of them, from which slip is counted; split the boundary, or take "
+            "AugmentedLagrangian()"
+        )
 
 
 def _check_law(law: Any, n_nodes: int) -> None:
-    """Check that a law has an update, and one parameter for each node of the slave where they are arrays."""
+    """Check that a law has an update, and one parameter for each node of the slave where they are
+    arrays.
+    """
     if not isinstance(law, InterfaceLaw) or type(law).update is InterfaceLaw.update:
-        raise ValueError(f"law must be an InterfaceLaw with an `update`, like Coulomb(mu=.3), unlike {law!r}")
+        raise ValueError(
+            f"law must be an InterfaceLaw with an `update`, like Coulomb(mu=.3), unlike {law!r}"
+        )
     for name, value in vars(law).items():
         if isinstance(value, np.ndarray) and value.shape != (n_nodes,):
-            raise ValueError(f"{type(law).__name__}: {name} has shape {value.shape}; the slave has {n_nodes} nodes")
+            raise ValueError(
+                f"{type(law).__name__}: {name} has shape {value.shape}; the slave has {n_nodes} "
+                f"nodes"
+            )
 
 
-def initial_clearance(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: bool) -> ndarray:
+def initial_clearance(
+    gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: bool
+) -> ndarray:
     """Return the initial clearance of points, shape (n,), on slave segments of some size.
 
-    Gaps are given where the bodies become active, and in the mesh: bodies are built to fit into displaced surfaces, so
-    that their gaps remain those of the mesh.
+    Gaps are given where the bodies become active, and in the mesh: bodies are built to fit into
+    displaced surfaces, so that their gaps remain those of the mesh.
     """
     with np.errstate(invalid="ignore"):  # inf - inf where nothing is near
         # a change of more than this is no displacement: other surfaces have come to face each other
@@ -335,5 +431,7 @@ def initial_clearance(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bo
 
 
 def _adjusted(fit: Fit, bonded: bool) -> float:
-    """Return the share of a facet's size up to which gaps of the mesh are those of one surface meshed twice."""
+    """Return the share of a facet's size up to which gaps of the mesh are those of one surface
+    meshed twice.
+    """
     return _ADJUSTED if bonded or fit == "adjusted" or not isinstance(fit, str) else TOUCHING

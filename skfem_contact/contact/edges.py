@@ -1,15 +1,16 @@
 r"""Variations of points whose closest point lies on an edge or a vertex of the master.
 
-The normal follows the offset, :math:`n = (r - \rho) / g`, and the closest point may move along the edge.  The
-tangential traction works on
+The normal follows the offset, :math:`n = (r - \rho) / g`, and the closest point may move along the
+edge.  The tangential traction works on
 
 .. math:: e_i \cdot (\delta r - \delta\rho|_\xi - g\, \Omega n), \qquad
           \Omega = \mathrm{skew}\,(\delta a_\alpha \otimes a^\alpha + \delta n_f \otimes n_f),
 
-the motion relative to a frame that turns with the facet, whose normal is :math:`n_f`: rigid motion does no work, so
-that force and moment balance.  These points are few: their second variations are complex steps, exact to round-off
-(J. N. Lyness, 1967).
+the motion relative to a frame that turns with the facet, whose normal is :math:`n_f`: rigid motion
+does no work, so that force and moment balance.  These points are few: their second variations are
+complex steps, exact to round-off (J. N. Lyness, 1967).
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -39,8 +40,9 @@ class First(NamedTuple):
 class OnEdges:
     """Contact at edges and vertices: the points of the numbers `at` among all that are in contact.
 
-    The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.  `point` and `nodes`
-    are coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
+    The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.
+    `point` and `nodes` are coordinates of the points and of their facets' nodes; `values` are the
+    slave's shape functions.
     """
 
     at: ndarray
@@ -60,7 +62,9 @@ class OnEdges:
     @cached_property
     def first(self) -> First:
         """First variations."""
-        return self._first(np.arange(len(self.at)), self.point, self.nodes, self.from_stick, self.direction)
+        return self._first(
+            np.arange(len(self.at)), self.point, self.nodes, self.from_stick, self.direction
+        )
 
     @cached_property
     def second(self) -> tuple[ndarray, ndarray, ndarray]:
@@ -77,11 +81,15 @@ class OnEdges:
         from_stick = self.from_stick[row] + 1j * _STEP * lift_columns(self.sigma, eye)
         direction = self.direction[row] + 1j * _STEP * lift_columns(self.delta, eye)
         step = self._first(row, point, x, from_stick, direction)
-        G, T, s = (np.moveaxis((part.imag / _STEP).reshape(n, dim * nodes, *part.shape[1:]), 1, -1)
-                   for part in (step.gap_gradient, step.tangential, step.slip))
+        G, T, s = (
+            np.moveaxis((part.imag / _STEP).reshape(n, dim * nodes, *part.shape[1:]), 1, -1)
+            for part in (step.gap_gradient, step.tangential, step.slip)
+        )
         return G, T, s
 
-    def _first(self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray) -> First:
+    def _first(
+        self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray
+    ) -> First:
         facet, along = self.facet[row], self.along[row]
         xi = self._closest(facet, self.xi[row] + 0j, along, r, nodes)
         M = self.master.shape.at(facet, xi, 1)
@@ -90,17 +98,39 @@ class OnEdges:
         g = np.sqrt(dot(offset, offset)) * np.sign(self.gap[row])
         n, facet_n, dual = offset / g[:, None], unit(across(a)), inverse(products(a, a)) @ a
         e = frame(n, direction)
-        blocks = np.zeros((len(row), self.sigma.shape[1])), np.zeros((*M[1].shape[:2], self.sigma.shape[1]))
+        blocks = (
+            np.zeros((len(row), self.sigma.shape[1])),
+            np.zeros((*M[1].shape[:2], self.sigma.shape[1])),
+        )
         alpha, beta = (block.astype(complex) for block in blocks)
         slave, k = self.values.shape[1], nodes.shape[1]
-        alpha[:, :slave], alpha[:, slave:slave + k], beta[:, :, slave:slave + k] = self.values[row], -M[0], M[1]
+        alpha[:, :slave], alpha[:, slave : slave + k], beta[:, :, slave : slave + k] = (
+            self.values[row],
+            -M[0],
+            M[1],
+        )
         T = lift(alpha[:, None], e) - g[:, None, None] * np.stack(
-            [lift(beta, _turning(e[:, i], n, facet_n, dual)).sum(axis=1) for i in range(e.shape[1])], axis=1)
-        result = n, e, lift(alpha[:, None], n[:, None])[:, 0], T, np.einsum("nic,nc->ni", e, from_stick)
+            [
+                lift(beta, _turning(e[:, i], n, facet_n, dual)).sum(axis=1)
+                for i in range(e.shape[1])
+            ],
+            axis=1,
+        )
+        result = (
+            n,
+            e,
+            lift(alpha[:, None], n[:, None])[:, 0],
+            T,
+            np.einsum("nic,nc->ni", e, from_stick),
+        )
         return First(*(result if np.iscomplexobj(r) else (part.real for part in result)))
 
-    def _closest(self, facet: ndarray, xi: ndarray, along: ndarray, r: ndarray, nodes: ndarray) -> ndarray:
-        """Return local coordinates after one Newton step along the edge: exact for the complex part."""
+    def _closest(
+        self, facet: ndarray, xi: ndarray, along: ndarray, r: ndarray, nodes: ndarray
+    ) -> ndarray:
+        """Return local coordinates after one Newton step along the edge: exact for the complex
+        part.
+        """
         moves = along.any(axis=1)
         M = self.master.shape.at(facet, xi, 2)
         offset = r - np.einsum("nk,nkc->nc", M[0], nodes)

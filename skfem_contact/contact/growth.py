@@ -1,8 +1,10 @@
-r"""Growth of the contact with dual multipliers: which nodes an increment closes, foreseen from its start.
+r"""Growth of the contact with dual multipliers: which nodes an increment closes, foreseen from its
+start.
 
-Newton's method closes all nodes whose gaps are negative at its start.  These are too many, because the bodies yield
-beside the contact, and it opens them again row by row, one in each iteration.
+Newton's method closes all nodes whose gaps are negative at its start.  These are too many, because
+the bodies yield beside the contact, and it opens them again row by row, one in each iteration.
 """
+
 from __future__ import annotations
 
 from typing import Any
@@ -14,21 +16,27 @@ from ..surfaces.surface import Surface
 from .interface import ContactState
 from .multipliers import mean_gaps
 
-#: Share of a step, from the first node that it closes on, after which it closes no more: the approach a^2 / R of a
-#: sphere closes gaps up to a^2 / 2R. In the plane this is right for a half-width of ten elements, too.
+#: Share of a step, from the first node that it closes on, after which it closes no more: the
+#: approach a^2 / R of a sphere closes gaps up to a^2 / 2R. In the plane this is right for a
+#: half-width of ten elements, too.
 _LATE = 0.5
 #: Power of the gap beside the edge of contact that is in proportion to the distance from it.
 _POWER = 2.0 / 3.0
 
 
-def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState) -> ndarray:
+def foreseen(
+    pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState
+) -> ndarray:
     """Return a start with tension at nodes that stay open although their gaps are negative there.
 
-    An extrapolated start moves the edge of the contact evenly.  Without displacements `before` the start is the first
-    step from the accepted ones.
+    An extrapolated start moves the edge of the contact evenly.  Without displacements `before` the
+    start is the first step from the accepted ones.
     """
     state = pair.effective(accepted)
-    now, then = mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap), _near(pair, start, state)
+    now, then = (
+        mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap),
+        _near(pair, start, state),
+    )
     reached = ~accepted.closed & (now > 0.0) & (now < np.inf) & (then < 0.0)
     if not reached.any():
         return start
@@ -36,9 +44,15 @@ def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray | None, acce
         opens = _closes_late(now, then, reached)
     else:
         last = x - before
-        ratio, beside = float(last @ (start - x)) / float(last @ last), _beside(pair.slave, accepted.closed)
+        ratio, beside = (
+            float(last @ (start - x)) / float(last @ last),
+            _beside(pair.slave, accepted.closed),
+        )
         found = pair.interface.closest(before, state.cuts, state.facet)
-        opens = _stays_ahead(mean_gaps(pair, state, found.found, found.gap), now, ratio, beside) & reached
+        opens = (
+            _stays_ahead(mean_gaps(pair, state, found.found, found.gap), now, ratio, beside)
+            & reached
+        )
     if not opens.any():
         return start
     start = start.copy()
@@ -47,7 +61,9 @@ def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray | None, acce
 
 
 def _closes_late(now: ndarray, then: ndarray, reached: ndarray) -> ndarray:
-    """Return a mask of nodes that a step reaches in its second half, counted from the first node that it reaches."""
+    """Return a mask of nodes that a step reaches in its second half, counted from the first node
+    that it reaches.
+    """
     share = np.zeros(len(now))
     share[reached] = now[reached] / (now - then)[reached]
     first = share[reached].min()
@@ -55,11 +71,13 @@ def _closes_late(now: ndarray, then: ndarray, reached: ndarray) -> ndarray:
 
 
 def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, beside: ndarray) -> ndarray:
-    """Return a mask of nodes that stay ahead of the edge of the contact, which moves `ratio` times as far as before.
+    """Return a mask of nodes that stay ahead of the edge of the contact, which moves `ratio` times
+    as far as before.
 
-    Beside the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so that its power 2/3
-    is in proportion to the motion of the edge.  A node closes when the edge comes near it, for its gap is a mean over
-    its facets: distances count from there.  Open nodes `beside` closed ones are as far from it in the mean.
+    Beside the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so
+    that its power 2/3 is in proportion to the motion of the edge.  A node closes when the edge
+    comes near it, for its gap is a mean over its facets: distances count from there.  Open nodes
+    `beside` closed ones are as far from it in the mean.
     """
     near = now[beside & (now < np.inf)]
     ahead = max(float(near.mean()), 0.0) if len(near) else 0.0
@@ -79,7 +97,9 @@ def _beside(slave: Surface, closed: ndarray) -> ndarray:
 
 
 def _near(pair: Any, x: ndarray, state: ContactState) -> ndarray:
-    """Return the nodes' means of the gap at displacements, whose evaluation does not project these points again."""
+    """Return the nodes' means of the gap at displacements, whose evaluation does not project these
+    points again.
+    """
     slave, nodes = pair.interface.positions(x)
     depth = pair.interface.depth(pair.points(state))
     found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)

@@ -1,4 +1,7 @@
-"""Interface of a contact pair: the slave's points, their state, and their closest points on the master."""
+"""Interface of a contact pair: the slave's points, their state, and their closest points on the
+master.
+"""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
@@ -10,7 +13,14 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..surfaces.material_points import MaterialPoints, along_chain, arc_distance, distance, moved_along, offset_back
+from ..surfaces.material_points import (
+    MaterialPoints,
+    along_chain,
+    arc_distance,
+    distance,
+    moved_along,
+    offset_back,
+)
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame
 from .kinematics import Kinematics, variations
@@ -23,7 +33,8 @@ from .search import Projection, merged, project
 _MOVED = 1e-3
 #: ... but not more often than this in an increment: cuts may chatter.
 RECUTS = 8
-#: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when they move.
+#: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when
+#: they move.
 ROUND_OFF = 8 * np.finfo(float).eps
 
 
@@ -31,13 +42,14 @@ ROUND_OFF = 8 * np.finfo(float).eps
 class ContactState:
     """State of a contact pair with ``n`` points; the plane has ``dim = 2``.
 
-    In space slips and shear tractions have two components: one along the slave's ``directions``, which move with its
-    material, and one to the left of that, seen from the slave's side.
+    In space slips and shear tractions have two components: one along the slave's ``directions``,
+    which move with its material, and one to the left of that, seen from the slave's side.
 
     Attributes
     ----------
     facet, position : ndarray, shapes (n,) and (dim - 1, n)
-        Facet of the master with the closest point, -1 where there is none, and local coordinates there.
+        Facet of the master with the closest point, -1 where there is none, and local coordinates
+        there.
     stick_facet, stick_point : ndarray, shapes (n,) and (dim - 1, n)
         Material point of the master to which each point sticks; -1 where it has no counterpart.
     gap : ndarray, shape (n,)
@@ -61,8 +73,8 @@ class ContactState:
     closed : ndarray, shape (n_nodes,)
         Nodes that are closed in the method of :class:`DualMultipliers`.
     cuts : ndarray
-        Cuts of the slave for ``quadrature="segments"``: facet numbers plus shares of the facet in the plane, points of
-        the pieces in space; empty for other rules.
+        Cuts of the slave for ``quadrature="segments"``: facet numbers plus shares of the facet in
+        the plane, points of the pieces in space; empty for other rules.
     """
 
     facet: ndarray
@@ -91,18 +103,50 @@ class ContactState:
         """Stick points on the master."""
         return MaterialPoints(self.stick_facet, self.stick_point.T)
 
-    def after(self, found: Projection, at: ndarray, update: LawUpdate, stick: MaterialPoints, slip: ndarray
-              ) -> ContactState:
-        """Return the candidate state after the update of the points `at`; open points stick to their closest points."""
-        closest, traction, internal = found.closest, np.zeros_like(self.traction), self.internal.copy()
-        facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))
+    def after(
+        self,
+        found: Projection,
+        at: ndarray,
+        update: LawUpdate,
+        stick: MaterialPoints,
+        slip: ndarray,
+    ) -> ContactState:
+        """Return the candidate state after the update of the points `at`; open points stick to
+        their closest points.
+        """
+        closest, traction, internal = (
+            found.closest,
+            np.zeros_like(self.traction),
+            self.internal.copy(),
+        )
+        facet, xi, status = (
+            closest.facet.copy(),
+            closest.xi.copy(),
+            np.full(len(found.gap), int(Status.OPEN)),
+        )
         facet[at], xi[at] = stick
-        traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
+        traction[:, at], status[at], internal[:, at] = (
+            update.traction,
+            update.status,
+            update.internal,
+        )
         slip = np.where(status == Status.OPEN, 0.0, slip)
-        closing_slip = np.where(self.status == Status.OPEN, np.linalg.norm(slip, axis=0), self.closing_slip)
-        return replace(self, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_point=xi.T,
-                       gap=found.gap, slip=slip, closing_slip=closing_slip, traction=traction, status=status,
-                       internal=internal)
+        closing_slip = np.where(
+            self.status == Status.OPEN, np.linalg.norm(slip, axis=0), self.closing_slip
+        )
+        return replace(
+            self,
+            facet=closest.facet,
+            position=closest.xi.T,
+            stick_facet=facet,
+            stick_point=xi.T,
+            gap=found.gap,
+            slip=slip,
+            closing_slip=closing_slip,
+            traction=traction,
+            status=status,
+            internal=internal,
+        )
 
     def with_stick(self, stick: MaterialPoints) -> ContactState:
         """Return a copy with other stick points."""
@@ -111,7 +155,9 @@ class ContactState:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Slave and master with the quadrature rule of a contact pair, and the share of a facet that its gaps may have."""
+    """Slave and master with the quadrature rule of a contact pair, and the share of a facet that
+    its gaps may have.
+    """
 
     slave: Surface
     master: Surface
@@ -134,7 +180,8 @@ class Interface:
         return NeighbourList(self.slave)
 
     def positions(self, x: ndarray | None) -> tuple[ndarray, ndarray]:
-        """Return the nodes of both surfaces displaced by x : ndarray, shape (N,), or undeformed for None.
+        """Return the nodes of both surfaces displaced by x : ndarray, shape (N,), or undeformed for
+        None.
 
         They count from the middle of the slave: large coordinates would cost digits.
         """
@@ -177,23 +224,38 @@ class Interface:
 
     @cached_property
     def _everywhere(self) -> SlavePoints:
-        return nodal(self.slave) if self.rule == "nodal" else gauss(self.slave, self.master, int(self.rule))
+        return (
+            nodal(self.slave)
+            if self.rule == "nodal"
+            else gauss(self.slave, self.master, int(self.rule))
+        )
 
     def depth(self, points: SlavePoints) -> ndarray:
         """Return the largest penetration: a deeper point belongs to the other side of the body."""
         return np.maximum(points.size, self.master.spacing)
 
-    def project(self, points: SlavePoints, nodes: ndarray, positions: ndarray, depth: ndarray,
-                previous: ndarray | None, among: Neighbours) -> Projection:
-        """Return closest points; points on pieces in space stay on the facet that their piece faces."""
+    def project(
+        self,
+        points: SlavePoints,
+        nodes: ndarray,
+        positions: ndarray,
+        depth: ndarray,
+        previous: ndarray | None,
+        among: Neighbours,
+    ) -> Projection:
+        """Return closest points; points on pieces in space stay on the facet that their piece
+        faces.
+        """
         if not (faces := points.facing >= 0).any():
             return project(self.master, nodes, positions, depth, previous, None, among)
         previous = np.where(faces, points.facing, -1 if previous is None else previous)
         return project(self.master, nodes, positions, depth, previous, faces, among)
 
-    def near(self, slave: ndarray, nodes: ndarray, state: ContactState, reach: ndarray, depth: ndarray
-             ) -> tuple[Projection, Callable[[], Projection]]:
-        """Project closed points and those that may be as near as a reach; the second result projects all others too.
+    def near(
+        self, slave: ndarray, nodes: ndarray, state: ContactState, reach: ndarray, depth: ndarray
+    ) -> tuple[Projection, Callable[[], Projection]]:
+        """Project closed points and those that may be as near as a reach; the second result
+        projects all others too.
 
         Parameters
         ----------
@@ -205,13 +267,17 @@ class Interface:
         points = self.points(state.cuts)
         positions = points.positions(slave)
         around = self.neighbours.at(nodes, positions, points.facing)
-        near = (state.status != Status.OPEN) | around.within(reach, depth)  # the others need not be projected
+        near = (state.status != Status.OPEN) | around.within(
+            reach, depth
+        )  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
             return self.project(points, nodes, positions, depth, state.facet, around.of(chosen))
 
         given, last = (state.facet, slave, nodes, depth), self._found
-        if last and last[0] is points and all(map(np.array_equal, last[1], given)):  # only multipliers are others
+        if (
+            last and last[0] is points and all(map(np.array_equal, last[1], given))
+        ):  # only multipliers are others
             known, found = last[2:]
             if (near & ~known).any():
                 found = merged(known, found, lambda others: projected(others & near))
@@ -231,35 +297,56 @@ class Interface:
     def _found(self) -> list[Any]:
         return []  # for what points were projected last, which of them, and where to
 
-    def closest(self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None) -> Projection:
+    def closest(
+        self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None
+    ) -> Projection:
         """Project all points between cuts at displacements x."""
         slave, nodes = self.positions(x)
         points = self.points(cuts)
         positions = points.positions(slave)
-        around = (self._meshed if x is None else self.neighbours).at(nodes, positions, points.facing)
+        around = (self._meshed if x is None else self.neighbours).at(
+            nodes, positions, points.facing
+        )
         return self.project(points, nodes, positions, self.depth(points), previous, around)
 
-    def variations(self, x: ndarray, state: ContactState, found: Projection, at: ndarray) -> Kinematics:
+    def variations(
+        self, x: ndarray, state: ContactState, found: Projection, at: ndarray
+    ) -> Kinematics:
         """Return the kinematics of the points `at` of a state at their closest points."""
         slave, nodes = self.positions(x)
-        return variations(self.points(state.cuts).take(at), self.slave, self.master, found.take(at), slave, nodes,
-                          state.stick.take(at))
+        return variations(
+            self.points(state.cuts).take(at),
+            self.slave,
+            self.master,
+            found.take(at),
+            slave,
+            nodes,
+            state.stick.take(at),
+        )
 
     def passed_through(self, x: ndarray, accepted: ContactState, found: ContactState) -> int:
-        """Count points that were outside the master, or near its surface, and are deep inside now, or beyond it."""
+        """Count points that were outside the master, or near its surface, and are deep inside now,
+        or beyond it.
+        """
         points, (slave, nodes) = self.points(accepted.cuts), self.positions(x)
         depth = self.depth(points)
         was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
         passed = was_outside & (found.gap < -depth)
-        left = np.flatnonzero(was_outside & accepted.closest.exist & (accepted.gap <= depth)
-                              & (found.status == Status.OPEN))
+        left = np.flatnonzero(
+            was_outside
+            & accepted.closest.exist
+            & (accepted.gap <= depth)
+            & (found.status == Status.OPEN)
+        )
         touched = self.master.at(*accepted.closest.take(left), nodes)
         offset = points.positions(slave)[left] - touched.x[0]
         passed[left] |= np.einsum("nc,nc->n", offset, touched.normal) < -depth[left]
         return int(passed.sum())
 
     def _tangents(self, points: SlavePoints, closest: MaterialPoints) -> ndarray:
-        """Return unit tangents of the undeformed master, shape (n, dim - 1, dim), in the directions of slips."""
+        """Return unit tangents of the undeformed master, shape (n, dim - 1, dim), in the directions
+        of slips.
+        """
         normal = self.master.at(closest.facet, closest.known, self.master.nodes).normal
         return frame(normal, points.direction(self.slave, self.slave.nodes))
 
@@ -268,24 +355,36 @@ class Interface:
         return distance(self.master, self.master.nodes, tangents, closest, before).T
 
     def slid(self, accepted: ContactState, closest: MaterialPoints) -> ndarray:
-        """Return the distance of closest points from those of a state: along the chain, or straight in space."""
+        """Return the distance of closest points from those of a state: along the chain, or straight
+        in space.
+        """
         if self.slave.dim == 2:
             return arc_distance(self.master, closest, accepted.closest)[None]
         return self._distance(accepted.cuts, closest, accepted.closest)
 
     def elastic_slip(self, state: ContactState, found: ContactState | None = None) -> ndarray:
-        """Return the slip of the closest points, or of those of a state found, from the stick points."""
+        """Return the slip of the closest points, or of those of a state found, from the stick
+        points.
+        """
         return self._distance(state.cuts, (found or state).closest, state.stick)
 
     def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
         """Return the state with stick points from which the closest points have this slip."""
         tangents = self._tangents(self.points(state.cuts), state.closest)
-        return state.with_stick(offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T))
+        return state.with_stick(
+            offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T)
+        )
 
     def follow(self, state: ContactState, x: ndarray) -> ContactState | None:
-        """Return an accepted state at cuts that follow the bodies to x; None where they have hardly moved."""
+        """Return an accepted state at cuts that follow the bodies to x; None where they have hardly
+        moved.
+        """
         cuts = self.cuts(x)
-        return None if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED else self.transferred(state, cuts, x)
+        return (
+            None
+            if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED
+            else self.transferred(state, cuts, x)
+        )
 
     def transferred(self, state: ContactState, cuts: ndarray, x: ndarray | None) -> ContactState:
         """Return the state at points between other cuts, at displacements x.
@@ -294,19 +393,34 @@ class Interface:
         """
         old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.positions(x)
         at, elastic = self.nearest(old, new), self.elastic_slip(state)
-        slip, closing_slip, traction, clearance, elastic = self.interpolated(old, new, (
-            state.slip, state.closing_slip, state.traction, state.clearance, elastic))
+        slip, closing_slip, traction, clearance, elastic = self.interpolated(
+            old, new, (state.slip, state.closing_slip, state.traction, state.clearance, elastic)
+        )
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
-        state = replace(state, facet=closest.facet, position=closest.xi.T, gap=state.gap[at], status=state.status[at],
-                        internal=state.internal[:, at], slip=slip, closing_slip=closing_slip, traction=traction,
-                        clearance=clearance, stick_facet=closest.facet, stick_point=closest.xi.T, cuts=cuts)
+        state = replace(
+            state,
+            facet=closest.facet,
+            position=closest.xi.T,
+            gap=state.gap[at],
+            status=state.status[at],
+            internal=state.internal[:, at],
+            slip=slip,
+            closing_slip=closing_slip,
+            traction=traction,
+            clearance=clearance,
+            stick_facet=closest.facet,
+            stick_point=closest.xi.T,
+            cuts=cuts,
+        )
         return self.with_elastic_slip(state, elastic)
 
     def nearest(self, old: SlavePoints, new: SlavePoints) -> ndarray:
         """Return the number of the old point nearest to each new one in the undeformed slave."""
         if self.slave.dim == 2:
-            before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))
+            before, after = (
+                along_chain(self.slave, points.facet, points.xi) for points in (old, new)
+            )
             return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
         before, after = (self._positions_and_normals(points) for points in (old, new))
         return np.asarray(cKDTree(before).query(after)[1])
@@ -315,11 +429,19 @@ class Interface:
         normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
         return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
 
-    def interpolated(self, old: SlavePoints, new: SlavePoints, fields: Iterable[ndarray]) -> list[ndarray]:
-        """Interpolate fields, shape (..., n), along the slave in the plane; take the nearest old point in space."""
+    def interpolated(
+        self, old: SlavePoints, new: SlavePoints, fields: Iterable[ndarray]
+    ) -> list[ndarray]:
+        """Interpolate fields, shape (..., n), along the slave in the plane; take the nearest old
+        point in space.
+        """
         if self.slave.dim == 3:
             at = self.nearest(old, new)
             return [values[..., at] for values in fields]
         before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))
-        return [np.array([np.interp(after, before, row) for row in values.reshape(-1, len(before))])
-                .reshape(*values.shape[:-1], len(after)) for values in fields]
+        return [
+            np.array(
+                [np.interp(after, before, row) for row in values.reshape(-1, len(before))]
+            ).reshape(*values.shape[:-1], len(after))
+            for values in fields
+        ]

@@ -1,4 +1,6 @@
-"""Interface laws: Coulomb friction with a penalty in all directions (eqs 4 to 10 of the paper), and ties."""
+"""Interface laws: Coulomb friction with a penalty in all directions (eqs 4 to 10 of the paper), and
+ties.
+"""
 
 from __future__ import annotations
 
@@ -17,15 +19,17 @@ from .quadrature import SlavePoints
 
 #: Round-off of a traction on the friction cone, as a share of it.
 _ON_CONE = 1e-9
-#: Share of the secant in a damped tangent. A pit of 6 m beside a sheet pile that slides along both faces: the search
-#: for its factor, 3.30, takes 254 iterations with .3 and 543 with 1; it stalls at 3.20 with .1, and without, in the
-#: first try of every search, at 2.65 after 140. A wall of which 5 m are dug free in an increment takes 27 iterations
-#: with .3 and with 1, 28 with .2, 31 without.
+#: Share of the secant in a damped tangent. A pit of 6 m beside a sheet pile that slides along both
+#: faces: the search for its factor, 3.30, takes 254 iterations with .3 and 543 with 1; it stalls at
+#: 3.20 with .1, and without, in the first try of every search, at 2.65 after 140. A wall of which 5
+#: m are dug free in an increment takes 27 iterations with .3 and with 1, 28 with .2, 31 without.
 _SECANT = 0.3
 
 
 class Status(IntEnum):
-    """Status of a contact point: open, closed with elastic slip, or closed at the friction bound."""
+    """Status of a contact point: open, closed with elastic slip, or closed at the friction
+    bound.
+    """
 
     OPEN = 0
     STICK = 1
@@ -38,7 +42,8 @@ class LawUpdate(NamedTuple):
     Attributes
     ----------
     traction : ndarray, shape (dim, n)
-        Normal traction, negative in compression, then the shear tractions, work conjugate to gap and slip.
+        Normal traction, negative in compression, then the shear tractions, work conjugate to gap
+        and slip.
     internal : ndarray, shape (n_internal, n)
         New internal variables.
     tangent : ndarray, shape (dim, dim, n)
@@ -57,9 +62,11 @@ class LawUpdate(NamedTuple):
 
 
 def resisting(update: LawUpdate, slip: ndarray) -> LawUpdate:
-    """Return an update whose tangent has a share of the secant, shear traction over slip, where points slide.
+    """Return an update whose tangent has a share of the secant, shear traction over slip, where
+    points slide.
 
-    A wall that slides along all of its faces has no stiffness along its axis. The secant decreases as the slip grows.
+    A wall that slides along all of its faces has no stiffness along its axis. The secant decreases
+    as the slip grows.
     """
     shear, size = (np.sqrt((vector * vector).sum(axis=0)) for vector in (update.traction[1:], slip))
     slides = (update.status == int(Status.SLIP)) & (size > 0.0)
@@ -70,17 +77,19 @@ def resisting(update: LawUpdate, slip: ndarray) -> LawUpdate:
 
 
 class InterfaceLaw:
-    """Base of interface laws; a law of your own overrides :meth:`update`, and what differs from here.
+    """Base of interface laws; a law of your own overrides :meth:`update`, and what differs from
+    here.
 
-    A law is a frozen dataclass of parameters.  An array parameter has one value for each node of the slave,
-    ``pair.slave.nodes``, and is interpolated between them.
+    A law is a frozen dataclass of parameters.  An array parameter has one value for each node of
+    the slave, ``pair.slave.nodes``, and is interpolated between them.
 
     Attributes
     ----------
     n_internal : int
         Number of internal variables of a point; they are zero at first.
     reaches_far : bool
-        True if points at any distance from the master may have traction; by default points within an element may.
+        True if points at any distance from the master may have traction; by default points within
+        an element may.
     bonds : bool
         True if points near the master are bonded to it as they are meshed.
     symmetric : bool
@@ -94,11 +103,16 @@ class InterfaceLaw:
 
     def take(self, points: SlavePoints) -> InterfaceLaw:
         """Return the law at points of the slave, with array parameters interpolated there."""
-        arrays = {name: points.at(value) for name, value in vars(self).items() if isinstance(value, ndarray)}
+        arrays = {
+            name: points.at(value)
+            for name, value in vars(self).items()
+            if isinstance(value, ndarray)
+        }
         return replace(self, **arrays) if arrays else self  # type: ignore[type-var]
 
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        """Return a mask, shape (n,), of points that may have traction and get an update; all others are open.
+        """Return a mask, shape (n,), of points that may have traction and get an update; all others
+        are open.
 
         Parameters
         ----------
@@ -126,11 +140,15 @@ class InterfaceLaw:
         raise NotImplementedError(f"{type(self).__name__} has no `update`")
 
     def reduced(self, factor: float) -> InterfaceLaw:
-        """Return the law with its strength divided by a factor; laws that do not override this have no strength."""
+        """Return the law with its strength divided by a factor; laws that do not override this have
+        no strength.
+        """
         raise NotImplementedError(f"{type(self).__name__} has no `reduced`")
 
     def debonded(self, internal: ndarray) -> ndarray:
-        """Return the internal variables of points whose bond is broken; by default the same ones."""
+        """Return the internal variables of points whose bond is broken; by default the same
+        ones.
+        """
         return internal
 
 
@@ -171,16 +189,25 @@ class Coulomb(InterfaceLaw):
         for name in ("mu", "adhesion", "tension"):
             value = finite(getattr(self, name), f"Coulomb: {name}")
             if value.ndim > 1 or (value < 0.0).any():
-                raise ValueError(f"Coulomb: {name} must be a non-negative number, or one for each node of the slave, "
-                                 f"not {getattr(self, name)!r}")
+                raise ValueError(
+                    f"Coulomb: {name} must be a non-negative number, or one for each node of the "
+                    f"slave, "
+                    f"not {getattr(self, name)!r}"
+                )
             object.__setattr__(self, name, value if value.ndim else float(value))
-        if 10.0 < np.max(self.mu, initial=0.0) < 90.0:  # 84 to 89.4 degrees; more is meant as no slip
-            warn(f"mu is {np.max(self.mu):.4g}: it is the tangent of the angle of friction, which is given in degrees "
-                 "for soils only")
+        if (
+            10.0 < np.max(self.mu, initial=0.0) < 90.0
+        ):  # 84 to 89.4 degrees; more is meant as no slip
+            warn(
+                f"mu is {np.max(self.mu):.4g}: it is the tangent of the angle of friction, which "
+                f"is given in degrees "
+                "for soils only"
+            )
 
     @classmethod
     def from_soil(cls, soil: Any, ratio: float) -> Coulomb:
-        """Return the law of an interface that has a share of the strength of a soil with `c` and `phi`, in (0, 1].
+        """Return the law of an interface that has a share of the strength of a soil with `c` and
+        `phi`, in (0, 1].
 
         Examples
         --------
@@ -191,12 +218,17 @@ class Coulomb(InterfaceLaw):
         """
         c, phi = np.asarray(getattr(soil, "c", ())), getattr(soil, "phi", 0.0)
         if not (0.0 < ratio <= 1.0 and np.size(c) == np.size(phi) == 1):
-            raise ValueError(f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and {soil!r}")
+            raise ValueError(
+                f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and "
+                f"{soil!r}"
+            )
         return cls(mu=ratio * float(np.tan(np.radians(phi))), adhesion=ratio * float(c))
 
     @override
     def reduced(self, factor: float) -> Coulomb:
-        """Return the law with friction, adhesion and tension cut-off divided by a positive factor."""
+        """Return the law with friction, adhesion and tension cut-off divided by a positive
+        factor.
+        """
         if not factor > 0.0:
             raise ValueError(f"the factor must be positive, not {factor!r}")
         new = copy(self)  # without a warning of the friction that a search tries
@@ -229,7 +261,8 @@ class Coulomb(InterfaceLaw):
         size = np.sqrt((trial * trial).sum(axis=0))
         length = np.where(size > 0.0, size, 1.0)
         direction = trial / length
-        # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged further
+        # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged
+        # further
         stick = (size <= (1.0 + _ON_CONE) * limit) & (adhesion + self.mu > 0.0)
         shear = np.where(stick, trial, direction * limit)  # eq. 9
 
@@ -238,11 +271,20 @@ class Coulomb(InterfaceLaw):
         tangent[1:, 0] = np.where(stick | pulls, 0.0, -direction * self.mu * by_gap)
         along = np.eye(len(slip))[..., None]
         returned = limit * by_slip / length  # the radial return turns with the slip
-        tangent[1:, 1:] = np.where(stick, by_slip * along, returned * (along - direction[:, None] * direction))
+        tangent[1:, 1:] = np.where(
+            stick, by_slip * along, returned * (along - direction[:, None] * direction)
+        )
         traction = np.where(opens, 0.0, np.concatenate((normal[None], shear)))
-        status = np.where(opens, int(Status.OPEN), np.where(stick, int(Status.STICK), int(Status.SLIP)))
-        return LawUpdate(traction, np.where(opens, 1.0, internal), np.where(opens, 0.0, tangent),
-                      traction[1:] / by_slip, status)  # eq. 10
+        status = np.where(
+            opens, int(Status.OPEN), np.where(stick, int(Status.STICK), int(Status.SLIP))
+        )
+        return LawUpdate(
+            traction,
+            np.where(opens, 1.0, internal),
+            np.where(opens, 0.0, tangent),
+            traction[1:] / by_slip,
+            status,
+        )  # eq. 10
 
     @override
     def debonded(self, internal: ndarray) -> ndarray:
@@ -251,9 +293,11 @@ class Coulomb(InterfaceLaw):
 
 @dataclass(frozen=True, eq=False)
 class Tied(InterfaceLaw):
-    r"""Bond of bodies that are meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no slip.
+    r"""Bond of bodies that are meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no
+    slip.
 
-    Slave points that lie within half a segment of the master at the start are tied as they are meshed.
+    Slave points that lie within half a segment of the master at the start are tied as they are
+    meshed.
 
     Examples
     --------

@@ -1,7 +1,10 @@
-"""Regularised contact pairs for increments in which Newton's method fails, or bodies overlap at the start.
+"""Regularised contact pairs for increments in which Newton's method fails, or bodies overlap at the
+start.
 
-A family of regularised pairs begins with one that Newton's method solves, and proceeds to the pair as given.
+A family of regularised pairs begins with one that Newton's method solves, and proceeds to the pair
+as given.
 """
+
 from __future__ import annotations
 
 import logging
@@ -28,27 +31,29 @@ Pair = TypeVar("Pair", bound=ContactBase)
 _LEFT = 0.5
 #: Gap that loose bodies close, as a share of the slave's facets, that is warned of.
 _APART = 0.1
-#: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
-#: wide gaps, as beside a cylinder on a plane, with many times the load.
+#: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.
+#: Stiffer ones draw wide gaps, as beside a cylinder on a plane, with many times the load.
 _FIRST, _LAST = 1e-4, 1e-6
 #: Factor by which the share falls from one solution to the next.
 _FALL = 0.1
-#: Springs that exert less than this share of the contact force need not be taken away little by little.
+#: Springs that exert less than this share of the contact force need not be taken away little by
+#: little.
 _NEGLIGIBLE = 1e-3
-#: Tangential penalty of the first solution with a soft stick: so many times the stiffness of the surfaces, and at most
-#: this share of the penalty as given.
+#: Tangential penalty of the first solution with a soft stick: so many times the stiffness of the
+#: surfaces, and at most this share of the penalty as given.
 _SOFT, _SHARE = 10.0, 0.1
-#: It grows from one solution to the next by this factor at least, and by more as long as that changes the tractions of
-#: points that stick by no more than this share of the largest one.
+#: It grows from one solution to the next by this factor at least, and by more as long as that
+#: changes the tractions of points that stick by no more than this share of the largest one.
 _GROWTH, _CHANGE = 1.6, 0.05
 
 
 class Family(NamedTuple):
     """Family of regularised pairs.
 
-    `start`, of a pair, its accepted state and a failure, None before the first attempt, returns the first pair of the
-    family, or None where it does not help.  `proceed`, of a pair, its accepted state and the state of an equilibrium,
-    returns the next pair and True if this one is regularised too; None where nothing is left to do.
+    `start`, of a pair, its accepted state and a failure, None before the first attempt, returns the
+    first pair of the family, or None where it does not help.  `proceed`, of a pair, its accepted
+    state and the state of an equilibrium, returns the next pair and True if this one is regularised
+    too; None where nothing is left to do.
     """
 
     start: Callable[[ContactBase, ContactState, Failure | None], ContactBase | None]
@@ -64,7 +69,9 @@ def begin(pair: Pair, accepted: ContactState, failure: Failure | None) -> Pair:
 
 
 def proceed(pair: Pair, accepted: ContactState, found: ContactState) -> Pair:
-    """Return the next pair of the first family that continues; the pair itself at the end of all families."""
+    """Return the next pair of the first family that continues; the pair itself at the end of all
+    families.
+    """
     for family in pair.families:
         if (step := family.proceed(pair, accepted, found)) is not None:
             after, regularised = step
@@ -77,11 +84,16 @@ def _without(pair: ContactBase, family: Family) -> tuple[Family, ...]:
     return tuple(other for other in pair.families if other is not family)
 
 
-# -- bodies that overlap: a part of the overlap counts as touching, and less from solution to solution -----------
+# -- bodies that overlap: a part of the overlap counts as touching, and less from solution to
+# solution -----------
 
 
-def _start_interference(pair: ContactBase, accepted: ContactState, failure: Failure | None) -> ContactBase | None:
-    """Return a pair without interference, unless closed points have tractions: then it has been resolved before."""
+def _start_interference(
+    pair: ContactBase, accepted: ContactState, failure: Failure | None
+) -> ContactBase | None:
+    """Return a pair without interference, unless closed points have tractions: then it has been
+    resolved before.
+    """
     untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
     named = isinstance(pair.initial, str)
     wanted = np.zeros_like(accepted.clearance) if named else accepted.clearance + pair.initial
@@ -91,8 +103,9 @@ def _start_interference(pair: ContactBase, accepted: ContactState, failure: Fail
     return pair.with_(clearance=np.stack((accepted.clearance, wanted)))
 
 
-def _resolve_interference(pair: ContactBase, accepted: ContactState, found: ContactState
-                          ) -> tuple[ContactBase, bool] | None:
+def _resolve_interference(
+    pair: ContactBase, accepted: ContactState, found: ContactState
+) -> tuple[ContactBase, bool] | None:
     assert pair.clearance is not None
     now, wanted = pair.clearance
     left = _LEFT * (now - wanted)
@@ -102,29 +115,44 @@ def _resolve_interference(pair: ContactBase, accepted: ContactState, found: Cont
     return pair.with_(clearance=np.stack((wanted + left, wanted))), True
 
 
-# -- loose bodies: soft springs until contact is closed, softer from solution to solution -------------------------
+# -- loose bodies: soft springs until contact is closed, softer from solution to solution
+# -------------------------
 
 
-def _start_springs(pair: ContactBase, accepted: ContactState, failure: Failure | None) -> ContactBase | None:
+def _start_springs(
+    pair: ContactBase, accepted: ContactState, failure: Failure | None
+) -> ContactBase | None:
     """Return a pair with the stiffest springs where bodies are loose, unless a bond holds them."""
     if failure is None or not failure.loose or pair.law.bonds or isinstance(pair.law, Stabilised):
         return None
-    logger.info("bodies are loose while contact is open: stabilisation by soft springs closes '%s', which are then "
-                "taken away", pair.slave.name)
+    logger.info(
+        "bodies are loose while contact is open: stabilisation by soft springs closes '%s', which "
+        "are then "
+        "taken away",
+        pair.slave.name,
+    )
     distance = accepted.gap - accepted.clearance
     if np.isfinite(nearest := distance.min()) and nearest > _APART * pair.slave.spacing:
-        warn(f"nothing holds a body before contact closes, and '{pair.slave.name}' starts {nearest:.3g} away from "
-             f"'{pair.master.name}', {nearest / pair.slave.spacing:.0%} of a facet: its displacements contain this "
-             'distance; move it in the mesh, or initial="adjusted" if they touch')
+        warn(
+            f"nothing holds a body before contact closes, and '{pair.slave.name}' starts "
+            f"{nearest:.3g} away from "
+            f"'{pair.master.name}', {nearest / pair.slave.spacing:.0%} of a facet: its "
+            f"displacements contain this "
+            'distance; move it in the mesh, or initial="adjusted" if they touch'
+        )
     return pair.with_(law=Stabilised(pair.law, _FIRST))
 
 
-def _soften_springs(pair: ContactBase, accepted: ContactState, found: ContactState) -> tuple[ContactBase, bool]:
+def _soften_springs(
+    pair: ContactBase, accepted: ContactState, found: ContactState
+) -> tuple[ContactBase, bool]:
     assert isinstance(pair.law, Stabilised)
     force = pair.points(accepted).weight * np.abs(found.traction[0])
     is_open, slides = found.status == Status.OPEN, (found.status == Status.SLIP).any()
     share = pair.law.share * _FALL
-    gone = share < _LAST or (not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum())
+    gone = share < _LAST or (
+        not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum()
+    )
     return pair.with_(law=pair.law.law if gone else replace(pair.law, share=share)), not gone
 
 
@@ -132,9 +160,9 @@ def _soften_springs(pair: ContactBase, accepted: ContactState, found: ContactSta
 class Stabilised(InterfaceLaw):
     """Interface law with soft springs, whose stiffness is a share of the penalty.
 
-    Normal springs draw open points to the closest points.  Sideways springs act where the law resists slip under
-    pressure, for without friction nothing will hold the bodies there; they act at closed points too: not all of these
-    may slide at once.
+    Normal springs draw open points to the closest points.  Sideways springs act where the law
+    resists slip under pressure, for without friction nothing will hold the bodies there; they act
+    at closed points too: not all of these may slide at once.
     """
 
     law: InterfaceLaw
@@ -163,51 +191,74 @@ class Stabilised(InterfaceLaw):
     @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
         is_open, pressed = jump[0] > 0.0, np.zeros_like(jump)
-        law = self.law.update(np.concatenate((np.minimum(jump[:1], 0.0), jump[1:])), internal, penalty)
+        law = self.law.update(
+            np.concatenate((np.minimum(jump[:1], 0.0), jump[1:])), internal, penalty
+        )
         pressed[0] = -1.0
         resists = self.law.update(pressed, internal, penalty).tangent
         springs = self.share * np.einsum("iin->in", resists)
         springs[0] = np.where(is_open, self.share * penalty[0], 0.0)
         tangent = np.where(is_open, 0.0, law.tangent)
         tangent[np.arange(len(jump)), np.arange(len(jump))] += springs
-        return LawUpdate(np.where(is_open, 0.0, law.traction) + springs * jump, law.internal, tangent,
-                      np.where(is_open, 0.0, law.elastic_slip), np.where(is_open, int(Status.OPEN), law.status))
+        return LawUpdate(
+            np.where(is_open, 0.0, law.traction) + springs * jump,
+            law.internal,
+            tangent,
+            np.where(is_open, 0.0, law.elastic_slip),
+            np.where(is_open, int(Status.OPEN), law.status),
+        )
 
     @override
     def debonded(self, internal: ndarray) -> ndarray:
         return self.law.debonded(internal)
 
 
-# -- points that chatter between stick and slip: a soft stick, harder from solution to solution ------------------
+# -- points that chatter between stick and slip: a soft stick, harder from solution to solution
+# ------------------
 #
-# Sticking points react to an elastic slip e with the traction s epsilon_T (e + d).  The softness s is below 1, and the
-# shift d makes this the traction t of the last solution where e is that of the whole penalty, t / epsilon_T:
-# d = t / (s epsilon_T) - t / epsilon_T.  This is the augmented method with t as the multiplier.
+# Sticking points react to an elastic slip e with the traction s epsilon_T (e + d).  The softness s
+# is below 1, and the shift d makes this the traction t of the last solution where e is that of the
+# whole penalty, t / epsilon_T: d = t / (s epsilon_T) - t / epsilon_T.  This is the augmented method
+# with t as the multiplier.
 
 
-def _start_soft_stick(pair: ContactBase, accepted: ContactState, failure: Failure | None) -> ContactBase | None:
-    """Return the softest stick where points change between stick and slip, or the direction of their slip.
+def _start_soft_stick(
+    pair: ContactBase, accepted: ContactState, failure: Failure | None
+) -> ContactBase | None:
+    """Return the softest stick where points change between stick and slip, or the direction of
+    their slip.
 
-    From slip in one direction to slip in the other the traction runs through stick, in an elastic slip that is smaller
-    the higher the penalty; Newton's method may jump over it for ever.
+    From slip in one direction to slip in the other the traction runs through stick, in an elastic
+    slip that is smaller the higher the penalty; Newton's method may jump over it for ever.
     """
     if failure is None or not failure.seen or pair.softness < 1.0 or pair.dual:
         return None
-    slides = np.array([np.sign(state.traction[1:]) * (state.status == Status.SLIP) for state in failure.seen])
+    slides = np.array(
+        [np.sign(state.traction[1:]) * (state.status == Status.SLIP) for state in failure.seen]
+    )
     chatters = (slides != slides[0]).any(axis=(0, 1))
     if not chatters.any():
         return None
     hardness = 1.0 if pair.stiffness is None else pair.penalties(accepted)[1] / pair.stiffness
     softness = min(_SHARE, _SOFT / hardness)
-    logger.info("points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the penalty",
-                np.flatnonzero(chatters), pair.slave.name, softness)
+    logger.info(
+        "points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the "
+        "penalty",
+        np.flatnonzero(chatters),
+        pair.slave.name,
+        softness,
+    )
     return _soft(pair, softness, pair.interface.elastic_slip(accepted))
 
 
-def _harden_stick(pair: ContactBase, accepted: ContactState, found: ContactState) -> tuple[ContactBase, bool]:
+def _harden_stick(
+    pair: ContactBase, accepted: ContactState, found: ContactState
+) -> tuple[ContactBase, bool]:
     elastic = pair.interface.elastic_slip(found) * pair.softness
     sticks = found.status == Status.STICK
-    wrong = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)
+    wrong = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)[:, sticks].max(
+        initial=0.0
+    )
     harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
     softness = max(harder, pair.softness * _GROWTH)
     if softness < 1.0:
@@ -216,17 +267,22 @@ def _harden_stick(pair: ContactBase, accepted: ContactState, found: ContactState
 
 
 def _soft(pair: ContactBase, softness: float, elastic: ndarray) -> ContactBase:
-    """Return a pair whose points have the same tractions at an elastic slip of the whole penalty, (dim - 1, n)."""
+    """Return a pair whose points have the same tractions at an elastic slip of the whole penalty,
+    (dim - 1, n).
+    """
     return pair.with_(softness=softness, slip_shift=elastic / softness - elastic)
 
 
-# -- points that open and close in turn: their bond breaks for good -----------------------------------------------
+# -- points that open and close in turn: their bond breaks for good
+# -----------------------------------------------
 #
-# The tractions of a brittle bond jump to zero as a point opens.  Then there may be no equilibrium: with its bond the
-# point is drawn open, and without it pressed on.
+# The tractions of a brittle bond jump to zero as a point opens.  Then there may be no equilibrium:
+# with its bond the point is drawn open, and without it pressed on.
 
 
-def _start_debonding(pair: ContactBase, accepted: ContactState, failure: Failure | None) -> ContactBase | None:
+def _start_debonding(
+    pair: ContactBase, accepted: ContactState, failure: Failure | None
+) -> ContactBase | None:
     if failure is None or not failure.seen:
         return None
     closed = np.array([state.status != Status.OPEN for state in failure.seen])
@@ -235,10 +291,18 @@ def _start_debonding(pair: ContactBase, accepted: ContactState, failure: Failure
     breaks = closed.any(axis=0) & ~closed.all(axis=0) & bonded
     if not breaks.any():
         return None
-    logger.info("points %s of '%s' open and close in turn: their bond breaks", np.flatnonzero(breaks), pair.slave.name)
+    logger.info(
+        "points %s of '%s' open and close in turn: their bond breaks",
+        np.flatnonzero(breaks),
+        pair.slave.name,
+    )
     return pair.with_(debonded=breaks if pair.debonded is None else breaks | pair.debonded)
 
 
 #: In the order in which they are tried.
-FAMILIES = (Family(_start_interference, _resolve_interference), Family(_start_springs, _soften_springs),
-            Family(_start_debonding, lambda pair, accepted, found: None), Family(_start_soft_stick, _harden_stick))
+FAMILIES = (
+    Family(_start_interference, _resolve_interference),
+    Family(_start_springs, _soften_springs),
+    Family(_start_debonding, lambda pair, accepted, found: None),
+    Family(_start_soft_stick, _harden_stick),
+)

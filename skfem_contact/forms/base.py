@@ -1,4 +1,5 @@
 """Base class of forms, and functions of all forms of an analysis."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -32,15 +33,17 @@ class Response:
     stiffness
         Function that returns the tangent ``d force / d x``.
     damped
-        Function that returns a matrix near the tangent with which Newton's method is less prone to stall; by
-        default the tangent itself.
+        Function that returns a matrix near the tangent with which Newton's method is less prone to
+        stall; by default the tangent itself.
     round_off
-        Norm of the forces on displacements that round-off may leave, or these forces like `force`: equilibrium is no
-        better than that.
+        Norm of the forces on displacements that round-off may leave, or these forces like `force`:
+        equilibrium is no better than that.
     active
-        Active set: the points that are closed and those that slide. Iterations continue while they find new sets.
+        Active set: the points that are closed and those that slide. Iterations continue while they
+        find new sets.
     measure : ndarray
-        Forces that unbalanced ones are compared with, where `force` is itself a difference that vanishes.
+        Forces that unbalanced ones are compared with, where `force` is itself a difference that
+        vanishes.
     dofs : ndarray, shape (n,)
         Dofs of a local response; by default the first ones.
 
@@ -53,9 +56,17 @@ class Response:
     (2, 2)
     """
 
-    def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix],
-                 damped: Callable[[], csr_matrix] | None = None, round_off: float | ndarray = 0.0, active: bytes = b"",
-                 measure: ndarray | None = None, dofs: ndarray | None = None) -> None:
+    def __init__(
+        self,
+        force: ndarray,
+        state: Callable[[], Any],
+        stiffness: Callable[[], csr_matrix],
+        damped: Callable[[], csr_matrix] | None = None,
+        round_off: float | ndarray = 0.0,
+        active: bytes = b"",
+        measure: ndarray | None = None,
+        dofs: ndarray | None = None,
+    ) -> None:
         self.force, self.round_off, self.active = force, round_off, active
         self.measure = force if measure is None else measure
         self._state, self._stiffness, self._damped, self._dofs = state, stiffness, damped, dofs
@@ -94,8 +105,15 @@ class Response:
         def among(K: csr_matrix) -> csr_matrix:
             return padded(K, n) if dofs is None else scattered(K, dofs, n)
 
-        return Response(spread(self.force), lambda: self.state, lambda: among(self.stiffness),
-                        lambda: among(self.damped), _each(self.round_off, spread), self.active, spread(self.measure))
+        return Response(
+            spread(self.force),
+            lambda: self.state,
+            lambda: among(self.stiffness),
+            lambda: among(self.damped),
+            _each(self.round_off, spread),
+            self.active,
+            spread(self.measure),
+        )
 
     def lost(self, part: slice) -> float:
         """Return the norm of the forces that round-off may leave on some dofs."""
@@ -112,8 +130,8 @@ def _each(round_off: float | ndarray, change: Callable[[ndarray], ndarray]) -> f
 class Form(Staged, InTime, Reducible, Regularised):
     """Base class of solids, contact pairs, bars, and forms of a user's own.
 
-    A form defines :meth:`assemble` and :meth:`initial_state`. All other members have defaults, here or in one of the
-    four base classes, each of which holds one optional part.
+    A form defines :meth:`assemble` and :meth:`initial_state`. All other members have defaults, here
+    or in one of the four base classes, each of which holds one optional part.
 
     Attributes
     ----------
@@ -126,8 +144,8 @@ class Form(Staged, InTime, Reducible, Regularised):
     borrowed
         Fields of other forms that this form acts on.
     coordinates
-        Coordinate system: ``"plane"``, ``"axisymmetric"`` (forces per radian about the axis x = 0) or ``"space"``;
-        None where the form has no opinion.
+        Coordinate system: ``"plane"``, ``"axisymmetric"`` (forces per radian about the axis x = 0)
+        or ``"space"``; None where the form has no opinion.
     symmetric
         True if the tangent is symmetric.
 
@@ -159,7 +177,9 @@ class Form(Staged, InTime, Reducible, Regularised):
         raise NotImplementedError
 
     def initial_state(self, x: ndarray | None = None) -> Any:
-        """Return the state of unstrained bodies, or of those active from displacements x on; None: no memory."""
+        """Return the state of unstrained bodies, or of those active from displacements x on; None:
+        no memory.
+        """
         return None
 
     @property
@@ -168,7 +188,9 @@ class Form(Staged, InTime, Reducible, Regularised):
         return elements_of(self.basis)
 
     def numbered(self: Self, numbers: Mapping[Field, ndarray]) -> Self:
-        """Return the form with the dofs of its fields and of the borrowed ones, ``numbers[field]``, (n,)."""
+        """Return the form with the dofs of its fields and of the borrowed ones, ``numbers[field]``,
+        (n,).
+        """
         return self
 
     def summary(self, state: Any) -> str:
@@ -194,9 +216,14 @@ def as_forms(forms: Mapping[str, Any]) -> dict[str, Form]:
         call = getattr(form, "assemble", None)
         missing = not callable(call) or getattr(call, "__func__", None) is Form.assemble
         if missing or isinstance(form, type):
-            raise ValueError(f"'{name}' is no form: {form!r} has no {'assemble' if missing else 'values'}; every form "
-                             "has assemble(x, state)")
-    return {name: form if isinstance(form, Form) else _Completed(form) for name, form in forms.items()}
+            raise ValueError(
+                f"'{name}' is no form: {form!r} has no {'assemble' if missing else 'values'}; "
+                f"every form "
+                "has assemble(x, state)"
+            )
+    return {
+        name: form if isinstance(form, Form) else _Completed(form) for name, form in forms.items()
+    }
 
 
 class _Completed(Form):
@@ -224,22 +251,36 @@ def pairs_of(forms: Mapping[str, Form]) -> dict[str, Any]:
 
 def waters_of(forms: Mapping[str, Form]) -> dict[str, Form]:
     """Return the forms that bring pressures of water."""
-    return {name: form for name, form in forms.items() if any(field.kind == "pressure" for field in form.fields)}
+    return {
+        name: form
+        for name, form in forms.items()
+        if any(field.kind == "pressure" for field in form.fields)
+    }
 
 
-def responses_of(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
+def responses_of(
+    forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]
+) -> dict[str, Response]:
     """Return the responses of the forms among all dofs."""
-    return {name: form.assemble(x[:form.size], states[name]).padded(len(x)) for name, form in forms.items()}
+    return {
+        name: form.assemble(x[: form.size], states[name]).padded(len(x))
+        for name, form in forms.items()
+    }
 
 
 def internal_force(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
     """Return the sum of the internal forces of all forms, (N,)."""
-    return sum((response.force for response in responses_of(forms, x, states).values()), start=np.zeros(len(x)))
+    return sum(
+        (response.force for response in responses_of(forms, x, states).values()),
+        start=np.zeros(len(x)),
+    )
 
 
-def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | None,
-                  exclude: str | Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Return the parts to reduce by form, by default all: names of regions, or ``""`` for a form as a whole.
+def reduced_parts(
+    forms: Mapping[str, Form], reduce: str | Collection[str] | None, exclude: str | Collection[str]
+) -> dict[str, tuple[str, ...]]:
+    """Return the parts to reduce by form, by default all: names of regions, or ``""`` for a form as
+    a whole.
 
     Raises
     ------
@@ -250,17 +291,28 @@ def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | Non
     known = sorted({*forms, *(region for form in forms.values() for region in form.materials)})
     for name in sorted(named | exclude):
         if name not in known:
-            raise ValueError(f"there is no form or region '{name}' to reduce; existing: {', '.join(known)}")
+            raise ValueError(
+                f"there is no form or region '{name}' to reduce; existing: {', '.join(known)}"
+            )
     targets = {}
     for name, form in forms.items():
         for region in named.intersection(form.materials).difference(form.strengths):
-            raise ValueError(f"'{region}' cannot be reduced: {type(form.materials[region]).__name__} has no strength")
+            raise ValueError(
+                f"'{region}' cannot be reduced: {type(form.materials[region]).__name__} has no "
+                f"strength"
+            )
         if not form.materials and not form.strengths and name in named:
             raise ValueError(f"'{name}' cannot be reduced: {form!r} has no strength")
-        parts = tuple(part for part in form.strengths
-                      if exclude.isdisjoint((name, part)) and (reduce is None or not named.isdisjoint((name, part))))
+        parts = tuple(
+            part
+            for part in form.strengths
+            if exclude.isdisjoint((name, part))
+            and (reduce is None or not named.isdisjoint((name, part)))
+        )
         if parts:
             targets[name] = parts
     if not targets:
-        raise ValueError("there is nothing to reduce: nothing among the forms has a strength that can be")
+        raise ValueError(
+            "there is nothing to reduce: nothing among the forms has a strength that can be"
+        )
     return targets

@@ -1,4 +1,5 @@
 """Links: matrices of scikit-fem, springs, and bars such as anchors and struts."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -52,10 +53,17 @@ class MatrixForm(Form):
             raise ValueError(f"K must be a square matrix, not an array of shape {shape}")
         self.elastic_stiffness = csr_matrix(K)  # type: ignore[arg-type]
         self.size: int = int(self.elastic_stiffness.shape[1])
-        if self.elastic_stiffness.shape[0] != self.size or not np.isfinite(self.elastic_stiffness.data).all():
-            raise ValueError(f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}")
+        if (
+            self.elastic_stiffness.shape[0] != self.size
+            or not np.isfinite(self.elastic_stiffness.data).all()
+        ):
+            raise ValueError(
+                f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}"
+            )
         largest = abs(self.elastic_stiffness).max() if self.elastic_stiffness.nnz else 0.0
-        self.symmetric = abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
+        self.symmetric = (
+            abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
+        )
         self.changing, self.acts_on = np.zeros(0, int), self.elastic_stiffness.indices
 
     def __repr__(self) -> str:
@@ -63,15 +71,17 @@ class MatrixForm(Form):
 
     @override
     def initial_state(self, x: ndarray | None = None) -> ndarray:  # displacements without force
-        return np.zeros(self.size) if x is None else x[:self.size].copy()
+        return np.zeros(self.size) if x is None else x[: self.size].copy()
 
     @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:
-        return Response(self.elastic_stiffness @ (x - state), lambda: state, lambda: self.elastic_stiffness)
+        return Response(
+            self.elastic_stiffness @ (x - state), lambda: state, lambda: self.elastic_stiffness
+        )
 
     @override
     def rebased(self, x: ndarray, state: ndarray) -> ndarray:
-        return state - x[:self.size]
+        return state - x[: self.size]
 
 
 class Spring(MatrixForm):
@@ -93,7 +103,8 @@ class Spring(MatrixForm):
     Raises
     ------
     ValueError
-        Coordinates without a node or with nodes of two bodies, or a stiffness that is negative or not finite.
+        Coordinates without a node or with nodes of two bodies, or a stiffness that is negative or
+        not finite.
 
     Examples
     --------
@@ -104,18 +115,34 @@ class Spring(MatrixForm):
     <Spring 8 dofs, 1 entries>
     """
 
-    def __init__(self, basis: CellBasis, coordinates: ArrayLike, stiffness: float | Sequence[float],
-                 to: ArrayLike | None = None, part: str | None = None, to_part: str | None = None) -> None:
+    def __init__(
+        self,
+        basis: CellBasis,
+        coordinates: ArrayLike,
+        stiffness: float | Sequence[float],
+        to: ArrayLike | None = None,
+        part: str | None = None,
+        to_part: str | None = None,
+    ) -> None:
         k = finite(stiffness, "stiffness")
         k = np.broadcast_to(k, (basis.mesh.dim(),)) if k.ndim == 0 else k
         if not (k.shape == (basis.mesh.dim(),) and (k >= 0.0).all() and k.any()):
-            raise ValueError(f"stiffness must be positive, in each direction or in one of them, not {stiffness!r}")
+            raise ValueError(
+                f"stiffness must be positive, in each direction or in one of them, not "
+                f"{stiffness!r}"
+            )
         ends = [dofs_at(basis, coordinates, part)]
         if to is not None:
             ends.append(dofs_at(basis, to, to_part))
-        entries = [(sign_a * sign_b * k, a, b) for a, sign_a in zip(ends, (1, -1)) for b, sign_b in zip(ends, (1, -1))]
-        data, rows, columns = (np.concatenate([np.broadcast_to(entry[i], ends[0].shape).ravel() for entry in entries])
-                               for i in range(3))
+        entries = [
+            (sign_a * sign_b * k, a, b)
+            for a, sign_a in zip(ends, (1, -1))
+            for b, sign_b in zip(ends, (1, -1))
+        ]
+        data, rows, columns = (
+            np.concatenate([np.broadcast_to(entry[i], ends[0].shape).ravel() for entry in entries])
+            for i in range(3)
+        )
         K = coo_matrix((data, (rows, columns)), shape=(basis.N, basis.N)).tocsr()
         K.eliminate_zeros()
         super().__init__(K)
@@ -147,7 +174,8 @@ class Bar(Form):
     basis
         ``Basis`` of the mesh; None where both ends are at beams, or fixed.
     start, end
-        Coordinates of the ends, (n, dim) or (dim,), nodes of the mesh; or nodes of a beam, :meth:`Beam.at`.
+        Coordinates of the ends, (n, dim) or (dim,), nodes of the mesh; or nodes of a beam,
+        :meth:`Beam.at`.
     EA
         Axial stiffness: force per strain, in the plane per unit of length out of it.
     fixed_end
@@ -159,17 +187,20 @@ class Bar(Form):
     part, end_part
         Subdomains of the nodes, where nodes of two bodies coincide.
     spacing
-        Distance of the members of a row in the plane: EA, forces and strength are those of one of them.
+        Distance of the members of a row in the plane: EA, forces and strength are those of one of
+        them.
 
     Raises
     ------
     ValueError
-        Coordinates without a node or with nodes of two bodies, bars without length, EA or a yield force not positive.
+        Coordinates without a node or with nodes of two bodies, bars without length, EA or a yield
+        force not positive.
 
     Notes
     -----
-    A bar is prestressed in a stage by :meth:`prestressed`: the force then does not depend on the displacements. The bar
-    is locked in the next stage, where it continues from that force (``Stage(change={"anchor": bar})``).
+    A bar is prestressed in a stage by :meth:`prestressed`: the force then does not depend on the
+    displacements. The bar is locked in the next stage, where it continues from that force
+    (``Stage(change={"anchor": bar})``).
 
     Examples
     --------
@@ -191,11 +222,25 @@ class Bar(Form):
 
     _same = ("_where",)
 
-    def __init__(self, basis: CellBasis | None, start: ArrayLike | FieldDofs, end: ArrayLike | FieldDofs, EA: float,
-                 fixed_end: bool = False, yield_force: float = np.inf, tension_only: bool = False,
-                 part: str | None = None, end_part: str | None = None, *, compression_only: bool = False,
-                 spacing: float = 1.0) -> None:
-        if not (is_number(EA, 0.0, np.inf) and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))):
+    def __init__(
+        self,
+        basis: CellBasis | None,
+        start: ArrayLike | FieldDofs,
+        end: ArrayLike | FieldDofs,
+        EA: float,
+        fixed_end: bool = False,
+        yield_force: float = np.inf,
+        tension_only: bool = False,
+        part: str | None = None,
+        end_part: str | None = None,
+        *,
+        compression_only: bool = False,
+        spacing: float = 1.0,
+    ) -> None:
+        if not (
+            is_number(EA, 0.0, np.inf)
+            and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))
+        ):
             raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
         if tension_only and compression_only:
             raise ValueError("a bar of tension_only and compression_only resists nothing")
@@ -205,24 +250,41 @@ class Bar(Form):
             raise ValueError("the ends of a bar must lie apart, and be finite")
         axis = (b - a) / length[:, None]
         ends = [(start, a, part, -axis), *([] if fixed_end else [(end, b, end_part, axis)])]
-        self.parameters = {"EA": EA, "yield_force": yield_force, "spacing": spacing, "tension_only": tension_only,
-                           "compression_only": compression_only}
+        self.parameters = {
+            "EA": EA,
+            "yield_force": yield_force,
+            "spacing": spacing,
+            "tension_only": tension_only,
+            "compression_only": compression_only,
+        }
         self._where = np.hstack((a, b))
         self._axis = np.hstack([sign for *_, sign in ends])
-        self._ends = [at if isinstance(at, FieldDofs) else _at(basis, points, name) for at, points, name, _ in ends]
+        self._ends = [
+            at if isinstance(at, FieldDofs) else _at(basis, points, name)
+            for at, points, name, _ in ends
+        ]
         self.borrowed = tuple({at.field: None for at in self._ends if isinstance(at, FieldDofs)})
         self.symmetric, self.unilateral = True, tension_only or compression_only
         self._spacing, self._stiffness = positive(spacing, "spacing"), EA / length
-        self._least, self._most = 0.0 if tension_only else -yield_force, 0.0 if compression_only else yield_force
+        self._least, self._most = (
+            0.0 if tension_only else -yield_force,
+            0.0 if compression_only else yield_force,
+        )
         self._jack: float | None = None
         if not self.borrowed:
             self._connect({})
 
     def _connect(self, numbers: Mapping[Field, ndarray]) -> None:
         """Set the dofs of both ends."""
-        self._dofs = np.hstack([np.broadcast_to(numbers[at.field][at.indices] if isinstance(at, FieldDofs) else at,
-                                                (len(self._axis), self._axis.shape[1] // len(self._ends)))
-                                for at in self._ends])
+        self._dofs = np.hstack(
+            [
+                np.broadcast_to(
+                    numbers[at.field][at.indices] if isinstance(at, FieldDofs) else at,
+                    (len(self._axis), self._axis.shape[1] // len(self._ends)),
+                )
+                for at in self._ends
+            ]
+        )
         self._at, rows = np.unique(self._dofs, return_inverse=True)
         self._rows = rows.reshape(self._dofs.shape)
         self.changing = self.acts_on = self._at
@@ -237,9 +299,13 @@ class Bar(Form):
         return f"<Bar {len(self._axis)} bars, EA/L {self._stiffness.min():.4g} to {self._stiffness.max():.4g}>"
 
     def prestressed(self, force: float) -> Bar:
-        """Return the bars with a jack that keeps their force, tension positive, at any elongation."""
+        """Return the bars with a jack that keeps their force, tension positive, at any
+        elongation.
+        """
         if not self._least <= force <= self._most:
-            raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._most:g}")
+            raise ValueError(
+                f"the force of a jack must lie between {self._least:g} and {self._most:g}"
+            )
         new = copy(self)
         new._jack, new.parameters = float(force), {**self.parameters, "jack": float(force)}
         return new
@@ -256,22 +322,35 @@ class Bar(Form):
     def assemble(self, x: ndarray, state: BarState) -> Response:
         k, elongation = self._stiffness, self._elongation(x)
         elastic = k * (elongation - state.free)
-        force = np.full_like(elastic, self._jack) if self._jack is not None else \
-            np.clip(elastic, self._least, self._most)
+        force = (
+            np.full_like(elastic, self._jack)
+            if self._jack is not None
+            else np.clip(elastic, self._least, self._most)
+        )
         slack = (force == 0.0) & (self._jack is None)
         # slack ropes and bars that flow have no stiffness
         tangent = np.where((force == elastic) & (self._jack is None), k, 0.0)
 
         def stiffness() -> csr_matrix:
-            blocks = tangent[:, None, None] / self._spacing * self._axis[:, :, None] * self._axis[:, None, :]
+            blocks = (
+                tangent[:, None, None]
+                / self._spacing
+                * self._axis[:, :, None]
+                * self._axis[:, None, :]
+            )
             rows, columns = np.broadcast_arrays(self._rows[:, :, None], self._rows[:, None, :])
             n = len(self._at)
-            return coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
+            return coo_matrix(
+                (blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)
+            ).tocsr()
 
         forces = force[:, None] / self._spacing * self._axis
-        return Response(np.bincount(self._rows.ravel(), forces.ravel(), minlength=len(self._at)),
-                        lambda: BarState(force, np.where(slack, state.free, elongation - force / k)), stiffness,
-                        dofs=self._at)
+        return Response(
+            np.bincount(self._rows.ravel(), forces.ravel(), minlength=len(self._at)),
+            lambda: BarState(force, np.where(slack, state.free, elongation - force / k)),
+            stiffness,
+            dofs=self._at,
+        )
 
     @override
     def stretched(self, state: BarState) -> ndarray:
@@ -283,8 +362,10 @@ class Bar(Form):
 
     @override
     def members(self, state: BarState) -> dict[str, ndarray]:
-        axes = "xyz"[:self._where.shape[1] // 2]
-        return dict(zip((*axes, *(f"end {axis}" for axis in axes)), self._where.T)) | {"force": state.force}
+        axes = "xyz"[: self._where.shape[1] // 2]
+        return dict(zip((*axes, *(f"end {axis}" for axis in axes)), self._where.T)) | {
+            "force": state.force
+        }
 
     @override
     def summary(self, state: BarState) -> str:

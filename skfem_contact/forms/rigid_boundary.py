@@ -1,4 +1,5 @@
 """Rigid boundaries: footings, caps and platens that are much stiffer than the ground."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -20,10 +21,12 @@ from .links import MatrixForm
 
 
 class RigidBoundary(MatrixForm):
-    """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much stiffer than the ground.
+    """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much
+    stiffer than the ground.
 
-    Small displacements: it may sink and turn, and the ground sticks to it. Multipliers, dofs besides the
-    displacements, keep all of its motions at zero but the rigid ones; to prescribe one of these, hold a single node.
+    Small displacements: it may sink and turn, and the ground sticks to it. Multipliers, dofs
+    besides the displacements, keep all of its motions at zero but the rigid ones; to prescribe one
+    of these, hold a single node.
 
     Parameters
     ----------
@@ -41,7 +44,8 @@ class RigidBoundary(MatrixForm):
 
     Examples
     --------
-    A footing of one metre, loaded at a third of its width from its end, tilts so far that the other end stays:
+    A footing of one metre, loaded at a third of its width from its end, tilts so far that the other
+    end stays:
 
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
@@ -58,11 +62,22 @@ class RigidBoundary(MatrixForm):
 
     def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True) -> None:
         check_basis(basis)
-        self._dofs = np.unique(basis.get_dofs(facets_of(basis.mesh, boundary)).all())  # node by node
-        self._coordinates, self._modes = basis.doflocs[:, self._dofs], None if rotates else basis.mesh.dim()
+        self._dofs = np.unique(
+            basis.get_dofs(facets_of(basis.mesh, boundary)).all()
+        )  # node by node
+        self._coordinates, self._modes = (
+            basis.doflocs[:, self._dofs],
+            None if rotates else basis.mesh.dim(),
+        )
         self._others = null_space(self._at(self._coordinates[:, 0])[0].T)
         self._displacements = int(basis.N)
-        self.fields = (Field("force of a rigid boundary", self._coordinates[:, :self._others.shape[1]], "multiplier"),)
+        self.fields = (
+            Field(
+                "force of a rigid boundary",
+                self._coordinates[:, : self._others.shape[1]],
+                "multiplier",
+            ),
+        )
         super().__init__(csr_matrix((self._displacements, self._displacements)))
 
     def __repr__(self) -> str:
@@ -73,7 +88,9 @@ class RigidBoundary(MatrixForm):
         multipliers = numbers[self.fields[0]]
         size = max(self._displacements, int(multipliers.max(initial=-1)) + 1)
         rows, columns = np.broadcast_arrays(self._dofs[:, None], multipliers)
-        ties = coo_matrix((self._others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
+        ties = coo_matrix(
+            (self._others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)
+        ).tocsr()
         new = copy(self)
         MatrixForm.__init__(new, ties + ties.T)
         new._multipliers = multipliers
@@ -81,9 +98,15 @@ class RigidBoundary(MatrixForm):
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> RigidBoundary:
-        stiffness = [form.elastic_stiffness.diagonal()[self._dofs].max() for form in solids_of(forms).values()]
+        stiffness = [
+            form.elastic_stiffness.diagonal()[self._dofs].max()
+            for form in solids_of(forms).values()
+        ]
         if not max(stiffness, default=0.0) > 0.0:
-            raise ValueError("a rigid boundary rests on nothing: its boundary belongs to no solid among the forms")
+            raise ValueError(
+                "a rigid boundary rests on nothing: its boundary belongs to no solid among the "
+                "forms"
+            )
         new = copy(self)
         new.fields = (replace(self.fields[0], scale=float(max(stiffness))),)
         return new
@@ -91,7 +114,9 @@ class RigidBoundary(MatrixForm):
     @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:
         response, own = super().assemble(x, state), self._multipliers
-        response.measure = response.force.copy()  # motions that are not rigid are small beside those that add up
+        response.measure = (
+            response.force.copy()
+        )  # motions that are not rigid are small beside those that add up
         response.measure[own] = (abs(self.elastic_stiffness) @ abs(x - state))[own]
         return response
 
@@ -102,17 +127,23 @@ class RigidBoundary(MatrixForm):
         return moved
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
-        """Return the load vector, (N,), of a force, (dim,), at coordinates (dim,), on the boundary or beside it."""
+        """Return the load vector, (N,), of a force, (dim,), at coordinates (dim,), on the boundary
+        or beside it.
+        """
         load = np.zeros(self._displacements)
         load[self._dofs] = self._spread(at) @ vector(force, len(self._coordinates), "force")
         return load
 
     def motion(self, x: ndarray, at: ArrayLike) -> ndarray:
-        """Return the displacement, (dim,), of the rigid body at coordinates (dim,) from all displacements x, (N,)."""
+        """Return the displacement, (dim,), of the rigid body at coordinates (dim,) from all
+        displacements x, (N,).
+        """
         return self._spread(at).T @ x[self._dofs]
 
     def _spread(self, at: ArrayLike) -> ndarray:
-        """Return forces on the dofs for unit forces at coordinates, (n, dim): the motion, too, by reciprocity."""
+        """Return forces on the dofs for unit forces at coordinates, (n, dim): the motion, too, by
+        reciprocity.
+        """
         modes, there = self._at(vector(at, len(self._coordinates), "at"))
         return np.linalg.pinv(modes).T @ there.T
 
@@ -120,5 +151,5 @@ class RigidBoundary(MatrixForm):
         """Return rigid motions of the dofs, and at given coordinates."""
         dim, n = self._coordinates.shape
         coordinates = np.column_stack((self._coordinates, np.tile(point[:, None], dim)))
-        modes = rigid_modes(coordinates, np.arange(n + dim))[:, :self._modes]
+        modes = rigid_modes(coordinates, np.arange(n + dim))[:, : self._modes]
         return modes[:n], modes[n:]

@@ -1,4 +1,5 @@
 """Solids: a basis, a strain measure and the materials of regions."""
+
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
@@ -19,13 +20,23 @@ from ..loads import weight, weightless
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
-from .assembly import Measure, Pattern, element_stiffness, force_matrix, locking, strain_of, strain_operator
+from .assembly import (
+    Measure,
+    Pattern,
+    element_stiffness,
+    force_matrix,
+    locking,
+    strain_of,
+    strain_operator,
+)
 from .base import Coordinates, Form, Response
 from .regions import Region, by_region, changed_moduli, check_materials, inherited
 
-#: Round-off of forces relative to those of single displacements, and share of the last stresses that is theirs.
+#: Round-off of forces relative to those of single displacements, and share of the last stresses
+#: that is theirs.
 _ROUND_OFF, _UNLOADED = 8 * np.finfo(float).eps, 1e-9
-#: Rotation (radians) and strain that are remarked on: lengths are then off by 1 %, strains by a fifth of themselves.
+#: Rotation (radians) and strain that are remarked on: lengths are then off by 1 %, strains by a
+#: fifth of themselves.
 _TURN, _STRAIN = 0.14, 0.2
 
 #: Regions with the stresses and internal variables of an accepted state.
@@ -39,7 +50,8 @@ class SolidState:
     Attributes
     ----------
     strain
-        Strain of the accepted configuration (xx, yy, zz, xy; engineering shear; in three dimensions also yz, zx).
+        Strain of the accepted configuration (xx, yy, zz, xy; engineering shear; in three dimensions
+        also yz, zx).
     stress
         Stress of these components, tension positive.
     internal
@@ -57,22 +69,26 @@ class SolidForm(Form):
     Parameters
     ----------
     basis
-        ``Basis`` of an ``ElementVector`` on triangles, quadrilaterals, tetrahedra or hexahedra, whole or restricted
-        (``basis.with_elements``). Elements of four and eight corners need ``intorder=2`` for two points per direction.
+        ``Basis`` of an ``ElementVector`` on triangles, quadrilaterals, tetrahedra or hexahedra,
+        whole or restricted (``basis.with_elements``). Elements of four and eight corners need
+        ``intorder=2`` for two points per direction.
     materials
-        One material, or ``{subdomain: material}`` that covers every element of the basis once. Arrays of parameters
-        have one value per element, in the order of ``mesh.subdomains[subdomain]``; functions count at the points.
+        One material, or ``{subdomain: material}`` that covers every element of the basis once.
+        Arrays of parameters have one value per element, in the order of
+        ``mesh.subdomains[subdomain]``; functions count at the points.
     strain
-        ``"full"``, or ``"b_bar"``: volumetric strains averaged over each element. By default ``"b_bar"`` for elements
-        of four and eight corners with a material that yields, where full strains lock.
+        ``"full"``, or ``"b_bar"``: volumetric strains averaged over each element. By default
+        ``"b_bar"`` for elements of four and eight corners with a material that yields, where full
+        strains lock.
     coordinates
-        ``"axisymmetric"`` for axial symmetry about x = 0: forces are per radian, and the radial displacement on the
-        axis must be fixed. By default ``"plane"`` or ``"space"``, as the mesh.
+        ``"axisymmetric"`` for axial symmetry about x = 0: forces are per radian, and the radial
+        displacement on the axis must be fixed. By default ``"plane"`` or ``"space"``, as the mesh.
     unit_weight
-        Weight per volume of every element: one number, or by subdomain. Loads of a :class:`Model` then include the
-        weight of the active bodies. By default the body is weightless.
+        Weight per volume of every element: one number, or by subdomain. Loads of a :class:`Model`
+        then include the weight of the active bodies. By default the body is weightless.
     porous
-        True if water at rest (``Stage(water=...)``) acts in its pores; False for concrete and steel.
+        True if water at rest (``Stage(water=...)``) acts in its pores; False for concrete and
+        steel.
 
     Attributes
     ----------
@@ -84,8 +100,8 @@ class SolidForm(Form):
     Raises
     ------
     ValueError
-        Unsupported element or mesh, unknown subdomain, elements without or with two materials, a parameter array of
-        another length than its region.
+        Unsupported element or mesh, unknown subdomain, elements without or with two materials, a
+        parameter array of another length than its region.
 
     Examples
     --------
@@ -99,19 +115,31 @@ class SolidForm(Form):
     '1.000000'
     """
 
-    def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
-                 strain: Measure | None = None, *, coordinates: Coordinates | None = None,
-                 unit_weight: float | Mapping[str, float] | None = None, porous: bool = True) -> None:
+    def __init__(
+        self,
+        basis: CellBasis,
+        materials: Material | Mapping[str, Material],
+        strain: Measure | None = None,
+        *,
+        coordinates: Coordinates | None = None,
+        unit_weight: float | Mapping[str, float] | None = None,
+        porous: bool = True,
+    ) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
+        self.basis, regions = by_region(
+            basis, materials
+        )  # state arrays follow this order of the elements
         regions = tuple(r.with_material(r.material, self.basis) for r in regions)
         flows = any(region.material.n_internal for region in regions)
         self.size, self.joins, self._duration = int(self.basis.N), np.zeros(0, int), 0.0
         self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
         self.unit_weight, self.porous = unit_weight, porous
         if unit_weight is not None and (missing := weightless(self, unit_weight)):
-            raise ValueError(f"{missing} have no unit weight: give one for each subdomain, 0 for a weightless one")
+            raise ValueError(
+                f"{missing} have no unit weight: give one for each subdomain, 0 for a weightless "
+                f"one"
+            )
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
         check_materials(regions, self.weight.shape, self._ncomp)
@@ -131,22 +159,34 @@ class SolidForm(Form):
         """Set the regions, and the attributes that follow from their materials."""
         self.regions, self.materials = regions, {region.name: region.material for region in regions}
         laws = self.materials.values()
-        self.symmetric, self._n_internal = all(law.symmetric for law in laws), max(law.n_internal for law in laws)
+        self.symmetric, self._n_internal = (
+            all(law.symmetric for law in laws),
+            max(law.n_internal for law in laws),
+        )
         changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
         self.changing = None if changing else self.joins
-        self.strengths = tuple(name for name, material in self.materials.items() if material.reducible)
+        self.strengths = tuple(
+            name for name, material in self.materials.items() if material.reducible
+        )
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
-        """Return the body with other materials, ``{subdomain: material}``; matrices that do not change are shared."""
+        """Return the body with other materials, ``{subdomain: material}``; matrices that do not
+        change are shared.
+        """
         names(materials, self.materials, "region of this solid")
         new = self._of(materials)
         check_materials(new.regions, self.weight.shape, self._ncomp)
         return new
 
     def _of(self, materials: Mapping[str, Material]) -> SolidForm:
-        regions = tuple(r.with_material(m, self.basis) if (m := materials.get(r.name)) else r for r in self.regions)
-        if same := all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
-                       for a, b in zip(self.regions, regions, strict=True)):
+        regions = tuple(
+            r.with_material(m, self.basis) if (m := materials.get(r.name)) else r
+            for r in self.regions
+        )
+        if same := all(
+            np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
+            for a, b in zip(self.regions, regions, strict=True)
+        ):
             _ = self._diagonal  # with the stiffness: computed once, for the bodies of all strengths
         new = copy(self)
         for name in () if same else ("_elasticity", "elastic_stiffness", "_diagonal"):
@@ -159,7 +199,11 @@ class SolidForm(Form):
         if self.unit_weight is None:
             return None
         size = float(np.linalg.norm(acceleration))
-        return size * weight(self, self.unit_weight, acceleration / size) if size else np.zeros(self.basis.N)
+        return (
+            size * weight(self, self.unit_weight, acceleration / size)
+            if size
+            else np.zeros(self.basis.N)
+        )
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
@@ -176,7 +220,9 @@ class SolidForm(Form):
     @override
     def yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
         parts = zip(self.at_regions(before), self.at_regions(after), strict=True)
-        return sum(int(r.material.yielding(i, j).sum()) for (r, _, i), (_, _, j) in parts), after.stress[0].size
+        return sum(
+            int(r.material.yielding(i, j).sum()) for (r, _, i), (_, _, j) in parts
+        ), after.stress[0].size
 
     @override
     def shear_strain(self, x: ndarray) -> ndarray:  # of plane bodies that in the plane
@@ -184,7 +230,9 @@ class SolidForm(Form):
 
     @override
     def initial_state(self, x: ndarray | None = None, stress: ndarray | None = None) -> SolidState:
-        """Return the state without strain: undeformed or built at the displacements x, (N,); stress-free or given."""
+        """Return the state without strain: undeformed or built at the displacements x, (N,);
+        stress-free or given.
+        """
         stress = np.zeros((self._ncomp, *self.weight.shape)) if stress is None else stress
         strain = np.zeros(stress.shape) if x is None else self.strains(x)
         return SolidState(strain, stress, self._initial_internal(stress))
@@ -193,27 +241,37 @@ class SolidForm(Form):
         """Return the internal variables with which the materials start under a stress."""
         internal = np.zeros((self._n_internal, *self.weight.shape))
         for r in self.regions:
-            internal[:r.material.n_internal, r.elements] = r.initial_internal(stress, self.basis)
+            internal[: r.material.n_internal, r.elements] = r.initial_internal(stress, self.basis)
         return internal
 
     def strains(self, x: ndarray) -> ndarray:
-        """Return strains at displacements x, (N,), with doubled shear, (n_components, n_elements, n_points)."""
+        """Return strains at displacements x, (N,), with doubled shear, (n_components, n_elements,
+        n_points).
+        """
         n_elements, n_points, n_acting, _ = self._B.shape
-        acting = np.matmul(self._B.reshape(n_elements, n_points * n_acting, -1), x.take(self._element_dofs)[:, :, None])
+        acting = np.matmul(
+            self._B.reshape(n_elements, n_points * n_acting, -1),
+            x.take(self._element_dofs)[:, :, None],
+        )
         strain = np.zeros((self._ncomp, n_elements, n_points))
         strain[self._rows] = acting.reshape(n_elements, n_points, n_acting).transpose(2, 0, 1)
         return strain
 
     def _remembered(self, state: SolidState) -> ndarray:
-        """Return the internal variables, of which a state from before a change of materials may hold too few."""
+        """Return the internal variables, of which a state from before a change of materials may
+        hold too few.
+        """
         if len(there := state.internal) >= self._n_internal:
             return there
-        return np.concatenate((there, self._initial_internal(state.stress)[len(there):]))
+        return np.concatenate((there, self._initial_internal(state.stress)[len(there) :]))
 
     def at_regions(self, state: SolidState) -> _Given:
         """Return the regions with the stresses and internal variables of their materials."""
         internal = self._remembered(state)
-        return [(r, state.stress[:, r.elements], internal[:r.material.n_internal, r.elements]) for r in self.regions]
+        return [
+            (r, state.stress[:, r.elements], internal[: r.material.n_internal, r.elements])
+            for r in self.regions
+        ]
 
     @override
     def assemble(self, x: ndarray, state: SolidState) -> Response:
@@ -221,24 +279,40 @@ class SolidForm(Form):
         strain = self.strains(x)
         increment = strain - state.strain
         given = self.at_regions(state)
-        updates = [updated(r.material, increment[:, r.elements], old, internal, self._duration)
-                   for r, old, internal in given]
+        updates = [
+            updated(r.material, increment[:, r.elements], old, internal, self._duration)
+            for r, old, internal in given
+        ]
         # the stress of a single region is not copied
-        stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
+        stress = (
+            updates[0].stress
+            if len(updates) == 1
+            else np.concatenate([u.stress for u in updates], axis=1)
+        )
         force, lost = self._force_matrix @ stress.ravel(), float(np.linalg.norm(self._diagonal * x))
         if np.abs(stress).max(initial=0.0) < _UNLOADED * np.abs(state.stress).max(initial=0.0):
             lost += float(np.linalg.norm(self._force_matrix @ state.stress.ravel()))
-        return Response(force, lambda: SolidState(strain, stress, self._internal(state, given, updates)),
-                        lambda: self._tangent(given, updates), lambda: self._tangent(given, updates, damping=True),
-                        _ROUND_OFF * lost)
+        return Response(
+            force,
+            lambda: SolidState(strain, stress, self._internal(state, given, updates)),
+            lambda: self._tangent(given, updates),
+            lambda: self._tangent(given, updates, damping=True),
+            _ROUND_OFF * lost,
+        )
 
     def _internal(self, state: SolidState, given: _Given, updates: list[Update]) -> ndarray:
-        """Return internal variables after the updates; a material that hands back its argument has changed nothing."""
+        """Return internal variables after the updates; a material that hands back its argument has
+        changed nothing.
+        """
         before = self._remembered(state)
-        changed = [(r, update) for (r, _, i), update in zip(given, updates, strict=True) if update.internal is not i]
+        changed = [
+            (r, update)
+            for (r, _, i), update in zip(given, updates, strict=True)
+            if update.internal is not i
+        ]
         after = before.copy() if changed else before
         for region, update in changed:
-            after[:region.material.n_internal, region.elements] = update.internal
+            after[: region.material.n_internal, region.elements] = update.internal
         return after
 
     @override
@@ -247,7 +321,9 @@ class SolidForm(Form):
         return f"{yielded.mean():.1%} yielded" if yielded.any() else ""
 
     def variable(self, name: str, state: SolidState) -> ndarray:
-        """Return an internal variable, (n_elements, n_points); zero where a material does not declare it."""
+        """Return an internal variable, (n_elements, n_points); zero where a material does not
+        declare it.
+        """
         values = np.zeros(self.weight.shape)
         for region, _, internal in self.at_regions(state):
             if (own := region.material.variable(name, internal)) is not None:
@@ -256,8 +332,11 @@ class SolidForm(Form):
 
     @override
     def continues(self, old: Form) -> SolidForm:
-        if not isinstance(old, SolidForm) or old.weight.shape != self.weight.shape \
-                or not np.array_equal(old.basis.element_dofs, self.basis.element_dofs):
+        if (
+            not isinstance(old, SolidForm)
+            or old.weight.shape != self.weight.shape
+            or not np.array_equal(old.basis.element_dofs, self.basis.element_dofs)
+        ):
             raise ValueError("its elements are others")
         return self
 
@@ -267,8 +346,14 @@ class SolidForm(Form):
             return state
         internal = old._remembered(state)
         missing = max(0, self._n_internal - len(internal))
-        new = SolidState(state.strain, state.stress.copy(), np.pad(internal, ((0, missing), (0, 0), (0, 0))))
-        changed = [inherited(one, other, new.stress, new.internal) for one in old.regions for other in self.regions]
+        new = SolidState(
+            state.strain, state.stress.copy(), np.pad(internal, ((0, missing), (0, 0), (0, 0)))
+        )
+        changed = [
+            inherited(one, other, new.stress, new.internal)
+            for one in old.regions
+            for other in self.regions
+        ]
         return new if any(changed) else state
 
     @override
@@ -283,18 +368,28 @@ class SolidForm(Form):
     def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         moved = zip(x[self.basis.element_dofs], self.basis.basis, strict=True)
         gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
-        if (turn := float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0) > _TURN:
-            yield Remark("rotation", turn, f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
-                         f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}")
+        if (
+            turn := float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
+        ) > _TURN:
+            yield Remark(
+                "rotation",
+                turn,
+                f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
+                f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}",
+            )
         if (strain := float(np.abs(state.strain).max(initial=0.0))) > _STRAIN:
             units = "; are E and the loads in the same units?" if strain > 1.0 else ""
-            yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small{units}")
+            yield Remark(
+                "strain", strain, f"strains of up to {strain:.0%} are taken for small{units}"
+            )
         if self.strain != "b_bar" and state.strain.any():
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
             yield from locking(self.basis, self.coordinates, yielded, self._elasticity)
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
-        """Return the internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""
+        """Return the internal forces that the nodes exert on some elements, (n_local_dofs,
+        len(elements)).
+        """
         acting = stress[self._rows[:, None], elements]
         return np.einsum("eqcb,ceq,eq->be", self._B[elements], acting, self.weight[elements])
 
@@ -308,7 +403,9 @@ class SolidForm(Form):
 
     def _acting(self, moduli: ndarray) -> ndarray:
         """Return the part of some moduli, (n, ncomp, ncomp), in the rows of B that act."""
-        return moduli if len(self._rows) == self._ncomp else moduli[:, self._rows[:, None], self._rows]
+        return (
+            moduli if len(self._rows) == self._ncomp else moduli[:, self._rows[:, None], self._rows]
+        )
 
     @cached_property
     def elastic_stiffness(self) -> csr_matrix:

@@ -1,4 +1,5 @@
 """Optional parts of a form: stages, steps in time, reduction of strength, regularisation."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -16,7 +17,9 @@ Self = TypeVar("Self")
 
 
 def arrays_of(state: Any) -> dict[str, Any]:
-    """Return the parts of a state: fields of a dataclass, items of a tuple, an array or number, or nothing."""
+    """Return the parts of a state: fields of a dataclass, items of a tuple, an array or number, or
+    nothing.
+    """
     if is_dataclass(state):
         return {field.name: getattr(state, field.name) for field in fields(state)}
     if isinstance(state, tuple):
@@ -41,7 +44,8 @@ class Staged:
     carries
         Dofs of fields for which the form has equations; None: all of its fields.
     joins
-        Dofs that the form couples to each other, -1 among them for a rigid obstacle; None: it may hold any dof.
+        Dofs that the form couples to each other, -1 among them for a rigid obstacle; None: it may
+        hold any dof.
     acts_on
         Dofs that the form acts on, all of which must be active; None: any of them.
     elastic_stiffness
@@ -65,39 +69,56 @@ class Staged:
     suction: float = 0.0
     leaks: ndarray | None = None
 
-    #: What a form that replaces another one has in common with it, and what it brings; without the latter, all of it.
+    #: What a form that replaces another one has in common with it, and what it brings; without the
+    #: latter, all of it.
     _same: tuple[str, ...] = ()
     _brought: tuple[str, ...] = ()
 
     def completed(self: Self, forms: Mapping[str, Any]) -> Self:
-        """Return the form with what it takes from the others, such as a penalty from their stiffness."""
+        """Return the form with what it takes from the others, such as a penalty from their
+        stiffness.
+        """
         return self
 
     def own_weight(self, acceleration: ndarray) -> ndarray | None:
-        """Return the load vector of the weight under an acceleration over that of gravity, (dim,), or None."""
+        """Return the load vector of the weight under an acceleration over that of gravity, (dim,),
+        or None.
+        """
         return None
 
-    def water_load(self, pressure: Callable[[ndarray, ndarray, ndarray], ndarray]) -> ndarray | None:
+    def water_load(
+        self, pressure: Callable[[ndarray, ndarray, ndarray], ndarray]
+    ) -> ndarray | None:
         """Return the load vector of water on sides that are no facets, or None.
 
-        Its pressure, (n,), is a function of points and outward normals, (n, dim) each, and sizes, (n,).
+        Its pressure, (n,), is a function of points and outward normals, (n, dim) each, and sizes,
+        (n,).
         """
 
     def pressure_at_nodes(self, x: ndarray) -> ndarray | None:
-        """Return the pore pressure that the form adds to the ground, at the nodes of the displacements, (N/dim,)."""
+        """Return the pore pressure that the form adds to the ground, at the nodes of the
+        displacements, (N/dim,).
+        """
 
     def line_forces(self, state: Any) -> tuple[Any, ...] | None:
-        """Return positions along a beam, x, y, N, V and M there, (n,) each, or None where the form is no beam."""
+        """Return positions along a beam, x, y, N, V and M there, (n,) each, or None where the form
+        is no beam.
+        """
 
     def line_points(self, x: ndarray, state: Any) -> tuple[ndarray, dict[str, ndarray]] | None:
-        """Return start, end and middle of a beam's elements, (3 m, dim), with values there, or None."""
+        """Return start, end and middle of a beam's elements, (3 m, dim), with values there, or
+        None.
+        """
 
     def members(self, state: Any) -> dict[str, ndarray]:
-        """Return coordinates and forces of bars, or of points along a line, by the columns of a table, (n,) each."""
+        """Return coordinates and forces of bars, or of points along a line, by the columns of a
+        table, (n,) each.
+        """
         return {}
 
     def continues(self, old: Any) -> Any:
-        """Return the form as it replaces an old one and continues from the old state; by default of the same class.
+        """Return the form as it replaces an old one and continues from the old state; by default of
+        the same class.
 
         Raises
         ------
@@ -115,29 +136,39 @@ class Staged:
         return new
 
     def inherits(self, old: Any, state: Any) -> Any:
-        """Return the state of an old form from which this one continues; a new stiffness alone changes no force."""
+        """Return the state of an old form from which this one continues; a new stiffness alone
+        changes no force.
+        """
         before, now = old.stretched(state), self.stretched(state)
         if before is None or now is None or before.shape != now.shape or (before == now).all():
             return state
         return replace(state, free=state.free + before - now)
 
     def stretched(self, state: Any) -> ndarray | None:
-        """Return what the force of a state adds to its deformation ``free`` of force; None for states without them."""
+        """Return what the force of a state adds to its deformation ``free`` of force; None for
+        states without them.
+        """
 
     def fits(self, state: Any) -> bool:
         """Return True if a state has the shapes of the initial state."""
         given, initial = arrays_of(state), arrays_of(self.initial_state())  # type: ignore[attr-defined]
-        return {k: np.shape(a) for k, a in given.items()} == {k: np.shape(a) for k, a in initial.items()}
+        return {k: np.shape(a) for k, a in given.items()} == {
+            k: np.shape(a) for k, a in initial.items()
+        }
 
     def check_start(self, x: ndarray, state: Any) -> None:
         """Raise a ``ValueError`` if the form cannot continue from a state of other settings."""
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterable[Remark]:
-        """Return remarks on supports, inactive dofs, and the time since the last change to the end of a stage."""
+        """Return remarks on supports, inactive dofs, and the time since the last change to the end
+        of a stage.
+        """
         return ()
 
     def idle(self, fixed: ndarray) -> ndarray:
-        """Return dofs of the form's own fields that do nothing between supports, and are held as well."""
+        """Return dofs of the form's own fields that do nothing between supports, and are held as
+        well.
+        """
         return np.zeros(0, int)
 
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterable[Remark]:
@@ -145,11 +176,15 @@ class Staged:
         return ()
 
     def replaces(self, old: Any) -> bool:
-        """Return True if the form takes over the forces of an old one, instead of which it becomes active."""
+        """Return True if the form takes over the forces of an old one, instead of which it becomes
+        active.
+        """
         return False
 
     def tractions_at(self, x: ndarray, state: Any) -> Any | None:
-        """Return the map from tractions to nodal forces, where the form can start with given tractions, or None."""
+        """Return the map from tractions to nodal forces, where the form can start with given
+        tractions, or None.
+        """
 
     def rebased(self, x: ndarray, state: Any) -> Any:
         """Return the state once displacements are counted from x on."""
@@ -179,7 +214,9 @@ class InTime:
         return self
 
     def time_error(self, middle: Any, after: Any) -> tuple[float, float]:
-        """Return the error of a step over the tolerance, and the quantity that it is compared with."""
+        """Return the error of a step over the tolerance, and the quantity that it is compared
+        with.
+        """
         return 0.0, 0.0
 
 
@@ -201,7 +238,9 @@ class Reducible:
     strengths: tuple[str, ...] = ()
 
     def reduced(self: Self, factor: float, flow: str, names: Collection[str]) -> Self:
-        """Return the form with some of its :attr:`strengths` divided by a factor, and with a flow rule."""
+        """Return the form with some of its :attr:`strengths` divided by a factor, and with a flow
+        rule.
+        """
         return self
 
     def fixed_geometry(self, x: ndarray, state: Any) -> tuple[Any, Any]:
@@ -209,7 +248,9 @@ class Reducible:
         return self, state
 
     def released(self, x: ndarray, state: Any) -> tuple[Any, Any]:
-        """Return the form whose geometry is not held, and its state: the inverse of :meth:`fixed_geometry`."""
+        """Return the form whose geometry is not held, and its state: the inverse of
+        :meth:`fixed_geometry`.
+        """
         return self, state
 
     def with_resistance(self: Self) -> Self:
@@ -217,11 +258,15 @@ class Reducible:
         return self
 
     def yielding(self, before: Any, after: Any) -> tuple[int, int]:
-        """Return the number of points of solids that have flowed from one state to another, and of all points."""
+        """Return the number of points of solids that have flowed from one state to another, and of
+        all points.
+        """
         return 0, 0
 
     def shear_strain(self, x: ndarray) -> ndarray | None:
-        """Return the largest shear strain of displacements at the points of a solid, (n_elements, n_points)."""
+        """Return the largest shear strain of displacements at the points of a solid, (n_elements,
+        n_points).
+        """
 
 
 class Regularised:
@@ -230,14 +275,17 @@ class Regularised:
     Attributes
     ----------
     unilateral
-        True if the form opens, closes and slips: on the way to equilibrium the residual may rise now and then.
+        True if the form opens, closes and slips: on the way to equilibrium the residual may rise
+        now and then.
     changing
         Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
     saddle: bool
-        True if multipliers change with the displacements: equilibrium then is no minimum of the energy along a step.
+        True if multipliers change with the displacements: equilibrium then is no minimum of the
+        energy along a step.
     outer_after: "near", "exact" or None
-        State in which :meth:`outer` changes the form: near equilibrium, where it only follows the displacements; in
-        exact equilibrium, beside other forms as well; None where it changes nothing.
+        State in which :meth:`outer` changes the form: near equilibrium, where it only follows the
+        displacements; in exact equilibrium, beside other forms as well; None where it changes
+        nothing.
     """
 
     unilateral: bool = False
@@ -246,7 +294,8 @@ class Regularised:
     changing: ndarray | None = None
 
     def begin(self: Self, accepted: Any, failure: Failure | None = None) -> Self:
-        """Return the form to begin an increment with: this form, or a regularised one that leads to it.
+        """Return the form to begin an increment with: this form, or a regularised one that leads to
+        it.
 
         Parameters
         ----------
@@ -255,21 +304,24 @@ class Regularised:
         """
         return self
 
-    def foreseen(self, start: ndarray, x: ndarray, before: ndarray | None, accepted: Any) -> ndarray:
+    def foreseen(
+        self, start: ndarray, x: ndarray, before: ndarray | None, accepted: Any
+    ) -> ndarray:
         """Return displacements to start from, with better values where the form knows some.
 
         Parameters
         ----------
         start, x, before : ndarray, shape (N,)
-            Extrapolated displacements, the accepted ones, and those before; None for displacements after the first
-            step of Newton's method from the accepted ones.
+            Extrapolated displacements, the accepted ones, and those before; None for displacements
+            after the first step of Newton's method from the accepted ones.
         accepted
             The accepted state.
         """
         return start
 
     def outer(self, x: ndarray, accepted: Any, found: Any) -> tuple[Any, Any] | None:
-        """Return form and accepted state with which the increment must be solved once more, or None.
+        """Return form and accepted state with which the increment must be solved once more, or
+        None.
 
         Parameters
         ----------

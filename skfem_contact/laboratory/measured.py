@@ -1,4 +1,5 @@
 """Measured tests: columns of a laboratory's file, and the parameters of a law that fit them."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,12 +17,17 @@ from .specimen import element_test
 
 #: Quantities of an element test that a column may hold.
 _QUANTITIES = ("axial", "shear", "p", "q", "volume", "pore_pressure")
-#: Step of derivatives as a share of the parameters: that of the tests' tolerance, 1e-10, costs 1e-6 of the slope.
+#: Step of derivatives as a share of the parameters: that of the tests' tolerance, 1e-10, costs 1e-6
+#: of the slope.
 _STEP = 1e-4
 
 
-def read_csv(file: str | Path, columns: Mapping[str, str], factors: Mapping[str, float] | None = None,
-             delimiter: str = ",") -> dict[str, ndarray]:
+def read_csv(
+    file: str | Path,
+    columns: Mapping[str, str],
+    factors: Mapping[str, float] | None = None,
+    delimiter: str = ",",
+) -> dict[str, ndarray]:
     r"""Read columns of a laboratory's file, whose first line has their names.
 
     Parameters
@@ -29,9 +35,11 @@ def read_csv(file: str | Path, columns: Mapping[str, str], factors: Mapping[str,
     file
         Name of the file.
     columns
-        Names of the columns by quantity: ``"axial"``, ``"shear"``, ``"p"``, ``"q"``, ``"volume"``, ``"pore_pressure"``.
+        Names of the columns by quantity: ``"axial"``, ``"shear"``, ``"p"``, ``"q"``, ``"volume"``,
+        ``"pore_pressure"``.
     factors
-        Factors by quantity, for units and signs: -0.01 for an axial strain in per cent, positive in compression.
+        Factors by quantity, for units and signs: -0.01 for an axial strain in per cent, positive in
+        compression.
     delimiter
         Text between two columns.
 
@@ -56,9 +64,14 @@ def read_csv(file: str | Path, columns: Mapping[str, str], factors: Mapping[str,
     for name in (*columns, *(factors or {})):
         look_up(name, dict.fromkeys(_QUANTITIES), "quantity of a test")
     position = {name: k for k, name in enumerate(names)}
-    at = {quantity: look_up(name, position, f"column of {file}") for quantity, name in columns.items()}
-    return {quantity: finite(table[:, k], f"column '{names[k]}' of {file}") * (factors or {}).get(quantity, 1.0)
-            for quantity, k in at.items()}
+    at = {
+        quantity: look_up(name, position, f"column of {file}") for quantity, name in columns.items()
+    }
+    return {
+        quantity: finite(table[:, k], f"column '{names[k]}' of {file}")
+        * (factors or {}).get(quantity, 1.0)
+        for quantity, k in at.items()
+    }
 
 
 @dataclass(frozen=True)
@@ -88,12 +101,21 @@ class Measured:
         x, at = getattr(test, self.along)[:, 0], look_up(self.along, self.columns, "column")
         sign = 1.0 if x[-1] > x[0] else -1.0
         if np.any(np.diff(sign * x) < 0):
-            raise ValueError(f"'{self.along}' turns back in the test: compare along another quantity")
+            raise ValueError(
+                f"'{self.along}' turns back in the test: compare along another quantity"
+            )
         if (beyond := float((sign * at).max() - sign * x[-1])) > 1e-6 * abs(x[-1]):
-            raise ValueError(f"the measured '{self.along}' goes beyond the end of the path by {beyond:.3g}")
+            raise ValueError(
+                f"the measured '{self.along}' goes beyond the end of the path by {beyond:.3g}"
+            )
         others = {name: values for name, values in self.columns.items() if name != self.along}
-        return np.concatenate([(np.interp(sign * at, sign * x, getattr(test, name)[:, 0]) - values)
-                               / (np.abs(values).max() or 1.0) for name, values in others.items()])
+        return np.concatenate(
+            [
+                (np.interp(sign * at, sign * x, getattr(test, name)[:, 0]) - values)
+                / (np.abs(values).max() or 1.0)
+                for name, values in others.items()
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -116,8 +138,12 @@ class Fit:
     differences: ndarray
 
 
-def fit(law: Callable[..., Material], start: Mapping[str, float], tests: Measured | Sequence[Measured],
-        limits: Mapping[str, tuple[float, float]] | None = None) -> Fit:
+def fit(
+    law: Callable[..., Material],
+    start: Mapping[str, float],
+    tests: Measured | Sequence[Measured],
+    limits: Mapping[str, tuple[float, float]] | None = None,
+) -> Fit:
     """Fit parameters of a law to one or several measured tests at once, by least squares.
 
     Parameters
@@ -159,8 +185,13 @@ def fit(law: Callable[..., Material], start: Mapping[str, float], tests: Measure
         material = law(**dict(zip(start, values.tolist())))
         return np.concatenate([test.differences(material) for test in measured])
 
-    found = least_squares(differences, first, bounds=(low, high), x_scale=np.abs(first),
-                          diff_step=np.full(len(first), _STEP))
+    found = least_squares(
+        differences,
+        first,
+        bounds=(low, high),
+        x_scale=np.abs(first),
+        diff_step=np.full(len(first), _STEP),
+    )
     free = max(len(found.fun) - len(first), 1)
     slope = np.asarray(found.jac, dtype=float)
     spread = np.sqrt(np.diag(np.linalg.pinv(slope.T @ slope)) * (found.fun**2).sum() / free)

@@ -1,8 +1,10 @@
 """Steps of laboratory tests: one linear condition on stress or strain for each component.
 
-A round sample stays round by equal strains, not by equal stresses: on an edge of Mohr-Coulomb's pyramid two equal
-stresses are one condition. For the same reason shear strains are prescribed where nothing else is.
+A round sample stays round by equal strains, not by equal stresses: on an edge of Mohr-Coulomb's
+pyramid two equal stresses are one condition. For the same reason shear strains are prescribed where
+nothing else is.
 """
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -25,22 +27,25 @@ _STRAINS = _UNIT | {"volume": _SUM, "xx-zz": _UNIT["xx"] - _UNIT["zz"]}
 class PathStep:
     """PathStep of an element test: as many conditions as there are components.
 
-    Shear components without a condition keep their strain. Values are numbers, or one number a sample.
+    Shear components without a condition keep their strain. Values are numbers, or one number a
+    sample.
 
     Parameters
     ----------
     stress
-        Effective stresses at the end of the step, tension positive: ``"xx"``, ``"yy"`` (axial), ``"zz"``, ``"xy"``,
-        ``"yz"``, ``"zx"``, ``"p"`` (mean stress, compression positive) or ``"q"`` (xx - yy). None keeps the value.
+        Effective stresses at the end of the step, tension positive: ``"xx"``, ``"yy"`` (axial),
+        ``"zz"``, ``"xy"``, ``"yz"``, ``"zx"``, ``"p"`` (mean stress, compression positive) or
+        ``"q"`` (xx - yy). None keeps the value.
     strain
-        Changes of strains in the step: the same components, with engineering shear, ``"volume"`` or ``"xx-zz"``.
+        Changes of strains in the step: the same components, with engineering shear, ``"volume"`` or
+        ``"xx-zz"``.
     increments
         Number of increments.
     duration
         Time, which only time-dependent materials need.
     total
-        Component of the normal stress that stays in total stress where the water cannot leave: its effective stress
-        gives the pore pressure.
+        Component of the normal stress that stays in total stress where the water cannot leave: its
+        effective stress gives the pore pressure.
 
     Examples
     --------
@@ -58,8 +63,10 @@ class PathStep:
 
     def __post_init__(self) -> None:
         if self.increments < 1 or self.duration < 0:
-            raise ValueError(f"increments must be positive and duration not negative, got {self.increments} and "
-                             f"{self.duration}")
+            raise ValueError(
+                f"increments must be positive and duration not negative, got {self.increments} and "
+                f"{self.duration}"
+            )
         for names, known in ((self.stress, _STRESSES), (self.strain, _STRAINS)):
             for name in names:
                 look_up(name, known, "component of a step")
@@ -72,9 +79,14 @@ class PathStep:
         strains = [_STRAINS[name] for name in self.strain]
         named = {*self.stress, *self.strain}
         strains += [_UNIT[name] for name in COMPONENTS[3:ncomp] if name not in named]
-        if len(stresses) + len(strains) != ncomp or any(row[ncomp:].any() for row in stresses + strains):
-            raise ValueError(f"a step of {ncomp} components needs {ncomp} conditions, of which shear strains are kept "
-                             f"by themselves; given are {[*self.stress, *self.strain]}")
+        if len(stresses) + len(strains) != ncomp or any(
+            row[ncomp:].any() for row in stresses + strains
+        ):
+            raise ValueError(
+                f"a step of {ncomp} components needs {ncomp} conditions, of which shear strains "
+                f"are kept "
+                f"by themselves; given are {[*self.stress, *self.strain]}"
+            )
         return tuple(np.reshape(rows, (-1, 6))[:, :ncomp] for rows in (stresses, strains))  # type: ignore[return-value]
 
     def targets(self, stress: ndarray, strain: ndarray) -> tuple[ndarray, ndarray]:
@@ -101,8 +113,11 @@ def isotropic(stress: ArrayLike, increments: int = 100) -> PathStep:
     return PathStep(dict.fromkeys(COMPONENTS[:3], stress), {}, increments)
 
 
-def oedometer(stress: ArrayLike | None = None, strain: ArrayLike | None = None, increments: int = 100) -> PathStep:
-    """Return a step to an axial stress (yy), or of a change of axial strain, without lateral strain.
+def oedometer(
+    stress: ArrayLike | None = None, strain: ArrayLike | None = None, increments: int = 100
+) -> PathStep:
+    """Return a step to an axial stress (yy), or of a change of axial strain, without lateral
+    strain.
 
     Examples
     --------
@@ -114,11 +129,17 @@ def oedometer(stress: ArrayLike | None = None, strain: ArrayLike | None = None, 
     return _axial(stress, strain, {}, {"xx": 0.0, "zz": 0.0}, increments)
 
 
-def triaxial(strain: ArrayLike | None = None, stress: ArrayLike | None = None, drained: bool = True,
-             increments: int = 100) -> PathStep:
-    """Return a step of a change of axial strain (yy), or to an axial effective stress, at constant cell pressure.
+def triaxial(
+    strain: ArrayLike | None = None,
+    stress: ArrayLike | None = None,
+    drained: bool = True,
+    increments: int = 100,
+) -> PathStep:
+    """Return a step of a change of axial strain (yy), or to an axial effective stress, at constant
+    cell pressure.
 
-    Undrained, the volume is constant, and the pore pressure follows from the cell pressure. A material
+    Undrained, the volume is constant, and the pore pressure follows from the cell pressure. A
+    material
     :class:`~skfem_contact.Undrained` has total stresses and takes ``drained=True``.
 
     Examples
@@ -134,7 +155,8 @@ def triaxial(strain: ArrayLike | None = None, stress: ArrayLike | None = None, d
 
 
 def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100) -> PathStep:
-    """Return a step of a change of engineering shear strain (xy) at constant normal stress yy, or constant volume.
+    """Return a step of a change of engineering shear strain (xy) at constant normal stress yy, or
+    constant volume.
 
     Examples
     --------
@@ -144,12 +166,21 @@ def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100) 
     array([0.4])
     """
     side = {"xx": 0.0, "zz": 0.0, "xy": gamma}
-    return PathStep({"yy": None}, side, increments) if drained else PathStep(
-        {}, side | {"yy": 0.0}, increments, total="yy")
+    return (
+        PathStep({"yy": None}, side, increments)
+        if drained
+        else PathStep({}, side | {"yy": 0.0}, increments, total="yy")
+    )
 
 
-def _axial(stress: ArrayLike | None, strain: ArrayLike | None, stresses: Mapping[str, ArrayLike | None],
-           strains: Mapping[str, ArrayLike], increments: int, total: str | None = None) -> PathStep:
+def _axial(
+    stress: ArrayLike | None,
+    strain: ArrayLike | None,
+    stresses: Mapping[str, ArrayLike | None],
+    strains: Mapping[str, ArrayLike],
+    increments: int,
+    total: str | None = None,
+) -> PathStep:
     """Return a step that is driven by its axial stress or strain."""
     if (stress is None) == (strain is None):
         raise ValueError("the axial direction needs either a stress or a strain")

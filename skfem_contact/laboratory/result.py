@@ -1,4 +1,7 @@
-"""Result of an element test: histories of stress and strain, their invariants, tables and diagrams."""
+"""Result of an element test: histories of stress and strain, their invariants, tables and
+diagrams.
+"""
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -87,31 +90,51 @@ class ElementTest:
         states, ncomp, samples = self.stress.shape
         columns = {name: getattr(self, name) for name in ("p", "q", "volume", "pore_pressure")}
         for i, name in enumerate(COMPONENTS[:ncomp]):
-            columns[f"stress {name}"], columns[f"strain {name}"] = self.stress[:, i], self.strain[:, i]
-        columns |= {variable.name: row for variable, row in zip(self.material.internal, self.internal.swapaxes(0, 1))}
-        index = pandas.MultiIndex.from_product([range(samples), range(states)], names=["sample", "state"])
-        return pandas.DataFrame({"step": np.tile(self.step, samples)} | {k: v.T.ravel() for k, v in columns.items()},
-                                index=index)
+            columns[f"stress {name}"], columns[f"strain {name}"] = (
+                self.stress[:, i],
+                self.strain[:, i],
+            )
+        columns |= {
+            variable.name: row
+            for variable, row in zip(self.material.internal, self.internal.swapaxes(0, 1))
+        }
+        index = pandas.MultiIndex.from_product(
+            [range(samples), range(states)], names=["sample", "state"]
+        )
+        return pandas.DataFrame(
+            {"step": np.tile(self.step, samples)} | {k: v.T.ravel() for k, v in columns.items()},
+            index=index,
+        )
 
     def plot(self, beside: dict[str, ndarray] | None = None) -> Any:
         """Draw the four standard diagrams of all samples; return the matplotlib figure.
 
-        The diagrams show q over the shear strain, q over p, the volume strain (or the pore pressure, where the volume
-        stays) over the shear strain, and the volume strain over p on a logarithmic axis.
+        The diagrams show q over the shear strain, q over p, the volume strain (or the pore
+        pressure, where the volume stays) over the shear strain, and the volume strain over p on a
+        logarithmic axis.
 
         Parameters
         ----------
         beside
-            Measured columns with the names ``"shear"`` (shear strain), ``"p"``, ``"q"``, ``"volume"`` and
-            ``"pore_pressure"``, drawn as points where both columns of a diagram exist.
+            Measured columns with the names ``"shear"`` (shear strain), ``"p"``, ``"q"``,
+            ``"volume"`` and ``"pore_pressure"``, drawn as points where both columns of a diagram
+            exist.
         """
         import matplotlib.pyplot as plt
 
         undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
-        third = ("pore_pressure", "excess pore pressure") if undrained else ("volume", "volume strain")
-        values = {name: getattr(self, name) for name in ("shear", "p", "q", "volume", "pore_pressure")}
-        names = ((("shear", "shear strain"), ("q", "q")), (("p", "p'"), ("q", "q")),
-                 (("shear", "shear strain"), third), (("p", "p'"), ("volume", "volume strain")))
+        third = (
+            ("pore_pressure", "excess pore pressure") if undrained else ("volume", "volume strain")
+        )
+        values = {
+            name: getattr(self, name) for name in ("shear", "p", "q", "volume", "pore_pressure")
+        }
+        names = (
+            (("shear", "shear strain"), ("q", "q")),
+            (("p", "p'"), ("q", "q")),
+            (("shear", "shear strain"), third),
+            (("p", "p'"), ("volume", "volume strain")),
+        )
         figure, panels = plt.subplots(2, 2, figsize=(8.0, 6.5), layout="constrained")
         for axes, ((x, along), (y, upright)) in zip(panels.flat, names, strict=True):
             axes.plot(values[x], values[y], linewidth=1.2)

@@ -1,4 +1,5 @@
 """Element tests: Newton's method for stress and strain of a point under prescribed components."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -16,20 +17,24 @@ from ..materials.elastic import refuse_functions
 from .paths import COMPONENTS, PathStep
 from .result import ElementTest
 
-#: Residual as a share of the stresses; round-off of an update is some 1e-15 of the largest modulus times the strain.
+#: Residual as a share of the stresses; round-off of an update is some 1e-15 of the largest modulus
+#: times the strain.
 _TOLERANCE = 1e-10
 #: Newton iterations: 3 to 6 are needed, 12 where an increment crosses an edge of the yield surface.
 _MOST = 25
 #: An increment is halved this often: 1e-6 of it is left.
 _HALVINGS = 20
-#: Change of the initial stress without strain, as a share, that shows a stress outside the yield surface.
+#: Change of the initial stress without strain, as a share, that shows a stress outside the yield
+#: surface.
 _DRIFT = 1e-8
 
 #: Strain, stress, internal variables.
 _State = tuple[ndarray, ndarray, ndarray]
 
 
-def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequence[PathStep]) -> ElementTest:
+def element_test(
+    material: Material, stress: ArrayLike, path: PathStep | Sequence[PathStep]
+) -> ElementTest:
     """Follow a material along a path of prescribed stresses and strains at a point.
 
     Parameters
@@ -37,10 +42,11 @@ def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequenc
     material
         The material. A parameter that is an array has one value for each sample.
     stress
-        Initial effective stress, tension positive: a number for an isotropic one, one number a sample, or components
-        in rows, (4, n_samples) or (6, n_samples).
+        Initial effective stress, tension positive: a number for an isotropic one, one number a
+        sample, or components in rows, (4, n_samples) or (6, n_samples).
     path
-        One step or several: :func:`laboratory.isotropic`, :func:`laboratory.oedometer`, :func:`laboratory.triaxial`,
+        One step or several: :func:`laboratory.isotropic`, :func:`laboratory.oedometer`,
+        :func:`laboratory.triaxial`,
         :func:`laboratory.simple_shear`, or any other :class:`laboratory.PathStep`.
 
     Returns
@@ -74,9 +80,11 @@ def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequenc
             try:
                 state, count = _increment(law, state, rows, goal, step.duration / step.increments)
             except (_NoEquilibrium, IncrementTooLarge) as error:
-                failure = NotConverged(f"step {number} of the element test stops after {k} of {step.increments} "
-                                       f"increments: {error}{_advice(step, error)}; `result` of this error holds the "
-                                       "states before")
+                failure = NotConverged(
+                    f"step {number} of the element test stops after {k} of {step.increments} "
+                    f"increments: {error}{_advice(step, error)}; `result` of this error holds the "
+                    "states before"
+                )
                 failure.result = _result(law, history)
                 raise failure from error
             row = None if step.total is None else COMPONENTS.index(step.total)
@@ -94,14 +102,26 @@ def _advice(step: PathStep, error: Exception) -> str:
     given = [name for name in COMPONENTS[:3] if name in step.stress]
     if len(given) != 2 or not isinstance(error.__cause__, np.linalg.LinAlgError):
         return ""
-    return (f". Between the stresses {given[0]} and {given[1]}, where they are equal, the yield condition leaves the "
-            "strains free: laboratory.triaxial prescribes one of the lateral stresses and equal lateral strains, "
-            "stress={'xx': None}, strain={'xx-zz': 0}")
+    return (
+        f". Between the stresses {given[0]} and {given[1]}, where they are equal, the yield "
+        f"condition leaves the "
+        "strains free: laboratory.triaxial prescribes one of the lateral stresses and equal "
+        "lateral strains, "
+        "stress={'xx': None}, strain={'xx-zz': 0}"
+    )
 
 
-def _increment(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: tuple[ndarray, ...], dt: float,
-               halvings: int = _HALVINGS) -> tuple[_State, int]:
-    """Return the state at the goals of stress and strain, and the iterations; halve an increment that fails."""
+def _increment(
+    law: Material,
+    state: _State,
+    rows: tuple[ndarray, ndarray],
+    goal: tuple[ndarray, ...],
+    dt: float,
+    halvings: int = _HALVINGS,
+) -> tuple[_State, int]:
+    """Return the state at the goals of stress and strain, and the iterations; halve an increment
+    that fails.
+    """
     try:
         return _newton(law, state, rows, goal, dt)
     except (_NoEquilibrium, IncrementTooLarge):
@@ -114,9 +134,16 @@ def _increment(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal
     return whole, first + second
 
 
-def _newton(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: tuple[ndarray, ...], dt: float
-            ) -> tuple[_State, int]:
-    """Solve the conditions ``S stress = goal[0]`` and ``E strain = goal[1]`` for the strain increment."""
+def _newton(
+    law: Material,
+    state: _State,
+    rows: tuple[ndarray, ndarray],
+    goal: tuple[ndarray, ...],
+    dt: float,
+) -> tuple[_State, int]:
+    """Solve the conditions ``S stress = goal[0]`` and ``E strain = goal[1]`` for the strain
+    increment.
+    """
     (S, E), (strain, stress, internal) = rows, state
     elasticity = elasticity_at(law, stress, internal)
     scale, step, sizes = np.abs(elasticity).max(), np.zeros_like(strain), []
@@ -125,7 +152,9 @@ def _newton(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: t
         new = updated(law, step[:, :, None], stress[:, :, None], internal[:, :, None], dt)
         reached = new.stress[:, :, 0]
         missing = goal[0] - S @ reached, goal[1] - E @ (strain + step)
-        largest = np.maximum(np.abs(reached).max(axis=0), np.abs(goal[0]).max(axis=0, initial=1e-300))
+        largest = np.maximum(
+            np.abs(reached).max(axis=0), np.abs(goal[0]).max(axis=0, initial=1e-300)
+        )
         errors = np.concatenate((missing[0] / largest, missing[1] * scale / largest))
         sizes.append(np.abs(errors).max(axis=0))
         if not np.isfinite(sizes[-1]).all():
@@ -134,15 +163,22 @@ def _newton(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: t
             return (strain + step, reached, new.internal[:, :, 0]), count
         tangent = tangent_at(elasticity, new)
         try:
-            change = np.linalg.solve(np.concatenate((S @ tangent, strains), axis=1),
-                                     np.concatenate(missing).T[:, :, None])[:, :, 0]
+            change = np.linalg.solve(
+                np.concatenate((S @ tangent, strains), axis=1),
+                np.concatenate(missing).T[:, :, None],
+            )[:, :, 0]
         except np.linalg.LinAlgError as error:
-            raise _NoEquilibrium("the stiffness under these conditions is singular: a stress is prescribed that the "
-                                 "material does not resist, so prescribe a strain instead") from error
+            raise _NoEquilibrium(
+                "the stiffness under these conditions is singular: a stress is prescribed that the "
+                "material does not resist, so prescribe a strain instead"
+            ) from error
         step = step + change.T
     worst = int(np.argmax(np.nan_to_num(sizes[-1], nan=np.inf)))
-    raise _NoEquilibrium(f"no equilibrium in {len(sizes)} iterations, {sizes[-1][worst]:.1e} of the stress is out of "
-                         f"balance in sample {worst}, {_listed(stress[:, worst])}")
+    raise _NoEquilibrium(
+        f"no equilibrium in {len(sizes)} iterations, {sizes[-1][worst]:.1e} of the stress is out "
+        f"of "
+        f"balance in sample {worst}, {_listed(stress[:, worst])}"
+    )
 
 
 def tangent_at(elasticity: ndarray, new: Update) -> ndarray:
@@ -159,8 +195,11 @@ def elasticity_at(law: Material, stress: ndarray, internal: ndarray) -> ndarray:
     ncomp, samples = stress.shape
     state = (stress[:, :, None], internal[:, :, None]) if law.stress_dependent else ()
     moduli = np.asarray(law.elasticity(ncomp, *state))
-    return moduli.reshape(samples, ncomp, ncomp) if moduli.ndim > 2 else np.broadcast_to(
-        moduli, (samples, ncomp, ncomp))
+    return (
+        moduli.reshape(samples, ncomp, ncomp)
+        if moduli.ndim > 2
+        else np.broadcast_to(moduli, (samples, ncomp, ncomp))
+    )
 
 
 def _components(stress: ArrayLike) -> ndarray:
@@ -169,8 +208,11 @@ def _components(stress: ArrayLike) -> ndarray:
     if values.ndim < 2:
         return np.concatenate((np.tile(values, (3, 1)).reshape(3, -1), np.zeros((1, values.size))))
     if values.ndim > 2 or len(values) not in (4, 6):
-        raise ValueError(f"stress must be a number, one number a sample, or of shape (4, n_samples) or (6, n_samples), "
-                         f"not {values.shape}")
+        raise ValueError(
+            f"stress must be a number, one number a sample, or of shape (4, n_samples) or (6, "
+            f"n_samples), "
+            f"not {values.shape}"
+        )
     return values
 
 
@@ -181,9 +223,12 @@ def _check_start(law: Material, state: _State) -> None:
     drift = np.abs(new.stress[:, :, 0] - stress).max(axis=0)
     worst = int(np.argmax(drift))
     if drift[worst] > _DRIFT * np.abs(stress[:, worst]).max():
-        raise ValueError(f"{law.label} does not admit the initial stress of sample {worst}, "
-                         f"{_listed(stress[:, worst])}: it lies outside the yield surface, by {drift[worst]:.3g} in a "
-                         "component")
+        raise ValueError(
+            f"{law.label} does not admit the initial stress of sample {worst}, "
+            f"{_listed(stress[:, worst])}: it lies outside the yield surface, by "
+            f"{drift[worst]:.3g} in a "
+            "component"
+        )
 
 
 def _listed(stress: ndarray) -> str:

@@ -1,4 +1,5 @@
 """Certified bounds of factors of safety and limit loads, alone or for a search."""
+
 from __future__ import annotations
 
 import logging
@@ -28,9 +29,10 @@ logger = logging.getLogger("skfem_contact")
 
 #: Share of the upper bound below which a lower one is none.
 _NOTHING = 1e-3
-#: Bounds on the mesh of a search take .4 to 1.4 of its time where its dofs times iterations are so many times
-#: the triangles: both take 1.0 to 1.8 ms a triangle on slopes of 1,400 to 3,500 quadratic triangles, a search 2.3 to
-#: 3.4 us a dof and iteration. With an estimate they cost half as much again.
+#: Bounds on the mesh of a search take .4 to 1.4 of its time where its dofs times iterations are so
+#: many times the triangles: both take 1.0 to 1.8 ms a triangle on slopes of 1,400 to 3,500
+#: quadratic triangles, a search 2.3 to 3.4 us a dof and iteration. With an estimate they cost half
+#: as much again.
 _CHEAP = 370.0
 #: Triangles up to which the bounds of a coarse mesh are computed in any case, in about a second.
 _FEW = 800
@@ -39,45 +41,63 @@ _OPTIONS = ("water", "submerged", "gap", "elements", "seconds")
 
 
 @single_threaded
-def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str, float] | None = None, *,
-           tractions: Mapping[str, TractionLike] | None = None, water: Pressure | None = None,
-           submerged: str | Collection[str] = (), seismic: float = 0.0, reduce: str | Collection[str] | None = None,
-           exclude: str | Collection[str] = (), live: str | Collection[str] = (),
-           flow: Literal["given", "associated"] = "given", gap: float = 0.01, elements: int = 20_000,
-           seconds: float = np.inf, progress: bool | None = None) -> Bounds:
-    """Compute a lower and an upper bound of the factor of safety, or of the limit load, each with its proof.
+def bounds(
+    forms: Mapping[str, Any],
+    fixed: ndarray,
+    weight: float | Mapping[str, float] | None = None,
+    *,
+    tractions: Mapping[str, TractionLike] | None = None,
+    water: Pressure | None = None,
+    submerged: str | Collection[str] = (),
+    seismic: float = 0.0,
+    reduce: str | Collection[str] | None = None,
+    exclude: str | Collection[str] = (),
+    live: str | Collection[str] = (),
+    flow: Literal["given", "associated"] = "given",
+    gap: float = 0.01,
+    elements: int = 20_000,
+    seconds: float = np.inf,
+    progress: bool | None = None,
+) -> Bounds:
+    """Compute a lower and an upper bound of the factor of safety, or of the limit load, each with
+    its proof.
 
-    The lower bound is a stress field in equilibrium with the loads that yields nowhere.  The upper bound is a velocity
-    field that obeys the flow rule, on which the loads do more work than the soil dissipates.  Both fields are checked
-    after the solver, to round-off.  The theorems hold for associated flow, the upper bound for any flow.  Elastic
-    moduli, initial stresses and K0 do not matter.
+    The lower bound is a stress field in equilibrium with the loads that yields nowhere.  The upper
+    bound is a velocity field that obeys the flow rule, on which the loads do more work than the
+    soil dissipates.  Both fields are checked after the solver, to round-off.  The theorems hold for
+    associated flow, the upper bound for any flow.  Elastic moduli, initial stresses and K0 do not
+    matter.
 
     Parameters
     ----------
     forms
-        Solids and contact pairs by name, in plane strain: Mohr-Coulomb, Tresca and von Mises materials.  Elastic bodies
-        count as rigid.  Contact is closed where the meshed boundaries meet.
+        Solids and contact pairs by name, in plane strain: Mohr-Coulomb, Tresca and von Mises
+        materials.  Elastic bodies count as rigid.  Contact is closed where the meshed boundaries
+        meet.
     fixed
         Dofs that are held, along whole facets.
     weight
         Weight per volume: one number, or by subdomain; by default the unit weights of the solids.
     tractions
-        Forces per area on boundaries, (t_x, t_y) or a function of coordinates (2, n) with values (2, n).
+        Forces per area on boundaries, (t_x, t_y) or a function of coordinates (2, n) with values
+        (2, n).
     water
-        Pressure of water in the pores, positive: a function of coordinates, or values at the nodes.  Everything but
-        rigid bodies has pores.
+        Pressure of water in the pores, positive: a function of coordinates, or values at the nodes.
+         Everything but rigid bodies has pores.
     submerged
         Boundaries on which the water presses from outside, see :func:`water_load`.
     seismic
         Horizontal acceleration, towards positive x, over gravity.
     reduce, exclude
-        Names of forms and regions whose strength is reduced, or kept, as in :func:`strength_reduction`.
+        Names of forms and regions whose strength is reduced, or kept, as in
+        :func:`strength_reduction`.
     live
-        Boundaries in `tractions` whose forces are multiplied, or ``"weight"``: the bounds are those of the multiplier
-        at collapse, and the strength is not reduced.
+        Boundaries in `tractions` whose forces are multiplied, or ``"weight"``: the bounds are those
+        of the multiplier at collapse, and the strength is not reduced.
     flow
-        ``"given"``: ``lower`` is an estimate where soil dilates less than its friction, with the associated soil of
-        Davis, and where joints have friction, with joints that open; ``"associated"``: dilation equals friction.
+        ``"given"``: ``lower`` is an estimate where soil dilates less than its friction, with the
+        associated soil of Davis, and where joints have friction, with joints that open;
+        ``"associated"``: dilation equals friction.
     gap
         Difference of the bounds, as a share of their mean, at which the refinement ends.
     elements
@@ -90,12 +110,14 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     Raises
     ------
     ValueError
-        LimitModel without bounds (space, axial symmetry, other materials or forms), bad input, or no collapse.
+        LimitModel without bounds (space, axial symmetry, other materials or forms), bad input, or
+        no collapse.
 
     Warns
     -----
     AnalysisWarning
-        A wide gap, a bound without proof (it is infinite), or fixed loads that alone cause a collapse.
+        A wide gap, a bound without proof (it is infinite), or fixed loads that alone cause a
+        collapse.
 
     Examples
     --------
@@ -113,10 +135,28 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
     gamma: Any = _own(forms) if weight is None else weight
-    loads = partial(named_loads, weight=gamma, tractions=dict(tractions or {}), water=water,
-                    submerged=names_of(submerged), seismic=seismic, live=names_of(live))
-    return _bracket(forms, fixed, loads, bool(names_of(live)), reduce=reduce, exclude=exclude, flow=flow, gap=gap,
-                    elements=elements, seconds=seconds, progress=progress)
+    loads = partial(
+        named_loads,
+        weight=gamma,
+        tractions=dict(tractions or {}),
+        water=water,
+        submerged=names_of(submerged),
+        seismic=seismic,
+        live=names_of(live),
+    )
+    return _bracket(
+        forms,
+        fixed,
+        loads,
+        bool(names_of(live)),
+        reduce=reduce,
+        exclude=exclude,
+        flow=flow,
+        gap=gap,
+        elements=elements,
+        seconds=seconds,
+        progress=progress,
+    )
 
 
 def _own(forms: Mapping[str, Any]) -> ndarray | float:
@@ -130,60 +170,129 @@ def _own(forms: Mapping[str, Any]) -> ndarray | float:
     return weights
 
 
-def beside(certify: bool | str | Mapping[str, Any], forms: Mapping[str, Any], fixed: ndarray, dead: ndarray,
-           live: ndarray | None, reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
-           flow: str = "given", progress: bool | None = None, at_rest: AtRest | None = None) -> Bounds | None:
-    """Compute the bounds of a search with `certify`: True, or a mapping of arguments of :func:`bounds`.
+def beside(
+    certify: bool | str | Mapping[str, Any],
+    forms: Mapping[str, Any],
+    fixed: ndarray,
+    dead: ndarray,
+    live: ndarray | None,
+    reduce: str | Collection[str] | None = None,
+    exclude: str | Collection[str] = (),
+    flow: str = "given",
+    progress: bool | None = None,
+    at_rest: AtRest | None = None,
+) -> Bounds | None:
+    """Compute the bounds of a search with `certify`: True, or a mapping of arguments of
+    :func:`bounds`.
 
-    Load vectors, (N,), are fixed, and multiplied or None where the strength is reduced. Water at rest is that of the
-    search.
+    Load vectors, (N,), are fixed, and multiplied or None where the strength is reduced. Water at
+    rest is that of the search.
     """
     if certify is False or certify == "auto":
         return None
     if certify is not True and (not isinstance(certify, Mapping) or set(certify) - set(_OPTIONS)):
-        raise ValueError(f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not {certify!r}")
+        raise ValueError(
+            f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not "
+            f"{certify!r}"
+        )
     given = dict(certify) if isinstance(certify, Mapping) else {}
-    loads = partial(vector_loads, dead=dead, live=live, water=given.pop("water", None),
-                    submerged=names_of(given.pop("submerged", ())), at_rest=at_rest)
-    return _bracket(forms, fixed, loads, live is not None, reduce=reduce, exclude=exclude, flow=flow,
-                    progress=progress, **given)
+    loads = partial(
+        vector_loads,
+        dead=dead,
+        live=live,
+        water=given.pop("water", None),
+        submerged=names_of(given.pop("submerged", ())),
+        at_rest=at_rest,
+    )
+    return _bracket(
+        forms,
+        fixed,
+        loads,
+        live is not None,
+        reduce=reduce,
+        exclude=exclude,
+        flow=flow,
+        progress=progress,
+        **given,
+    )
 
 
-def at_hand(forms: Mapping[str, Any], fixed: ndarray, dead: ndarray, reduce: str | Collection[str] | None,
-            exclude: str | Collection[str], flow: str, work: float, coarse: bool, at_rest: AtRest) -> Bounds | None:
-    """Compute the bounds of a factor of safety on the mesh of its search, with its `work`: dofs times iterations.
+def at_hand(
+    forms: Mapping[str, Any],
+    fixed: ndarray,
+    dead: ndarray,
+    reduce: str | Collection[str] | None,
+    exclude: str | Collection[str],
+    flow: str,
+    work: float,
+    coarse: bool,
+    at_rest: AtRest,
+) -> Bounds | None:
+    """Compute the bounds of a factor of safety on the mesh of its search, with its `work`: dofs
+    times iterations.
 
-    Returns None where there are no bounds, no upper one is proven, or they cost more than about the search, unless the
-    mesh seems to be coarse.
+    Returns None where there are no bounds, no upper one is proven, or they cost more than about the
+    search, unless the mesh seems to be coarse.
     """
-    triangles = sum(form.basis.nelems * len(form.basis.mesh.t) / 3 for form in solids_of(forms).values())
-    less = any(m.dilates_less for form in solids_of(forms).values() for m in form.materials.values())
-    if not (coarse and triangles <= _FEW) and work < (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles:
+    triangles = sum(
+        form.basis.nelems * len(form.basis.mesh.t) / 3 for form in solids_of(forms).values()
+    )
+    less = any(
+        m.dilates_less for form in solids_of(forms).values() for m in form.materials.values()
+    )
+    if (
+        not (coarse and triangles <= _FEW)
+        and work < (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles
+    ):
         return None
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # open ends were not asked for
             loads = partial(vector_loads, dead=dead, live=None, at_rest=at_rest)
-            found = _bracket(forms, fixed, loads, False, reduce=reduce, exclude=exclude, flow=flow, progress=False,
-                             elements=1)
+            found = _bracket(
+                forms,
+                fixed,
+                loads,
+                False,
+                reduce=reduce,
+                exclude=exclude,
+                flow=flow,
+                progress=False,
+                elements=1,
+            )
     except ValueError as reason:
         logger.info("no bounds beside the search: %s", reason)
         return None
     return found if np.isfinite(found.upper) else None
 
 
-def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads], multiplied: bool, *,
-             reduce: str | Collection[str] | None, exclude: str | Collection[str], flow: str, progress: bool | None,
-             gap: float = 0.01, elements: int = 20_000, seconds: float = np.inf) -> Bounds:
+def _bracket(
+    forms: Mapping[str, Any],
+    fixed: ndarray,
+    loads: Callable[[Site], Loads],
+    multiplied: bool,
+    *,
+    reduce: str | Collection[str] | None,
+    exclude: str | Collection[str],
+    flow: str,
+    progress: bool | None,
+    gap: float = 0.01,
+    elements: int = 20_000,
+    seconds: float = np.inf,
+) -> Bounds:
     """Compute bounds; warn of open ends."""
     if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
-        raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
+        raise ValueError(
+            f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}"
+        )
     problem = read(forms, fixed, loads, multiplied, reduce, exclude, flow == "associated")
     with progress_bar(progress, desc="bounds", bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)
-        davis, smooth = (None if weaker is None else search.estimate(weaker)
-                         for weaker in (problem.davis, problem.smooth))
+        davis, smooth = (
+            None if weaker is None else search.estimate(weaker)
+            for weaker in (problem.davis, problem.smooth)
+        )
     _tell(search, gap)
     return _result(search, davis, smooth)
 
@@ -193,35 +302,60 @@ def _tell(search: Search, gap: float) -> None:
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
     if (missing := search.problem.missing) and not low > _NOTHING * high:
-        warn(f"soil without {missing} resists nothing at a free surface, and there is no lower bound: give "
-             f"it a small {missing}; the upper bound is {high:.5g}")
+        warn(
+            f"soil without {missing} resists nothing at a free surface, and there is no lower "
+            f"bound: give "
+            f"it a small {missing}; the upper bound is {high:.5g}"
+        )
     elif search.overloaded:
-        why = f"the multiplier is at most {high:.5g}" if high < 0 else \
-              f"they need {1 / search.fixed_factor:.4g} times the strength"
+        why = (
+            f"the multiplier is at most {high:.5g}"
+            if high < 0
+            else f"they need {1 / search.fixed_factor:.4g} times the strength"
+        )
         warn(f"the fixed loads alone cause a collapse: {why}")
     elif unproven:
-        warn(f"no {' and no '.join(unproven)} bound could be proven{_blocked(search)}{_too_strong(search)}")
+        warn(
+            f"no {' and no '.join(unproven)} bound could be "
+            f"proven{_blocked(search)}{_too_strong(search)}"
+        )
     elif search.gap > gap:
-        warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
-             f"were asked for: allow more `elements` or `seconds`{_too_strong(search)}")
+        warn(
+            f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the "
+            f"{gap:.2%} that "
+            f"were asked for: allow more `elements` or `seconds`{_too_strong(search)}"
+        )
 
 
 def _too_strong(search: Search) -> str:
     """Return what helps beside parts of much more strength than others, for a message."""
     names = ", ".join(search.problem.strong)
-    return f"; with LinearElastic, what is much stronger than the rest would be rigid, and bounds closer: {names}" \
-        * bool(names)
+    return (
+        f"; with LinearElastic, what is much stronger than the rest would be rigid, and bounds "
+        f"closer: {names}" * bool(names)
+    )
 
 
 def _blocked(search: Search) -> str:
-    """Return where contact ends at a support, at which no velocity without jumps can begin, for a message."""
+    """Return where contact ends at a support, at which no velocity without jumps can begin, for a
+    message.
+    """
     triangles, shape = search.upper.triangles, search.problem.geometry
     facets, tags = triangles.mesh.facets, triangles.tags
     held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
-    sides = [facets[:, tags[side]].ravel() for c in search.model.contacts for side in (c.slave, c.master)]
+    sides = [
+        facets[:, tags[side]].ravel() for c in search.model.contacts for side in (c.slave, c.master)
+    ]
     found = np.intersect1d(held, np.concatenate([held[:0], *sides]))
-    where = format_point(shape.centre + shape.size * triangles.mesh.p[:, found[0]]) if len(found) else ""
-    return f": contact ends at a support at {where}, where nothing can slide; hold one component there" * bool(where)
+    where = (
+        format_point(shape.centre + shape.size * triangles.mesh.p[:, found[0]])
+        if len(found)
+        else ""
+    )
+    return (
+        f": contact ends at a support at {where}, where nothing can slide; hold one component there"
+        * bool(where)
+    )
 
 
 def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:
@@ -231,22 +365,41 @@ def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds
 
     def named(triangles: Triangles) -> MeshTri:
         """Return the mesh in the user's coordinates, with the names of the given mesh."""
-        parts = {name: np.flatnonzero(np.isin(triangles.origin, part))
-                 for name, part in (given.subdomains or {}).items()}
-        boundaries = {name: facets for name, facets in triangles.tags.items() if isinstance(name, str)}
-        return MeshTri(shape.centre[:, None] + shape.size * triangles.mesh.p, triangles.mesh.t, validate=False,
-                       _boundaries=boundaries, _subdomains=parts)
+        parts = {
+            name: np.flatnonzero(np.isin(triangles.origin, part))
+            for name, part in (given.subdomains or {}).items()
+        }
+        boundaries = {
+            name: facets for name, facets in triangles.tags.items() if isinstance(name, str)
+        }
+        return MeshTri(
+            shape.centre[:, None] + shape.size * triangles.mesh.p,
+            triangles.mesh.t,
+            validate=False,
+            _boundaries=boundaries,
+            _subdomains=parts,
+        )
 
     velocity = (high.program.reduction.matrix @ high.proof.field).reshape(-1, 2).T
     stress = np.full((3, low.triangles.mesh.nelements, 3), np.nan)
-    stress[:, low.program.soft] = problem.stress * low.program.of_triangles(low.proof.field).transpose(2, 0, 1)
+    stress[:, low.program.soft] = problem.stress * low.program.of_triangles(
+        low.proof.field
+    ).transpose(2, 0, 1)
     return Bounds(
-        lower=float(low.proof.value if davis is None else davis), upper=float(high.proof.value),
-        estimate=davis is not None or smooth is not None, safe=None if smooth is None else float(smooth),
-        what="limit load" if search.live else "factor of safety", reduced=problem.reduced,
-        mesh=named(high.triangles), mechanism=velocity / (np.abs(velocity).max() or 1.0),
-        dissipation=_shares(high, search.live), stress_mesh=named(low.triangles), stress=stress,
-        history=tuple(search.history), remarks=problem.remarks)
+        lower=float(low.proof.value if davis is None else davis),
+        upper=float(high.proof.value),
+        estimate=davis is not None or smooth is not None,
+        safe=None if smooth is None else float(smooth),
+        what="limit load" if search.live else "factor of safety",
+        reduced=problem.reduced,
+        mesh=named(high.triangles),
+        mechanism=velocity / (np.abs(velocity).max() or 1.0),
+        dissipation=_shares(high, search.live),
+        stress_mesh=named(low.triangles),
+        stress=stress,
+        history=tuple(search.history),
+        remarks=problem.remarks,
+    )
 
 
 def _shares(high: Bound, live: bool) -> ndarray:

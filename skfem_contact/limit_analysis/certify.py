@@ -1,4 +1,7 @@
-"""Certificates of stresses and velocities, computed after the solver by the theorems of limit analysis."""
+"""Certificates of stresses and velocities, computed after the solver by the theorems of limit
+analysis.
+"""
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,20 +14,24 @@ from .elements import Program
 from .interior_point import HIGHEST, Solution
 from .strength import Strength
 
-#: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the solver's alone points at
-#: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor. The second
-#: one is taken where the first leads to no equilibrium: with noise of 1e-14 a pile in the ground has no lower bound in
-#: two of nine runs with the first alone, and 1.3340 to 1.3341 in all with both.
+#: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the
+#: solver's alone points at yield could not move at all, with the plain one soil of little stress
+#: would lose up to 2 % of the factor. The second one is taken where the first leads to no
+#: equilibrium: with noise of 1e-14 a pile in the ground has no lower bound in two of nine runs with
+#: the first alone, and 1.3340 to 1.3341 in all with both.
 _PLAIN = 1e-5, 1e-4
-#: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond the last, refused. A
-#: pile in the ground (c = 7,500 and 32) leaves 2e-13 after 8 repetitions and 2e-14 after 20.
+#: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond
+#: the last, refused. A pile in the ground (c = 7,500 and 32) leaves 2e-13 after 8 repetitions and
+#: 2e-14 after 20.
 _BALANCED, _REPETITIONS, UNBALANCED = 1e-15, 20, 1e-13
-#: The change of volume and the overlap of a velocity are taken out until they are below this share of the largest
-#: strain, at most so often: a slope in clay takes 8 times or 20, as round-off will have it.
+#: The change of volume and the overlap of a velocity are taken out until they are below this share
+#: of the largest strain, at most so often: a slope in clay takes 8 times or 20, as round-off will
+#: have it.
 _SHAPED, _SHAPINGS = 1e-15, 40
 #: Stress below this share of the largest is none.
 _NO_STRESS = 1e-12
-#: Power of the loads on a velocity, as a share of its terms, that is round-off: bounds of 1e20 come from it.
+#: Power of the loads on a velocity, as a share of its terms, that is round-off: bounds of 1e20 come
+#: from it.
 _ROUND_OFF = 1e-12
 #: Accuracy of the factor at which dissipation and power are equal.
 _ROOT = 1e-13
@@ -38,11 +45,15 @@ class Proof:
 
     value: float  # factor or multiplier; -inf or inf where nothing was proven
     field: ndarray  # stresses (n_points, 3), or velocities (m,) that move the loads with unit power
-    residual: float  # largest relative violation of equilibrium, or of a flow rule that is an equation
+    residual: (
+        float  # largest relative violation of equilibrium, or of a flow rule that is an equation
+    )
 
 
 def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
-    """Prove a lower bound: the largest factor (multiplier) that stresses in equilibrium with the loads admit."""
+    """Prove a lower bound: the largest factor (multiplier) that stresses in equilibrium with the
+    loads admit.
+    """
     theta = found.theta if live else 1.0
     for plain in _PLAIN:
         stress, residual = _balanced(program, found, theta, plain)
@@ -60,13 +71,19 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     return Proof(share * theta, share * stress, residual)
 
 
-def _balanced(program: Program, found: Solution, theta: float, plain: float) -> tuple[ndarray, float]:
-    """Move stresses into equilibrium, where it costs least; also return the relative violation that is left."""
+def _balanced(
+    program: Program, found: Solution, theta: float, plain: float
+) -> tuple[ndarray, float]:
+    """Move stresses into equilibrium, where it costs least; also return the relative violation that
+    is left.
+    """
     f = program.dead + theta * program.live
     stress = found.stress.copy()
     scale = float((abs(program.matrix) @ np.abs(stress).ravel()).max(initial=0.0)) or 1.0
     trace = np.trace(found.metric, axis1=1, axis2=2)[:, None, None]
-    metric = np.divide(found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0) + plain * np.eye(3)
+    metric = np.divide(
+        found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0
+    ) + plain * np.eye(3)
     inverse = program.factor(metric)
     for _ in range(_REPETITIONS):
         r = f - program.forces(stress)
@@ -83,6 +100,7 @@ def _admitted(program: Program, stress: ndarray, round_off: float) -> float:
 
 def _largest_share(program: Program, stress: ndarray, round_off: float) -> float:
     """Return the largest number that stresses may be multiplied by; zero stress is admissible."""
+
     def holds(share: float) -> bool:
         return _admitted(program, share * stress, share * round_off) >= 1.0
 
@@ -109,14 +127,25 @@ def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
 
 
 def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
-    """Return the bound of velocities: the smallest factor of their flow rule at which the loads win."""
+    """Return the bound of velocities: the smallest factor of their flow rule at which the loads
+    win.
+    """
     strain, round_off = program.strains(velocity), program.round_off(velocity)
     fixed = program.dead @ velocity
     power = program.live @ velocity + (0.0 if live else fixed)
-    if not power > _ROUND_OFF * float((np.abs(program.live) + np.abs(program.dead)) @ np.abs(velocity)):
+    if not power > _ROUND_OFF * float(
+        (np.abs(program.live) + np.abs(program.dead)) @ np.abs(velocity)
+    ):
         return Proof(np.inf, velocity, np.inf)
-    velocity, strain, round_off, fixed = velocity / power, strain / power, round_off / power, fixed / power
-    flow = float(program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max())
+    velocity, strain, round_off, fixed = (
+        velocity / power,
+        strain / power,
+        round_off / power,
+        fixed / power,
+    )
+    flow = float(
+        program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max()
+    )
 
     def excess(factor: float) -> float:
         return float(dissipation(program, strain, factor).sum()) - (fixed if live else 1.0)
@@ -127,7 +156,11 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
         value = np.inf
     else:
         flow = max(flow, 1.0 / HIGHEST)
-        value = flow if excess(flow) <= 0 else (1 + _ROOT) * brentq(excess, flow, HIGHEST, xtol=_ROOT, rtol=_ROOT)
+        value = (
+            flow
+            if excess(flow) <= 0
+            else (1 + _ROOT) * brentq(excess, flow, HIGHEST, xtol=_ROOT, rtol=_ROOT)
+        )
     kept = program.incompressible
     change = np.abs((strain[kept] * program.volume[kept]).sum(1)).max(initial=0.0)
     return Proof(value, velocity, float(change / np.abs(strain).max(initial=1e-300)))
@@ -139,7 +172,9 @@ def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:
 
 
 def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
-    """Correct velocities to constant volume where there is no friction, and to bodies that do not overlap."""
+    """Correct velocities to constant volume where there is no friction, and to bodies that do not
+    overlap.
+    """
     kept = program.incompressible
     if not len(kept) and not program.joints:
         return velocities

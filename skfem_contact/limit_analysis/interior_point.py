@@ -1,12 +1,15 @@
 r"""Interior points for the programs of both bounds; the factor of strength moves along.
 
-.. math:: \max \theta: \quad A \sigma = f_0 + \theta f_1, \quad s = h(F) - \theta e - G(F) \sigma \in Q
+.. math:: \max \theta: \quad A \sigma = f_0 + \theta f_1, \quad s = h(F) - \theta e - G(F) \sigma
+\in Q
 
-with multipliers y of equilibrium and z in Q of the strength.  Steps of Mehrotra in the scaling of Nesterov and Todd
-lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit load :math:`\theta` is its multiplier
-and e = 0.  For a factor of safety it is the share e of strength that is left, which is bounded where multipliers are
-not (friction alone resists any load), and F is moved until none is left.
+with multipliers y of equilibrium and z in Q of the strength.  Steps of Mehrotra in the scaling of
+Nesterov and Todd lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit
+load :math:`\theta` is its multiplier and e = 0.  For a factor of safety it is the share e of
+strength that is left, which is bounded where multipliers are not (friction alone resists any load),
+and F is moved until none is left.
 """
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,24 +25,29 @@ MOST = 80
 _SIGNS = np.array([1.0, -1.0, -1.0])
 #: Largest factor of the search: a structure with so much less strength does not depend on it.
 HIGHEST = 100.0
-#: Distance from the aim of which the gap keeps a share: points at the surface of their cones cannot follow the factor.
+#: Distance from the aim of which the gap keeps a share: points at the surface of their cones cannot
+#: follow the factor.
 _CENTRED = 0.1
 #: Share of the way to the surface of the cones that a step goes.
 _STEP = 0.98
 #: Distance from the aim, as a share of the accuracy, at which the factor is right.
 _HIT = 0.1
-#: Residuals of the normalisation and of the strength, also as a share of each, below which certificates do the rest.
+#: Residuals of the normalisation and of the strength, also as a share of each, below which
+#: certificates do the rest.
 _FEASIBLE = (1e-4, 1e-5)
 #: Round-off of stresses, as a share of the largest, by which those of no strength may exceed it.
 _ROUND_OFF = 1e-13
 #: Largest change of the factor in a step.
 _CHANGE = 0.2
-#: Relative residual at which solutions of the normal equations are refined no more, and how often they are.
+#: Relative residual at which solutions of the normal equations are refined no more, and how often
+#: they are.
 _REFINED, _REFINEMENTS = 1e-9, 3
-#: Least size of that compliance, as a share of the median, where the strength is so many times the median: a pile in
-#: the ground (c = 7,500 and 32) has so little that round-off rules (0 and .01: no lower bound; .1: 1.347, 1.485).
+#: Least size of that compliance, as a share of the median, where the strength is so many times the
+#: median: a pile in the ground (c = 7,500 and 32) has so little that round-off rules (0 and .01: no
+#: lower bound; .1: 1.347, 1.485).
 _AMONG_WEAK, _STRONG = 0.1, 10.0
-#: Share of its depth within the cone that a multiplier keeps where it is made to follow from the strains.
+#: Share of its depth within the cone that a multiplier keeps where it is made to follow from the
+#: strains.
 _DEEP = 0.5
 #: Steps without progress after which round-off is said to rule.
 _STALLED = 2
@@ -65,7 +73,9 @@ class Goal:
     factor: float  # of strength, to begin with or to stay at
     aim: float  # objective at which the factor is right
     moving: bool  # the factor is sought; otherwise it stays, and the load is multiplied
-    volume: float  # compliance to the mean stress where strength does not depend on it: then an augmented Lagrangian
+    # compliance to the mean stress where strength does not depend on it: then an augmented
+    # Lagrangian
+    volume: float
     fixed: float = 1.0  # factor of strength that is not reduced
     far: bool = True  # stresses begin at the size that the fixed loads need
 
@@ -110,13 +120,16 @@ class _Path:
         self.soft = one & ~self.steep
 
     def _carried(self) -> float:
-        """Return the largest elastic stress under fixed loads: with less to begin with, steps remain short.
+        """Return the largest elastic stress under fixed loads: with less to begin with, steps
+        remain short.
 
-        A block of 2.4 times the cohesion of the ground takes 80 iterations and finds nothing without it, 8 to 18 with
-        it; one of .036 times 38 and 26 without it, 13 and 11 with it.
+        A block of 2.4 times the cohesion of the ground takes 80 iterations and finds nothing
+        without it, 8 to 18 with it; one of .036 times 38 and 26 without it, 13 and 11 with it.
         """
         whole = np.broadcast_to(np.eye(3), (self.program.n_points, 3, 3))
-        velocity = self.program.factor(whole)(self.program.dead) if self.program.dead.any() else self.y
+        velocity = (
+            self.program.factor(whole)(self.program.dead) if self.program.dead.any() else self.y
+        )
         return float(np.abs(self.program.strains(velocity)).max(initial=0.0))
 
     def _set_factor(self, factor: float) -> None:
@@ -151,7 +164,9 @@ class _Path:
         size = 1.0 if self.moving else max(self.theta, 1e-9)
         round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
         within = _depth(self.s - self.rc) > -_FEASIBLE[1] * np.minimum(self.h, 1.0) - round_off
-        feasible = abs(self.rt) < _FEASIBLE[0] and np.abs(self.rc).max() < _FEASIBLE[1] and within.all()
+        feasible = (
+            abs(self.rt) < _FEASIBLE[0] and np.abs(self.rc).max() < _FEASIBLE[1] and within.all()
+        )
         if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
             return True
         worth = self.gap / size + self.away + abs(self.rt)
@@ -170,11 +185,17 @@ class _Path:
         mu = self.gap / n_cones
         first = self._direction(-point)
         a = min(1.0, _longest_step(self.s, first.s), _longest_step(self.z, first.z))
-        right = -_product(point, point) - _product(_times(scaled.inverse, first.s), _times(scaled.W, first.z))
+        right = -_product(point, point) - _product(
+            _times(scaled.inverse, first.s), _times(scaled.W, first.z)
+        )
         right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * self.away / n_cones))
         d = self._direction(_quotient(right, point))
         a = min(1.0, _STEP * min(_longest_step(self.s, d.s), _longest_step(self.z, d.z)))
-        self.sigma, self.y, self.theta = self.sigma + a * d.sigma, self.y + a * d.y, self.theta + a * d.theta
+        self.sigma, self.y, self.theta = (
+            self.sigma + a * d.sigma,
+            self.y + a * d.y,
+            self.theta + a * d.theta,
+        )
         self.s, self.z = self.s + a * d.s, self.z + a * d.z
         if d.factor:
             self._set_factor(self.F + a * d.factor)
@@ -187,7 +208,7 @@ class _Path:
         trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
         H += trace * 1e-13 * np.eye(3)
         volume = self.program.volume[self.soft]
-        strong = self.h[:self.program.n_points] > _STRONG * np.median(self.h)
+        strong = self.h[: self.program.n_points] > _STRONG * np.median(self.h)
         size = np.maximum(trace, _AMONG_WEAK * np.median(trace) * strong[:, None, None])[self.soft]
         H[self.soft] += self.goal.volume * size * volume[:, :, None] * volume[:, None, :] / 2
         if not np.isfinite(H).all():
@@ -198,7 +219,11 @@ class _Path:
         r = _times(self.metric, self._pull)
         self._y2 = self._solve(self.program.forces(r) + self.f1)
         self._s2 = r - _times(self.metric, self.program.strains(self._y2))
-        self._pivot = (self.e**2 * scaled.squared[:, 0, 0]).sum() - (self._pull * self._s2).sum() + self.f1 @ self._y2
+        self._pivot = (
+            (self.e**2 * scaled.squared[:, 0, 0]).sum()
+            - (self._pull * self._s2).sum()
+            + self.f1 @ self._y2
+        )
         self._by_factor = None
         if self.moving and self.iterations > 4 and self.gap < 1.0:
             growth = self.dq * (self.cones.k * self.sigma[self.cones.at]).sum(1) - self.dh
@@ -216,7 +241,9 @@ class _Path:
             y = y + self._inverse(r)
         return y
 
-    def _response(self, u: ndarray, rd: ndarray, rp: ndarray | float, rt: float) -> tuple[ndarray, ndarray, float]:
+    def _response(
+        self, u: ndarray, rd: ndarray, rp: ndarray | float, rt: float
+    ) -> tuple[ndarray, ndarray, float]:
         """Return changes of stress, velocity and objective that remove some residuals."""
         r = _times(self.metric, -rd - self.gathered(_by(self.G, u)))
         y = self._solve(self.program.forces(r) + rp)
@@ -232,9 +259,18 @@ class _Path:
         factor, rc, turn = 0.0, self.rc, None
         if self._by_factor is not None:
             by_sigma, by_y, by_theta, by_u, growth, by_turn = self._by_factor
-            factor = float(np.clip((self.goal.aim - self.theta - theta) / by_theta, -_CHANGE * self.F,
-                                   _CHANGE * self.F))
-            sigma, y, theta = sigma + factor * by_sigma, y + factor * by_y, theta + factor * by_theta
+            factor = float(
+                np.clip(
+                    (self.goal.aim - self.theta - theta) / by_theta,
+                    -_CHANGE * self.F,
+                    _CHANGE * self.F,
+                )
+            )
+            sigma, y, theta = (
+                sigma + factor * by_sigma,
+                y + factor * by_y,
+                theta + factor * by_theta,
+            )
             u, rc, turn = u + factor * by_u, rc.copy(), factor * by_turn
             rc[:, 0] += factor * growth
         change = _times(self.G, sigma[self.cones.at])
@@ -260,9 +296,13 @@ class _Path:
         z[:n, 1:] = -np.einsum("nij,nj->ni", R, left) / size
 
     def _mend(self) -> None:
-        """Restore the flow rule at points deep enough within their cones: short steps leave it violated elsewhere."""
+        """Restore the flow rule at points deep enough within their cones: short steps leave it
+        violated elsewhere.
+        """
         n, change = self.program.n_points, np.zeros_like(self.z)
-        self._follow_flow(change, -self.program.strains(self.y) - self.gathered(_by(self.G, self.z)), None)
+        self._follow_flow(
+            change, -self.program.strains(self.y) - self.gathered(_by(self.G, self.z)), None
+        )
         fits = _depth(self.z + change) > _DEEP * _depth(self.z)
         whole = fits[:n].copy()
         np.logical_and.at(whole, self.second, fits[n:])
@@ -270,7 +310,9 @@ class _Path:
 
     def solution(self) -> Solution:
         """Return the last iterate."""
-        return Solution(self.theta, self.F, self.sigma, self.y, self.metric, self.inner, self.iterations)
+        return Solution(
+            self.theta, self.F, self.sigma, self.y, self.metric, self.inner, self.iterations
+        )
 
 
 class _Direction(NamedTuple):
@@ -315,7 +357,9 @@ def _quotient(y: ndarray, x: ndarray) -> ndarray:
 
 
 def _longest_step(x: ndarray, d: ndarray) -> float:
-    """Return the largest step from inner points x in the directions d that leaves all of them inside."""
+    """Return the largest step from inner points x in the directions d that leaves all of them
+    inside.
+    """
     a, b, c = _determinant(d), (_SIGNS * x * d).sum(1), _determinant(x)
     inside = b * b - a * c
     below = np.sqrt(np.maximum(inside, 0.0)) - b
@@ -324,7 +368,9 @@ def _longest_step(x: ndarray, d: ndarray) -> float:
 
 
 class _Scaling(NamedTuple):
-    """Symmetric W with W z = W^-1 s, its inverse, the inverse squared, (n, 3, 3), and the point W z (n, 3)."""
+    """Symmetric W with W z = W^-1 s, its inverse, the inverse squared, (n, 3, 3), and the point W z
+    (n, 3).
+    """
 
     W: ndarray
     inverse: ndarray
@@ -333,7 +379,9 @@ class _Scaling(NamedTuple):
 
 
 def _scaling(s: ndarray, z: ndarray) -> _Scaling:
-    """Return the scaling of Nesterov and Todd of inner points s and z; ArithmeticError for other points."""
+    """Return the scaling of Nesterov and Todd of inner points s and z; ArithmeticError for other
+    points.
+    """
     squares = _determinant(s), _determinant(z)
     if not all((square > 0).all() for square in squares):
         raise ArithmeticError("a point has reached the surface of its cone")

@@ -1,4 +1,5 @@
 """Translation of forms, supports and loads to a model; forms without bounds are refused by name."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
@@ -23,8 +24,9 @@ from .model import LimitModel, Loads, Site
 from .strength import FLAT, Profile, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
 
-#: Strength of a body, over the least one, from which mechanisms are tried that leave it rigid: its strains are of the
-#: solver's accuracy, but dissipate. A wall of 500 times the clay's strength has no upper bound without.
+#: Strength of a body, over the least one, from which mechanisms are tried that leave it rigid: its
+#: strains are of the solver's accuracy, but dissipate. A wall of 500 times the clay's strength has
+#: no upper bound without.
 _STRONG = 30.0
 #: Cohesion below zero at a corner, as a share of the largest, that is round-off.
 _ROUND_OFF = 1e-12
@@ -35,9 +37,13 @@ class Problem:
     """LimitModel, its units, and the simplifications that led to it."""
 
     model: LimitModel  # in units of its size and of a stress
-    davis: LimitModel | None  # with the associated soil of less strength after Davis, where the flow is not associated
+    davis: (
+        LimitModel | None
+    )  # with the associated soil of less strength after Davis, where the flow is not associated
     stiff: LimitModel | None  # whose strong bodies are rigid: its mechanisms are some of all
-    smooth: LimitModel | None  # with the adhesion of joints alone, where they do not open by their slip
+    smooth: (
+        LimitModel | None
+    )  # with the adhesion of joints alone, where they do not open by their slip
     mesh: Mesh
     geometry: Geometry
     stress: float  # unit of stress
@@ -48,9 +54,18 @@ class Problem:
     remarks: tuple[str, ...]
 
 
-def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads], multiplied: bool,
-         reduce: str | Collection[str] | None, exclude: str | Collection[str], associated: bool) -> Problem:
-    """Check forms, supports and loads, then translate them; without a multiplied load the strength is reduced."""
+def read(
+    forms: Mapping[str, Any],
+    fixed: ndarray,
+    loads: Callable[[Site], Loads],
+    multiplied: bool,
+    reduce: str | Collection[str] | None,
+    exclude: str | Collection[str],
+    associated: bool,
+) -> Problem:
+    """Check forms, supports and loads, then translate them; without a multiplied load the strength
+    is reduced.
+    """
     solids, pairs = _by_kind(forms)
     basis = next(iter(solids.values())).basis
     targets = {} if multiplied else reduced_parts(forms, reduce, exclude)
@@ -64,29 +79,60 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     for tag in (*(traction.tag for traction in given.tractions), *given.submerged):
         _check_boundary(tag, shape.triangles)
     carried = given.largest_stress(shape.triangles, shape.centre, shape.size)
-    soil, outer = (_strengths(solids, targets, "associated", carried, inner) for inner in (True, False))
+    soil, outer = (
+        _strengths(solids, targets, "associated", carried, inner) for inner in (True, False)
+    )
     unit = _unit_of_stress(soil, given, shape)
-    model = LimitModel(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
-                  given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit),
-                  _profiles(solids, "associated", shape, unit), None if soil.lines is None else outer.over(unit))
+    model = LimitModel(
+        shape.triangles,
+        soil.over(unit),
+        _rigid_bodies(shape.triangles, soil.rigid),
+        given.scaled(shape.centre, shape.size, unit),
+        _contacts(pairs, targets, unit),
+        _profiles(solids, "associated", shape, unit),
+        None if soil.lines is None else outer.over(unit),
+    )
     strong = _strong(soil, carried, elements)
     stiff = _stiff(model, soil.rigid | strong) if strong.any() else None
-    less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
+    less = any(
+        material.dilates_less for form in solids.values() for material in form.materials.values()
+    )
     davis = None
     if less and not associated:
-        davis = replace(model, soil=_strengths(solids, targets, "davis_a", carried).over(unit),
-                        profiles=_profiles(solids, "davis_a", shape, unit))
+        davis = replace(
+            model,
+            soil=_strengths(solids, targets, "davis_a", carried).over(unit),
+            profiles=_profiles(solids, "davis_a", shape, unit),
+        )
     smooth = None
     if any(contact.mu for contact in model.contacts) and not associated:
-        smooth = replace(davis or model, contacts=tuple(replace(contact, mu=0.0) for contact in model.contacts))
-    names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
-    cohesionless = soil.resists_nothing.any() or any(profile.vanishes(shape.triangles) for profile in model.profiles)
+        smooth = replace(
+            davis or model, contacts=tuple(replace(contact, mu=0.0) for contact in model.contacts)
+        )
+    names = tuple(
+        f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts
+    )
+    cohesionless = soil.resists_nothing.any() or any(
+        profile.vanishes(shape.triangles) for profile in model.profiles
+    )
     missing = "cohesion" if cohesionless else "tension" if (soil.tension == 0).any() else ""
     remarks = _remarks(solids, shape, given, soil, bool(cohesionless))
     if not associated:
         remarks += _slipping(pairs)
-    return Problem(model, davis, stiff, smooth, basis.mesh, shape, unit, multiplied, missing, names,
-                   tuple(_names(solids, strong)), remarks)
+    return Problem(
+        model,
+        davis,
+        stiff,
+        smooth,
+        basis.mesh,
+        shape,
+        unit,
+        multiplied,
+        missing,
+        names,
+        tuple(_names(solids, strong)),
+        remarks,
+    )
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -95,8 +141,11 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
     solids: dict[str, Any] = {name: form for name, form in forms.items() if form.materials}
     pairs = pairs_of(forms)
     for name in set(forms) - set(solids) - set(pairs):
-        raise ValueError(f"there are no bounds with '{name}', a {type(forms[name]).__name__}: they know solids and "
-                         "contact pairs")
+        raise ValueError(
+            f"there are no bounds with '{name}', a {type(forms[name]).__name__}: they know solids "
+            f"and "
+            "contact pairs"
+        )
     if not solids:
         raise ValueError("there is no solid among the forms")
     first = next(iter(solids.values())).basis.mesh
@@ -107,26 +156,40 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
 
 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
-    """Refuse solids without bounds: space, axial symmetry, materials without a cone, shared elements."""
+    """Refuse solids without bounds: space, axial symmetry, materials without a cone, shared
+    elements.
+    """
     for name, form in solids.items():
         if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():
             if material.cone() is None and material.lines(1.0) is None:
-                raise ValueError(f"there are no bounds for {material.label}, the material of '{region}' in '{name}', "
-                                 "which has no cone(flow); MohrCoulomb, Tresca, VonMises, HoekBrown and, rigid, "
-                                 "LinearElastic have bounds")
+                raise ValueError(
+                    f"there are no bounds for {material.label}, the material of '{region}' in "
+                    f"'{name}', "
+                    "which has no cone(flow); MohrCoulomb, Tresca, VonMises, HoekBrown and, rigid, "
+                    "LinearElastic have bounds"
+                )
     elements = np.concatenate([form.elements for form in solids.values()])
     if len(np.unique(elements)) < len(elements):
-        raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
+        raise ValueError(
+            f"the solids {', '.join(solids)} share elements: each must belong to one of them"
+        )
 
 
-def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow,
-               stress: float, inner: bool = True) -> Strength:
-    """Return the strength of all elements of the mesh; elastic elements and elements of no solid are rigid.
+def _strengths(
+    solids: Mapping[str, SolidForm],
+    targets: Mapping[str, Collection[str]],
+    flow: Flow,
+    stress: float,
+    inner: bool = True,
+) -> Strength:
+    """Return the strength of all elements of the mesh; elastic elements and elements of no solid
+    are rigid.
 
-    A curved strength is that of lines, inside or outside of it, for compression up to about a stress.
+    A curved strength is that of lines, inside or outside of it, for compression up to about a
+    stress.
     """
     n = next(iter(solids.values())).basis.mesh.nelements
     found = Strength(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
@@ -143,7 +206,9 @@ def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection
 
 
 def _with_lines(soil: Strength, where: ndarray, lines: ndarray, most: ndarray) -> Strength:
-    """Return the strength with lines, (n_lines, 2, n or 1), at some elements; one in the middle is the first."""
+    """Return the strength with lines, (n_lines, 2, n or 1), at some elements; one in the middle is
+    the first.
+    """
     n, count = len(soil.c), len(lines) - 1
     middle = count // 2
     soil.c[where], soil.t[where] = lines[middle]
@@ -155,30 +220,46 @@ def _with_lines(soil: Strength, where: ndarray, lines: ndarray, most: ndarray) -
 
 
 def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
-    """Return cohesion, tan phi and tensile strength in plane strain; of a cohesion that varies the mean of elements."""
+    """Return cohesion, tan phi and tensile strength in plane strain; of a cohesion that varies the
+    mean of elements.
+    """
     material = region.material
     if (cone := material.cone(flow)) is None:
         raise ValueError(f"there are no bounds for {material.label} with the flow '{flow}'")
     if any(np.ndim(value) == 2 and np.ptp(value, axis=1).any() for value in cone[1:]):
-        raise ValueError(f"friction or tensile strength of '{name}' vary within elements: bounds know a cohesion that "
-                         "does; give one value an element")
+        raise ValueError(
+            f"friction or tensile strength of '{name}' vary within elements: bounds know a "
+            f"cohesion that "
+            "does; give one value an element"
+        )
     if np.ndim(cone[0]) == 2 and region.given is None:
-        raise ValueError(f"the cohesion of '{name}' is known at integration points alone, as after a reduction of its "
-                         "strength: give the body with the function of the coordinates")
+        raise ValueError(
+            f"the cohesion of '{name}' is known at integration points alone, as after a reduction "
+            f"of its "
+            "strength: give the body with the function of the coordinates"
+        )
     c, t, tension = (np.mean(value, axis=1) if np.ndim(value) == 2 else value for value in cone)
     if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
-        raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
+        raise ValueError(
+            f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make "
+            f"it 0"
+        )
     if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
         raise ValueError(f"'{name}' has neither cohesion nor friction")
     return c, t, tension
 
 
-def _profiles(solids: Mapping[str, SolidForm], flow: Flow, shape: Geometry, unit: float) -> tuple[Profile, ...]:
+def _profiles(
+    solids: Mapping[str, SolidForm], flow: Flow, shape: Geometry, unit: float
+) -> tuple[Profile, ...]:
     """Return the cohesions that vary with the coordinates, in units of the model."""
     n, found = next(iter(solids.values())).basis.mesh.nelements, []
     for name, form in solids.items():
         for region in form.regions:
-            if region.given is None or region.given.cohesion_at(shape.centre[:, None, None]) is None:
+            if (
+                region.given is None
+                or region.given.cohesion_at(shape.centre[:, None, None]) is None
+            ):
                 continue
             where, share = form.elements[region.elements], np.zeros(n)
             c, given = (_parameters(region, kind, name)[0] for kind in (flow, "associated"))
@@ -187,8 +268,12 @@ def _profiles(solids: Mapping[str, SolidForm], flow: Flow, shape: Geometry, unit
     return tuple(found)
 
 
-def _cohesion(material: Material, shape: Geometry, share: ndarray, x: ndarray, elements: ndarray) -> ndarray:
-    """Return a share of the cohesion at coordinates (2, n, 3) of the model, by elements of the mesh, (n, 3)."""
+def _cohesion(
+    material: Material, shape: Geometry, share: ndarray, x: ndarray, elements: ndarray
+) -> ndarray:
+    """Return a share of the cohesion at coordinates (2, n, 3) of the model, by elements of the
+    mesh, (n, 3).
+    """
     there = shape.centre[:, None, None] + shape.size * x
     values = np.asarray(material.cohesion_at(there))
     if (values < -_ROUND_OFF * np.abs(values).max(initial=0.0)).any():
@@ -201,8 +286,10 @@ def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
     """Return fixed dofs, checked."""
     fixed = np.unique(fixed)
     if len(fixed) == 0 or fixed[0] < 0 or fixed[-1] >= basis.N:
-        raise ValueError(f"fixed must hold dofs from 0 to {basis.N - 1}"
-                         + (": without supports there are no bounds" if len(fixed) == 0 else ""))
+        raise ValueError(
+            f"fixed must hold dofs from 0 to {basis.N - 1}"
+            + (": without supports there are no bounds" if len(fixed) == 0 else "")
+        )
     return fixed
 
 
@@ -224,14 +311,19 @@ def _check_boundary(name: Tag, triangles: Triangles) -> None:
         raise ValueError(f"boundary '{name}' lies inside the bodies: loads act on their surface")
 
 
-def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float) -> tuple[Contact, ...]:
+def _contacts(
+    pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float
+) -> tuple[Contact, ...]:
     """Return contacts in units of the model."""
     contacts: list[Contact] = []
     seen: set[str] = set()
     for name, pair in pairs.items():
         if pair.master.rigid:
-            raise ValueError(f"contact '{name}' is with the rigid obstacle '{pair.master.name}': bounds know contact "
-                             "between bodies; make the obstacle an elastic body, which they take for rigid")
+            raise ValueError(
+                f"contact '{name}' is with the rigid obstacle '{pair.master.name}': bounds know "
+                f"contact "
+                "between bodies; make the obstacle an elastic body, which they take for rigid"
+            )
         sides = pair.slave.name, pair.master.name
         if seen.intersection(sides):
             raise ValueError(f"contact '{name}' has a side that another pair has as well")
@@ -241,20 +333,30 @@ def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stre
             contacts.append(Contact(*sides, tied=True))
         elif isinstance(law, Coulomb):
             if np.ndim(law.mu) or np.ndim(law.adhesion) or np.ndim(law.tension):
-                raise ValueError(f"contact '{name}' has another strength at every point: bounds know one for a contact")
+                raise ValueError(
+                    f"contact '{name}' has another strength at every point: bounds know one for a "
+                    f"contact"
+                )
             strength = float(law.adhesion) / stress, float(law.mu), float(law.tension) / stress
             contacts.append(Contact(*sides, *strength, name in targets))
         else:
-            raise ValueError(f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
-                             "Coulomb and Tied")
+            raise ValueError(
+                f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
+                "Coulomb and Tied"
+            )
     return tuple(contacts)
 
 
 def _slipping(pairs: Mapping[str, ContactPair]) -> tuple[str, ...]:
     """Return a remark on joints whose friction is not associated."""
-    names = [name for name, pair in pairs.items() if isinstance(pair.law, Coulomb) and pair.law.mu > 0]
-    return (f"the joints {', '.join(names)} open by mu times their slip here (associated flow) but not in ContactPair: "
-            "for joints without dilation `lower` is an estimate, `safe` a bound",) * bool(names)
+    names = [
+        name for name, pair in pairs.items() if isinstance(pair.law, Coulomb) and pair.law.mu > 0
+    ]
+    return (
+        f"the joints {', '.join(names)} open by mu times their slip here (associated flow) but not "
+        f"in ContactPair: "
+        "for joints without dilation `lower` is an estimate, `safe` a bound",
+    ) * bool(names)
 
 
 def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
@@ -269,7 +371,9 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     number[stiff] = np.unique(label[stiff], return_inverse=True)[1]
     nodes = [np.unique(mesh.t[:, number == b]) for b in range(number.max() + 1)]
     if nodes and np.bincount(np.concatenate(nodes)).max() > 1:
-        raise ValueError("two elastic bodies, which bounds take for rigid, meet in a node: separate or join them")
+        raise ValueError(
+            "two elastic bodies, which bounds take for rigid, meet in a node: separate or join them"
+        )
     result = np.full(len(rigid), -1)
     result[triangles.origin] = number
     return result
@@ -291,18 +395,30 @@ def _stiff(model: LimitModel, rigid: ndarray) -> LimitModel | None:
 
 def _names(solids: Mapping[str, SolidForm], where: ndarray) -> list[str]:
     """Return the names of solids, or of their regions, in which some elements are."""
-    return [name if len(form.regions) == 1 else region.name for name, form in solids.items()
-            for region in form.regions if where[form.elements[region.elements]].any()]
+    return [
+        name if len(form.regions) == 1 else region.name
+        for name, form in solids.items()
+        for region in form.regions
+        if where[form.elements[region.elements]].any()
+    ]
 
 
-def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Loads, soil: Strength, cohesionless: bool
-             ) -> tuple[str, ...]:
+def _remarks(
+    solids: Mapping[str, SolidForm],
+    shape: Geometry,
+    given: Loads,
+    soil: Strength,
+    cohesionless: bool,
+) -> tuple[str, ...]:
     """Return the simplifications."""
     remarks = []
     if elastic := _names(solids, soil.rigid):
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
     if cohesionless:
-        remarks.append("soil without cohesion: at a free surface the lower bound is zero; a small cohesion mends it")
+        remarks.append(
+            "soil without cohesion: at a free surface the lower bound is zero; a small cohesion "
+            "mends it"
+        )
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")
     if any(region.given is not None for form in solids.values() for region in form.regions):

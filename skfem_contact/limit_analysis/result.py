@@ -1,4 +1,5 @@
 """Bounds, and their certificates mesh by mesh."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -22,7 +23,8 @@ class Certificate:
     unknowns: int  # velocities of the program
     value: float  # proven bound; -inf or inf: none
     solver: float  # value of the solver
-    residual: float  # largest violation of equilibrium, or of incompressibility, relative to its largest terms
+    # largest violation of equilibrium, or of incompressibility, relative to its largest terms
+    residual: float
     iterations: int  # number of systems that were factored
     cpu: float  # processor time since the beginning, seconds
 
@@ -36,9 +38,11 @@ class Bounds:
     lower, upper
         The bounds; -inf or inf where none was proven.
     estimate
-        True if ``lower`` is no bound but an estimate: the flow of the soil (Davis) or of joints is not associated.
+        True if ``lower`` is no bound but an estimate: the flow of the soil (Davis) or of joints is
+        not associated.
     safe
-        Lower bound by the adhesion of joints alone, for those that slip without opening; None without their friction.
+        Lower bound by the adhesion of joints alone, for those that slip without opening; None
+        without their friction.
     what
         ``"factor of safety"`` or ``"limit load"``.
     reduced
@@ -46,8 +50,8 @@ class Bounds:
     mesh
         Mesh of the upper bound, with the names of the given one.
     mechanism
-        Quadratic velocities at its nodes and at the middles of its facets, (2, n_nodes + n_facets); the largest
-        component is 1.
+        Quadratic velocities at its nodes and at the middles of its facets, (2, n_nodes + n_facets);
+        the largest component is 1.
     dissipation
         Share of the dissipation in every triangle, (n_elements,).
     stress_mesh
@@ -91,8 +95,11 @@ class Bounds:
         head = f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"
         lines = [head, f"reduced: {', '.join(self.reduced)}"] if self.reduced else [head]
         lines.append("bound  triangles      dofs      value  residual  iterations   cpu s")
-        lines += [f"{c.kind:5}  {c.elements:9d}  {c.unknowns:8d}  {c.value:9.5g}  {c.residual:8.1e}  "
-                  f"{c.iterations:10d}  {c.cpu:6.1f}" for c in self.history]
+        lines += [
+            f"{c.kind:5}  {c.elements:9d}  {c.unknowns:8d}  {c.value:9.5g}  {c.residual:8.1e}  "
+            f"{c.iterations:10d}  {c.cpu:6.1f}"
+            for c in self.history
+        ]
         return "\n".join([*lines, *self.remarks])
 
     __repr__ = __str__  # a notebook would show the arrays

@@ -1,13 +1,17 @@
-r"""Strength of soil and of joints: second-order cones for the solver, closed forms for the certificates.
+r"""Strength of soil and of joints: second-order cones for the solver, closed forms for the
+certificates.
 
-Both obey two conditions on a mean stress p = k . s and a shear stress r = \|R s\|, with the factor F of strength:
+Both obey two conditions on a mean stress p = k . s and a shear stress r = \|R s\|, with the factor
+F of strength:
 
 .. math:: \sqrt{F^2 + w t^2}\, r \le c - t p, \qquad F (p + w r) \le T.
 
-Soil in plane strain has :math:`w = 1`, the centre p and the radius r of Mohr's circle, :math:`t = \tan\phi`.  A joint
-has :math:`w = 0`, its normal and tangential tractions, and the friction t = mu.  A curved strength is that of several
-lines, each with its c and t: chords are inside of it, tangents outside.
+Soil in plane strain has :math:`w = 1`, the centre p and the radius r of Mohr's circle,
+:math:`t = \tan\phi`.  A joint has :math:`w = 0`, its normal and tangential tractions, and the
+friction t = mu.  A curved strength is that of several lines, each with its c and t: chords are
+inside of it, tangents outside.
 """
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -19,18 +23,23 @@ from numpy import ndarray
 
 from .triangles import Triangles
 
-#: Friction below this is none: the change of volume is then prescribed and not bounded (measured in tan phi).
+#: Friction below this is none: the change of volume is then prescribed and not bounded (measured in
+#: tan phi).
 FLAT = 1e-3
-#: Change of volume of incompressible flow, as a share of the largest shear: round-off of its projection.
+#: Change of volume of incompressible flow, as a share of the largest shear: round-off of its
+#: projection.
 INCOMPRESSIBLE = 1e-12
-#: Lack of opening, as a share of the opening that the slip demands, up to which a joint yields at some larger factor:
-#: corrections of all yielding joints of a pile in the ground moved it so much that no upper bound was left.
+#: Lack of opening, as a share of the opening that the slip demands, up to which a joint yields at
+#: some larger factor: corrections of all yielding joints of a pile in the ground moved it so much
+#: that no upper bound was left.
 _YIELDING = 0.01
 
 
 @dataclass(frozen=True)
 class Cones:
-    r"""Second-order cones s_0 >= \|(s_1, s_2)\| of s = (h - q k.stress, R stress); h = c g, g = 1 / sqrt(F^2 + t^2)."""
+    r"""Second-order cones s_0 >= \|(s_1, s_2)\| of s = (h - q k.stress, R stress); h = c g, g = 1 /
+    sqrt(F^2 + t^2).
+    """
 
     at: ndarray  # point of every cone: first one cone for every point, then the second cones
     c: ndarray
@@ -43,14 +52,20 @@ class Cones:
     @classmethod
     def join(cls, parts: list[Cones]) -> Cones:
         """Join cones of several blocks of points."""
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__annotations__))
+        return cls(
+            *(
+                np.concatenate([getattr(part, name) for part in parts])
+                for name in cls.__annotations__
+            )
+        )
 
     def taken(self, which: ndarray) -> Cones:
         """Return some of the cones, in a given order."""
         return Cones(*(getattr(self, name)[which] for name in self.__annotations__))
 
     def at_factor(self, factor: float, fixed: float) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-        """Return G (n, 3, 3) and h of s = h - G stress, and the derivatives of h and q by the factor.
+        """Return G (n, 3, 3) and h of s = h - G stress, and the derivatives of h and q by the
+        factor.
 
         Strength that is not reduced has the factor `fixed`, and its apex is nearer by that.
         """
@@ -67,7 +82,8 @@ class Cones:
 class Strength:
     """Cohesion c, friction t and tensile strength (inf: none) of n points of soil, or of one joint.
 
-    Stresses of soil are xx, yy, xy.  Tractions of a joint are normal (tension positive), tangential, and an idle one.
+    Stresses of soil are xx, yy, xy.  Tractions of a joint are normal (tension positive),
+    tangential, and an idle one.
     """
 
     c: ndarray
@@ -75,8 +91,12 @@ class Strength:
     tension: ndarray
     reduced: ndarray  # divided by the factor
     joint: bool = False
-    lines: ndarray | None = None  # c and t of further lines, the steepest first, (n, n_lines, 2); c = inf: none
-    most: ndarray | None = None  # compression up to which all lines are inside of a curved strength, (n,)
+    lines: ndarray | None = (
+        None  # c and t of further lines, the steepest first, (n, n_lines, 2); c = inf: none
+    )
+    most: ndarray | None = (
+        None  # compression up to which all lines are inside of a curved strength, (n,)
+    )
 
     @property
     def rigid(self) -> ndarray:
@@ -112,15 +132,26 @@ class Strength:
 
     def at(self, points: ndarray) -> Strength:
         """Return the strength of some points."""
-        lines, most = (None if values is None else values[points] for values in (self.lines, self.most))
-        return Strength(self.c[points], self.t[points], self.tension[points], self.reduced[points], self.joint, lines,
-                        most)
+        lines, most = (
+            None if values is None else values[points] for values in (self.lines, self.most)
+        )
+        return Strength(
+            self.c[points],
+            self.t[points],
+            self.tension[points],
+            self.reduced[points],
+            self.joint,
+            lines,
+            most,
+        )
 
     def over(self, stress: float) -> Strength:
         """Return the strength in another unit of stress."""
         lines = None if self.lines is None else self.lines / (stress, 1.0)
         most = None if self.most is None else self.most / stress
-        return replace(self, c=self.c / stress, tension=self.tension / stress, lines=lines, most=most)
+        return replace(
+            self, c=self.c / stress, tension=self.tension / stress, lines=lines, most=most
+        )
 
     @property
     def _all_lines(self) -> tuple[ndarray, ndarray]:
@@ -131,15 +162,28 @@ class Strength:
         return np.concatenate((self.c[None], c)), np.concatenate((self.t[None], t))
 
     def cones(self, first: int) -> tuple[Cones, Cones]:
-        """Return one cone for every point, and the second cones; the points' numbers begin at `first`."""
+        """Return one cone for every point, and the second cones; the points' numbers begin at
+        `first`.
+        """
         n, no, zero = len(self.c), np.zeros(len(self.c), bool), np.zeros(len(self.c))
         at, k = first + np.arange(n), self.volume * (1.0 if self.joint else 0.5)
         shear = np.eye(3)[1:] if self.joint else np.array([[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]])
         R = np.broadcast_to(shear, (n, 2, 3))
-        # a smooth joint has no shear traction in its operator: a cone of some size holds the idle dofs
+        # a smooth joint has no shear traction in its operator: a cone of some size holds the idle
+        # dofs
         size = np.where(self.smooth & self.joint, 1.0, self.c)
-        one = Cones(at, size, zero if self.joint else self.t, self.t[:, None] * k, R, no, self.reduced)
-        two = Cones(at, self.tension, zero, np.broadcast_to(k, (n, 3)), R * (not self.joint), ~no, self.reduced)
+        one = Cones(
+            at, size, zero if self.joint else self.t, self.t[:, None] * k, R, no, self.reduced
+        )
+        two = Cones(
+            at,
+            self.tension,
+            zero,
+            np.broadcast_to(k, (n, 3)),
+            R * (not self.joint),
+            ~no,
+            self.reduced,
+        )
         rest = [two.taken(np.flatnonzero(self.cut))]
         for c, t in zip(*(values[1:] for values in self._all_lines)):
             line = Cones(at, c, t, t[:, None] * k, R, no, self.reduced)
@@ -172,15 +216,23 @@ class Strength:
         if self.most is not None:
             found = np.where(r - p <= self.most, found, 0.0)
         pull = p if self.joint else p + r
-        found = np.where((pull > round_off) & self.cut, np.minimum(found, _ratio(self.tension, pull)), found)
+        found = np.where(
+            (pull > round_off) & self.cut, np.minimum(found, _ratio(self.tension, pull)), found
+        )
         return np.where(self.reduced, found, np.where(found >= 1.0, np.inf, 0.0))
 
     def flow_factor(self, strain: ndarray, round_off: ndarray) -> ndarray:
-        """Return the smallest factor for which every strain (n, 3) is a plastic flow: 0 for all, inf for none."""
+        """Return the smallest factor for which every strain (n, 3) is a plastic flow: 0 for all,
+        inf for none.
+        """
         volume, shear = self._invariants(strain)
-        root = shear if self.joint else np.sqrt(np.maximum((shear - volume) * (shear + volume), 0.0))
+        root = (
+            shear if self.joint else np.sqrt(np.maximum((shear - volume) * (shear + volume), 0.0))
+        )
         c, t = self._all_lines
-        flattest = np.where(np.isfinite(c), t, np.inf).min(axis=0) if self.lines is not None else self.t
+        flattest = (
+            np.where(np.isfinite(c), t, np.inf).min(axis=0) if self.lines is not None else self.t
+        )
         steep = np.where(volume > 0, _ratio(flattest * root, volume), np.inf)
         flat = np.where(np.abs(volume) <= INCOMPRESSIBLE * shear.max(initial=0.0), 0.0, np.inf)
         opening = np.where(volume >= -round_off, 0.0, np.inf)
@@ -190,7 +242,9 @@ class Strength:
         return np.where(self.reduced, found, np.where(found <= 1.0, 0.0, np.inf))
 
     def overlap(self, strain: ndarray, factor: float) -> ndarray:
-        """Return twice the opening that jumps (n, 3) lack at a factor, where they lack much; 0 in soil."""
+        """Return twice the opening that jumps (n, 3) lack at a factor, where they lack much; 0 in
+        soil.
+        """
         if not self.joint:
             return np.zeros(len(strain))
         opening, slip = self._invariants(strain)
@@ -198,15 +252,21 @@ class Strength:
         return np.where(missing > _YIELDING * self.t * slip, 2.0 * missing, 0.0)
 
     def dissipation(self, strain: ndarray, factor: float) -> ndarray:
-        """Return the largest power of admissible stresses on plastic strains (n, 3), at a factor."""
+        """Return the largest power of admissible stresses on plastic strains (n, 3), at a
+        factor.
+        """
         volume, shear = self._invariants(strain)
         F = np.where(self.reduced, factor, 1.0)
         steep = self.t > 0
-        sheared = np.where(steep, self.c / np.where(steep, self.t, 1.0) * volume, self.c / F * shear)
+        sheared = np.where(
+            steep, self.c / np.where(steep, self.t, 1.0) * volume, self.c / F * shear
+        )
         limit = np.where(self.cut, self.tension, 0.0) / F
         if self.lines is not None:
-            sheared = np.minimum(np.where(volume >= self.t / np.hypot(F, self.t) * shear, sheared, np.inf),
-                                 self._of_lines(volume, shear, F))
+            sheared = np.minimum(
+                np.where(volume >= self.t / np.hypot(F, self.t) * shear, sheared, np.inf),
+                self._of_lines(volume, shear, F),
+            )
         if self.joint:
             both = limit * volume + (self.c - self.t * limit) / F * shear
         else:
@@ -215,9 +275,9 @@ class Strength:
             both = np.maximum(p * volume + (limit - p) * shear, limit * volume)
         return np.where(self.cut, both, sheared)
 
-
     def _of_lines(self, volume: ndarray, shear: ndarray, F: ndarray) -> ndarray:
-        """Return the least dissipation that is found for a line or for two that follow each other; inf for none.
+        """Return the least dissipation that is found for a line or for two that follow each other;
+        inf for none.
 
         Each is that of a larger strength: of the apex of a line, or of the corner of two.
         """
@@ -236,17 +296,23 @@ class Strength:
 
 def _ratio(above: ndarray, below: ndarray) -> ndarray:
     """Return a quotient, inf where the divisor is zero."""
-    return np.divide(above, below, out=np.full(np.broadcast(above, below).shape, np.inf), where=below != 0)
+    return np.divide(
+        above, below, out=np.full(np.broadcast(above, below).shape, np.inf), where=below != 0
+    )
 
 
 class Profile(NamedTuple):
     """Cohesion that varies with the coordinates, linear in every triangle."""
 
     elements: ndarray  # of the first mesh, (n_first,): True where it varies
-    cohesion: Callable[[ndarray, ndarray], ndarray]  # of coordinates (2, n, 3) and elements (n,) of the first mesh
+    cohesion: Callable[
+        [ndarray, ndarray], ndarray
+    ]  # of coordinates (2, n, 3) and elements (n,) of the first mesh
 
     def at(self, triangles: Triangles, some: ndarray) -> tuple[ndarray, ndarray]:
-        """Return those of some triangles where the cohesion varies, by position, and its values at their corners."""
+        """Return those of some triangles where the cohesion varies, by position, and its values at
+        their corners.
+        """
         origin = triangles.origin[some]
         here = np.flatnonzero(self.elements[origin])
         x = triangles.mesh.p[:, triangles.mesh.t[:, some[here]]].swapaxes(1, 2)

@@ -1,4 +1,5 @@
 """Straight triangles of some solids, their refinement, and the matching of contacts."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -20,7 +21,8 @@ SURFACE: Tag = ("surface", 0)
 _STRAIGHT = 1e-6
 #: Distance of two nodes of a contact, as a share of a facet, that are made one.
 _SAME = 1e-3
-#: Largest distance of a node from the other side's facet, as a share of it, that is closed: chords of curved faces.
+#: Largest distance of a node from the other side's facet, as a share of it, that is closed: chords
+#: of curved faces.
 _GAP = 0.1
 #: Cosine of the angle up to which sides of a contact face each other.
 _FACING = 0.9
@@ -32,14 +34,21 @@ _DIGITS = 9
 class Triangles:
     """Mesh with the parents of its triangles, and named facets."""
 
-    mesh: MeshTri  # corners of every triangle are sorted, as in scikit-fem: its facets are (0, 1), (1, 2), (0, 2)
+    # corners of every triangle are sorted, as in scikit-fem: its facets are (0, 1), (1, 2), (0, 2)
+    mesh: MeshTri
     origin: ndarray  # element of the first mesh, (n_elements,)
     parent: ndarray  # triangle of the mesh that was rooted last, (n_elements,)
     tags: Mapping[Tag, ndarray]  # facets by name
 
     @classmethod
-    def of(cls, p: ndarray, t: ndarray, origin: ndarray, ends: Mapping[Tag, ndarray],
-           parent: ndarray | None = None) -> Triangles:
+    def of(
+        cls,
+        p: ndarray,
+        t: ndarray,
+        origin: ndarray,
+        ends: Mapping[Tag, ndarray],
+        parent: ndarray | None = None,
+    ) -> Triangles:
         """Make triangles from nodes, corners and the ends, (2, n), of named facets."""
         mesh = MeshTri(np.ascontiguousarray(p), np.ascontiguousarray(t), validate=False)
         parent = np.arange(t.shape[1]) if parent is None else parent
@@ -49,13 +58,18 @@ class Triangles:
             return low * mesh.nvertices + high
 
         known = number(mesh.facets)
-        return cls(mesh, origin, parent, {name: np.flatnonzero(np.isin(known, number(e))) for name, e in ends.items()})
+        return cls(
+            mesh,
+            origin,
+            parent,
+            {name: np.flatnonzero(np.isin(known, number(e))) for name, e in ends.items()},
+        )
 
     def refined(self, elements: ndarray) -> Triangles:
         """Cut some triangles in four, and neighbours so that no angle becomes small.
 
-        A facet is halved only together with the longest one of its triangle (A. Plaza, G. F. Carey, Applied Numerical
-        Mathematics 32 (2000) 195-218).
+        A facet is halved only together with the longest one of its triangle (A. Plaza, G. F. Carey,
+        Applied Numerical Mathematics 32 (2000) 195-218).
         """
         sides, cut = self.mesh.t2f, np.zeros(self.mesh.nfacets, dtype=bool)
         cut[sides[:, elements]] = True
@@ -72,7 +86,9 @@ class Triangles:
         return self.halved(np.unique(opposite[here]))
 
     def halved(self, facets: ndarray, points: ndarray | None = None) -> Triangles:
-        """Cut facets in two, at their middles or at given points (2, n), and their triangles in two to four."""
+        """Cut facets in two, at their middles or at given points (2, n), and their triangles in two
+        to four.
+        """
         mesh = self.mesh
         if points is None:
             points = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
@@ -90,20 +106,33 @@ class Triangles:
 
 
 def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]:
-    """Return corners and parents of the parts of all triangles; `middle` is the new node on their facets, or -1."""
+    """Return corners and parents of the parts of all triangles; `middle` is the new node on their
+    facets, or -1.
+    """
     count = (middle >= 0).sum(axis=0)
     # turned so that of one cut facet, or of two, the first corner begins the first
-    first = np.where(count == 1, np.argmax(middle >= 0, axis=0), (np.argmin(middle, axis=0) + 1) % 3)
+    first = np.where(
+        count == 1, np.argmax(middle >= 0, axis=0), (np.argmin(middle, axis=0) + 1) % 3
+    )
     turn = (first + np.arange(3)[:, None]) % 3
     (a, b, c), (ab, bc, ca) = np.take_along_axis(t, turn, 0), np.take_along_axis(middle, turn, 0)
     across = np.linalg.norm(p[:, a] - p[:, bc], axis=0) - np.linalg.norm(p[:, ab] - p[:, c], axis=0)
     short = np.round(across, _DIGITS) <= 0
     two, three = count == 2, count == 3
-    parts = [(count == 0, (a, b, c)),
-             (count == 1, (a, ab, c)), (count == 1, (ab, b, c)),
-             (two, (ab, b, bc)), (two & short, (a, ab, bc)), (two & short, (a, bc, c)),
-             (two & ~short, (a, ab, c)), (two & ~short, (ab, bc, c)),
-             (three, (a, ab, ca)), (three, (ab, b, bc)), (three, (ca, bc, c)), (three, (ab, bc, ca))]
+    parts = [
+        (count == 0, (a, b, c)),
+        (count == 1, (a, ab, c)),
+        (count == 1, (ab, b, c)),
+        (two, (ab, b, bc)),
+        (two & short, (a, ab, bc)),
+        (two & short, (a, bc, c)),
+        (two & ~short, (a, ab, c)),
+        (two & ~short, (ab, bc, c)),
+        (three, (a, ab, ca)),
+        (three, (ab, b, bc)),
+        (three, (ca, bc, c)),
+        (three, (ab, bc, ca)),
+    ]
     children = np.hstack([np.stack(corners)[:, which] for which, corners in parts])
     return children, np.concatenate([np.flatnonzero(which) for which, _ in parts])
 
@@ -132,7 +161,9 @@ def gradients(mesh: MeshTri) -> tuple[ndarray, ndarray]:
 
 
 class Geometry(NamedTuple):
-    """Triangles in coordinates of order one: x = centre + size * coordinates; `origin` counts elements of the mesh."""
+    """Triangles in coordinates of order one: x = centre + size * coordinates; `origin` counts
+    elements of the mesh.
+    """
 
     triangles: Triangles
     centre: ndarray
@@ -141,7 +172,9 @@ class Geometry(NamedTuple):
 
 
 def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
-    """Return triangles of some elements of a basis' mesh; dofs must be held along whole facets of its boundary."""
+    """Return triangles of some elements of a basis' mesh; dofs must be held along whole facets of
+    its boundary.
+    """
     mesh = basis.mesh
     corners = mesh.t[:, elements]
     nodes, t = np.unique(corners, return_inverse=True)
@@ -176,10 +209,15 @@ def _held(basis: CellBasis, elements: ndarray, outer: ndarray, fixed: ndarray) -
         if len(basis.facet_dofs):
             dofs = np.vstack([dofs, basis.facet_dofs[k, outer]])
         held.append(np.asarray(np.isin(dofs, fixed).all(axis=0)))
-        alone = np.setdiff1d(np.intersect1d(fixed, basis.dofs.element_dofs[k::2, elements]), dofs[:, held[k]])
+        alone = np.setdiff1d(
+            np.intersect1d(fixed, basis.dofs.element_dofs[k::2, elements]), dofs[:, held[k]]
+        )
         if len(alone):
-            raise ValueError(f"the node at {format_point(basis.doflocs[:, alone[0]])} is held in {'xy'[k]} though no "
-                             "facet of the boundary there is: bounds need supports along facets")
+            raise ValueError(
+                f"the node at {format_point(basis.doflocs[:, alone[0]])} is held in {'xy'[k]} "
+                f"though no "
+                "facet of the boundary there is: bounds need supports along facets"
+            )
     return held
 
 
@@ -195,7 +233,9 @@ def _curved(mesh: Mesh, facets: ndarray) -> bool:
 
 @dataclass(frozen=True)
 class Contact:
-    """Two boundaries in contact, by the tags of their facets; adhesion, friction and tensile strength."""
+    """Two boundaries in contact, by the tags of their facets; adhesion, friction and tensile
+    strength.
+    """
 
     slave: str
     master: str
@@ -217,7 +257,9 @@ def matched(contacts: tuple[Contact, ...], triangles: Triangles) -> Triangles:
 
 
 def _missing(triangles: Triangles, one: str, other: str) -> tuple[ndarray, ndarray] | None:
-    """Return facets of one side that hold nodes of the other, and the node nearest to the middle of each."""
+    """Return facets of one side that hold nodes of the other, and the node nearest to the middle of
+    each.
+    """
     mesh, facets = triangles.mesh, triangles.tags[one]
     nodes = np.unique(mesh.facets[:, triangles.tags[other]])
     along, away = _local(triangles, facets, nodes)
@@ -229,7 +271,9 @@ def _missing(triangles: Triangles, one: str, other: str) -> tuple[ndarray, ndarr
 
 
 def _local(triangles: Triangles, facets: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
-    """Return coordinates of nodes along facets and away from them, over their lengths, (n_facets, n_nodes)."""
+    """Return coordinates of nodes along facets and away from them, over their lengths, (n_facets,
+    n_nodes).
+    """
     mesh = triangles.mesh
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
     d = b - a
@@ -242,7 +286,9 @@ def _local(triangles: Triangles, facets: ndarray, nodes: ndarray) -> tuple[ndarr
 def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     """Move the slave's nodes onto nodes of the master that nearly coincide."""
     mesh = triangles.mesh
-    slave, master = (np.unique(mesh.facets[:, triangles.tags[tag]]) for tag in (contact.slave, contact.master))
+    slave, master = (
+        np.unique(mesh.facets[:, triangles.tags[tag]]) for tag in (contact.slave, contact.master)
+    )
     distance, nearest = map(np.asarray, cKDTree(mesh.p[:, master].T).query(mesh.p[:, slave].T))
     size = facet_lengths(mesh)[triangles.tags[contact.slave]].min(initial=np.inf)
     near = (distance > 0) & (distance <= 2 * _SAME * size)
@@ -254,7 +300,9 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
 
 
 def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, ndarray]:
-    """Return facets of slave and master that coincide, and True where the master's run the other way."""
+    """Return facets of slave and master that coincide, and True where the master's run the other
+    way.
+    """
     mesh, one, other = triangles.mesh, triangles.tags[contact.slave], triangles.tags[contact.master]
     if not len(one) or not len(other):
         return np.zeros(0, int), np.zeros(0, int), np.zeros(0, bool)
@@ -270,17 +318,22 @@ def check_closed(contacts: tuple[Contact, ...], triangles: Triangles) -> None:
     """Refuse contacts whose sides face each other, matched, at a small distance."""
     mesh = triangles.mesh
     for contact in contacts:
-        one, other = np.setdiff1d(triangles.tags[contact.slave], pairs(contact, triangles)[0]), \
-            triangles.tags[contact.master]
+        one, other = (
+            np.setdiff1d(triangles.tags[contact.slave], pairs(contact, triangles)[0]),
+            triangles.tags[contact.master],
+        )
         if not len(one) or not len(other):
             continue
         normals = [outward_normals(mesh, facets, mesh.f2t[0, facets]) for facets in (other, one)]
         a, b = mesh.p[:, mesh.facets[:, other]].transpose(1, 0, 2)
         x = mesh.p[:, mesh.facets[:, one]].mean(axis=1)[:, None] - a[:, :, None]
-        along = (x * (b - a)[:, :, None]).sum(axis=0) / ((b - a)**2).sum(axis=0)[:, None]
+        along = (x * (b - a)[:, :, None]).sum(axis=0) / ((b - a) ** 2).sum(axis=0)[:, None]
         away = np.abs((x * normals[0][:, :, None]).sum(axis=0)) / facet_lengths(mesh)[one]
         near = (along > 0) & (along < 1) & (away < _GAP) & (normals[0].T @ normals[1] < -_FACING)
         if near.any():
-            raise ValueError(f"the sides of the contact between '{contact.slave}' and '{contact.master}' are "
-                             f"{away[near].max():.2g} of a facet apart: bounds need sides that coincide; move them "
-                             "together, or leave the contact out")
+            raise ValueError(
+                f"the sides of the contact between '{contact.slave}' and '{contact.master}' are "
+                f"{away[near].max():.2g} of a facet apart: bounds need sides that coincide; move "
+                f"them "
+                "together, or leave the contact out"
+            )

@@ -12,6 +12,20 @@ from .ngi_adp import NgiAdp
 from .soft_soil_creep import SoftSoilCreep
 from .undrained import Undrained
 
-__all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "Internal",
-           "LinearElastic", "Material", "MohrCoulomb", "NgiAdp", "SoftSoilCreep", "Tresca", "Undrained", "Update",
-           "VonMises"]
+__all__ = [
+    "CamClay",
+    "DruckerPrager",
+    "HardeningMohrCoulomb",
+    "HardeningSoil",
+    "HoekBrown",
+    "Internal",
+    "LinearElastic",
+    "Material",
+    "MohrCoulomb",
+    "NgiAdp",
+    "SoftSoilCreep",
+    "Tresca",
+    "Undrained",
+    "Update",
+    "VonMises",
+]

@@ -1,7 +1,8 @@
-"""Return mapping of NGI-ADP, see :mod:`.ngi_adp`, by Newton's method for the stress and the root of w.
+"""Return mapping of NGI-ADP, see :mod:`.ngi_adp`, by Newton's method for the stress and the root of
+w.
 
-Engineering shear strains belong to the shear stresses: derivatives by stresses are strains. The norm of a plastic
-strain is its engineering shear strain in plane strain, sqrt(2 e:e).
+Engineering shear strains belong to the shear stresses: derivatives by stresses are strains. The
+norm of a plastic strain is its engineering shear strain in plane strain, sqrt(2 e:e).
 """
 
 from __future__ import annotations
@@ -14,15 +15,19 @@ from numpy.typing import NDArray
 
 from .base import Array
 
-# Residuals over the strength at which Newton's method ends, iterations and halvings of a step: 4 to 8 are needed.
+# Residuals over the strength at which Newton's method ends, iterations and halvings of a step: 4 to
+# 8 are needed.
 _SOLVED, _ITERATIONS, _HALVINGS = 1e-12, 60, 10
-# Deviators whose vertical component is at least 1 / _SIDE of the root of J2 are of the active or the passive side. In
-# plane strain it is the whole root in the end, and less on the way from isotropic stress.
+# Deviators whose vertical component is at least 1 / _SIDE of the root of J2 are of the active or
+# the passive side. In plane strain it is the whole root in the end, and less on the way from
+# isotropic stress.
 _SIDE = 1.25
 
 
 class ADPConstants(NamedTuple):
-    """Constants at points, (n,): moduli, (A + P) / 2, A - P, scale of horizontal shear, rounding, failure strains."""
+    """Constants at points, (n,): moduli, (A + P) / 2, A - P, scale of horizontal shear, rounding,
+    failure strains.
+    """
 
     lam: Array
     mu: Array
@@ -67,7 +72,9 @@ def _projection(k: ADPConstants, ncomp: int) -> Array:
 
 
 def _offset(first: Array, k: ADPConstants) -> Array:
-    """Return the change of the origin by the mobilisation, from the initial stress to the middle of the strengths."""
+    """Return the change of the origin by the mobilisation, from the initial stress to the middle of
+    the strengths.
+    """
     result = -first
     result[:3] += k.shift / 3
     result[_vertical(len(first))] -= k.shift
@@ -87,7 +94,9 @@ def mobilised_by(root: Array) -> tuple[Array, Array]:
 
 
 class _Measure(NamedTuple):
-    """Measure of shear (n,), its gradient (ncomp, n) and its second derivative (ncomp, ncomp, n) by the deviator."""
+    """Measure of shear (n,), its gradient (ncomp, n) and its second derivative (ncomp, ncomp, n) by
+    the deviator.
+    """
 
     value: Array
     gradient: Callable[[], Array]
@@ -111,17 +120,29 @@ def measure(s: Array, k: ADPConstants) -> _Measure:
         q, dh, ddh = third, 0.5 * slope, 0.5 * bend  # at J2 = 1
         dy = -13.5 * k.rounding * (2 * q * d3 - 3 * q * q * d2)
         mixed = np.einsum("in,jn->ijn", d3, d2)
-        ddy = -13.5 * k.rounding * (2 * np.einsum("in,jn->ijn", d3, d3) + 2 * q * d33
-                                    - 6 * q * (mixed + mixed.swapaxes(0, 1))
-                                    - 3 * q * q * np.diag(weight)[:, :, None]
-                                    + 12 * q * q * np.einsum("in,jn->ijn", d2, d2))
+        ddy = (
+            -13.5
+            * k.rounding
+            * (
+                2 * np.einsum("in,jn->ijn", d3, d3)
+                + 2 * q * d33
+                - 6 * q * (mixed + mixed.swapaxes(0, 1))
+                - 3 * q * q * np.diag(weight)[:, :, None]
+                + 12 * q * q * np.einsum("in,jn->ijn", d2, d2)
+            )
+        )
         first = h * d2 + dh * dy
         cross = np.einsum("in,jn->ijn", d2, dy)
-        second = h * np.diag(weight)[:, :, None] + dh * (cross + cross.swapaxes(0, 1) + ddy) \
+        second = (
+            h * np.diag(weight)[:, :, None]
+            + dh * (cross + cross.swapaxes(0, 1) + ddy)
             + ddh * np.einsum("in,jn->ijn", dy, dy)
+        )
         root = np.sqrt(h)
         gradient = first / (2 * root)
-        return gradient, (second / (2 * root) - np.einsum("in,jn->ijn", gradient, gradient) / root) / np.sqrt(safe)
+        return gradient, (
+            second / (2 * root) - np.einsum("in,jn->ijn", gradient, gradient) / root
+        ) / np.sqrt(safe)
 
     return _Measure(value, lambda: both()[0], both)
 
@@ -133,8 +154,12 @@ def _cosine(y: Array) -> tuple[Array, Array, Array]:
     near, gap = y > 1 - 1e-5, y - 1
     sine = np.where(near, 1.0, np.sin(angle))
     value = np.cos(angle / 3)
-    slope = np.where(near, 1 / 9 - 8 / 243 * gap + 28 / 2187 * gap**2, np.sin(angle / 3) / (3 * sine))
-    bend = np.where(near, -8 / 243 + 56 / 2187 * gap, (y * slope - value / 9) / np.where(near, 1.0, sine**2))
+    slope = np.where(
+        near, 1 / 9 - 8 / 243 * gap + 28 / 2187 * gap**2, np.sin(angle / 3) / (3 * sine)
+    )
+    bend = np.where(
+        near, -8 / 243 + 56 / 2187 * gap, (y * slope - value / 9) / np.where(near, 1.0, sine**2)
+    )
     return value, slope, bend
 
 
@@ -152,22 +177,36 @@ def _six(s: Array) -> Array:
 def _third_gradient(s: Array) -> Array:
     """Return the derivatives of the determinant by the components."""
     xx, yy, zz, xy, yz, zx = _six(s)
-    return np.stack((yy * zz - yz * yz, zz * xx - zx * zx, xx * yy - xy * xy, 2 * (yz * zx - xy * zz),
-                     2 * (xy * zx - xx * yz), 2 * (xy * yz - yy * zx)))[:len(s)]
+    return np.stack(
+        (
+            yy * zz - yz * yz,
+            zz * xx - zx * zx,
+            xx * yy - xy * xy,
+            2 * (yz * zx - xy * zz),
+            2 * (xy * zx - xx * yz),
+            2 * (xy * yz - yy * zx),
+        )
+    )[: len(s)]
 
 
 def _third_hessian(s: Array) -> Array:
     """Return the second derivatives of the determinant."""
     xx, yy, zz, xy, yz, zx = _six(s)
     n = 0 * xx
-    rows = ((n, zz, yy, n, -2 * yz, n), (zz, n, xx, n, n, -2 * zx), (yy, xx, n, -2 * xy, n, n),
-            (n, n, -2 * xy, -2 * zz, 2 * zx, 2 * yz), (-2 * yz, n, n, 2 * zx, -2 * xx, 2 * xy),
-            (n, -2 * zx, n, 2 * yz, 2 * xy, -2 * yy))
-    return np.array(rows)[:len(s), :len(s)]
+    rows = (
+        (n, zz, yy, n, -2 * yz, n),
+        (zz, n, xx, n, n, -2 * zx),
+        (yy, xx, n, -2 * xy, n, n),
+        (n, n, -2 * xy, -2 * zz, 2 * zx, 2 * yz),
+        (-2 * yz, n, n, 2 * zx, -2 * xx, 2 * xy),
+        (n, -2 * zx, n, 2 * yz, 2 * xy, -2 * yy),
+    )
+    return np.array(rows)[: len(s), : len(s)]
 
 
 class _Returned(NamedTuple):
-    """Returned stresses (ncomp, n), plastic shear strains and shares of failure (n,), points without a solution.
+    """Returned stresses (ncomp, n), plastic shear strains and shares of failure (n,), points
+    without a solution.
 
     ``tangent()`` computes d stress / d strain, (n, ncomp, ncomp).
     """
@@ -180,7 +219,9 @@ class _Returned(NamedTuple):
 
 
 class _System(NamedTuple):
-    """Residuals of stress and yield over the strength, (ncomp + 1, n), their Jacobian, and the plastic strain."""
+    """Residuals of stress and yield over the strength, (ncomp + 1, n), their Jacobian, and the
+    plastic strain.
+    """
 
     residual: Array
     jacobian: Callable[[], Array]
@@ -212,14 +253,19 @@ def returned(trial: Array, first: Array, share: Array, k: ADPConstants) -> _Retu
     final = _system(z, trial, first, share, k)
 
     def tangent() -> Array:
-        right = np.concatenate((k.stiffness(ncomp), np.zeros((n, 1, ncomp))), axis=1) / k.radius[:, None, None]
+        right = (
+            np.concatenate((k.stiffness(ncomp), np.zeros((n, 1, ncomp))), axis=1)
+            / k.radius[:, None, None]
+        )
         return np.asarray(np.linalg.solve(final.jacobian(), right), dtype=float)[:, :ncomp]
 
     return _Returned(z[:ncomp], final.strain, z[ncomp] ** 2, open_, tangent)
 
 
 def _start(trial: Array, first: Array, share: Array, k: ADPConstants) -> Array:
-    """Return stress and root of w from which Newton's method begins: the mobilisation of the elastic stress."""
+    """Return stress and root of w from which Newton's method begins: the mobilisation of the
+    elastic stress.
+    """
     root = np.sqrt(share)
     kappa = np.ones_like(share) if k.plastic else mobilised_by(root)[0]
     shear = measure(modified(trial, first, kappa, k), k)
@@ -232,21 +278,29 @@ def _start(trial: Array, first: Array, share: Array, k: ADPConstants) -> Array:
     centre = first + reached * _offset(first, k)
     deviator = trial - centre
     deviator[:3] -= deviator[:3].mean(axis=0)
-    return np.concatenate((trial - (1 - back) * deviator, np.sqrt(root * root + excess / failure)[None]))
+    return np.concatenate(
+        (trial - (1 - back) * deviator, np.sqrt(root * root + excess / failure)[None])
+    )
 
 
 def _at_failure(s: Array, k: ADPConstants) -> tuple[Array, Array]:
-    """Return the plastic shear strain at failure in the direction of a deviator, and its gradient by the deviator.
+    """Return the plastic shear strain at failure in the direction of a deviator, and its gradient
+    by the deviator.
 
-    That of direct simple shear counts by the share of shear on horizontal planes in J2. The rest is of the active side
-    where the vertical axis is compressed, of the passive one where it is extended, between them where it is neither.
+    That of direct simple shear counts by the share of shear on horizontal planes in J2. The rest is
+    of the active side where the vertical axis is compressed, of the passive one where it is
+    extended, between them where it is neither.
     """
     weight, rows = _twice_shear(len(s))[:, None], [3] if len(s) == 4 else [4, 5]
     J2 = np.maximum(0.5 * (weight * s * s).sum(axis=0), 1e-300)
     horizontal = (s[rows] ** 2).sum(axis=0)
     rest, up = np.maximum(J2 - horizontal, 1e-14 * J2), _vertical(len(s))
     flat, along = horizontal / J2, -_SIDE * s[up] / np.sqrt(rest)
-    v, mean, half = np.clip(along, -1, 1), 0.5 * (k.active + k.passive), 0.5 * (k.active - k.passive)
+    v, mean, half = (
+        np.clip(along, -1, 1),
+        0.5 * (k.active + k.passive),
+        0.5 * (k.active - k.passive),
+    )
     by_rest = weight * s
     by_flat = -flat * by_rest / J2
     by_flat[rows] += 2 * s[rows] / J2
@@ -259,7 +313,9 @@ def _at_failure(s: Array, k: ADPConstants) -> tuple[Array, Array]:
 
 
 def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants) -> _System:
-    """Return the equations of the return: the elastic stress less that of the plastic strain, and the yield surface."""
+    """Return the equations of the return: the elastic stress less that of the plastic strain, and
+    the yield surface.
+    """
     ncomp = len(trial)
     stress, root = z[:ncomp], z[ncomp]
     kappa, rate = (np.ones_like(root), np.zeros_like(root)) if k.plastic else mobilised_by(root)
@@ -273,16 +329,25 @@ def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants)
     flow, grown = normal / length, root * root - share
     strain = failure * grown
     relaxed = np.einsum("nij,jn->in", C, flow)
-    residual = np.concatenate((stress - trial + strain * relaxed, (shear.value - kappa * k.radius)[None])) / k.radius
+    residual = (
+        np.concatenate((stress - trial + strain * relaxed, (shear.value - kappa * k.radius)[None]))
+        / k.radius
+    )
 
     def jacobian() -> Array:
         turned = np.einsum("nki,kln->nil", project, second) / length[:, None, None]
         turned -= flow.T[:, :, None] * np.einsum("in,nil->nl", metric * flow, turned)[:, None, :]
-        to_s = np.matmul(C, strain[:, None, None] * turned + (grown * flow).T[:, :, None] * by_direction.T[:, None, :])
+        to_s = np.matmul(
+            C,
+            strain[:, None, None] * turned
+            + (grown * flow).T[:, :, None] * by_direction.T[:, None, :],
+        )
         moved = -rate[:, None] * np.einsum("nij,jn->ni", project, _offset(first, k))
         result = np.zeros((root.size, ncomp + 1, ncomp + 1))
         result[:, :ncomp, :ncomp] = np.eye(ncomp) + np.matmul(to_s, project)
-        result[:, :ncomp, ncomp] = np.einsum("nij,nj->ni", to_s, moved) + (2 * root * failure * relaxed).T
+        result[:, :ncomp, ncomp] = (
+            np.einsum("nij,nj->ni", to_s, moved) + (2 * root * failure * relaxed).T
+        )
         result[:, ncomp, :ncomp] = normal.T
         result[:, ncomp, ncomp] = np.einsum("in,ni->n", by_s, moved) - rate * k.radius
         return result / k.radius[:, None, None]

@@ -15,7 +15,8 @@ from ..errors import warn
 
 Array = NDArray[np.float64]
 Parameter = float | Array
-#: What a user gives for a parameter: a number, one number an element, or a function of the coordinates (dim, ...).
+#: What a user gives for a parameter: a number, one number an element, or a function of the
+#: coordinates (dim, ...).
 Given = Annotated[Any, float | Array | Callable[[Array], ArrayLike]]
 
 #: Flow rules with which a strength is reduced, see :meth:`Material.reduced`.
@@ -29,7 +30,8 @@ PLASTIC_STRAIN, EXCESS_PRESSURE = "plastic strain", "excess pore pressure"
 class Internal(NamedTuple):
     """Internal variable that a material declares.
 
-    The variables named ``"plastic strain"`` and ``"excess pore pressure"`` have results of their own.
+    The variables named ``"plastic strain"`` and ``"excess pore pressure"`` have results of their
+    own.
 
     Attributes
     ----------
@@ -70,16 +72,19 @@ class Update(NamedTuple):
 
 
 class Material:
-    """Constitutive law: pure functions of strain increment and accepted state; an instance holds parameters only.
+    """Constitutive law: pure functions of strain increment and accepted state; an instance holds
+    parameters only.
 
-    A law defines :meth:`elasticity` and :meth:`update`; all other members have defaults. Arrays have the components
-    first: stress (ncomp, n_elements, ...), tension positive, 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz,
-    zx); strains with engineering shear; internal variables (n_internal, n_elements, ...).
+    A law defines :meth:`elasticity` and :meth:`update`; all other members have defaults. Arrays
+    have the components first: stress (ncomp, n_elements, ...), tension positive, 4 components (xx,
+    yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx); strains with engineering shear; internal variables
+    (n_internal, n_elements, ...).
 
     Attributes
     ----------
     internal : tuple of Internal
-        Declared internal variables. In a dataclass write it without an annotation, which would make a parameter.
+        Declared internal variables. In a dataclass write it without an annotation, which would make
+        a parameter.
     time_dependent : bool
         Whether :meth:`update` takes the time increment ``dt`` as its last argument.
     stress_dependent : bool
@@ -107,18 +112,23 @@ class Material:
     stress_dependent: bool = False
     undrained: bool = False
 
-    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
-        """Return d stress / d strain: (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a parameter is an array.
+    def elasticity(
+        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+    ) -> Array:
+        """Return d stress / d strain: (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a
+        parameter is an array.
 
-        Only a `stress_dependent` material gets the accepted state, whose stiffness is (n_elements, ..., ncomp, ncomp);
-        without a state it returns a typical stiffness.
+        Only a `stress_dependent` material gets the accepted state, whose stiffness is (n_elements,
+        ..., ncomp, ncomp); without a state it returns a typical stiffness.
         """
         raise NotImplementedError
 
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Return stress, internal variables and tangent after a strain increment from an accepted state.
+        """Return stress, internal variables and tangent after a strain increment from an accepted
+        state.
 
-        Raise `errors.IncrementTooLarge` where the law has no solution for the increment: a smaller one follows.
+        Raise `errors.IncrementTooLarge` where the law has no solution for the increment: a smaller
+        one follows.
         """
         raise NotImplementedError
 
@@ -143,7 +153,9 @@ class Material:
         return ()
 
     def at(self, x: Array) -> Material:
-        """Return the material with the values of its functions at points of elements, (dim, n_elements, n_points)."""
+        """Return the material with the values of its functions at points of elements, (dim,
+        n_elements, n_points).
+        """
         return self
 
     @property
@@ -167,9 +179,11 @@ class Material:
         return None
 
     def initial_internal(self, stress: Array) -> Array:
-        """Return internal variables of ground under an initial stress; by default the declared initial values.
+        """Return internal variables of ground under an initial stress; by default the declared
+        initial values.
 
-        A law overrides this method if its memory follows from the stress, for instance a preconsolidation pressure.
+        A law overrides this method if its memory follows from the stress, for instance a
+        preconsolidation pressure.
         """
         values = np.zeros((self.n_internal, *stress.shape[1:]))
         for row, variable in zip(values, self.internal):
@@ -186,11 +200,19 @@ class Material:
 
         By default these are the points whose ``"plastic strain"`` has grown.
         """
-        strain, earlier = self.variable(PLASTIC_STRAIN, after), self.variable(PLASTIC_STRAIN, before)
-        return np.zeros(after.shape[1:], bool) if strain is None or earlier is None else strain > earlier
+        strain, earlier = (
+            self.variable(PLASTIC_STRAIN, after),
+            self.variable(PLASTIC_STRAIN, before),
+        )
+        return (
+            np.zeros(after.shape[1:], bool)
+            if strain is None or earlier is None
+            else strain > earlier
+        )
 
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array] | None:
-        """Return a measure of shear and its limit, infinite without failure; None if they are unknown.
+        """Return a measure of shear and its limit, infinite without failure; None if they are
+        unknown.
 
         Their ratio is the mobilised strength.
         """
@@ -204,41 +226,53 @@ class Material:
         return None
 
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter] | None:
-        """Return cohesion, tan(phi) and tensile strength in plane strain for limit analysis, None without bounds.
+        """Return cohesion, tan(phi) and tensile strength in plane strain for limit analysis, None
+        without bounds.
 
         The flow is associated or one of Davis'. The cohesion of a rigid material is infinite.
         """
         return None
 
-    def lines(self, stress: float, inner: bool = True, flow: Flow = "associated") -> tuple[Array, Array] | None:
-        """Return c and tan(phi) of lines, (n_lines, 2, n), inside or outside of a curved strength, None if straight.
+    def lines(
+        self, stress: float, inner: bool = True, flow: Flow = "associated"
+    ) -> tuple[Array, Array] | None:
+        """Return c and tan(phi) of lines, (n_lines, 2, n), inside or outside of a curved strength,
+        None if straight.
 
-        They resolve stresses up to about a given one, and are inside up to the returned compression, (n,).
+        They resolve stresses up to about a given one, and are inside up to the returned
+        compression, (n,).
         """
 
     def cohesion_at(self, x: Array) -> Array | None:
-        """Return the cohesion of the associated cone at points, None unless it is a function of the coordinates."""
+        """Return the cohesion of the associated cone at points, None unless it is a function of the
+        coordinates.
+        """
 
     def reduced(self, factor: float, flow: Flow = "given") -> Material:
-        """Return the material with its strength divided by a positive factor; refuse a flow that it does not have.
+        """Return the material with its strength divided by a positive factor; refuse a flow that it
+        does not have.
 
         Parameters
         ----------
         factor : float
             Strength reduction factor.
         flow : str
-            ``"given"``: the strength is divided, the dilatancy stays unless it exceeds the new friction;
-            ``"associated"``: psi = phi; ``"davis_a"``: Davis' beta of the unreduced soil; ``"davis_b"``: beta of the
-            reduced soil with its psi; ``"davis_c"``: the same with tan(psi) divided as well; ``"lagged"``: as given,
-            with the friction of the pressure at the start of each step. A material of one flow ignores it.
+            ``"given"``: the strength is divided, the dilatancy stays unless it exceeds the new
+            friction; ``"associated"``: psi = phi; ``"davis_a"``: Davis' beta of the unreduced soil;
+            ``"davis_b"``: beta of the reduced soil with its psi; ``"davis_c"``: the same with
+            tan(psi) divided as well; ``"lagged"``: as given, with the friction of the pressure at
+            the start of each step. A material of one flow ignores it.
         """
-        raise ValueError(f"{self.label} has no strength to reduce: it has no method reduced(factor, flow)")
+        raise ValueError(
+            f"{self.label} has no strength to reduce: it has no method reduced(factor, flow)"
+        )
 
     def associated_bound(self, factor: float) -> float:
-        """Return the factor from which the associated material is not stronger than Davis' (B) at another factor.
+        """Return the factor from which the associated material is not stronger than Davis' (B) at
+        another factor.
 
-        Where the soils of Davis collapse at `factor`, associated ones are unstable at the largest bound of all
-        materials; nor can any with less dilatancy (Radenkovic's theorem).
+        Where the soils of Davis collapse at `factor`, associated ones are unstable at the largest
+        bound of all materials; nor can any with less dilatancy (Radenkovic's theorem).
         """
         return factor
 
@@ -259,7 +293,9 @@ class _Completed(Material):
 
     def __getattribute__(self, name: str) -> Any:
         own = super().__getattribute__
-        return getattr(own("_law"), name) if name in own("__dict__").get("_brought", ()) else own(name)
+        return (
+            getattr(own("_law"), name) if name in own("__dict__").get("_brought", ()) else own(name)
+        )
 
     def __repr__(self) -> str:
         return repr(self._law)
@@ -278,16 +314,25 @@ class _Completed(Material):
 def as_material(law: Any) -> Material:
     """Return a law with the defaults of the contract; refuse what has no elasticity or update."""
     calls = {name: getattr(law, name, None) for name in ("elasticity", "update")}
-    missing = [name for name, call in calls.items() if not callable(call)
-               or getattr(call, "__func__", None) is getattr(Material, name)]
+    missing = [
+        name
+        for name, call in calls.items()
+        if not callable(call) or getattr(call, "__func__", None) is getattr(Material, name)
+    ]
     if missing or isinstance(law, type):
-        raise ValueError(f"{law!r} is no material: {' and '.join(missing) or 'an instance'} missing")
+        raise ValueError(
+            f"{law!r} is no material: {' and '.join(missing) or 'an instance'} missing"
+        )
     return law if isinstance(law, Material) else _Completed(law)
 
 
-def updated(material: Material, strain_increment: Array, stress: Array, internal: Array, dt: float) -> Update:
+def updated(
+    material: Material, strain_increment: Array, stress: Array, internal: Array, dt: float
+) -> Update:
     """Call the update of a material, with the time increment if it asks for it."""
-    return material.update(strain_increment, stress, internal, *((dt,) if material.time_dependent else ()))
+    return material.update(
+        strain_increment, stress, internal, *((dt,) if material.time_dependent else ())
+    )
 
 
 def check_reduction(factor: float, flow: str, material: Material | None = None) -> None:
@@ -296,14 +341,21 @@ def check_reduction(factor: float, flow: str, material: Material | None = None) 
     if flow not in FLOWS:
         raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
     if material is not None and (names := sorted(set(material.functions) - {"E", "nu"})):
-        raise ValueError(f"{material.label} varies with the coordinates in {', '.join(names)}: reduce material.at(x)")
+        raise ValueError(
+            f"{material.label} varies with the coordinates in {', '.join(names)}: reduce "
+            f"material.at(x)"
+        )
 
 
 def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:
-    """Return a finite float, or a read-only array with one finite value an element, or a point with `ndim` 2."""
+    """Return a finite float, or a read-only array with one finite value an element, or a point with
+    `ndim` 2.
+    """
     array = finite(value, name)
     if array.ndim > ndim or array.size == 0:
-        raise ValueError(f"{name} must be a number or one number an element, got shape {array.shape}")
+        raise ValueError(
+            f"{name} must be a number or one number an element, got shape {array.shape}"
+        )
     if array.ndim == 0:
         return float(array)
     array.flags.writeable = False
@@ -311,28 +363,38 @@ def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:
 
 
 def as_parameters(material: Any) -> None:
-    """Check the fields of a frozen dataclass as parameters, without functions; arrays must agree in length."""
+    """Check the fields of a frozen dataclass as parameters, without functions; arrays must agree in
+    length.
+    """
     given = {field.name: getattr(material, field.name) for field in fields(material)}
     for field in (field for field in fields(material) if not callable(given[field.name])):
         if given[field.name] is not None or field.default is not None:
             object.__setattr__(material, field.name, as_parameter(field.name, given[field.name]))
     lengths = {name: len(value) for name, value in given.items() if np.ndim(value)}
     if len(set(lengths.values())) > 1:
-        raise ValueError("parameter arrays must have one value an element: "
-                         + ", ".join(f"{name} has {length}" for name, length in lengths.items()))
+        raise ValueError(
+            "parameter arrays must have one value an element: "
+            + ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        )
 
 
 def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
-    """Raise a ValueError that names the first element where a demand on a parameter does not hold."""
+    """Raise a ValueError that names the first element where a demand on a parameter does not
+    hold.
+    """
     if np.all(holds):
         return
     first = np.unravel_index(int(np.argmin(mask := np.atleast_1d(holds))), mask.shape)
     where = f" in element {first[0]}" if mask.size > 1 else ""
-    raise ValueError(f"{name} must {demand}, got {np.broadcast_to(value, mask.shape)[first]}{where}")
+    raise ValueError(
+        f"{name} must {demand}, got {np.broadcast_to(value, mask.shape)[first]}{where}"
+    )
 
 
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
-    """Return a parameter at the points of a field of the shape (ncomp, n_elements, ...); a float stays one."""
+    """Return a parameter at the points of a field of the shape (ncomp, n_elements, ...); a float
+    stays one.
+    """
     if not isinstance(value, np.ndarray):
         return value
     if len(value) != shape[1]:

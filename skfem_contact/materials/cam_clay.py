@@ -1,15 +1,17 @@
 """Modified Cam Clay with the hyperelasticity of Houlsby, Amorosi and Rojas.
 
-Inside this file compression is positive, p holds the attraction, e is the deviator of the elastic strain and E = e:e.
-The free energy (p_a / k) exp(k ev + k g E) gives p = p_a exp(k ev + k g E), the stress p (1 + 2 g e) and the stress
-ratio eta = q / p = sqrt(6 g^2 E): p is always positive, and the stress alone is the elastic state (G. T. Houlsby,
-A. Amorosi, E. Rojas, Geotechnique 55 (2005) 383-392, exponent 1).
+Inside this file compression is positive, p holds the attraction, e is the deviator of the elastic
+strain and E = e:e. The free energy (p_a / k) exp(k ev + k g E) gives p = p_a exp(k ev + k g E), the
+stress p (1 + 2 g e) and the stress ratio eta = q / p = sqrt(6 g^2 E): p is always positive, and the
+stress alone is the elastic state (G. T. Houlsby, A. Amorosi, E. Rojas, Geotechnique 55 (2005)
+383-392, exponent 1).
 
-With the associated flow of q^2 / M^2 + p (p - pc) the deviator keeps the direction of its trial, eta = x eta_trial with
-x = 1 / (1 + y), and the plastic volume strain of an increment is D = y (M^2 - eta^2) / (6 g). The yield condition is
-one equation in y >= 0:
+With the associated flow of q^2 / M^2 + p (p - pc) the deviator keeps the direction of its trial,
+eta = x eta_trial with x = 1 / (1 + y), and the plastic volume strain of an increment is D = y (M^2
+- eta^2) / (6 g). The yield condition is one equation in y >= 0:
 
-    F = ln(p / pc) + k dev - k g E_0 - (k + 1 / (lambda - kappa)) D + k g E x^2 + ln(1 + eta^2 / M^2) = 0
+    F = ln(p / pc) + k dev - k g E_0 - (k + 1 / (lambda - kappa)) D + k g E x^2 + ln(1 + eta^2 /
+    M^2) = 0
 """
 
 from __future__ import annotations
@@ -23,15 +25,27 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from ..errors import InadmissibleStress, IncrementTooLarge
-from .base import PLASTIC_STRAIN, Array, Internal, Material, Parameter, Update, along_elements, as_parameters, require
+from .base import (
+    PLASTIC_STRAIN,
+    Array,
+    Internal,
+    Material,
+    Parameter,
+    Update,
+    along_elements,
+    as_parameters,
+    require,
+)
 from .plastic import BLOCK, chosen
 from .spectral import deviator, square
 
-#: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of 1e-15.
+#: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of
+#: 1e-15.
 _ROUND_OFF = 1e-13
 #: Iterations: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections included.
 _MOST = 80
-#: Change of ln(p) in an increment beyond which it is refused: the pressure changes by a factor of 5e8.
+#: Change of ln(p) in an increment beyond which it is refused: the pressure changes by a factor of
+#: 5e8.
 _LARGEST = 20.0
 #: Share of the attraction below which round-off decides the pressure.
 _LEAST = 1e-8
@@ -54,31 +68,36 @@ class CamClayConstants(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class CamClay(Material):
-    r"""Modified Cam Clay: stiffness that grows with the pressure, compression, and flow to a critical state.
+    r"""Modified Cam Clay: stiffness that grows with the pressure, compression, and flow to a
+    critical state.
 
-    The logarithm of the specific volume falls with that of the mean effective stress p by ``kappa`` inside the yield
-    surface :math:`q^2 / M^2 + p (p - p_c) = 0` and by ``lambda_`` on it, without an elastic range of pressures where
-    p is zero: ground without stress needs an `attraction`. Elasticity is hyperelastic: closed cycles of strain do no
-    work.
+    The logarithm of the specific volume falls with that of the mean effective stress p by ``kappa``
+    inside the yield surface :math:`q^2 / M^2 + p (p - p_c) = 0` and by ``lambda_`` on it, without
+    an elastic range of pressures where p is zero: ground without stress needs an `attraction`.
+    Elasticity is hyperelastic: closed cycles of strain do no work.
 
     Parameters
     ----------
     kappa, lambda_ : float or ndarray
-        Swelling and compression index of ln(volume) on ln(p), 0 < kappa < lambda: those of void ratio e on the common
-        logarithm are larger by 2.3 (1 + e). Like all parameters a float or one value an element.
+        Swelling and compression index of ln(volume) on ln(p), 0 < kappa < lambda: those of void
+        ratio e on the common logarithm are larger by 2.3 (1 + e). Like all parameters a float or
+        one value an element.
     M : float or ndarray
         Slope q / p of the critical state in triaxial compression, 6 sin(phi) / (3 - sin(phi)).
     nu : float or ndarray
         Poisson's ratio at isotropic stress.
     p_ref : float or ndarray
-        Typical mean stress. Penalties and elastic estimates follow from its stiffness, stresses do not.
+        Typical mean stress. Penalties and elastic estimates follow from its stiffness, stresses do
+        not.
     OCR : float or ndarray
-        Preconsolidation pressure p_c over the equivalent pressure p + q^2 / (M^2 p) of the initial stress, at least 1.
+        Preconsolidation pressure p_c over the equivalent pressure p + q^2 / (M^2 p) of the initial
+        stress, at least 1.
     POP : float or ndarray
         Stress that is added to that preconsolidation pressure.
     extension : float or ndarray
-        M in triaxial extension over that in compression, 0.6 to 1; (3 - sin(phi)) / (3 + sin(phi)) for Mohr-Coulomb.
-        Between them follows D. Sheng, S. W. Sloan, H. S. Yu, Comput. Mech. 26 (2000) 185-196.
+        M in triaxial extension over that in compression, 0.6 to 1; (3 - sin(phi)) / (3 + sin(phi))
+        for Mohr-Coulomb. Between them follows D. Sheng, S. W. Sloan, H. S. Yu, Comput. Mech. 26
+        (2000) 185-196.
     attraction : float or ndarray
         Isotropic stress that is added to every stress, such as c cot(phi).
 
@@ -111,23 +130,42 @@ class CamClay(Material):
         as_parameters(self)
         for name in ("kappa", "M", "p_ref", "POP", "attraction"):
             value, history = getattr(self, name), name in ("POP", "attraction")
-            require(name, value, np.greater_equal(value, 0) if history else np.greater(value, 0),
-                    "not be negative" if history else "be positive")
+            require(
+                name,
+                value,
+                np.greater_equal(value, 0) if history else np.greater(value, 0),
+                "not be negative" if history else "be positive",
+            )
         require("lambda_", self.lambda_, np.greater(self.lambda_, self.kappa), "exceed kappa")
-        require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
+        require(
+            "nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5"
+        )
         require("OCR", self.OCR, np.greater_equal(self.OCR, 1), "not be less than 1")
-        convex = np.greater_equal(self.extension, _LEAST_EXTENSION) & np.less_equal(self.extension, 1)
+        convex = np.greater_equal(self.extension, _LEAST_EXTENSION) & np.less_equal(
+            self.extension, 1
+        )
         require("extension", self.extension, convex, f"lie between {_LEAST_EXTENSION} and 1")
 
     def _constants(self, shape: tuple[int, ...]) -> CamClayConstants:
         """Return the constants at the points of a stress of a shape, flattened."""
         k, shear = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu)
-        values = k, shear * k, 1 / (self.lambda_ - self.kappa), self.M, self.extension, self.attraction
+        values = (
+            k,
+            shear * k,
+            1 / (self.lambda_ - self.kappa),
+            self.M,
+            self.extension,
+            self.attraction,
+        )
         spread = (along_elements(value, shape) for value in values)
-        return CamClayConstants(*(value.ravel() if isinstance(value, np.ndarray) else value for value in spread))
+        return CamClayConstants(
+            *(value.ravel() if isinstance(value, np.ndarray) else value for value in spread)
+        )
 
     @override
-    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+    def elasticity(
+        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+    ) -> Array:
         if stress is None:
             p = np.asarray(self.p_ref + 0 * self.kappa + 0 * self.nu)
             k, g = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu) / self.kappa
@@ -152,9 +190,13 @@ class CamClay(Material):
         if wrong.any():
             worst = int(np.argmin(np.where(wrong, p, np.inf)))
             raise InadmissibleStress(
-                f"{self.label} has neither stiffness nor strength without pressure, but p plus the attraction is "
-                f"{p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} points): begin with compressive initial "
-                "stresses, or give `attraction`", worst)
+                f"{self.label} has neither stiffness nor strength without pressure, but p plus the "
+                f"attraction is "
+                f"{p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} points): begin with "
+                f"compressive initial "
+                "stresses, or give `attraction`",
+                worst,
+            )
 
     @override
     def yielding(self, before: Array, after: Array) -> NDArray[np.bool_]:
@@ -171,10 +213,16 @@ class CamClay(Material):
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         return self._update(strain_increment, stress, internal, _plastic)
 
-    def _update(self, strain_increment: Array, stress: Array, internal: Array, rate: Callable[..., Rate]) -> Update:
-        """Update points whose plastic strain follows from the yield condition without it, in blocks."""
+    def _update(
+        self, strain_increment: Array, stress: Array, internal: Array, rate: Callable[..., Rate]
+    ) -> Update:
+        """Update points whose plastic strain follows from the yield condition without it, in
+        blocks.
+        """
         c = self._constants(stress.shape)
-        strain, flat, known = (values.reshape(len(values), -1) for values in (strain_increment, stress, internal))
+        strain, flat, known = (
+            values.reshape(len(values), -1) for values in (strain_increment, stress, internal)
+        )
         points = np.arange(flat.shape[1])
 
         def block(at: slice) -> tuple[Array, Array, Callable[[], Array]]:
@@ -182,14 +230,27 @@ class CamClay(Material):
             return self._updated(*own, lambda *trial: rate(*trial, at))
 
         starts = range(0, max(points.size, 1), BLOCK)
-        new, memory, tangents = zip(*[block(slice(start, start + BLOCK)) for start in starts], strict=True)
-        return Update(np.concatenate(new, axis=1).reshape(stress.shape),
-                      np.concatenate(memory, axis=1).reshape(2, *stress.shape[1:]), points,
-                      lambda: np.concatenate([tangent() for tangent in tangents]))
+        new, memory, tangents = zip(
+            *[block(slice(start, start + BLOCK)) for start in starts], strict=True
+        )
+        return Update(
+            np.concatenate(new, axis=1).reshape(stress.shape),
+            np.concatenate(memory, axis=1).reshape(2, *stress.shape[1:]),
+            points,
+            lambda: np.concatenate([tangent() for tangent in tangents]),
+        )
 
-    def _updated(self, increment: Array, stress: Array, internal: Array, c: CamClayConstants,
-                 rate: Callable[..., Rate]) -> tuple[Array, Array, Callable[[], Array]]:
-        """Return stresses (ncomp, n), internal variables (2, n) and the tangent of a block of points."""
+    def _updated(
+        self,
+        increment: Array,
+        stress: Array,
+        internal: Array,
+        c: CamClayConstants,
+        rate: Callable[..., Rate],
+    ) -> tuple[Array, Array, Callable[[], Array]]:
+        """Return stresses (ncomp, n), internal variables (2, n) and the tangent of a block of
+        points.
+        """
         p0, e0, E0 = elastic_strain(stress, c)
         strain, pc = -increment, internal[1]
         if (none := p0 <= 0).any():
@@ -206,8 +267,10 @@ class CamClay(Material):
         p = p0 * np.exp(np.clip(change, -_LARGEST, _LARGEST))
         lost = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
         if lost.any():
-            raise IncrementTooLarge(f"{self.label}: the mean stress changes from {p0[lost][0]:.3g} to {p[lost][0]:.3g} "
-                                    f"or further ({lost.sum()} of {p.size} points)")
+            raise IncrementTooLarge(
+                f"{self.label}: the mean stress changes from {p0[lost][0]:.3g} to {p[lost][0]:.3g} "
+                f"or further ({lost.sum()} of {p.size} points)"
+            )
         new = -2 * c.g * p * x * e
         new[:3] += c.attraction - p
         new[:, none] = stress[:, none]
@@ -222,7 +285,9 @@ class CamClay(Material):
 
 
 def elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Array]:
-    """Return the pressure, the deviator of the elastic strain with tensor shears, and its square."""
+    """Return the pressure, the deviator of the elastic strain with tensor shears, and its
+    square.
+    """
     mean = stress[:3].mean(axis=0)
     p = c.attraction - mean
     e = -stress / (2 * c.g * np.where(p > 0, p, 1.0))
@@ -231,26 +296,39 @@ def elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Ar
 
 
 def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
-    """Return the elastic moduli, (..., ncomp, ncomp), at pressures (...) and deviators (ncomp, ...)."""
+    """Return the elastic moduli, (..., ncomp, ncomp), at pressures (...) and deviators (ncomp,
+    ...).
+    """
     ratio = 2 * g * e
     ratio[:3] += 1
     ratio = np.moveaxis(ratio, 0, -1)
     stiff, shear = np.broadcast_arrays(p * k, p * g)
-    return stiff[..., None, None] * ratio[..., :, None] * ratio[..., None, :] \
-        + 2 * shear[..., None, None] * deviator(len(e))
+    return stiff[..., None, None] * ratio[..., :, None] * ratio[..., None, :] + 2 * shear[
+        ..., None, None
+    ] * deviator(len(e))
 
 
 def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
-    """Return M at the Lode angle of a deviator, and its derivative by the strain, None if it is constant."""
+    """Return M at the Lode angle of a deviator, and its derivative by the strain, None if it is
+    constant.
+    """
     if np.all(c.extension == 1.0):
         return np.broadcast_to(np.asarray(c.M, dtype=float), E.shape), None
     fourth = np.asarray(c.extension) ** 4
     xx, yy, zz, xy = e[:4]
     yz, zx = e[4:] if len(e) == 6 else (0 * xx, 0 * xx)
-    minors = np.array([yy * zz - yz * yz, zz * xx - zx * zx, xx * yy - xy * xy, yz * zx - xy * zz,
-                       xy * zx - xx * yz, xy * yz - yy * zx])
+    minors = np.array(
+        [
+            yy * zz - yz * yz,
+            zz * xx - zx * zx,
+            xx * yy - xy * xy,
+            yz * zx - xy * zz,
+            xy * zx - xx * yz,
+            xy * yz - yy * zx,
+        ]
+    )
     third = xx * minors[0] + xy * minors[3] + zx * minors[5]
-    minors = minors[:len(e)]
+    minors = minors[: len(e)]
     directed = E > _ROUND
     cube = np.where(directed, E, 1.0) ** 1.5
     sine = np.where(directed, np.clip(3 * np.sqrt(6) * third / cube, -1, 1), 0.0)
@@ -264,8 +342,8 @@ def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | No
 class Rate(NamedTuple):
     """Plastic strain y of an increment, and what it depends on.
 
-    It solves an equation whose derivatives are those of the yield condition F and of the volume strain D times
-    ``of_condition`` and ``of_volume``, and ``of_y`` and ``of_M`` by y and M.
+    It solves an equation whose derivatives are those of the yield condition F and of the volume
+    strain D times ``of_condition`` and ``of_volume``, and ``of_y`` and ``of_M`` by y and M.
     """
 
     y: Array
@@ -300,8 +378,8 @@ def _plastic(base: Array, E: Array, c: CamClayConstants, at: slice) -> Rate:
 def _returned(base: Array, E: Array, c: CamClayConstants) -> Array:
     """Return the root y of the yield condition, zero in elastic points.
 
-    Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0, y_M) if F(y_M) < 0:
-    Newton's method without the bracket jumps between several roots there.
+    Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0,
+    y_M) if F(y_M) < 0: Newton's method without the bracket jumps between several roots there.
     """
     y = np.zeros_like(E)
     first = condition(y, base, E, c)[0]
@@ -310,7 +388,10 @@ def _returned(base: Array, E: Array, c: CamClayConstants) -> Array:
     critical = np.maximum(np.sqrt(6 * E) * c.g / c.M - 1, 0.0)
     beyond = condition(critical, base, E, c)[0] > 0
     farthest = 6 * c.g / c.M**2 * (first / (c.k + c.hardening) + c.g * E / 4) * (1 + 1e-9) + 1e-12
-    low, high = np.where(beyond, critical, 0.0), np.where(beyond, np.maximum(farthest, critical), critical)
+    low, high = (
+        np.where(beyond, critical, 0.0),
+        np.where(beyond, np.maximum(farthest, critical), critical),
+    )
     at = low.copy()
     for _ in range(_MOST):
         if not points.size:
@@ -326,15 +407,25 @@ def _returned(base: Array, E: Array, c: CamClayConstants) -> Array:
             c, points = chosen(c, kept), points[kept]
             base, E, low, high, new = (a[kept] for a in (base, E, low, high, new))
         at = new
-    raise IncrementTooLarge(f"the return to the yield surface of Cam Clay fails at {points.size} points")
+    raise IncrementTooLarge(
+        f"the return to the yield surface of Cam Clay fails at {points.size} points"
+    )
 
 
-def _tangent(flow: Rate, e: Array, p: Array, E: Array, dM: Array | None, c: CamClayConstants) -> Array:
-    """Return d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev), shape (n, ncomp, ncomp)."""
+def _tangent(
+    flow: Rate, e: Array, p: Array, E: Array, dM: Array | None, c: CamClayConstants
+) -> Array:
+    """Return d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev), shape (n, ncomp,
+    ncomp).
+    """
     y = flow.y
     ncomp, x, k, g, B, M = len(e), 1 / (1 + y), c.k, c.g, c.k + c.hardening, c.M
     h, D_y = 6 * g**2 * E * x * x, volume_strain(y, E, c)[1]
-    slope = flow.of_condition * condition(y, np.zeros_like(E), E, c)[1] + flow.of_volume * D_y + flow.of_y
+    slope = (
+        flow.of_condition * condition(y, np.zeros_like(E), E, c)[1]
+        + flow.of_volume * D_y
+        + flow.of_y
+    )
     one = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
     dF = k * one + ((B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)) * 2 * e
     dD = -y * g * x * x * 2 * e

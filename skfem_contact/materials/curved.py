@@ -1,8 +1,10 @@
-"""Curved strength of Hoek and Brown: its tangents, whole or reduced, and lines inside and outside of it.
+"""Curved strength of Hoek and Brown: its tangents, whole or reduced, and lines inside and outside
+of it.
 
-A reduction divides the shear strength on every plane, the envelope of Mohr's circles, by its factor: cohesion and
-tan(phi) of each tangent are divided, which touches at the same normal stress n. The circle that touches there has the
-centre n + tau tan(phi) / F^2 and the radius tau / F sqrt(1 + tan^2(phi) / F^2).
+A reduction divides the shear strength on every plane, the envelope of Mohr's circles, by its
+factor: cohesion and tan(phi) of each tangent are divided, which touches at the same normal stress
+n. The circle that touches there has the centre n + tau tan(phi) / F^2 and the radius tau / F sqrt(1
++ tan^2(phi) / F^2).
 """
 
 from __future__ import annotations
@@ -14,7 +16,8 @@ import numpy as np
 
 from .base import Array, Flow
 
-#: t below which the tangent stays, at the apex it would be vertical: 1 - sin(phi) is 2e-7 then, with an error of 5e-10.
+#: t below which the tangent stays, at the apex it would be vertical: 1 - sin(phi) is 2e-7 then,
+#: with an error of 5e-10.
 APEX = 1e-14
 #: Change of t, as a share, at which the root with a reduced or capped strength is found.
 _FOUND = 1e-13
@@ -22,8 +25,9 @@ _FOUND = 1e-13
 _NOISE = 12
 #: Imaginary step, as a share of t, of derivatives.
 IMAGINARY = 1e-30
-#: Lines of bounds, their stresses: from a share of the uniaxial strength's t to so many times the bearing capacity of
-#: two wedges; the last chord ends at so many times this t. With 12 lines the factor of a slope is off by .5 %.
+#: Lines of bounds, their stresses: from a share of the uniaxial strength's t to so many times the
+#: bearing capacity of two wedges; the last chord ends at so many times this t. With 12 lines the
+#: factor of a slope is off by .5 %.
 _LINES, _NEAR, _BEYOND, _FAR = 12, 0.3, 3.0, 1e3
 #: Iterations for a root: 5 to 15 are needed.
 _MOST = 100
@@ -38,7 +42,9 @@ class Tangent(NamedTuple):
 
 
 def tangent(t: Any, k: Any) -> Tangent:
-    """Return the tangent of the reduced strength that belongs to t of the whole one: analytic, t may be complex."""
+    """Return the tangent of the reduced strength that belongs to t of the whole one: analytic, t
+    may be complex.
+    """
     power = t**k.a
     slope, radius = k.a * k.m_b * power / t, 0.5 * k.ci * power
     if np.all(np.equal(k.factor, 1.0)):
@@ -52,7 +58,9 @@ def tangent(t: Any, k: Any) -> Tangent:
 
 
 def falling_root(function: Callable[[Any], Array], start: Array) -> Array:
-    """Return the zero of an analytic function that falls with t, by Newton's method in a bracket from the apex on."""
+    """Return the zero of an analytic function that falls with t, by Newton's method in a bracket
+    from the apex on.
+    """
     low, high = np.full(start.shape, APEX), np.maximum(start, 2 * APEX)
     while (short := function(high) > 0).any():
         low, high = np.where(short, high, low), np.where(short, 4 * high, high)
@@ -72,12 +80,15 @@ def falling_root(function: Callable[[Any], Array], start: Array) -> Array:
 
 
 def lines_of(k: Any, stress: float, inner: bool, flow: Flow) -> tuple[Array, Array]:
-    """Return lines inside or outside of the strength, and the compression up to which they are inside.
+    """Return lines inside or outside of the strength, and the compression up to which they are
+    inside.
 
     Outside are tangents, inside chords between the points where they touch, from the apex on.
     """
     uniaxial = k.ci * k.s**k.a
-    wedges = uniaxial + k.ci * (k.m_b * uniaxial / k.ci + k.s) ** k.a  # bearing capacity of two of them
+    wedges = (
+        uniaxial + k.ci * (k.m_b * uniaxial / k.ci + k.s) ** k.a
+    )  # bearing capacity of two of them
     highest = k.s + k.m_b * np.maximum(_BEYOND * wedges, stress) / k.ci
     t = np.geomspace(np.maximum(_NEAR * k.s, 1e-4 * highest), highest, _LINES)
     if inner:
@@ -88,12 +99,18 @@ def lines_of(k: Any, stress: float, inner: bool, flow: Flow) -> tuple[Array, Arr
     if inner:
         apex = -np.broadcast_to(k.s * k.ci / k.m_b, normal[:1].shape)
         normal, shear = np.concatenate((apex, normal)), np.concatenate((0 * apex, shear))
-        slope, normal, most = np.diff(shear, axis=0) / np.diff(normal, axis=0), normal[:-1], normal[-1]
+        slope, normal, most = (
+            np.diff(shear, axis=0) / np.diff(normal, axis=0),
+            normal[:-1],
+            normal[-1],
+        )
         shear = shear[:-1]
     else:
         slope, most = sine / cosine, np.full(normal.shape[1], np.inf)
     lines = np.stack((shear - normal * slope, slope), axis=1)
     if flow != "associated":
         friction, dilatancy = np.arctan(slope), np.minimum(np.arcsin(k.sin_psi), np.arctan(slope))
-        lines *= (np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction)))[:, None]
+        lines *= (
+            np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction))
+        )[:, None]
     return lines, most

@@ -1,8 +1,8 @@
 """Drucker-Prager plasticity, and its limit, the cylinder of von Mises.
 
-The yield function is sqrt(J2) + alpha I1 - k with the first invariant I1 of the stress (tension positive) and
-the second invariant J2 of its deviator; the plastic potential is the same with beta for alpha. The return is
-radial in the deviator, to the cone or to its apex I1 = k / alpha.
+The yield function is sqrt(J2) + alpha I1 - k with the first invariant I1 of the stress (tension
+positive) and the second invariant J2 of its deviator; the plastic potential is the same with beta
+for alpha. The return is radial in the deviator, to the cone or to its apex I1 = k / alpha.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ class ConeConstants(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ConePlasticity(IsotropicPlasticity):
-    """Base of the laws with a circular cone or cylinder; a law adds its parameters and constants."""
+    """Base of the laws with a circular cone or cylinder; a law adds its parameters and
+    constants.
+    """
 
     @property
     @override
@@ -63,18 +65,20 @@ class ConePlasticity(IsotropicPlasticity):
 class DruckerPrager(ConePlasticity):
     """Linear elasticity, perfect plasticity on the Drucker-Prager cone, non-associated flow.
 
-    The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential is the same with
-    beta (D. C. Drucker, W. Prager, Quart. Appl. Math. 10 (1952) 157-165). Where c and phi are known, use
-    :meth:`plane_strain`: k, alpha and beta are not cohesion and angles. A reduction of strength divides k and alpha,
-    whose factor is lower than that of c and tan(phi): 1.78 instead of 1.95 of a slope with phi = 25 degrees.
+    The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential
+    is the same with beta (D. C. Drucker, W. Prager, Quart. Appl. Math. 10 (1952) 157-165). Where c
+    and phi are known, use
+    :meth:`plane_strain`: k, alpha and beta are not cohesion and angles. A reduction of strength
+    divides k and alpha, whose factor is lower than that of c and tan(phi): 1.78 instead of 1.95 of
+    a slope with phi = 25 degrees.
 
     Parameters
     ----------
     E, nu : float or ndarray
         As those of :class:`LinearElastic`.
     k, alpha, beta : float or ndarray
-        Shear strength sqrt(J2) without mean stress; friction, below 1/3 for soil in plane strain; and dilatancy, at
-        most alpha. None may be negative.
+        Shear strength sqrt(J2) without mean stress; friction, below 1/3 for soil in plane strain;
+        and dilatancy, at most alpha. None may be negative.
 
     Examples
     --------
@@ -95,12 +99,13 @@ class DruckerPrager(ConePlasticity):
         require("beta", self.beta, np.less_equal(self.beta, self.alpha), "not exceed alpha")
 
     @classmethod
-    def plane_strain(cls, E: Parameter, nu: Parameter, c: Parameter, phi: Parameter, psi: Parameter = 0.0
-                     ) -> DruckerPrager:
+    def plane_strain(
+        cls, E: Parameter, nu: Parameter, c: Parameter, phi: Parameter, psi: Parameter = 0.0
+    ) -> DruckerPrager:
         """Return the cone that collapses at the Mohr-Coulomb strength in plane strain.
 
-        The parameters are those of :class:`MohrCoulomb`. At collapse the strain out of plane is plastic and vanishes,
-        which fixes the stress out of plane by the plastic potential.
+        The parameters are those of :class:`MohrCoulomb`. At collapse the strain out of plane is
+        plastic and vanishes, which fixes the stress out of plane by the plastic potential.
         """
         model = MohrCoulomb(E, nu, c, phi, psi)
         phi, psi = np.radians(model.phi), np.radians(model.psi)
@@ -113,8 +118,10 @@ class DruckerPrager(ConePlasticity):
     def reduced(self, factor: float, flow: Flow = "given") -> DruckerPrager:
         check_reduction(factor, flow, self)
         if flow not in ("given", "associated") and not self.symmetric:
-            raise ValueError(f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager cone with "
-                             "beta < alpha has not: use MohrCoulomb, or flow 'given' or 'associated'")
+            raise ValueError(
+                f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager cone with "
+                "beta < alpha has not: use MohrCoulomb, or flow 'given' or 'associated'"
+            )
         alpha = self.alpha / factor
         beta = alpha if flow == "associated" else reduced_dilatancy(self.beta, self.alpha, alpha)
         return self._with(k=self.k / factor, alpha=alpha, beta=beta)
@@ -126,14 +133,16 @@ class DruckerPrager(ConePlasticity):
 
 @dataclass(frozen=True, eq=False)
 class VonMises(ConePlasticity):
-    """Drucker-Prager plasticity without friction: the equivalent stress sqrt(3 J2) reaches the strength.
+    """Drucker-Prager plasticity without friction: the equivalent stress sqrt(3 J2) reaches the
+    strength.
 
     Parameters
     ----------
     E, nu : float or ndarray
         As those of :class:`LinearElastic`.
     strength : float or ndarray
-        Yield stress in uniaxial tension, not negative. A soil of shear strength c in plane strain has sqrt(3) c.
+        Yield stress in uniaxial tension, not negative. A soil of shear strength c in plane strain
+        has sqrt(3) c.
 
     Examples
     --------
@@ -161,7 +170,11 @@ class VonMises(ConePlasticity):
 
     @override
     def cohesion_at(self, x: Array) -> Array | None:
-        return at_points("strength", self.strength, x) / np.sqrt(3) if callable(self.strength) else None
+        return (
+            at_points("strength", self.strength, x) / np.sqrt(3)
+            if callable(self.strength)
+            else None
+        )
 
     @override
     def constants(self) -> ConeConstants:
@@ -191,8 +204,12 @@ def _cone_return(trial: Array, constants: ConeConstants) -> Return:
         for i in range(3):
             drop = (3 * bulk * beta + mu * direction[i]) / (mu + 9 * bulk * alpha * beta)
             for j in range(3):
-                deviatoric = (2.0 * (i == j) - 2 / 3) * kept + (1 - kept) * direction[i] * direction[j]
-                result[i, j] = bulk + mu * deviatoric - drop * (3 * bulk * alpha + mu * direction[j])
+                deviatoric = (2.0 * (i == j) - 2 / 3) * kept + (1 - kept) * direction[
+                    i
+                ] * direction[j]
+                result[i, j] = (
+                    bulk + mu * deviatoric - drop * (3 * bulk * alpha + mu * direction[j])
+                )
         result[:, :, apex] = 0
         return result
 

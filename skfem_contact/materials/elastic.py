@@ -29,10 +29,11 @@ _BY_ELEMENT = ("E", "nu")
 
 @dataclass(frozen=True, eq=False)
 class Isotropic(Material):
-    """Parameters of isotropic elasticity: floats, arrays with one value an element of the region, or functions.
+    """Parameters of isotropic elasticity: floats, arrays with one value an element of the region,
+    or functions.
 
-    A ValueError refuses a parameter that is out of its range or not finite, and arrays that differ in length. Two
-    materials are equal only if they are the same object.
+    A ValueError refuses a parameter that is out of its range or not finite, and arrays that differ
+    in length. Two materials are equal only if they are the same object.
     """
 
     E: Given
@@ -46,7 +47,9 @@ class Isotropic(Material):
     def _check(self) -> None:
         """Check the ranges of the parameters, which are numbers."""
         require("E", self.E, np.greater(self.E, 0), "be positive")
-        require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
+        require(
+            "nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5"
+        )
 
     @property
     @override
@@ -87,7 +90,9 @@ class Isotropic(Material):
         return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu)), self.E / (2 * (1 + self.nu))
 
     @override
-    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+    def elasticity(
+        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+    ) -> Array:
         lam, mu = np.broadcast_arrays(*self.lame)
         stiffness = np.zeros((*lam.shape, ncomp, ncomp))
         stiffness[..., :3, :3] = lam[..., None, None] + 2 * mu[..., None, None] * np.eye(3)
@@ -95,10 +100,18 @@ class Isotropic(Material):
         return stiffness
 
     def elastic_stress(self, strain_increment: Array, stress: Array) -> Array:
-        """Return the stress after an elastic strain increment, a new array of shape (ncomp, ...)."""
-        if strain_increment.shape != stress.shape or stress.ndim < 2 or stress.shape[0] not in (4, 6):
-            raise ValueError("strain increment and stress must share a shape (4 or 6, n_elements, ...), "
-                             f"got {strain_increment.shape} and {stress.shape}")
+        """Return the stress after an elastic strain increment, a new array of shape (ncomp,
+        ...).
+        """
+        if (
+            strain_increment.shape != stress.shape
+            or stress.ndim < 2
+            or stress.shape[0] not in (4, 6)
+        ):
+            raise ValueError(
+                "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
+                f"got {strain_increment.shape} and {stress.shape}"
+            )
         lam, mu = (along_elements(value, stress.shape) for value in self.lame)
         result = np.empty(stress.shape)
         pressure = strain_increment[0] + strain_increment[1]
@@ -118,8 +131,9 @@ class LinearElastic(Isotropic):
     Parameters
     ----------
     E, nu : float, ndarray or callable
-        Young's modulus (stress), positive, and Poisson's ratio, -1 < nu < 0.5: floats, one value an element each, or
-        functions of the coordinates (dim, ...), of which an element takes the mean.
+        Young's modulus (stress), positive, and Poisson's ratio, -1 < nu < 0.5: floats, one value an
+        element each, or functions of the coordinates (dim, ...), of which an element takes the
+        mean.
 
     Examples
     --------
@@ -138,7 +152,10 @@ class LinearElastic(Isotropic):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        new, tangent = self.elastic_stress(strain_increment, stress), np.empty((0, len(stress), len(stress)))
+        new, tangent = (
+            self.elastic_stress(strain_increment, stress),
+            np.empty((0, len(stress), len(stress))),
+        )
         return Update(new, internal, np.empty(0, dtype=np.intp), lambda: tangent)
 
     @override
@@ -151,21 +168,33 @@ class LinearElastic(Isotropic):
 
 
 def at_points(name: str, function: Any, x: Array) -> Array:
-    """Return the values of a parameter that is a function of the coordinates, (n_elements, n_points)."""
+    """Return the values of a parameter that is a function of the coordinates, (n_elements,
+    n_points).
+    """
     values = finite(function(x), f"{name}(x)")
     if values.shape not in ((), x.shape[1:]):
-        raise ValueError(f"{name}(x) must return one number for each point, shape {x.shape[1:]}, not {values.shape}")
+        raise ValueError(
+            f"{name}(x) must return one number for each point, shape {x.shape[1:]}, not "
+            f"{values.shape}"
+        )
     return np.broadcast_to(values, x.shape[1:]).copy()
 
 
 def refuse_functions(material: Material) -> None:
     """Refuse a material with functions of the coordinates where there are no coordinates."""
     if material.functions:
-        raise ValueError(f"{' and '.join(material.functions)} of {material.label} vary with the coordinates, which "
-                         "a single point does not have: give numbers")
+        raise ValueError(
+            f"{' and '.join(material.functions)} of {material.label} vary with the coordinates, "
+            f"which "
+            "a single point does not have: give numbers"
+        )
 
 
-def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter) -> Parameter:
-    """Return the dilatancy of a reduced friction: equal to it if the flow was associated, else at most equal."""
+def reduced_dilatancy(
+    dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter
+) -> Parameter:
+    """Return the dilatancy of a reduced friction: equal to it if the flow was associated, else at
+    most equal.
+    """
     associated = np.equal(dilatancy, friction)
     return np.where(associated, reduced_friction, np.minimum(dilatancy, reduced_friction))

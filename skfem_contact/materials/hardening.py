@@ -29,7 +29,9 @@ _HALVINGS = 60  # from the bounds to the round-off
 
 
 class _Constants(NamedTuple):
-    """Constants over elements or points, angles in radians; ``range`` is the strain where the change ends."""
+    """Constants over elements or points, angles in radians; ``range`` is the strain where the
+    change ends.
+    """
 
     lam: Parameter
     mu: Parameter
@@ -46,15 +48,17 @@ class _Constants(NamedTuple):
 class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     """Mohr-Coulomb plasticity, hardening or softening linearly with the plastic shear strain.
 
-    Cohesion and friction angle go linearly from their first to their last values while the accumulated equivalent
-    plastic shear strain goes from zero to a given strain, and stay there. The dilatancy angle is constant. Stress and
-    strength at the end of an increment fulfil the yield condition exactly. A softening body has no solution that is
-    independent of the mesh: choose ``strain_end`` for the size of the elements.
+    Cohesion and friction angle go linearly from their first to their last values while the
+    accumulated equivalent plastic shear strain goes from zero to a given strain, and stay there.
+    The dilatancy angle is constant. Stress and strength at the end of an increment fulfil the yield
+    condition exactly. A softening body has no solution that is independent of the mesh: choose
+    ``strain_end`` for the size of the elements.
 
     Parameters
     ----------
     E, nu, c, c_end, phi, phi_end, psi : float or ndarray
-        As those of :class:`MohrCoulomb`, with first and last strength; psi must not exceed phi and phi_end.
+        As those of :class:`MohrCoulomb`, with first and last strength; psi must not exceed phi and
+        phi_end.
     strain_end : float or ndarray
         Equivalent plastic shear strain at which the last values are reached, positive.
 
@@ -81,7 +85,12 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         self._not_negative("c", "c_end", "psi")
         for name in ("phi", "phi_end"):
             angle = getattr(self, name)
-            require(name, angle, np.greater_equal(angle, 0) & np.less(angle, 90), "lie in [0, 90) degrees")
+            require(
+                name,
+                angle,
+                np.greater_equal(angle, 0) & np.less(angle, 90),
+                "lie in [0, 90) degrees",
+            )
             require("psi", self.psi, np.less_equal(self.psi, angle), f"not exceed {name}")
         warn_of_radians(phi=np.maximum(self.phi, self.phi_end))
         require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
@@ -90,7 +99,13 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
         c, c_end, phi, phi_end, strain_end = (
             along_elements(value, internal.shape)
-            for value in (self.c, self.c_end, np.radians(self.phi), np.radians(self.phi_end), self.strain_end)
+            for value in (
+                self.c,
+                self.c_end,
+                np.radians(self.phi),
+                np.radians(self.phi_end),
+                self.strain_end,
+            )
         )
         way = np.minimum(internal[0] / strain_end, 1.0)
         return c + way * (c_end - c), phi + way * (phi_end - phi)
@@ -99,10 +114,16 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:
         check_reduction(factor, flow, self)
         if flow == "lagged":
-            raise ValueError("flow 'lagged' is for MohrCoulomb, not for HardeningMohrCoulomb, whose strength changes")
+            raise ValueError(
+                "flow 'lagged' is for MohrCoulomb, not for HardeningMohrCoulomb, whose strength "
+                "changes"
+            )
         if flow != "given" and not np.all(self.phi == self.phi_end):
-            raise ValueError(f"flow '{flow}' needs one friction angle: the constant psi of a HardeningMohrCoulomb "
-                             "cannot follow phi to another phi_end")
+            raise ValueError(
+                f"flow '{flow}' needs one friction angle: the constant psi of a "
+                f"HardeningMohrCoulomb "
+                "cannot follow phi to another phi_end"
+            )
         first, last = (
             cast(MohrCoulomb, MohrCoulomb(self.E, self.nu, c, phi, self.psi).reduced(factor, flow))
             for c, phi in ((self.c, self.phi), (self.c_end, self.phi_end))
@@ -115,7 +136,9 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def constants(self) -> _Constants:
         phi, phi_end, psi = np.radians(self.phi), np.radians(self.phi_end), np.radians(self.psi)
         c_change, phi_change = self.c_end - self.c, phi_end - phi
-        return _Constants(*self.lame, np.sin(psi), self.c, phi, c_change, phi_change, self.strain_end)
+        return _Constants(
+            *self.lame, np.sin(psi), self.c, phi, c_change, phi_change, self.strain_end
+        )
 
     @override
     def at_state(self, constants: _Constants, internal: Array) -> _Constants:
@@ -158,9 +181,9 @@ def _pyramid(strain: Parameter, k: _Constants) -> PyramidConstants:
 def _end_strain(trial: Array, k: _Constants) -> Array:
     """Solve for the equivalent plastic shear strain at the end of the increment.
 
-    It is the root of: accepted strain + growth in the return to the surface at this strain - this strain.
-    Newton's method is safeguarded by bisection between bounds: the growth is never negative, and never more than
-    the strain that relaxes the whole deviator of the trial stress.
+    It is the root of: accepted strain + growth in the return to the surface at this strain - this
+    strain. Newton's method is safeguarded by bisection between bounds: the growth is never
+    negative, and never more than the strain that relaxes the whole deviator of the trial stress.
     """
     lower = np.broadcast_to(k.accepted, trial.shape[1:]).copy()
     upper = lower + equivalent_shear_strain(trial, k.mu)
@@ -185,7 +208,9 @@ def _end_strain(trial: Array, k: _Constants) -> Array:
 
 
 def _growth(strain: Array, trial: Array, k: _Constants) -> tuple[Array, Array]:
-    """Return the plastic shear strain of the return to the surface at ``strain``, and its derivative."""
+    """Return the plastic shear strain of the return to the surface at ``strain``, and its
+    derivative.
+    """
     surface = _pyramid(strain, k)
     returned = pyramid_return(trial, surface)
     relaxed = trial - returned.values

@@ -1,9 +1,10 @@
 """Mohr-Coulomb plasticity, its limit Tresca, and its associated substitutes.
 
-With psi < phi collapse loads depend on mesh and path. Davis (1968) replaces the soil by an associated one of less
-strength, c* = beta c and tan phi* = beta tan phi with beta = cos psi cos phi / (1 - sin psi sin phi): the shear
-strength on a plane along which the soil shears without extension. The procedures A, B and C take beta of different
-angles (F. Tschuchnigg, H. F. Schweiger, S. W. Sloan, Computers and Geotechnics 70 (2015) 169-177 and 178-189).
+With psi < phi collapse loads depend on mesh and path. Davis (1968) replaces the soil by an
+associated one of less strength, c* = beta c and tan phi* = beta tan phi with beta = cos psi cos phi
+/ (1 - sin psi sin phi): the shear strength on a plane along which the soil shears without
+extension. The procedures A, B and C take beta of different angles (F. Tschuchnigg, H. F. Schweiger,
+S. W. Sloan, Computers and Geotechnics 70 (2015) 169-177 and 178-189).
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ from .plastic import IsotropicPlasticity, Return
 from .pyramid import PyramidConstants, cut_off_excess, return_with_cut_off
 from .spectral import extremes, principal_stresses
 
-#: Share of the strength without pressure that is left in tension, where the soil would be beyond its apex.
+#: Share of the strength without pressure that is left in tension, where the soil would be beyond
+#: its apex.
 _LEAST = 0.1
 
 
@@ -44,7 +46,9 @@ class CohesiveFrictional(Material):
 
     def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
         """Return cohesion and friction angle (radians) at the points of internal variables."""
-        return along_elements(self.c, internal.shape), along_elements(np.radians(self.phi), internal.shape)
+        return along_elements(self.c, internal.shape), along_elements(
+            np.radians(self.phi), internal.shape
+        )
 
     @property
     @override
@@ -67,7 +71,9 @@ class CohesiveFrictional(Material):
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         largest, _, smallest = principal_stresses(stress)
         c, phi = self.strength_at(internal)
-        return 0.5 * (largest - smallest), c * np.cos(phi) - 0.5 * (largest + smallest) * np.sin(phi)
+        return 0.5 * (largest - smallest), c * np.cos(phi) - 0.5 * (largest + smallest) * np.sin(
+            phi
+        )
 
     @override
     def undrained_strength(self, mean: Array, internal: Array) -> Array:
@@ -79,7 +85,11 @@ class CohesiveFrictional(Material):
         if not self.dilates_less:
             return factor
         friction, reduced = np.radians(self.phi), np.radians(self.reduced(factor, "davis_b").phi)  # type: ignore[attr-defined]
-        return float(np.max(np.tan(friction) / np.tan(reduced), initial=factor, where=np.greater(friction, 0.0)))
+        return float(
+            np.max(
+                np.tan(friction) / np.tan(reduced), initial=factor, where=np.greater(friction, 0.0)
+            )
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,22 +97,23 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     """Linear elasticity, perfect plasticity on the Mohr-Coulomb surface, non-associated flow.
 
     With principal stresses s1 >= s2 >= s3 (tension positive) the yield function is
-    ``(1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi``, and the plastic potential is the same with psi. Trial
-    stresses return exactly to a face, an edge (s1 = s2 or s2 = s3) or the apex by Koiter's rule: W. T. Koiter, Quart.
-    Appl. Math. 11 (1953) 350-354; J. Clausen, L. Damkilde, L. Andersen, Computers & Structures 85 (2007) 1795-1807.
+    ``(1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi``, and the plastic potential is the same
+    with psi. Trial stresses return exactly to a face, an edge (s1 = s2 or s2 = s3) or the apex by
+    Koiter's rule: W. T. Koiter, Quart. Appl. Math. 11 (1953) 350-354; J. Clausen, L. Damkilde, L.
+    Andersen, Computers & Structures 85 (2007) 1795-1807.
 
     Parameters
     ----------
     E, nu : float, ndarray or callable
         As those of :class:`LinearElastic`.
     c : float, ndarray or callable
-        Cohesion (stress), not negative; like all parameters a float, one value an element, or a function of the
-        coordinates (dim, ...).
+        Cohesion (stress), not negative; like all parameters a float, one value an element, or a
+        function of the coordinates (dim, ...).
     phi, psi : float, ndarray or callable
         Friction angle in degrees, 0 <= phi < 90, and dilatancy angle, 0 <= psi <= phi.
     tension : float, ndarray or callable, optional
-        Tensile strength, not negative: no principal stress exceeds it, with associated flow. None, or a value above
-        the apex c cot(phi), is no cut-off.
+        Tensile strength, not negative: no principal stress exceeds it, with associated flow. None,
+        or a value above the apex c cot(phi), is no cut-off.
 
     Examples
     --------
@@ -146,7 +157,12 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def _divided(self, factor: float) -> MohrCoulomb:
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
         psi, tension = reduced_dilatancy(self.psi, self.phi, phi), self.tension
-        return self._with(c=self.c / factor, phi=phi, psi=psi, tension=None if tension is None else tension / factor)
+        return self._with(
+            c=self.c / factor,
+            phi=phi,
+            psi=psi,
+            tension=None if tension is None else tension / factor,
+        )
 
     def _davis(self, psi: Parameter) -> MohrCoulomb:
         friction, dilatancy = np.radians(self.phi), np.radians(psi)
@@ -158,7 +174,11 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter] | None:
         if flow != "associated":
             return self.reduced(1.0, flow).cone()
-        return self.c, np.tan(np.radians(self.phi)), np.inf if self.tension is None else self.tension
+        return (
+            self.c,
+            np.tan(np.radians(self.phi)),
+            np.inf if self.tension is None else self.tension,
+        )
 
     @override
     def cohesion_at(self, x: Array) -> Array | None:
@@ -191,7 +211,8 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
 @dataclass(frozen=True, eq=False)
 class Tresca(MohrCoulomb):
-    """Mohr-Coulomb plasticity without friction: undrained soil with the shear strength c, no change of volume.
+    """Mohr-Coulomb plasticity without friction: undrained soil with the shear strength c, no change
+    of volume.
 
     Parameters
     ----------
@@ -204,7 +225,8 @@ class Tresca(MohrCoulomb):
     >>> sc.Tresca(E=1000.0, nu=0.25, c=10.0).reduced(2.0)
     Tresca(E=1000.0, nu=0.25, c=5.0)
 
-    A strength that rises with the depth below y = 0, by 2 per unit of length, and a stiffness of 500 times as much:
+    A strength that rises with the depth below y = 0, by 2 per unit of length, and a stiffness of
+    500 times as much:
 
     >>> clay = sc.Tresca(E=lambda x: 500.0 * (10.0 - 2.0 * x[1]), nu=0.49, c=lambda x: 10.0 - 2.0 * x[1])
     >>> clay.functions
@@ -218,10 +240,11 @@ class Tresca(MohrCoulomb):
 
 @dataclass(frozen=True, eq=False)
 class AssociatedSubstitute(Material):
-    """Mohr-Coulomb soil with the friction of the last accepted stress; its increments have a convex potential.
+    """Mohr-Coulomb soil with the friction of the last accepted stress; its increments have a convex
+    potential.
 
-    In tension the strength does not fall below a tenth of ``2 c cos(phi)``. K. Krabbenhoft, M. R. Karim,
-    A. V. Lyamin, S. W. Sloan, Int. J. Numer. Meth. Engng 90 (2012) 1089-1117.
+    In tension the strength does not fall below a tenth of ``2 c cos(phi)``. K. Krabbenhoft, M. R.
+    Karim, A. V. Lyamin, S. W. Sloan, Int. J. Numer. Meth. Engng 90 (2012) 1089-1117.
 
     Parameters
     ----------
@@ -233,7 +256,9 @@ class AssociatedSubstitute(Material):
     internal = MohrCoulomb.internal
 
     @override
-    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+    def elasticity(
+        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+    ) -> Array:
         return self.soil.elasticity(ncomp)
 
     @override
@@ -256,9 +281,17 @@ class AssociatedSubstitute(Material):
         phi, psi = np.radians(spread(soil.phi)), np.radians(spread(soil.psi))
         largest, smallest = (extreme.ravel() for extreme in extremes(stress))
         alone = 2 * spread(soil.c) * np.cos(phi)
-        strength = np.maximum(alone - (np.sin(phi) - np.sin(psi)) * (largest + smallest), _LEAST * alone)
+        strength = np.maximum(
+            alone - (np.sin(phi) - np.sin(psi)) * (largest + smallest), _LEAST * alone
+        )
         E, nu, angle = (spread(value) for value in (soil.E, soil.nu, soil.psi))
         tension = None if soil.tension is None else spread(soil.tension)
-        substitute = replace(soil, E=E, nu=nu, c=strength / (2 * np.cos(psi)), phi=angle, psi=angle, tension=tension)
-        flat = substitute.update(*(a.reshape(len(a), -1) for a in (strain_increment, stress, internal)))
-        return flat._replace(stress=flat.stress.reshape(stress.shape), internal=flat.internal.reshape(internal.shape))
+        substitute = replace(
+            soil, E=E, nu=nu, c=strength / (2 * np.cos(psi)), phi=angle, psi=angle, tension=tension
+        )
+        flat = substitute.update(
+            *(a.reshape(len(a), -1) for a in (strain_increment, stress, internal))
+        )
+        return flat._replace(
+            stress=flat.stress.reshape(stress.shape), internal=flat.internal.reshape(internal.shape)
+        )

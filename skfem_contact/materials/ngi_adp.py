@@ -1,18 +1,21 @@
 """NGI-ADP: clay whose undrained strength depends on the direction of shearing.
 
-The law is one of total stresses (G. Grimstad, L. Andresen, H. P. Jostad, Int. J. Numer. Anal. Meth. Geomech. 36 (2012)
-483-497). With compression along the vertical axis the strength is that of the active side, with extension that of the
-passive side, and on horizontal planes that of direct simple shear. In terms of the mobilisation kappa, which grows from
-0 at the initial stress s0 to 1 at failure, the modified deviator of the stress s (tension positive) is
+The law is one of total stresses (G. Grimstad, L. Andresen, H. P. Jostad, Int. J. Numer. Anal. Meth.
+Geomech. 36 (2012) 483-497). With compression along the vertical axis the strength is that of the
+active side, with extension that of the passive side, and on horizontal planes that of direct simple
+shear. In terms of the mobilisation kappa, which grows from 0 at the initial stress s0 to 1 at
+failure, the modified deviator of the stress s (tension positive) is
 
     S (s - (1 - kappa) s0 - kappa (A - P) (1/3, -2/3, 1/3)),
 
-where S scales shear on horizontal planes by (A + P) / (2 D). The yield function F - kappa (A + P) / 2 has the measure
-F^2 = h J2 with h = (1 + cos(arccos(y) / 3)) / 2 and y = 1 - 2 a 27/4 J3^2 / J2^3: with a = 1 it is Tresca's largest
-shear stress, with less it has no corners. In plane strain all of them are one ellipse of (sxx - syy) / 2 and sxy, whose
-vertices are the strengths. Flow is associated, without change of volume.
+where S scales shear on horizontal planes by (A + P) / (2 D). The yield function F - kappa (A + P) /
+2 has the measure F^2 = h J2 with h = (1 + cos(arccos(y) / 3)) / 2 and y = 1 - 2 a 27/4 J3^2 / J2^3:
+with a = 1 it is Tresca's largest shear stress, with less it has no corners. In plane strain all of
+them are one ellipse of (sxx - syy) / 2 and sxy, whose vertices are the strengths. Flow is
+associated, without change of volume.
 
-Mobilisation follows from the plastic shear strain over that at failure, w, by kappa = 2 sqrt(w) / (1 + w).
+Mobilisation follows from the plastic shear strain over that at failure, w, by kappa = 2 sqrt(w) /
+(1 + w).
 """
 
 from __future__ import annotations
@@ -24,7 +27,17 @@ from typing_extensions import override
 
 from ..errors import InadmissibleStress, IncrementTooLarge
 from .adp_return import ADPConstants, measure, mobilised_by, modified, returned
-from .base import PLASTIC_STRAIN, Array, Flow, Given, Internal, Update, along_elements, check_reduction, require
+from .base import (
+    PLASTIC_STRAIN,
+    Array,
+    Flow,
+    Given,
+    Internal,
+    Update,
+    along_elements,
+    check_reduction,
+    require,
+)
 from .elastic import Isotropic
 
 # Excess of the yield function that is round-off, as a share of the strength.
@@ -37,24 +50,28 @@ _GAMMAS, _STRENGTHS = ("gamma_A", "gamma_DSS", "gamma_P"), ("s_uA", "s_uDSS", "s
 
 @dataclass(frozen=True, eq=False)
 class NgiAdp(Isotropic):
-    """Undrained clay with three strengths: active, direct simple shear, passive (NGI-ADP, total stresses).
+    """Undrained clay with three strengths: active, direct simple shear, passive (NGI-ADP, total
+    stresses).
 
-    The vertical axis is y in the plane and z in space. Strengths are reached exactly in plane strain; in triaxial
-    compression the strength is a little smaller than the active one, by ``triaxial``. Yielding begins at the initial
-    stress, which the material remembers; unloading is elastic.
+    The vertical axis is y in the plane and z in space. Strengths are reached exactly in plane
+    strain; in triaxial compression the strength is a little smaller than the active one, by
+    ``triaxial``. Yielding begins at the initial stress, which the material remembers; unloading is
+    elastic.
 
     Parameters
     ----------
     E, nu : float, ndarray or callable
-        Young's modulus of unloading, 2 (1 + nu) G_ur, and Poisson's ratio, near 0.5; see :meth:`from_ratios`.
+        Young's modulus of unloading, 2 (1 + nu) G_ur, and Poisson's ratio, near 0.5; see
+        :meth:`from_ratios`.
     s_uA, s_uDSS, s_uP : float, ndarray or callable
-        Undrained shear strengths of active, direct simple, and passive shearing, positive; like all parameters floats,
-        one value an element, or functions of the coordinates (dim, ...).
+        Undrained shear strengths of active, direct simple, and passive shearing, positive; like all
+        parameters floats, one value an element, or functions of the coordinates (dim, ...).
     gamma_A, gamma_DSS, gamma_P : float, ndarray or callable, optional
-        Plastic engineering shear strains at failure; the elastic one comes on top, (s_u - tau_0) / G_ur. All of them
-        None: perfectly plastic.
+        Plastic engineering shear strains at failure; the elastic one comes on top, (s_u - tau_0) /
+        G_ur. All of them None: perfectly plastic.
     triaxial : float
-        Strength in triaxial compression over `s_uA`, below 1: corners of Tresca's hexagon are rounded by it.
+        Strength in triaxial compression over `s_uA`, below 1: corners of Tresca's hexagon are
+        rounded by it.
 
     Examples
     --------
@@ -75,12 +92,28 @@ class NgiAdp(Isotropic):
     gamma_P: Given | None = None
     triaxial: float = 0.99
 
-    internal = (Internal(PLASTIC_STRAIN), Internal("share of failure"),
-                *(Internal(f"initial stress {name}", unit="stress") for name in ("xx", "yy", "zz", "xy", "yz", "zx")))
+    internal = (
+        Internal(PLASTIC_STRAIN),
+        Internal("share of failure"),
+        *(
+            Internal(f"initial stress {name}", unit="stress")
+            for name in ("xx", "yy", "zz", "xy", "yz", "zx")
+        ),
+    )
 
     @classmethod
-    def from_ratios(cls, s_uA: Given, s_uDSS: float, s_uP: float, G_ur: float, gamma_A: float, gamma_DSS: float,
-                    gamma_P: float, nu: float = 0.495, triaxial: float = 0.99) -> NgiAdp:
+    def from_ratios(
+        cls,
+        s_uA: Given,
+        s_uDSS: float,
+        s_uP: float,
+        G_ur: float,
+        gamma_A: float,
+        gamma_DSS: float,
+        gamma_P: float,
+        nu: float = 0.495,
+        triaxial: float = 0.99,
+    ) -> NgiAdp:
         """Return clay whose other strengths and shear modulus are ratios to the active strength.
 
         Parameters
@@ -88,7 +121,8 @@ class NgiAdp(Isotropic):
         s_uA : float, ndarray or callable
             Active strength: a number, one value an element, or a function of the coordinates.
         s_uDSS, s_uP, G_ur : float
-            Strengths of direct simple and passive shearing, and shear modulus of unloading, over the active strength.
+            Strengths of direct simple and passive shearing, and shear modulus of unloading, over
+            the active strength.
         gamma_A, gamma_DSS, gamma_P : float
             Plastic shear strains at failure.
         nu, triaxial : float
@@ -102,11 +136,25 @@ class NgiAdp(Isotropic):
         >>> sc.NgiAdp.from_ratios(lambda x: 10.0 - 2.0 * x[1], 0.7, 0.4, 500.0, 0.01, 0.02, 0.04).functions
         ('E', 's_uA', 's_uDSS', 's_uP')
         """
-        def times(ratio: float) -> Given:
-            return (lambda x: ratio * np.asarray(s_uA(x))) if callable(s_uA) else ratio * np.asarray(s_uA)
 
-        return cls(times(2 * (1 + nu) * G_ur), nu, s_uA, times(s_uDSS), times(s_uP), gamma_A, gamma_DSS, gamma_P,
-                   triaxial)
+        def times(ratio: float) -> Given:
+            return (
+                (lambda x: ratio * np.asarray(s_uA(x)))
+                if callable(s_uA)
+                else ratio * np.asarray(s_uA)
+            )
+
+        return cls(
+            times(2 * (1 + nu) * G_ur),
+            nu,
+            s_uA,
+            times(s_uDSS),
+            times(s_uP),
+            gamma_A,
+            gamma_DSS,
+            gamma_P,
+            triaxial,
+        )
 
     @override
     def _check(self) -> None:
@@ -117,11 +165,20 @@ class NgiAdp(Isotropic):
         require("s_uP", self.s_uP, np.less_equal(self.s_uP, self.s_uA), "not exceed s_uA")
         missing = [name for name in _GAMMAS if getattr(self, name) is None]
         if 0 < len(missing) < len(_GAMMAS):
-            raise ValueError(f"{' and '.join(missing)} missing: give the shear strains at failure of all three "
-                             "strengths, or none of them")
-        least = (0.5 * (self.s_uA - self.s_uP) + np.sqrt(0.1875) * (self.s_uA + self.s_uP)) / self.s_uA
+            raise ValueError(
+                f"{' and '.join(missing)} missing: give the shear strains at failure of all three "
+                "strengths, or none of them"
+            )
+        least = (
+            0.5 * (self.s_uA - self.s_uP) + np.sqrt(0.1875) * (self.s_uA + self.s_uP)
+        ) / self.s_uA
         inside = np.less(self.triaxial, 1) & np.greater_equal(self.triaxial, least)
-        require("triaxial", self.triaxial, inside, f"lie between {float(np.max(least)):.4g}, without corners, and 1")
+        require(
+            "triaxial",
+            self.triaxial,
+            inside,
+            f"lie between {float(np.max(least)):.4g}, without corners, and 1",
+        )
 
     def _constants(self, shape: tuple[int, ...]) -> ADPConstants:
         """Return the constants at the points of a stress of a shape, flattened to (n,)."""
@@ -139,15 +196,19 @@ class NgiAdp(Isotropic):
     @override
     def initial_internal(self, stress: Array) -> Array:
         memory = np.zeros((self.n_internal, *stress.shape[1:]))
-        memory[2:2 + len(stress)] = stress
+        memory[2 : 2 + len(stress)] = stress
         k, flat = self._constants(stress.shape), stress.reshape(len(stress), -1)
         excess = measure(modified(flat, flat, np.ones(flat.shape[1]), k), k).value / k.radius
         if (wrong := excess > 1 + 1e-6).any():
             worst = int(np.argmax(excess))
             raise InadmissibleStress(
-                f"initial stress of NgiAdp outside the failure surface at {np.count_nonzero(wrong)} of {wrong.size} "
-                f"points: {excess[worst]:.4g} of the strength is mobilised at point {worst}; change K0, or give more "
-                "strength", worst)
+                f"initial stress of NgiAdp outside the failure surface at "
+                f"{np.count_nonzero(wrong)} of {wrong.size} "
+                f"points: {excess[worst]:.4g} of the strength is mobilised at point {worst}; "
+                f"change K0, or give more "
+                "strength",
+                worst,
+            )
         return memory
 
     @override
@@ -168,14 +229,16 @@ class NgiAdp(Isotropic):
         trial, n = self.elastic_stress(strain_increment, stress), len(stress)
         k, flat = self._constants(stress.shape), trial.reshape(n, -1)
         memory = internal.reshape(len(internal), -1).copy()
-        first, share = memory[2:2 + n], memory[1]
+        first, share = memory[2 : 2 + n], memory[1]
         kappa = np.ones_like(share) if k.plastic else mobilised_by(np.sqrt(share))[0]
         s = modified(flat, first, kappa, k)
         points = np.flatnonzero(measure(s, k).value > kappa * k.radius + _ROUND_OFF * k.radius)
         new = returned(flat[:, points], first[:, points], share[points], k.at(points))
         if new.lost.size:
-            raise IncrementTooLarge(f"{new.lost.size} of {points.size} yielding points of NgiAdp have no solution: the "
-                                    f"stress of the first would be {flat[:, points[new.lost[0]]]}")
+            raise IncrementTooLarge(
+                f"{new.lost.size} of {points.size} yielding points of NgiAdp have no solution: the "
+                f"stress of the first would be {flat[:, points[new.lost[0]]]}"
+            )
         flat[:, points] = new.stress
         memory[0, points] += new.strain
         memory[1, points] = new.share

@@ -1,4 +1,6 @@
-"""Update of isotropic plastic laws: elastic predictor, return mapping in principal stresses, rotation back."""
+"""Update of isotropic plastic laws: elastic predictor, return mapping in principal stresses,
+rotation back.
+"""
 
 from __future__ import annotations
 
@@ -15,19 +17,21 @@ from .base import PLASTIC_STRAIN, Array, Internal, Parameter, Update, along_elem
 from .elastic import Isotropic
 from .spectral import Frame, principal
 
-# Excess over the yield surface and differences of principal stresses below this fraction of the largest trial
-# stress are round-off: about a hundred times the error of turning a stress to principal axes and back.
+# Excess over the yield surface and differences of principal stresses below this fraction of the
+# largest trial stress are round-off: about a hundred times the error of turning a stress to
+# principal axes and back.
 ROUND_OFF = 1e-13
 # Points returned at a time: their arrays stay in the processor's cache.
 BLOCK = 16384
 
 
 class Return(NamedTuple):
-    """Principal stresses (3, n) after a return mapping, in the (descending) order of the trial stresses.
+    """Principal stresses (3, n) after a return mapping, in the (descending) order of the trial
+    stresses.
 
-    ``moduli()`` computes d principal stress / d principal strain, (3, 3, n), and ``relief()`` the loss of returned
-    stress (3, n) for a unit rise of the yield function. The growth of the plastic strain follows from the stresses
-    unless the law solved for it.
+    ``moduli()`` computes d principal stress / d principal strain, (3, 3, n), and ``relief()`` the
+    loss of returned stress (3, n) for a unit rise of the yield function. The growth of the plastic
+    strain follows from the stresses unless the law solved for it.
     """
 
     values: Array
@@ -38,25 +42,32 @@ class Return(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPlasticity(Isotropic):
-    """Base of the plastic laws; a law adds its constants, its yield function and its return mapping.
+    """Base of the plastic laws; a law adds its constants, its yield function and its return
+    mapping.
 
-    The plastic strain is the accumulated equivalent shear strain, the sum of sqrt(2/3 e_p : e_p) with the deviator
-    e_p of the plastic strain increments.
+    The plastic strain is the accumulated equivalent shear strain, the sum of sqrt(2/3 e_p : e_p)
+    with the deviator e_p of the plastic strain increments.
     """
 
     internal = (Internal(PLASTIC_STRAIN),)
 
     @abstractmethod
     def constants(self) -> Any:
-        """Return the constants of the law, a NamedTuple of parameters with ``lam`` and ``mu`` among them."""
+        """Return the constants of the law, a NamedTuple of parameters with ``lam`` and ``mu`` among
+        them.
+        """
 
     def at_state(self, constants: Any, internal: Array) -> Any:
-        """Return the constants at an accepted plastic strain; a law that hardens overrides this method."""
+        """Return the constants at an accepted plastic strain; a law that hardens overrides this
+        method.
+        """
         return constants
 
     @abstractmethod
     def yield_bound(self, stress: Array, constants: Any) -> Array:
-        """Return an upper bound of the yield function (a stress) from the Cartesian components (ncomp, ...)."""
+        """Return an upper bound of the yield function (a stress) from the Cartesian components
+        (ncomp, ...).
+        """
 
     @abstractmethod
     def yield_function(self, values: Array, constants: Any) -> Array:
@@ -64,7 +75,9 @@ class IsotropicPlasticity(Isotropic):
 
     @abstractmethod
     def return_map(self, trial: Array, constants: Any) -> Return:
-        """Return descending principal trial stresses (3, n), all of them outside, to the yield surface."""
+        """Return descending principal trial stresses (3, n), all of them outside, to the yield
+        surface.
+        """
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
@@ -79,10 +92,16 @@ class IsotropicPlasticity(Isotropic):
             for start in range(0, candidates.size, BLOCK)
         ]
         plastic = np.concatenate([candidates[:0], *(block.points for block in blocks)])
-        return Update(result, internal, plastic, lambda: _tangent(blocks, plastic.size, len(result)))
+        return Update(
+            result, internal, plastic, lambda: _tangent(blocks, plastic.size, len(result))
+        )
 
-    def _return_block(self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any) -> _ReturnedBlock:
-        """Return the points outside of the surface to it; change stress and internal variable in place."""
+    def _return_block(
+        self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any
+    ) -> _ReturnedBlock:
+        """Return the points outside of the surface to it; change stress and internal variable in
+        place.
+        """
         constants = chosen(constants, points)
         stress, equivalent = stress.reshape(len(stress), -1), internal.reshape(-1)
         constants = self.at_state(constants, equivalent[points])
@@ -123,7 +142,10 @@ def _tangent(blocks: list[_ReturnedBlock], n_plastic: int, ncomp: int) -> Array:
 
 def chosen(constants: Any, points: NDArray[np.intp]) -> Any:
     """Return the constants at some points, by their flat indices."""
-    return _map(lambda value: value.reshape(-1)[points] if isinstance(value, np.ndarray) else value, constants)
+    return _map(
+        lambda value: value.reshape(-1)[points] if isinstance(value, np.ndarray) else value,
+        constants,
+    )
 
 
 def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:
@@ -132,6 +154,8 @@ def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:
 
 
 def equivalent_shear_strain(relaxed: Array, mu: Parameter) -> Array:
-    """Return sqrt(2/3 e : e) of the plastic strain that relaxes the principal stresses by ``relaxed``."""
+    """Return sqrt(2/3 e : e) of the plastic strain that relaxes the principal stresses by
+    ``relaxed``.
+    """
     s1, s2, s3 = relaxed
     return np.sqrt((s1 - s2) ** 2 + (s2 - s3) ** 2 + (s3 - s1) ** 2) / (np.sqrt(18) * mu)

@@ -1,12 +1,14 @@
-"""Return mapping to the pyramid of Mohr and Coulomb with its tension cut-off, and its limit, the prism of Tresca.
+"""Return mapping to the pyramid of Mohr and Coulomb with its tension cut-off, and its limit, the
+prism of Tresca.
 
-In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 - strength, and the
-plastic potential is the same with psi. Trial stresses return by Koiter's rule to a face, an edge or the apex.
+In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 -
+strength, and the plastic potential is the same with psi. Trial stresses return by Koiter's rule to
+a face, an edge or the apex.
 
-An edge is a face whose two meeting principal stresses are averaged: the difference of the multipliers of its two faces
-makes these stresses equal, and their sum follows from the mean of both yield functions. The averaging is given by the
-weights (w1, w3) of s1 and s3 in their own means: (1, 1) on a face, (1, 1/2) on the edge s2 = s3 and (1/2, 1) on the
-edge s1 = s2.
+An edge is a face whose two meeting principal stresses are averaged: the difference of the
+multipliers of its two faces makes these stresses equal, and their sum follows from the mean of both
+yield functions. The averaging is given by the weights (w1, w3) of s1 and s3 in their own means: (1,
+1) on a face, (1, 1/2) on the edge s2 = s3 and (1/2, 1) on the edge s1 = s2.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ _FACE: _Weights = (1.0, 1.0)
 
 
 class PyramidConstants(NamedTuple):
-    """Floats, or arrays over elements or points; ``strength`` is 2 c cos(phi), ``tension`` the cut-off or None."""
+    """Floats, or arrays over elements or points; ``strength`` is 2 c cos(phi), ``tension`` the
+    cut-off or None.
+    """
 
     lam: Parameter
     mu: Parameter
@@ -64,11 +68,13 @@ def return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
 
 
 def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return:
-    """Return principal trial stresses (3, n) whose return to the pyramid alone exceeds the tensile strength.
+    """Return principal trial stresses (3, n) whose return to the pyramid alone exceeds the tensile
+    strength.
 
-    The three planes s_i = tension have associated flow and are combined with the faces of the pyramid by
-    Koiter's rule. The returned stress lies on one, two or three of the planes, or where they cut the pyramid; there s1
-    and s3 = lateral are given, and s2 is free, or equals one of them at the end of that line.
+    The three planes s_i = tension have associated flow and are combined with the faces of the
+    pyramid by Koiter's rule. The returned stress lies on one, two or three of the planes, or where
+    they cut the pyramid; there s1 and s3 = lateral are given, and s2 is free, or equals one of them
+    at the end of that line.
     """
     s1, s2, s3 = trial
     lam, mu = k.lam, k.mu
@@ -78,7 +84,9 @@ def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return
 
     middle = s2 - constrained * (s1 - tension)
     two_planes = middle > tension
-    smallest = np.where(two_planes, s3 - poisson * (s1 + s2 - 2 * tension), s3 - constrained * (s1 - tension))
+    smallest = np.where(
+        two_planes, s3 - poisson * (s1 + s2 - 2 * tension), s3 - constrained * (s1 - tension)
+    )
     sheared = smallest < lateral
     between = s2 - poisson * (s1 - tension + s3 - lateral)
     middle = np.where(sheared, np.maximum(between, lateral), middle)
@@ -133,7 +141,9 @@ def pyramid_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Arra
 
 
 def _normal(sine: Parameter, weights: _Weights) -> tuple[Parameter, Parameter, Parameter]:
-    """Return the averaged gradient of the yield function (sine of phi) or of the potential (sine of psi)."""
+    """Return the averaged gradient of the yield function (sine of phi) or of the potential (sine of
+    psi).
+    """
     w1, w3 = weights
     return (1 + sine) * w1, (1 + sine) * (1 - w1) - (1 - sine) * (1 - w3), -(1 - sine) * w3
 
@@ -153,7 +163,9 @@ def _step(weights: _Weights, k: PyramidConstants) -> tuple[Parameter, ...]:
 
 
 def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
-    """Return averaged trial stresses along the averaged flow direction to the zero of the yield function."""
+    """Return averaged trial stresses along the averaged flow direction to the zero of the yield
+    function.
+    """
     excess = pyramid_excess(averaged[0], averaged[2], k)
     values = np.empty_like(averaged)
     for value, stress, step in zip(values, averaged, _step(weights, k)):
@@ -167,10 +179,11 @@ def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
 def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights, NDArray[np.intp]]:
     """Return trial stresses whose return to the face would change their order.
 
-    Along the flow direction of the face one pair of principal stresses meets first, and the return continues along that
-    edge; the multipliers of both its faces grow all the way. The other pair can meet at the apex only, which the return
-    reaches if it would change the order of the largest and the smallest stress. The result holds the stresses, the
-    weights of the edges, and the points at the apex.
+    Along the flow direction of the face one pair of principal stresses meets first, and the return
+    continues along that edge; the multipliers of both its faces grow all the way. The other pair
+    can meet at the apex only, which the return reaches if it would change the order of the largest
+    and the smallest stress. The result holds the stresses, the weights of the edges, and the points
+    at the apex.
     """
     minor_pair = (trial[1] - trial[2]) * (1 + k.sin_psi) <= (trial[0] - trial[1]) * (1 - k.sin_psi)
     weights = np.where(minor_pair, 1.0, 0.5), np.where(minor_pair, 0.5, 1.0)

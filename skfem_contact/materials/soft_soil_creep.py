@@ -1,17 +1,19 @@
 """Soft Soil Creep: Cam Clay whose plastic strain takes time.
 
-The volume of normally consolidated clay under a constant stress falls with the logarithm of time (P. A. Vermeer, H. P.
-Neher, A soft soil model that accounts for creep, Beyond 2000 in Computational Geotechnics, 1999, 249-261). With the
-notation of :mod:`.cam_clay`, R = (p + q^2 / (M^2 p)) / pc and beta = (lambda - kappa) / mu, the plastic volume strain D
-of an isotropic stress has the rate mu / tau R^beta; that of other stresses is smaller by 1 - eta^2 / M^2, so that
-the shear strain has a finite rate at the critical state. Since pc hardens with D, an increment under constant stress is
+The volume of normally consolidated clay under a constant stress falls with the logarithm of time
+(P. A. Vermeer, H. P. Neher, A soft soil model that accounts for creep, Beyond 2000 in Computational
+Geotechnics, 1999, 249-261). With the notation of :mod:`.cam_clay`, R = (p + q^2 / (M^2 p)) / pc and
+beta = (lambda - kappa) / mu, the plastic volume strain D of an isotropic stress has the rate mu /
+tau R^beta; that of other stresses is smaller by 1 - eta^2 / M^2, so that the shear strain has a
+finite rate at the critical state. Since pc hardens with D, an increment under constant stress is
 
     exp(D / mu) - 1 = (1 - eta^2 / M^2) dt / tau R_0^beta
 
-with R_0 of the pc at its start. Where the stress changes, R_0^beta dt becomes an integral over the increment. R_0 that
-grows is linear in time, as under an even load; R_0^beta that falls is a power of the time, -(lambda - kappa) / lambda,
-as where isotropic stress relaxes at constant volume. Increments are then exact however long they are. Those of other
-paths have an error of second order in the change of R_0.
+with R_0 of the pc at its start. Where the stress changes, R_0^beta dt becomes an integral over the
+increment. R_0 that grows is linear in time, as under an even load; R_0^beta that falls is a power
+of the time, -(lambda - kappa) / lambda, as where isotropic stress relaxes at constant volume.
+Increments are then exact however long they are. Those of other paths have an error of second order
+in the change of R_0.
 """
 
 from __future__ import annotations
@@ -22,7 +24,15 @@ import numpy as np
 from typing_extensions import override
 
 from .base import Array, Parameter, Update, along_elements, require
-from .cam_clay import CamClay, CamClayConstants, Rate, condition, critical, elastic_strain, volume_strain
+from .cam_clay import (
+    CamClay,
+    CamClayConstants,
+    Rate,
+    condition,
+    critical,
+    elastic_strain,
+    volume_strain,
+)
 
 # Logarithms of the smallest y, below which there is no creep, and of the largest.
 _LEAST, _MOST = -80.0, 20.0
@@ -34,20 +44,21 @@ _ITERATIONS = 120
 class SoftSoilCreep(CamClay):
     """Clay that creeps: Modified Cam Clay with secondary compression.
 
-    The parameters are those of :class:`CamClay`, whose yield surface becomes the surface on which normally
-    consolidated clay creeps at the rate ``mu / tau``. Within it clay creeps slower, by the power (lambda - kappa) / mu
-    of the stress over the preconsolidation. An analysis needs durations: without them the clay is elastic.
+    The parameters are those of :class:`CamClay`, whose yield surface becomes the surface on which
+    normally consolidated clay creeps at the rate ``mu / tau``. Within it clay creeps slower, by the
+    power (lambda - kappa) / mu of the stress over the preconsolidation. An analysis needs
+    durations: without them the clay is elastic.
 
     Parameters
     ----------
     kappa, lambda_, M, nu, p_ref, OCR, POP, extension, attraction : float or ndarray
         Parameters of :class:`CamClay`.
     mu : float or ndarray
-        Creep index: compression of the logarithm of the volume by that of time, 0 < mu < lambda - kappa. The index
-        C_alpha of void ratio e on the common logarithm of time is 2.3 (1 + e) mu.
+        Creep index: compression of the logarithm of the volume by that of time, 0 < mu < lambda -
+        kappa. The index C_alpha of void ratio e on the common logarithm of time is 2.3 (1 + e) mu.
     tau : float or ndarray
-        Time at which normally consolidated clay of that preconsolidation was loaded, usually one day: the unit of all
-        durations.
+        Time at which normally consolidated clay of that preconsolidation was loaded, usually one
+        day: the unit of all durations.
 
     Examples
     --------
@@ -76,11 +87,21 @@ class SoftSoilCreep(CamClay):
         require("tau", self.tau, np.greater(self.tau, 0), "be positive")
 
     @override
-    def update(self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0) -> Update:
-        mu, tau = (np.broadcast_to(along_elements(value, stress.shape), stress.shape[1:]).ravel()
-                   for value in (self.mu, self.tau))
-        p, e, E = elastic_strain(stress.reshape(len(stress), -1), k := self._constants(stress.shape))
-        ratio = p / np.where(p > 0, internal[1].ravel(), 1.0) * (1 + 6 * k.g**2 * E / critical(e, E, k)[0] ** 2)
+    def update(
+        self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0
+    ) -> Update:
+        mu, tau = (
+            np.broadcast_to(along_elements(value, stress.shape), stress.shape[1:]).ravel()
+            for value in (self.mu, self.tau)
+        )
+        p, e, E = elastic_strain(
+            stress.reshape(len(stress), -1), k := self._constants(stress.shape)
+        )
+        ratio = (
+            p
+            / np.where(p > 0, internal[1].ravel(), 1.0)
+            * (1 + 6 * k.g**2 * E / critical(e, E, k)[0] ** 2)
+        )
         begin = np.log(np.where(p > 0, ratio, 1.0))
 
         def creep(base: Array, E: Array, c: CamClayConstants, at: slice) -> Rate:
@@ -89,7 +110,9 @@ class SoftSoilCreep(CamClay):
         return self._update(strain_increment, stress, internal, creep)
 
 
-def _creep(base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array, begin: Array) -> Rate:
+def _creep(
+    base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array, begin: Array
+) -> Rate:
     """Return y after a time over tau from ln(R) at its start, and the weights of its derivative."""
     beta, log_time = 1 / (c.hardening * mu), np.log(np.maximum(time, 1e-300))
     low, high = np.full(E.shape, _LEAST), np.full(E.shape, _MOST)
@@ -103,8 +126,11 @@ def _creep(base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array, b
         end = beta * (value + c.hardening * D)
         mean, share = _mean(end - beta * begin, beta, c)
         weights = beta * share, (share - ratio) / mu
-        return (end + mean - np.log(isotropic) - grown + log_time,
-                y * (weights[0] * slope + weights[1] * by_y) - 1, *weights)
+        return (
+            end + mean - np.log(isotropic) - grown + log_time,
+            y * (weights[0] * slope + weights[1] * by_y) - 1,
+            *weights,
+        )
 
     at = np.clip(log_time + beta * base, _LEAST, 0.0)
     for _ in range(_ITERATIONS):
@@ -122,7 +148,9 @@ def _creep(base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array, b
 
 
 def _mean(change: Array, beta: Array, c: CamClayConstants) -> tuple[Array, Array]:
-    """Return ln(mean of R_0^beta / its end) in an increment, and 1 + its derivative by the change of ln(R_0^beta)."""
+    """Return ln(mean of R_0^beta / its end) in an increment, and 1 + its derivative by the change
+    of ln(R_0^beta).
+    """
     power = np.where(change > 0, -1 / beta, 1 + c.hardening / c.k)
     (above, rise), (below, fall) = _growth((power - 1) * change), _growth(power * change)
     return above - below, 1 + (power - 1) * rise - power * fall

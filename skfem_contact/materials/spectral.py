@@ -1,7 +1,7 @@
 """Principal stresses, and the rotation from principal to Cartesian components.
 
-Isotropic laws are written once, in principal stresses. Only this file distinguishes 4 components (plane strain,
-axisymmetry) from 6 components (three dimensions).
+Isotropic laws are written once, in principal stresses. Only this file distinguishes 4 components
+(plane strain, axisymmetry) from 6 components (three dimensions).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from .base import Array, Parameter
 
-# Principal stresses nearer than this fraction of the largest are treated as one in divided differences: the
-# error of either branch is then the square root of the machine precision.
+# Principal stresses nearer than this fraction of the largest are treated as one in divided
+# differences: the error of either branch is then the square root of the machine precision.
 _COINCIDENT = 1e-8
-# Outward margin of the trigonometric formula for 6 components, whose error is the square root of the machine
-# precision where two principal stresses coincide.
+# Outward margin of the trigonometric formula for 6 components, whose error is the square root of
+# the machine precision where two principal stresses coincide.
 _MARGIN = 1e-7
 # Rows of the 6 components in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -25,7 +25,8 @@ _ROW, _COLUMN = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
 
 
 def extremes(stress: Array) -> tuple[Array, Array]:
-    """Return an upper bound of the largest and a lower bound of the smallest principal stress, shape (...).
+    """Return an upper bound of the largest and a lower bound of the smallest principal stress,
+    shape (...).
 
     The bounds are sharp for 4 components; for 6 they lie outside by 1e-7 of the deviatoric stress.
     """
@@ -43,7 +44,9 @@ def extremes(stress: Array) -> tuple[Array, Array]:
 
 
 def mean_and_shear(stress: Array) -> tuple[Array, Array]:
-    """Return mean stress and sqrt(J2) of Cartesian components (4 or 6, ...) or principal stresses (3, ...)."""
+    """Return mean stress and sqrt(J2) of Cartesian components (4 or 6, ...) or principal stresses
+    (3, ...).
+    """
     mean = stress[0] + stress[1] + stress[2]
     mean /= 3
     squares = np.square(stress[0] - mean)
@@ -56,7 +59,9 @@ def mean_and_shear(stress: Array) -> tuple[Array, Array]:
 
 
 def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:
-    """Return centre, half difference of the normal stresses and radius of the in-plane Mohr circle."""
+    """Return centre, half difference of the normal stresses and radius of the in-plane Mohr
+    circle.
+    """
     centre = stress[0] + stress[1]
     centre *= 0.5
     half = stress[0] - stress[1]
@@ -66,11 +71,14 @@ def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:
     return centre, half, np.sqrt(radius, out=radius)
 
 
-def _shear_modulus(trial: Array, values: Array, moduli: Array, shear: Parameter, i: int, j: int) -> Array:
+def _shear_modulus(
+    trial: Array, values: Array, moduli: Array, shear: Parameter, i: int, j: int
+) -> Array:
     """Return the modulus of the shear strain between the principal directions i and j.
 
-    Rotating the trial directions turns the returned stress along, so that it is the elastic modulus times the
-    divided difference of the returned over the trial stresses; where these coincide, its limit by the moduli.
+    Rotating the trial directions turns the returned stress along, so that it is the elastic modulus
+    times the divided difference of the returned over the trial stresses; where these coincide, its
+    limit by the moduli.
     """
     gap = trial[i] - trial[j]
     close = np.flatnonzero(np.abs(gap) <= _COINCIDENT * np.maximum(trial[0], -trial[2]))
@@ -84,8 +92,8 @@ def _shear_modulus(trial: Array, values: Array, moduli: Array, shear: Parameter,
 class _PlaneFrame(NamedTuple):
     """Principal stresses (3, n) in descending order with their directions, of 4 components.
 
-    Cosine and sine are those of the double angle from x to the major in-plane direction; ``rank`` is the position of
-    zz among the sorted principal stresses.
+    Cosine and sine are those of the double angle from x to the major in-plane direction; ``rank``
+    is the position of zz among the sorted principal stresses.
     """
 
     values: Array
@@ -95,10 +103,14 @@ class _PlaneFrame(NamedTuple):
 
     def take(self, points: NDArray[np.intp]) -> _PlaneFrame:
         """Return the frame at some of the points."""
-        return _PlaneFrame(self.values[:, points], self.cos[points], self.sin[points], self.rank[points])
+        return _PlaneFrame(
+            self.values[:, points], self.cos[points], self.sin[points], self.rank[points]
+        )
 
     def stress(self, values: Array) -> Array:
-        """Return the Cartesian components, (ncomp, n), of principal stresses (3, n) in these directions."""
+        """Return the Cartesian components, (ncomp, n), of principal stresses (3, n) in these
+        directions.
+        """
         major = np.where(self.rank == 0, values[1], values[0])
         minor = np.where(self.rank == 2, values[1], values[2])
         centre, radius = (major + minor) / 2, (major - minor) / 2
@@ -107,28 +119,39 @@ class _PlaneFrame(NamedTuple):
         return np.array((centre + normal, centre - normal, zz, tangential))
 
     def along(self, tensor: Array) -> Array:
-        """Return the normal components (3, n) of a symmetric tensor (ncomp, n) in these directions."""
+        """Return the normal components (3, n) of a symmetric tensor (ncomp, n) in these
+        directions.
+        """
         centre = (tensor[0] + tensor[1]) / 2
         radial = (tensor[0] - tensor[1]) / 2 * self.cos + tensor[3] * self.sin
         major, minor, zz = centre + radial, centre - radial, tensor[2]
         middle = np.where(self.rank == 1, zz, np.where(self.rank == 0, major, minor))
-        return np.array((np.where(self.rank == 0, zz, major), middle, np.where(self.rank == 2, zz, minor)))
+        return np.array(
+            (np.where(self.rank == 0, zz, major), middle, np.where(self.rank == 2, zz, minor))
+        )
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
-        """Return the Cartesian tangent, (n, ncomp, ncomp), of a return mapping from this trial frame.
+        """Return the Cartesian tangent, (n, ncomp, ncomp), of a return mapping from this trial
+        frame.
 
-        The arguments are d principal stress / d principal strain, (3, 3, n), the principal stresses after the
-        return, (3, n), and the elastic shear modulus.
+        The arguments are d principal stress / d principal strain, (3, 3, n), the principal stresses
+        after the return, (3, n), and the elastic shear modulus.
         """
         result = np.empty((self.cos.size, 4, 4))
         for rank, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
             at = self.rank == rank
             if at.any():
-                here = slice(None) if at.all() else np.flatnonzero(at)  # one rank for all: nothing is picked out
+                here = (
+                    slice(None) if at.all() else np.flatnonzero(at)
+                )  # one rank for all: nothing is picked out
                 local = moduli[:, :, here]
                 shear_here = shear[here] if isinstance(shear, np.ndarray) else shear
-                modulus = _shear_modulus(self.values[:, here], values[:, here], local, shear_here, major, minor)
-                result[here] = _rotate_plane(local, (major, minor, rank), modulus, self.cos[here], self.sin[here])
+                modulus = _shear_modulus(
+                    self.values[:, here], values[:, here], local, shear_here, major, minor
+                )
+                result[here] = _rotate_plane(
+                    local, (major, minor, rank), modulus, self.cos[here], self.sin[here]
+                )
         return result
 
 
@@ -143,8 +166,12 @@ def _plane_frame(stress: Array) -> _PlaneFrame:
     return _PlaneFrame(values, half / radius, stress[3] / radius, rank)
 
 
-def _rotate_plane(moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array) -> Array:
-    """Return the tangent (n, 4, 4) of moduli (3, 3, n); ``order`` are the positions of major, minor and zz."""
+def _rotate_plane(
+    moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array
+) -> Array:
+    """Return the tangent (n, 4, 4) of moduli (3, 3, n); ``order`` are the positions of major, minor
+    and zz.
+    """
     i, j, k = order
     mean, half = (moduli[i] + moduli[j]) / 2, (moduli[i] - moduli[j]) / 2
     result = np.empty((4, 4, cos.size))
@@ -163,7 +190,9 @@ def _rotate_plane(moduli: Array, order: tuple[int, int, int], shear: Array, cos:
 
 
 class _SpaceFrame(NamedTuple):
-    """Principal stresses of 6 components; ``directions[:, :, i]`` is the unit vector of the i-th largest one."""
+    """Principal stresses of 6 components; ``directions[:, :, i]`` is the unit vector of the i-th
+    largest one.
+    """
 
     values: Array
     directions: Array
@@ -186,7 +215,9 @@ class _SpaceFrame(NamedTuple):
         return dyads @ local @ dyads.transpose(0, 2, 1)
 
     def _dyads(self, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
-        """Return components (n, 6, len(i)) of the dyads n_i n_i, or n_i n_j + n_j n_i where i differs from j."""
+        """Return components (n, 6, len(i)) of the dyads n_i n_i, or n_i n_j + n_j n_i where i
+        differs from j.
+        """
         left, right = self.directions[:, :, i], self.directions[:, :, j]
         dyads = left[:, _ROW] * right[:, _COLUMN]
         return np.where(i == j, dyads, dyads + left[:, _COLUMN] * right[:, _ROW])
@@ -209,7 +240,9 @@ def principal_stresses(stress: Array) -> Array:
 
 
 def largest_shear(strain: Array) -> Array:
-    """Return the largest shear strain of engineering strains (4 or 6, ...); of plane ones in their plane."""
+    """Return the largest shear strain of engineering strains (4 or 6, ...); of plane ones in their
+    plane.
+    """
     if len(strain) == 4:
         return np.hypot(strain[0] - strain[1], strain[3])
     largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))

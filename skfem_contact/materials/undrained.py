@@ -32,21 +32,25 @@ from .base import (
 class Undrained(Material):
     r"""Soil whose pores are full of water that cannot leave.
 
-    The soil takes the strain with its own, effective parameters; the water resists its volume part. With the bulk
-    modulus :math:`K_w` of the water over the porosity the excess pore pressure, positive in compression, grows by
-    :math:`-K_w\,\Delta\varepsilon_v`, and the stress of this material is the effective stress less that pressure. It
-    is the last internal variable, see :meth:`~skfem_contact.results.StageResult.pore_pressure`.
+    The soil takes the strain with its own, effective parameters; the water resists its volume part.
+    With the bulk modulus :math:`K_w` of the water over the porosity the excess pore pressure,
+    positive in compression, grows by
+    :math:`-K_w\,\Delta\varepsilon_v`, and the stress of this material is the effective stress less
+    that pressure. It is the last internal variable, see
+    :meth:`~skfem_contact.results.StageResult.pore_pressure`.
 
     Parameters
     ----------
     soil : Material
         The law in effective stresses: any material.
     bulk_modulus_water : float or ndarray, optional
-        Bulk modulus :math:`K_w` of the water over the porosity (stress), not negative; a float or one value an element.
+        Bulk modulus :math:`K_w` of the water over the porosity (stress), not negative; a float or
+        one value an element.
     nu_undrained : float or ndarray, optional
-        Poisson's ratio :math:`\nu_u` of the soil and its water, for instance 0.495, instead of `bulk_modulus_water`:
-        :math:`K_w = 2 G (1 + \nu_u) / (3 (1 - 2 \nu_u)) - K`. With stress-dependent elasticity :math:`K_w` follows
-        the accepted stress.
+        Poisson's ratio :math:`\nu_u` of the soil and its water, for instance 0.495, instead of
+        `bulk_modulus_water`:
+        :math:`K_w = 2 G (1 + \nu_u) / (3 (1 - 2 \nu_u)) - K`. With stress-dependent elasticity
+        :math:`K_w` follows the accepted stress.
 
     Examples
     --------
@@ -72,12 +76,20 @@ class Undrained(Material):
         try:
             soil = as_material(self.soil)
         except ValueError as error:
-            raise ValueError(f"the soil must be a material in effective stresses: {error}") from error
+            raise ValueError(
+                f"the soil must be a material in effective stresses: {error}"
+            ) from error
         if soil.undrained:
-            raise ValueError(f"the soil must be a material in effective stresses, not {self.soil!r}")
+            raise ValueError(
+                f"the soil must be a material in effective stresses, not {self.soil!r}"
+            )
         unnamed = (Internal(f"variable {k}") for k in range(len(soil.internal), soil.n_internal))
-        derived = {"soil": soil, "internal": (*soil.internal, *unnamed, Internal(EXCESS_PRESSURE, unit="stress")),
-                   "time_dependent": soil.time_dependent, "stress_dependent": soil.stress_dependent}
+        derived = {
+            "soil": soil,
+            "internal": (*soil.internal, *unnamed, Internal(EXCESS_PRESSURE, unit="stress")),
+            "time_dependent": soil.time_dependent,
+            "stress_dependent": soil.stress_dependent,
+        }
         for name in ("bulk_modulus_water", "nu_undrained"):
             if (value := getattr(self, name)) is not None:
                 derived[name] = as_parameter(name, value)
@@ -86,22 +98,39 @@ class Undrained(Material):
         if soil.functions:
             return
         if self.nu_undrained is not None:
-            require("nu_undrained", self.nu_undrained, np.less(self.nu_undrained, 0.5), "be less than 0.5")
-        require("bulk_modulus_water" + (" (from nu_undrained)" if self.bulk_modulus_water is None else ""),
-                self.bulk_modulus, np.greater_equal(self.bulk_modulus, 0), "not be negative")
+            require(
+                "nu_undrained",
+                self.nu_undrained,
+                np.less(self.nu_undrained, 0.5),
+                "be less than 0.5",
+            )
+        require(
+            "bulk_modulus_water"
+            + (" (from nu_undrained)" if self.bulk_modulus_water is None else ""),
+            self.bulk_modulus,
+            np.greater_equal(self.bulk_modulus, 0),
+            "not be negative",
+        )
         if soil.dilates:
-            warn("a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
-                 "undrained soils take psi=0")
+            warn(
+                "a soil that dilates, psi > 0, gets stronger without end where its water cannot "
+                "leave; "
+                "undrained soils take psi=0"
+            )
 
     @property
     def bulk_modulus(self) -> Parameter:
-        """Bulk modulus of the water over the porosity; with stress-dependent elasticity that of its typical value."""
+        """Bulk modulus of the water over the porosity; with stress-dependent elasticity that of its
+        typical value.
+        """
         if self.bulk_modulus_water is not None:
             return self.bulk_modulus_water
         return as_parameter("bulk_modulus_water", self._bulk_modulus(self.soil.elasticity(4)))
 
     def _bulk_modulus(self, D: Array) -> Any:
-        """Return the bulk modulus of the water that belongs to `nu_undrained` and an elastic stiffness."""
+        """Return the bulk modulus of the water that belongs to `nu_undrained` and an elastic
+        stiffness.
+        """
         nu_u = np.asarray(self.nu_undrained, dtype=float)
         shear, bulk = D[..., 3, 3], D[..., :3, :3].mean(axis=(-1, -2))
         nu_u = nu_u.reshape(nu_u.shape + (1,) * (shear.ndim - nu_u.ndim) * (nu_u.ndim > 0))
@@ -138,7 +167,9 @@ class Undrained(Material):
         return self.soil.tensile_strength
 
     @override
-    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+    def elasticity(
+        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+    ) -> Array:
         if stress is None or internal is None or not self.stress_dependent:
             water = np.asarray(self.bulk_modulus)
             stiffness = self.soil.elasticity(ncomp) + np.zeros((*water.shape, 1, 1))
@@ -151,13 +182,19 @@ class Undrained(Material):
 
     @override
     def initial_internal(self, stress: Array) -> Array:
-        return np.concatenate((self.soil.initial_internal(stress), np.zeros((1, *stress.shape[1:]))))
+        return np.concatenate(
+            (self.soil.initial_internal(stress), np.zeros((1, *stress.shape[1:])))
+        )
 
     @override
-    def update(self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0) -> Update:
+    def update(
+        self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0
+    ) -> Update:
         effective, own = self._effective(stress, internal)
         water, growth = cache(lambda: self._water(effective, own)), strain_increment[:3].sum(axis=0)
-        pressure = internal[-1] - (water() * growth if growth.any() else 0.0)  # soil may begin without a stiffness
+        pressure = internal[-1] - (
+            water() * growth if growth.any() else 0.0
+        )  # soil may begin without a stiffness
         new = updated(self.soil, strain_increment, effective, own, dt)
         total = new.stress.copy()
         total[:3] -= pressure
@@ -165,7 +202,9 @@ class Undrained(Material):
 
         def tangent() -> Array:
             result = new.tangent().copy()
-            result[:, :3, :3] += np.broadcast_to(water(), pressure.shape).reshape(-1)[new.plastic, None, None]
+            result[:, :3, :3] += np.broadcast_to(water(), pressure.shape).reshape(-1)[
+                new.plastic, None, None
+            ]
             return result
 
         return Update(total, variables, new.plastic, tangent)

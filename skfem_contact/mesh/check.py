@@ -15,28 +15,39 @@ from ..errors import warn
 
 Indices = NDArray[np.integer]
 
-_MESH_TYPES = (skfem.MeshTri1, skfem.MeshTri2, skfem.MeshQuad1, skfem.MeshQuad2,
-               skfem.MeshTet1, skfem.MeshTet2, skfem.MeshHex1, skfem.MeshHex2)
-# An element is flat if its Jacobian is below this part of its size squared (cubed in space): far below any shape of
-# use (a needle of aspect ratio 1e6 has 1e-6), and above the round-off of coordinates (1e-13 at a distance of 1000
-# element sizes).
+_MESH_TYPES = (
+    skfem.MeshTri1,
+    skfem.MeshTri2,
+    skfem.MeshQuad1,
+    skfem.MeshQuad2,
+    skfem.MeshTet1,
+    skfem.MeshTet2,
+    skfem.MeshHex1,
+    skfem.MeshHex2,
+)
+# An element is flat if its Jacobian is below this part of its size squared (cubed in space): far
+# below any shape of use (a needle of aspect ratio 1e6 has 1e-6), and above the round-off of
+# coordinates (1e-13 at a distance of 1000 element sizes).
 _FLAT = 1e-10
 _SHOWN = 5
-# Distance from the origin over the size of elements: squares fail from 3200 diagonals on, where Newton's method of
-# scikit-fem for points in them does not reach 1e-12, and `with_defaults` takes wrong facets from 35,000 on.
+# Distance from the origin over the size of elements: squares fail from 3200 diagonals on, where
+# Newton's method of scikit-fem for points in them does not reach 1e-12, and `with_defaults` takes
+# wrong facets from 35,000 on.
 _FAR = 2000.0
 
 
 def check_mesh(mesh: Mesh) -> None:
-    """Raise a ValueError with the first wrong elements or nodes if a mesh is not fit for an analysis.
+    """Raise a ValueError with the first wrong elements or nodes if a mesh is not fit for an
+    analysis.
 
-    A mesh is fit if it consists of triangles, quadrilaterals, tetrahedra or hexahedra of first or second order.  No
-    elements may be duplicate, flat, inverted or folded.  All coordinates are finite, all nodes belong to elements, and
-    tags name existing elements and facets.
+    A mesh is fit if it consists of triangles, quadrilaterals, tetrahedra or hexahedra of first or
+    second order.  No elements may be duplicate, flat, inverted or folded.  All coordinates are
+    finite, all nodes belong to elements, and tags name existing elements and facets.
 
-    An element is inverted if its Jacobian changes sign between its nodes; a hexahedron is checked at 27 nodes.  The
-    sign itself is arbitrary in scikit-fem.  The check is sharp for other elements of first order.  An element is folded
-    if a neighbour lies on the same side of the facet between the two.
+    An element is inverted if its Jacobian changes sign between its nodes; a hexahedron is checked
+    at 27 nodes.  The sign itself is arbitrary in scikit-fem.  The check is sharp for other elements
+    of first order.  An element is folded if a neighbour lies on the same side of the facet between
+    the two.
 
     Examples
     --------
@@ -70,28 +81,42 @@ def check_mesh(mesh: Mesh) -> None:
         raise _error("inverted elements", "element", inverted, corners.mean(axis=1))
     middle = corners.mean(axis=(1, 2))
     if np.abs(middle).max() > _FAR * size.max():
-        warn(f"the mesh lies at {format_point(middle)}, more than {_FAR:g} of its elements from the origin, where "
-             "`with_defaults` takes wrong facets and quadrilaterals fail: move it by `mesh.translated` before")
+        warn(
+            f"the mesh lies at {format_point(middle)}, more than {_FAR:g} of its elements from the "
+            f"origin, where "
+            "`with_defaults` takes wrong facets and quadrilaterals fail: move it by "
+            "`mesh.translated` before"
+        )
     folded = _folded(mesh, np.sign(jacobian[:, 0]))
     if len(folded):
-        raise _error("elements folded over their neighbours", "element", folded, corners.mean(axis=1))
+        raise _error(
+            "elements folded over their neighbours", "element", folded, corners.mean(axis=1)
+        )
 
 
 def check_topology(mesh: Mesh) -> None:
-    """Check what the renumbering of nodes relies on: element type, numbers of nodes, facets and tags."""
+    """Check what the renumbering of nodes relies on: element type, numbers of nodes, facets and
+    tags.
+    """
     if type(mesh) not in _MESH_TYPES:
         names = ", ".join(kind.__name__ for kind in _MESH_TYPES)
-        raise ValueError(f"{type(mesh).__name__} is not supported; supported are {names}, one type in all")
+        raise ValueError(
+            f"{type(mesh).__name__} is not supported; supported are {names}, one type in all"
+        )
     if mesh.t.size == 0:
         raise ValueError("the mesh has no elements")
     n_nodes = mesh.doflocs.shape[1]
     if mesh.t.min() < 0 or n_nodes < mesh.dofs.N:
-        raise ValueError(f"the mesh has {n_nodes} nodes, but its elements need {mesh.dofs.N} "
-                         f"and have the corners {mesh.t.min()} to {mesh.t.max()}")
+        raise ValueError(
+            f"the mesh has {n_nodes} nodes, but its elements need {mesh.dofs.N} "
+            f"and have the corners {mesh.t.min()} to {mesh.t.max()}"
+        )
     crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
     if len(crowded):
         elements = np.flatnonzero(np.isin(mesh.t2f, crowded).any(axis=0))
-        problem = "elements on top of each other (three or more share a side; was a surface saved twice?)"
+        problem = (
+            "elements on top of each other (three or more share a side; was a surface saved twice?)"
+        )
         raise _error(problem, "element", elements, mesh.p[:, mesh.t].mean(axis=1))
     _check_tags(own_tags(mesh.boundaries), "boundary", mesh.nfacets)
     _check_tags(own_tags(mesh.subdomains), "subdomain", mesh.nelements)
@@ -109,7 +134,9 @@ def _derivatives(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.float64]
 
 
 def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the derivatives of det J by its columns, the first axis: (dim, dim, n_elements, n_points)."""
+    """Return the derivatives of det J by its columns, the first axis: (dim, dim, n_elements,
+    n_points).
+    """
     if len(J) == 2:
         return np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]])
     return np.array([np.cross(J[:, k - 2], J[:, k - 1], axis=0) for k in range(3)])
@@ -118,24 +145,32 @@ def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
 def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:
     """Return the elements that lie on the same side of a facet as their neighbour.
 
-    In the middle of such a facet both have the same outward normal, by Nanson's formula that of the reference element
-    times the cofactors.  `sign` is the sign of the Jacobian of every element.
+    In the middle of such a facet both have the same outward normal, by Nanson's formula that of the
+    reference element times the cofactors.  `sign` is the sign of the Jacobian of every element.
     """
     refdom = mesh.elem.refdom
-    J = _derivatives(mesh, np.column_stack([refdom.p[:, corners].mean(axis=1) for corners in refdom.facets]))
+    J = _derivatives(
+        mesh, np.column_stack([refdom.p[:, corners].mean(axis=1) for corners in refdom.facets])
+    )
     normals = sign[:, None] * np.einsum("jcef,fj->cef", _cofactors(J), refdom.normals)
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    first, second = (normals[:, element, np.argmax(mesh.t2f[:, element] == inner, axis=0)]
-                     for element in mesh.f2t[:, inner])
+    first, second = (
+        normals[:, element, np.argmax(mesh.t2f[:, element] == inner, axis=0)]
+        for element in mesh.f2t[:, inner]
+    )
     return np.unique(mesh.f2t[:, inner[(first * second).sum(axis=0) > 0]])
 
 
 def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
     for name, part in tags.items():
         if np.min(part, initial=0) < 0 or np.max(part, initial=0) >= count:
-            raise ValueError(f"{kind} '{name}' has numbers outside 0..{count - 1}; is it from another mesh?")
+            raise ValueError(
+                f"{kind} '{name}' has numbers outside 0..{count - 1}; is it from another mesh?"
+            )
         if isinstance(part, OrientedBoundary) and np.shape(part.ori) != part.shape:
-            raise ValueError(f"{kind} '{name}' has {len(part)} facets, but {np.size(part.ori)} orientations")
+            raise ValueError(
+                f"{kind} '{name}' has {len(part)} facets, but {np.size(part.ori)} orientations"
+            )
 
 
 def _error(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> ValueError:

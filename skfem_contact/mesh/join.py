@@ -1,7 +1,8 @@
 """Meshes of several bodies, side by side without welding.
 
-A *body* is a group of elements that shares no node with the rest of the mesh, so that contact alone connects it with
-other bodies.  All bodies belong to one scikit-fem mesh, with one basis and one vector of dofs.
+A *body* is a group of elements that shares no node with the rest of the mesh, so that contact alone
+connects it with other bodies.  All bodies belong to one scikit-fem mesh, with one basis and one
+vector of dofs.
 """
 
 from __future__ import annotations
@@ -23,46 +24,52 @@ Indices = NDArray[np.integer]
 Tags = dict[str, Indices]
 
 
-def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None) -> Mesh:
-    """Join bodies in one mesh in which they share no node; keep all tags and name both sides of every interface.
+def join_bodies(
+    mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None
+) -> Mesh:
+    """Join bodies in one mesh in which they share no node; keep all tags and name both sides of
+    every interface.
 
-    **One mesh**, whose bodies share the nodes of their interfaces, as from Gmsh: `bodies` names the subdomains of every
-    body.  Nodes on an interface are doubled, and elements keep their numbers.
+    **One mesh**, whose bodies share the nodes of their interfaces, as from Gmsh: `bodies` names the
+    subdomains of every body.  Nodes on an interface are doubled, and elements keep their numbers.
 
     * Every body becomes a subdomain.
-    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one.  Where body ``a``
-      consists of several subdomains, ``"clay|b"`` is the part that belongs to ``"clay"``.
-    * A boundary on an interface is split by body: ``"skin"`` becomes ``"a:skin"`` and ``"b:skin"``.  Other boundaries
-      keep their names.
+    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one.
+      Where body ``a`` consists of several subdomains, ``"clay|b"`` is the part that belongs to
+      ``"clay"``.
+    * A boundary on an interface is split by body: ``"skin"`` becomes ``"a:skin"`` and ``"b:skin"``.
+       Other boundaries keep their names.
 
     Bodies that share no nodes remain unchanged: coordinates are never compared.
 
-    **Several meshes** of one type: each becomes a subdomain of its name, which is the prefix of its own tags.  The
-    boundary ``"top"`` of mesh ``a`` is then ``"a:top"``, its subdomain ``"clay"`` is ``"a:clay"``.
+    **Several meshes** of one type: each becomes a subdomain of its name, which is the prefix of its
+    own tags.  The boundary ``"top"`` of mesh ``a`` is then ``"a:top"``, its subdomain ``"clay"`` is
+    ``"a:clay"``.
 
-    Nodes without elements, such as centres of circles in a Gmsh file, and tags that begin with ``"gmsh:"`` are dropped.
+    Nodes without elements, such as centres of circles in a Gmsh file, and tags that begin with
+    ``"gmsh:"`` are dropped.
 
     Parameters
     ----------
     mesh
-        A mesh, or meshes by the names of their bodies: triangles, quadrilaterals, tetrahedra or hexahedra of first or
-        second order.
+        A mesh, or meshes by the names of their bodies: triangles, quadrilaterals, tetrahedra or
+        hexahedra of first or second order.
     bodies
-        For a single mesh: the name of every body, with the name or names of its subdomains.  By default the bodies are
-        the connected parts of the mesh, named as by :func:`bodies`.
+        For a single mesh: the name of every body, with the name or names of its subdomains.  By
+        default the bodies are the connected parts of the mesh, named as by :func:`bodies`.
 
     Returns
     -------
     Mesh
         New mesh, with its nodes numbered body by body.  ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and
-        ``remove_duplicate_nodes`` would weld coincident nodes.  Store the mesh with ``save_npz``: ``save`` and ``load``
-        cut names at their first colon.
+        ``remove_duplicate_nodes`` would weld coincident nodes.  Store the mesh with ``save_npz``:
+        ``save`` and ``load`` cut names at their first colon.
 
     Raises
     ------
     ValueError
-        If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist, an element belongs
-        to no body or to two, or a name is not unique.
+        If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist,
+        an element belongs to no body or to two, or a name is not unique.
 
     See Also
     --------
@@ -104,11 +111,12 @@ def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Coll
 
 
 def bodies(mesh: Mesh) -> Tags:
-    """Return name and element numbers of the bodies of a mesh, in the order of their first elements.
+    """Return name and element numbers of the bodies of a mesh, in the order of their first
+    elements.
 
-    A body has the name of the subdomain that consists of exactly its elements (the last of several), else the names
-    of all subdomains with elements of the body, joined by "+", else "body".  Bodies of one name are numbered: "pile 1",
-    "pile 2".
+    A body has the name of the subdomain that consists of exactly its elements (the last of
+    several), else the names of all subdomains with elements of the body, joined by "+", else
+    "body".  Bodies of one name are numbered: "pile 1", "pile 2".
 
     Examples
     --------
@@ -119,8 +127,10 @@ def bodies(mesh: Mesh) -> Tags:
     """
     parts = _connected_elements(mesh)
     names = [_name_of(part, own_tags(mesh.subdomains)) for part in parts]
-    numbered = [name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}"
-                for k, name in enumerate(names)]
+    numbered = [
+        name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}"
+        for k, name in enumerate(names)
+    ]
     return dict(zip(numbered, parts, strict=True))
 
 
@@ -129,7 +139,9 @@ def _connected_elements(mesh: Mesh) -> list[Indices]:
     n_corners, n_elements = mesh.t.shape
     element = np.tile(np.arange(n_elements), n_corners)
     size = n_elements + mesh.nvertices
-    links = coo_matrix((np.ones(mesh.t.size), (element, n_elements + mesh.t.ravel())), shape=(size, size))
+    links = coo_matrix(
+        (np.ones(mesh.t.size), (element, n_elements + mesh.t.ravel())), shape=(size, size)
+    )
     label = connected_components(links, directed=False)[1][:n_elements]
     return [np.flatnonzero(label == k) for k in np.unique(label)]
 
@@ -159,7 +171,11 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
         for tag, elements in own_tags(part.subdomains).items():
             _add(subdomains, f"{name}:{tag}", elements + first)
         for tag, facets in own_tags(part.boundaries).items():
-            _add(boundaries, f"{name}:{tag}", moved(part, mesh, facets, owners_of(part, facets), first))
+            _add(
+                boundaries,
+                f"{name}:{tag}",
+                moved(part, mesh, facets, owners_of(part, facets), first),
+            )
         first += part.nelements
     return replace(mesh, _boundaries=boundaries, _subdomains=subdomains)
 
@@ -173,7 +189,9 @@ def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None)
     subdomains = own_tags(mesh.subdomains)
     for name, elements in parts.items():
         if name in subdomains and not np.array_equal(np.unique(subdomains[name]), elements):
-            raise ValueError(f"body '{name}' is not the subdomain '{name}'; choose another name for it")
+            raise ValueError(
+                f"body '{name}' is not the subdomain '{name}'; choose another name for it"
+            )
         subdomains[name] = elements
     boundaries = _split_boundaries(mesh, apart, body, list(parts))
     return replace(apart, _boundaries=boundaries, _subdomains=subdomains)
@@ -183,8 +201,11 @@ def _separate_parts(mesh: Mesh) -> Tags:
     """Return the connected parts, of which there must be more than one."""
     parts = bodies(mesh)
     if len(parts) == 1:
-        raise ValueError("the mesh is one connected body; name the subdomains of every body, bodies={'name': [...]}; "
-                         f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}")
+        raise ValueError(
+            "the mesh is one connected body; name the subdomains of every body, bodies={'name': "
+            "[...]}; "
+            f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
+        )
     return parts
 
 
@@ -207,32 +228,51 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
     for k, elements in enumerate(parts.values()):
         twice = elements[body[elements] >= 0]
         if len(twice):
-            raise ValueError(f"{len(twice)} elements belong both to '{names[body[twice[0]]]}' and to '{names[k]}' "
-                             f"(element {twice[0]} is the first)")
+            raise ValueError(
+                f"{len(twice)} elements belong both to '{names[body[twice[0]]]}' and to "
+                f"'{names[k]}' "
+                f"(element {twice[0]} is the first)"
+            )
         body[elements] = k
     left = np.flatnonzero(body < 0)
     if len(left):
-        touched = [name for name, elements in own_tags(mesh.subdomains).items() if np.isin(elements, left).any()]
-        raise ValueError(f"{len(left)} elements belong to no body (element {left[0]} is the first); add their "
-                         f"subdomains to bodies=: {', '.join(touched) or 'none, name them first'}")
+        touched = [
+            name
+            for name, elements in own_tags(mesh.subdomains).items()
+            if np.isin(elements, left).any()
+        ]
+        raise ValueError(
+            f"{len(left)} elements belong to no body (element {left[0]} is the first); add their "
+            f"subdomains to bodies=: {', '.join(touched) or 'none, name them first'}"
+        )
     return body
 
 
 def renumbered(parts: Sequence[Mesh], body: Indices, copy: Indices | int = 0) -> Mesh:
-    """Join the elements of meshes of one type, without tags; every body, and every copy of a node, gets its own nodes.
+    """Join the elements of meshes of one type, without tags; every body, and every copy of a node,
+    gets its own nodes.
 
-    Nodes are sorted by body and keep their order within.  The corners of an element therefore keep their order, also
-    where scikit-fem sorts them, and side `k` of an element remains its side `k`.
+    Nodes are sorted by body and keep their order within.  The corners of an element therefore keep
+    their order, also where scikit-fem sorts them, and side `k` of an element remains its side `k`.
     """
     offset = np.cumsum([0] + [part.nvertices for part in parts])
     corners = np.hstack([part.t + start for part, start in zip(parts, offset)])
     key = (body * offset[-1] + corners) * (np.max(copy) + 1) + copy
     t = np.unique(key, return_inverse=True)[1].reshape(corners.shape)
     # scikit-fem's validation refuses double nodes
-    mesh = replace(parts[0], doflocs=np.zeros((parts[0].dim(), t.max() + 1)), t=t, validate=False,
-                   sort_t=all(part.sort_t for part in parts), _boundaries=None, _subdomains=None)
+    mesh = replace(
+        parts[0],
+        doflocs=np.zeros((parts[0].dim(), t.max() + 1)),
+        t=t,
+        validate=False,
+        sort_t=all(part.sort_t for part in parts),
+        _boundaries=None,
+        _subdomains=None,
+    )
     doflocs = np.zeros((mesh.dim(), mesh.dofs.N))
-    doflocs[:, mesh.dofs.element_dofs] = np.dstack([part.doflocs[:, part.dofs.element_dofs] for part in parts])
+    doflocs[:, mesh.dofs.element_dofs] = np.dstack(
+        [part.doflocs[:, part.dofs.element_dofs] for part in parts]
+    )
     return replace(mesh, doflocs=doflocs)
 
 
@@ -274,7 +314,9 @@ def owners_of(mesh: Mesh, facets: Indices) -> Indices:
 
 
 def moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:
-    """Return a boundary of the new mesh, whose element `first + n` has the corners of the old element `n`."""
+    """Return a boundary of the new mesh, whose element `first + n` has the corners of the old
+    element `n`.
+    """
     side = np.argmax(old.t2f[:, owners] == np.asarray(facets), axis=0)
     moved = new.t2f[side, owners + first]
     if isinstance(facets, OrientedBoundary):

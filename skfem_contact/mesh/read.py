@@ -11,7 +11,12 @@ from skfem import Mesh
 from skfem.io.meshio import from_meshio
 
 # Supported elements by meshio's names: number of corners, name of the lines along their sides.
-_ELEMENTS = {"triangle": (3, "line"), "triangle6": (3, "line3"), "quad": (4, "line"), "quad9": (4, "line3")}
+_ELEMENTS = {
+    "triangle": (3, "line"),
+    "triangle6": (3, "line3"),
+    "quad": (4, "line"),
+    "quad9": (4, "line3"),
+}
 _LOWER = {"vertex", "line", "line3"}
 
 Integers = NDArray[np.integer]
@@ -20,27 +25,29 @@ _FLAT = 1e-9
 
 
 def load_mesh(path: str | PathLike[str]) -> Mesh:
-    """Load the plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves as boundaries.
+    """Load the plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves
+    as boundaries.
 
-    ``skfem.Mesh.load`` loses the curves of second-order meshes, the curves between two surfaces in format 2.2, and the
-    quadrilaterals of meshes that have triangles as well.
+    ``skfem.Mesh.load`` loses the curves of second-order meshes, the curves between two surfaces in
+    format 2.2, and the quadrilaterals of meshes that have triangles as well.
 
     Parameters
     ----------
     path
-        Gmsh file (MSH 2.2 or 4.1, text or binary) with triangles or quadrilaterals of first or second order.  Curves
-        and surfaces must have different names.
+        Gmsh file (MSH 2.2 or 4.1, text or binary) with triangles or quadrilaterals of first or
+        second order.  Curves and surfaces must have different names.
 
     Returns
     -------
     Mesh
-        ``MeshTri``, ``MeshTri2``, ``MeshQuad`` or ``MeshQuad2`` without the nodes that belong to no element.
+        ``MeshTri``, ``MeshTri2``, ``MeshQuad`` or ``MeshQuad2`` without the nodes that belong to no
+        element.
 
     Raises
     ------
     ValueError
-        If the file is not a Gmsh mesh, has elements of several or unsupported types, or has a physical curve that does
-        not follow the sides of elements.
+        If the file is not a Gmsh mesh, has elements of several or unsupported types, or has a
+        physical curve that does not follow the sides of elements.
 
     Examples
     --------
@@ -56,7 +63,9 @@ def load_mesh(path: str | PathLike[str]) -> Mesh:
     except FileNotFoundError:
         raise
     except meshio.ReadError as error:
-        raise ValueError(f"{fspath(path)} is not a Gmsh mesh{f': {error}' if str(error) else ''}") from error
+        raise ValueError(
+            f"{fspath(path)} is not a Gmsh mesh{f': {error}' if str(error) else ''}"
+        ) from error
     except (ValueError, KeyError, IndexError) as error:  # the last two: a truncated file
         raise ValueError(f"{fspath(path)}: {error}") from error
 
@@ -67,23 +76,36 @@ def _plane_mesh(file: meshio.Mesh) -> Mesh:
     if not np.isfinite(file.points).all():
         raise ValueError("the mesh has coordinates that are not finite")
     if np.ptp(file.points[:, 2:]) > _FLAT * np.ptp(file.points[:, :2]):
-        raise ValueError("the mesh does not lie in the x-y plane: rotate it, or export the coordinates x and y")
+        raise ValueError(
+            "the mesh does not lie in the x-y plane: rotate it, or export the coordinates x and y"
+        )
     n_corners, line = _ELEMENTS[kind]
     elements = file.cells_dict[kind]
     if elements.max(initial=0) >= len(file.points):
-        raise ValueError(f"an element names node {elements.max() + 1}, but there are {len(file.points)}")
+        raise ValueError(
+            f"an element names node {elements.max() + 1}, but there are {len(file.points)}"
+        )
     lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
     curves = _physical_groups(file, 1, line)
     _check_curves(curves, lines, elements[:, :n_corners])
 
-    corners = np.unique(elements[:, :n_corners])  # scikit-fem wants corners first, and all nodes used
+    corners = np.unique(
+        elements[:, :n_corners]
+    )  # scikit-fem wants corners first, and all nodes used
     kept = np.concatenate((corners, np.setdiff1d(elements, corners)))
     number = np.zeros(len(file.points), dtype=int)
     number[kept] = np.arange(len(kept))
     named_lines = {name: [members, None] for name, members in curves.items()}
-    named_elements = {name: [None, members] for name, members in _physical_groups(file, 2, kind).items()}
-    return from_meshio(meshio.Mesh(file.points[kept], [("line", number[lines]), (kind, number[elements])],
-                                   cell_sets={**named_lines, **named_elements}))
+    named_elements = {
+        name: [None, members] for name, members in _physical_groups(file, 2, kind).items()
+    }
+    return from_meshio(
+        meshio.Mesh(
+            file.points[kept],
+            [("line", number[lines]), (kind, number[elements])],
+            cell_sets={**named_lines, **named_elements},
+        )
+    )
 
 
 def _element_type(file: meshio.Mesh) -> str:
@@ -97,7 +119,9 @@ def _element_type(file: meshio.Mesh) -> str:
         remedy = "; in Gmsh, recombine all surfaces or none (Mesh.SubdivisionAlgorithm = 1 makes quads only)"
     elif "quad8" in counts:
         remedy = "; in Gmsh, set Mesh.SecondOrderIncomplete = 0"
-    raise ValueError(f"the mesh has {found}; supported is one type out of {', '.join(_ELEMENTS)}{remedy}")
+    raise ValueError(
+        f"the mesh has {found}; supported is one type out of {', '.join(_ELEMENTS)}{remedy}"
+    )
 
 
 def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[str, Integers]:
@@ -122,4 +146,6 @@ def _check_curves(curves: dict[str, Integers], lines: Integers, corners: Integer
     for name, members in curves.items():
         stray = np.sum(~is_side[members])
         if stray:
-            raise ValueError(f"{stray} of {len(members)} lines of curve '{name}' are not sides of elements")
+            raise ValueError(
+                f"{stray} of {len(members)} lines of curve '{name}' are not sides of elements"
+            )

@@ -1,27 +1,30 @@
 """Accuracy of the linear solutions that Newton's method needs on its way."""
+
 from __future__ import annotations
 
 from ..solvers.direct import REFINE
 from .newton import Evaluation
 
-#: Relative residual of a linear solution far from equilibrium, and the largest one below a residual of the third
-#: number: a footing of 36,501 dofs in space takes 36 iterations and 271 of the linear solver, one of 98,301 takes 57
-#: and 524. With terms of Eisenstat and Walker from the start the first takes 36 and 266, with .01 for .03 38 and 349.
+#: Relative residual of a linear solution far from equilibrium, and the largest one below a residual
+#: of the third number: a footing of 36,501 dofs in space takes 36 iterations and 271 of the linear
+#: solver, one of 98,301 takes 57 and 524. With terms of Eisenstat and Walker from the start the
+#: first takes 36 and 266, with .01 for .03 38 and 349.
 _LOOSEST, _LOOSE, _NEAR = 3e-2, 1e-2, 1e-3
-#: Residual of a linear solution over the square of the last reduction, and over the final tolerance.
+#: Residual of a linear solution over the square of the last reduction, and over the final
+#: tolerance.
 _SQUARE, _FINAL = 0.9, 0.1
 
 
 class Forcing:
     """Forcing terms of an inexact Newton method: relative residuals of its linear solutions.
 
-    Near equilibrium they follow the square of the last reduction of the residual, so that the convergence stays
-    quadratic, and are no smaller than the final tolerance needs.
+    Near equilibrium they follow the square of the last reduction of the residual, so that the
+    convergence stays quadratic, and are no smaller than the final tolerance needs.
 
     References
     ----------
-    S. C. Eisenstat, H. F. Walker, Choosing the forcing terms in an inexact Newton method, SIAM J. Sci. Comput. 17
-    (1996) 16-32, equation 2.6.
+    S. C. Eisenstat, H. F. Walker, Choosing the forcing terms in an inexact Newton method, SIAM J.
+    Sci. Comput. 17 (1996) 16-32, equation 2.6.
     """
 
     def __init__(self, tolerance: float) -> None:

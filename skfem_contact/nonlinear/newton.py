@@ -1,4 +1,7 @@
-"""Newton's method: evaluations, line searches, and iterations that distinguish a stall from a collapse."""
+"""Newton's method: evaluations, line searches, and iterations that distinguish a stall from a
+collapse.
+"""
+
 from __future__ import annotations
 
 import logging
@@ -17,28 +20,33 @@ from ..solvers.direct import SingularSystem
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
-#: So many iterations, all of them with so many times the smallest residual that has been reached, lead nowhere.
+#: So many iterations, all of them with so many times the smallest residual that has been reached,
+#: lead nowhere.
 _ASTRAY, _TIMES = 10, 2.0
-#: With contact, so many without a smaller residual do, or so many with so many times the smallest one: a strut
-#: prestressed against a wall in sand takes 15 to 24 iterations for 22 to 32. Soil alone comes back from there.
+#: With contact, so many without a smaller residual do, or so many with so many times the smallest
+#: one: a strut prestressed against a wall in sand takes 15 to 24 iterations for 22 to 32. Soil
+#: alone comes back from there.
 _CYCLE, _AWAY, _MANY = 8, 2, 10.0
-#: Active sets of contact that return so many times, with a residual of more than this share of the one that they had
-#: before, may do so for ever: points of a brittle bond open with it, and close without it.
+#: Active sets of contact that return so many times, with a residual of more than this share of the
+#: one that they had before, may do so for ever: points of a brittle bond open with it, and close
+#: without it.
 _RETURNS, _NO_LESS = 2, 0.9
-#: Iterations that leave less than this share of the residual continue beyond their largest number: they are few, and
-#: end in equilibrium. A footing of 285,660 dofs begins anew with a residual of 4e-7 after 25 iterations otherwise.
+#: Iterations that leave less than this share of the residual continue beyond their largest number:
+#: they are few, and end in equilibrium. A footing of 285,660 dofs begins anew with a residual of
+#: 4e-7 after 25 iterations otherwise.
 _FALLS = 0.25
-#: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
+#: Along the energy, so many residuals that differ by so little and are so many times the smallest
+#: one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
 _NOISE = 0.1
-#: Times as many iterations as asked for while the active set of contact is one that has not been met: layers that lift
-#: off need 1 to 2 times as many, a point or two in each.
+#: Times as many iterations as asked for while the active set of contact is one that has not been
+#: met: layers that lift off need 1 to 2 times as many, a point or two in each.
 _MOVING = 4
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
-#: The line search accepts what is not worse than the worst of this many last residuals: contact that opens,
-#: closes and slips on its way to the solution raises the residual now and then.
+#: The line search accepts what is not worse than the worst of this many last residuals: contact
+#: that opens, closes and slips on its way to the solution raises the residual now and then.
 _MEMORY = 4
 _SHORTEST = 1.0 / 16.0
 #: The search along the energy accepts a step that leaves at most this share of the slope.
@@ -47,8 +55,9 @@ _PROBES = 8
 #: Share of the remaining lengths that interpolation of the work goes up, at least and at most.
 _SHARES = 0.1, 0.5
 
-#: Measure of a line search: the norm of the residual, or its work along the step. Along the energy a search may go
-#: beyond the step, by its work alone ("step") no further. "either" takes what the work or the norm admits.
+#: Measure of a line search: the norm of the residual, or its work along the step. Along the energy
+#: a search may go beyond the step, by its work alone ("step") no further. "either" takes what the
+#: work or the norm admits.
 Search = Literal["residual", "energy", "step", "either"]
 
 
@@ -61,9 +70,9 @@ class Newton:
     tolerance
         Norm of the residual over the largest norm among the load and the forms' forces.
     max_iterations
-        Number of iterations after which the increment has failed. Iterations continue while each of them leaves less
-        than a quarter of the smallest residual before. Along the energy, iterations that find a new active set of
-        contact do not count, up to four times as many.
+        Number of iterations after which the increment has failed. Iterations continue while each of
+        them leaves less than a quarter of the smallest residual before. Along the energy,
+        iterations that find a new active set of contact do not count, up to four times as many.
 
     Raises
     ------
@@ -83,8 +92,13 @@ class Newton:
     def __post_init__(self) -> None:
         if not is_number(self.tolerance, 0.0, np.inf):
             raise ValueError(f"tolerance must be positive, not {self.tolerance!r}")
-        if not (isinstance(self.max_iterations, (int, np.integer)) and is_number(self.max_iterations, 0.0, np.inf)):
-            raise ValueError(f"max_iterations must be a whole number, at least 1, not {self.max_iterations!r}")
+        if not (
+            isinstance(self.max_iterations, (int, np.integer))
+            and is_number(self.max_iterations, 0.0, np.inf)
+        ):
+            raise ValueError(
+                f"max_iterations must be a whole number, at least 1, not {self.max_iterations!r}"
+            )
 
 
 @dataclass(frozen=True)
@@ -98,7 +112,8 @@ class Evaluation:
     residual : ndarray, shape (N,)
         Load less internal forces, zero at the fixed dofs.
     norm
-        Norm of the residual over the largest norm among the load and the forms' forces, less `hidden`.
+        Norm of the residual over the largest norm among the load and the forms' forces, less
+        `hidden`.
     lag
         Largest difference of the fixed dofs from the prescribed values.
     hidden
@@ -118,7 +133,9 @@ class Evaluation:
     @property
     def size(self) -> float:
         """Norm of the residual itself, in scaled equations."""
-        return float(np.linalg.norm(self.residual if self.scale is None else self.scale * self.residual))
+        return float(
+            np.linalg.norm(self.residual if self.scale is None else self.scale * self.residual)
+        )
 
     @property
     def active(self) -> tuple[bytes, ...]:
@@ -136,13 +153,15 @@ class Evaluation:
         return {name: response.state for name, response in self.responses.items()}
 
 
-def bisect_work(now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Evaluation], farthest: float
-                ) -> Evaluation:
+def bisect_work(
+    now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Evaluation], farthest: float
+) -> Evaluation:
     """Double and bisect the step until the residual has lost half of its work along the step.
 
-    Only the leading dofs, those of the residual, do work. At the farthest length more of the work may be left.
+    Only the leading dofs, those of the residual, do work. At the farthest length more of the work
+    may be left.
     """
-    along = step[:len(now.residual)]
+    along = step[: len(now.residual)]
     slope = abs(now.residual @ along)
     least, best, length, shortest, longest = np.inf, now, 1.0, 0.0, np.inf
     for _ in range(_PROBES):
@@ -150,7 +169,11 @@ def bisect_work(now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Ev
         work = float(new.residual @ along) if np.isfinite(new.norm) else -np.inf
         if abs(work) < least:
             least, best = abs(work), new
-        if abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm or (work > 0.0 and length >= farthest):
+        if (
+            abs(work) <= _SLOPE * slope
+            or new.norm <= _SLOPE * now.norm
+            or (work > 0.0 and length >= farthest)
+        ):
             return new
         if work > 0.0:
             shortest = length
@@ -163,8 +186,8 @@ def bisect_work(now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Ev
 def unbalanced(new: Evaluation) -> float:
     """Return the norm of the unbalanced forces themselves, less round-off.
 
-    The relative norm is no measure for a line search: where a step presses bodies into each other, it is 1 at any
-    depth.
+    The relative norm is no measure for a line search: where a step presses bodies into each other,
+    it is 1 at any depth.
     """
     whole = new.norm + new.hidden
     if whole == 0.0 or not np.isfinite(whole):
@@ -172,8 +195,9 @@ def unbalanced(new: Evaluation) -> float:
     return new.size * new.norm / whole
 
 
-def backtrack(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
-              ) -> Evaluation:
+def backtrack(
+    now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
+) -> Evaluation:
     """Halve the step while the residual is worse than all of the last few."""
     bound = np.inf if now.lag else max(sizes[-_MEMORY:])
     best = new = evaluate(now.z + step)
@@ -186,15 +210,17 @@ def backtrack(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Call
     return best
 
 
-def shorten(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
-            ) -> Evaluation:
+def shorten(
+    now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
+) -> Evaluation:
     """Shorten the step until the residual has lost half of its work along the step, or of its norm.
 
-    The lengths are interpolated. Instead of short steps that do neither, the longest one whose residual is no worse
-    than all of the last few is taken: where soil yields beside contact, the norm alone admits steps far along a
-    mechanism, and the work alone no progress near equilibrium. Ten times the last residuals are too far.
+    The lengths are interpolated. Instead of short steps that do neither, the longest one whose
+    residual is no worse than all of the last few is taken: where soil yields beside contact, the
+    norm alone admits steps far along a mechanism, and the work alone no progress near equilibrium.
+    Ten times the last residuals are too far.
     """
-    along, bound = step[:len(now.residual)], np.inf if now.lag else max(sizes[-_MEMORY:])
+    along, bound = step[: len(now.residual)], np.inf if now.lag else max(sizes[-_MEMORY:])
     slope = abs(now.residual @ along)
     least, best, longer = np.inf, now, None
     length, shortest, longest, above, below = 1.0, 0.0, 1.0, slope, -np.inf
@@ -202,7 +228,11 @@ def shorten(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callab
         new = evaluate(now.z + length * step)
         near = np.isfinite(new.norm) and unbalanced(new) <= _MANY * bound
         work = float(new.residual @ along) if near else -np.inf
-        if abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm or (work > 0.0 and length == 1.0):
+        if (
+            abs(work) <= _SLOPE * slope
+            or new.norm <= _SLOPE * now.norm
+            or (work > 0.0 and length == 1.0)
+        ):
             return new
         if longer is None and near and unbalanced(new) <= bound:
             longer = new
@@ -218,8 +248,13 @@ def shorten(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callab
     return longer or best
 
 
-def _along(search: Search, now: Evaluation, step: ndarray, sizes: list[float],
-           evaluate: Callable[[ndarray], Evaluation]) -> Evaluation:
+def _along(
+    search: Search,
+    now: Evaluation,
+    step: ndarray,
+    sizes: list[float],
+    evaluate: Callable[[ndarray], Evaluation],
+) -> Evaluation:
     if search == "residual":
         return backtrack(now, step, sizes, evaluate)
     if search == "either":
@@ -227,12 +262,20 @@ def _along(search: Search, now: Evaluation, step: ndarray, sizes: list[float],
     return bisect_work(now, step, evaluate, 1.0 if search == "step" else np.inf)
 
 
-def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
-            direction: Callable[[Evaluation, bool], ndarray], settings: Newton, search: Search = "residual",
-            far: Callable[[Evaluation], bool] = lambda now: False, at_least: int = 0, damp: bool = False,
-            leave: Callable[[list[ndarray]], bool] = lambda seen: False,
-            first_step: Callable[[Evaluation], Evaluation] = lambda new: new) -> tuple[Evaluation, tuple[float, ...]]:
-    """Iterate from an evaluation to equilibrium; return its evaluation and the history of the residual.
+def iterate(
+    now: Evaluation,
+    evaluate: Callable[[ndarray], Evaluation],
+    direction: Callable[[Evaluation, bool], ndarray],
+    settings: Newton,
+    search: Search = "residual",
+    far: Callable[[Evaluation], bool] = lambda now: False,
+    at_least: int = 0,
+    damp: bool = False,
+    leave: Callable[[list[ndarray]], bool] = lambda seen: False,
+    first_step: Callable[[Evaluation], Evaluation] = lambda new: new,
+) -> tuple[Evaluation, tuple[float, ...]]:
+    """Iterate from an evaluation to equilibrium; return its evaluation and the history of the
+    residual.
 
     The last figure of the history is the whole residual, round-off included.
 
@@ -241,39 +284,53 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
     direction
         Newton step at an evaluation, with the tangent or with the damped one.
     far
-        Function that returns True if displacements along the energy are so large that they show a collapse.
+        Function that returns True if displacements along the energy are so large that they show a
+        collapse.
     at_least
         Number of iterations even if the residual is small from the start.
     damp
         Damp the tangent from the start, not only where the iterations make no progress.
     leave
-        Function that returns True if forms know a way out of displacements between which contact goes back and forth:
-        then the iterations end.
+        Function that returns True if forms know a way out of displacements between which contact
+        goes back and forth: then the iterations end.
     first_step
         Function that improves the evaluation after the first step.
     """
     norms, sizes, damped = [now.norm], [unbalanced(now)], damp
     sets, visited, counted, times, first = [now.active], [now.z], 0, 0, 0
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
-        if _too_many(norms, counted, settings.max_iterations) or not now.norm < 1e8 \
-                or (_stuck(norms) if search == "energy" else _hopeless(norms, any(now.active))):
-            raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
-                               now.z, norms, now.worst)
+        if (
+            _too_many(norms, counted, settings.max_iterations)
+            or not now.norm < 1e8
+            or (_stuck(norms) if search == "energy" else _hopeless(norms, any(now.active)))
+        ):
+            raise NotConverged(
+                f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
+                now.z,
+                norms,
+                now.worst,
+            )
         if (back := _came_back(sets, norms)) and search != "energy":
             times, first = times + 1, min(first, back) if times else back
             if times >= _RETURNS and leave(visited[first:]):
-                raise NotConverged(f"the active sets of contact return without progress; {_why(now, norms)}", now.z,
-                                   norms, now.worst, visited[first:])
+                raise NotConverged(
+                    f"the active sets of contact return without progress; {_why(now, norms)}",
+                    now.z,
+                    norms,
+                    now.worst,
+                    visited[first:],
+                )
         try:
             step = direction(now, damped)
             new = _along(search, now, step, sizes, evaluate)
         except SingularSystem as error:
-            raise NotConverged(str(error), now.z, norms,
-                               int(error.dofs[0])) from error
+            raise NotConverged(str(error), now.z, norms, int(error.dofs[0])) from error
         except NotConverged as error:  # no response there: name the last evaluation
             raise NotConverged(str(error), now.z, norms, now.worst) from error
         if not np.isfinite(new.norm):
-            raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
+            raise NotConverged(
+                f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst
+            )
         now = first_step(new) if len(norms) == 1 else new
         norms.append(now.norm)
         counted += search != "energy" or now.active in sets
@@ -282,29 +339,49 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
         sizes.append(unbalanced(now))
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
         if search == "energy" and now.norm > settings.tolerance and far(now):
-            raise NoEquilibrium(f"collapse: after {len(norms) - 1} iterations the displacements exceed {FAR:g} times "
-                                f"the elastic ones; {_why(now, norms)}", now.z, norms, now.worst)
+            raise NoEquilibrium(
+                f"collapse: after {len(norms) - 1} iterations the displacements exceed {FAR:g} "
+                f"times "
+                f"the elastic ones; {_why(now, norms)}",
+                now.z,
+                norms,
+                now.worst,
+            )
         stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
         damped = damp or stagnates
     return now, (*norms[:-1], now.norm + now.hidden)
 
 
 def _too_many(norms: list[float], counted: int, most: int) -> bool:
-    """Return True if all iterations are made, and the last one has not brought equilibrium much closer."""
+    """Return True if all iterations are made, and the last one has not brought equilibrium much
+    closer.
+    """
     return max(counted, (len(norms) - 1) / _MOVING) >= most and norms[-1] > _FALLS * min(norms[:-1])
 
 
 def _came_back(sets: list[tuple[bytes, ...]], norms: list[float]) -> int:
-    """Return the last iteration with the present active sets, others after it and a residual no larger, or 0."""
-    return next((k for k in range(len(sets) - 3, 0, -1)
-                 if sets[k] == sets[-1] != sets[k + 1] and norms[-1] > _NO_LESS * norms[k]), 0)
+    """Return the last iteration with the present active sets, others after it and a residual no
+    larger, or 0.
+    """
+    return next(
+        (
+            k
+            for k in range(len(sets) - 3, 0, -1)
+            if sets[k] == sets[-1] != sets[k + 1] and norms[-1] > _NO_LESS * norms[k]
+        ),
+        0,
+    )
 
 
 def _hopeless(norms: list[float], contact: bool) -> bool:
-    """Return True if the iterations have run away; the first residual is that of the increment and does not count."""
+    """Return True if the iterations have run away; the first residual is that of the increment and
+    does not count.
+    """
     least = min(norms[1:], default=np.inf)
     limits = ((_CYCLE, 1.0), (_AWAY, _MANY)) if contact else ((_ASTRAY, _TIMES),)
-    return any(len(norms) > last + 1 and min(norms[-last:]) > times * least for last, times in limits)
+    return any(
+        len(norms) > last + 1 and min(norms[-last:]) > times * least for last, times in limits
+    )
 
 
 def _stuck(norms: list[float]) -> bool:
@@ -320,7 +397,14 @@ def _why(now: Evaluation, norms: list[float]) -> str:
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
     round_off = sum(r.lost(slice(0, None)) for r in now.responses.values())
-    noise = f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the coordinates" \
-        if round_off > _NOISE * now.size else ""
-    return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "
-            f"dof {worst} of {names}{noise}")
+    noise = (
+        f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the "
+        f"coordinates"
+        if round_off > _NOISE * now.size
+        else ""
+    )
+    return (
+        f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, "
+        f"acts on "
+        f"dof {worst} of {names}{noise}"
+    )

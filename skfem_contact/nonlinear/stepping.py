@@ -1,4 +1,5 @@
 """Sizes of increments, and extrapolation from one increment to the next."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -17,26 +18,30 @@ _SMALLEST = 1.0 / 1024.0
 _EASY = 8
 #: Share that remains of an increment that failed with recoveries, and of one that failed without.
 _QUARTER, _HALF = 0.25, 0.5
-#: So many failures of increments of different sizes at one dof, by a tangent that is singular at their beginning.
+#: So many failures of increments of different sizes at one dof, by a tangent that is singular at
+#: their beginning.
 _AGAIN = 3
 #: Share of the stage up to which increments are tried with recoveries.
 _SMALL = 1.0 / 128.0
-#: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the limit is found.
+#: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the
+#: limit is found.
 _NARROW = 0.02
 _ROUND_OFF = 1e-9
-#: Steps in time keep their length, and with it their matrix, until they may be longer by this, and at most this much.
+#: Steps in time keep their length, and with it their matrix, until they may be longer by this, and
+#: at most this much.
 _WORTH, _MOST = 2.0, 4.0
 #: Growth of increments without time.
 _TWICE = 2.0
-#: Share taken of the step whose estimated error is just allowed, and the least share of a step tried.
+#: Share taken of the step whose estimated error is just allowed, and the least share of a step
+#: tried.
 _SAFE, _LEAST = 0.9, 0.1
 
 
 class Stepping:
     """Sizes of the increments: cut where they fail, growing where few iterations are needed.
 
-    Recoveries are tried in the first increment of a stage. Once a load has failed in spite of them, it is approached by
-    attempts without recovery, until it is passed or the increments are small.
+    Recoveries are tried in the first increment of a stage. Once a load has failed in spite of them,
+    it is approached by attempts without recovery, until it is passed or the increments are small.
 
     Parameters
     ----------
@@ -70,7 +75,9 @@ class Stepping:
 
     @property
     def allowed(self) -> float:
-        """Share that the error of the last step allows for the next one; infinite without an error."""
+        """Share that the error of the last step allows for the next one; infinite without an
+        error.
+        """
         return self._growth * self._last
 
     @property
@@ -86,7 +93,9 @@ class Stepping:
 
     @property
     def _hopeless(self) -> bool:
-        """True if nothing resists a motion at the same dof again and again, however small the increment is."""
+        """True if nothing resists a motion at the same dof again and again, however small the
+        increment is.
+        """
         return self._times >= _AGAIN
 
     @property
@@ -95,9 +104,11 @@ class Stepping:
         return self._collapsed - self._reached <= _NARROW * self._reached
 
     def too_long(self, errors: Mapping[str, tuple[float, float]]) -> bool:
-        """Return True if a step must be repeated with a shorter length, by the errors in time of its forms.
+        """Return True if a step must be repeated with a shorter length, by the errors in time of
+        its forms.
 
-        An error is compared with the largest value of its measure in the stage, see :meth:`Form.time_error`.
+        An error is compared with the largest value of its measure in the stage, see
+        :meth:`Form.time_error`.
         """
         worst = 0.0
         for name, (error, size) in errors.items():
@@ -111,9 +122,15 @@ class Stepping:
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""
-        self._last, self._reached, self.cut, self._times = fraction - self._reached, fraction, False, 0
-        self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
-                                         for f in (self._failed, self._collapsed))
+        self._last, self._reached, self.cut, self._times = (
+            fraction - self._reached,
+            fraction,
+            False,
+            0,
+        )
+        self._failed, self._collapsed = (
+            f if f > fraction + _ROUND_OFF else np.inf for f in (self._failed, self._collapsed)
+        )
         if self._growth < 1.0:
             self._size = self._even(self._growth * self._size, fraction)
         elif iterations <= _EASY * equilibria and self._growth >= _WORTH:
@@ -123,14 +140,24 @@ class Stepping:
                 self._size = self._even(larger, fraction)
 
     def _even(self, size: float, reached: float) -> float:
-        """Return a size of steps in time, shortened so that equal steps lead to the end of the stage."""
+        """Return a size of steps in time, shortened so that equal steps lead to the end of the
+        stage.
+        """
         left = 1.0 - reached
-        return size if np.isinf(self._growth) or left <= 0.0 else left / np.ceil(left / size * (1.0 - _ROUND_OFF))
+        return (
+            size
+            if np.isinf(self._growth) or left <= 0.0
+            else left / np.ceil(left / size * (1.0 - _ROUND_OFF))
+        )
 
     def reject(self, error: NotConverged) -> None:
         """Record a failure."""
         share = _QUARTER if self.try_recovery else _HALF
-        if self.try_recovery and isinstance(error.__cause__, SingularSystem) and len(error.residuals) == 1:
+        if (
+            self.try_recovery
+            and isinstance(error.__cause__, SingularSystem)
+            and len(error.residuals) == 1
+        ):
             self._times = self._times + 1 if error.dof == self._same else 1
             self._same = error.dof
         self._failed = self.fraction
@@ -142,13 +169,19 @@ class Stepping:
         reached = f"stopped at {self._reached:.2%} of its load"
         if self._hopeless:
             return f"{reached}, where nothing resists a motion in any increment (hold the body, or close its contact)"
-        return f"{reached}, the displacements run away at {self._collapsed:.2%}" if self._limited else reached
+        return (
+            f"{reached}, the displacements run away at {self._collapsed:.2%}"
+            if self._limited
+            else reached
+        )
 
 
 class Predictor:
-    """Extrapolation from the last two accepted increments while loads and supports change in proportion.
+    """Extrapolation from the last two accepted increments while loads and supports change in
+    proportion.
 
-    Sliding contact and yielding soil then hardly change their state within an increment, and few iterations are left.
+    Sliding contact and yielding soil then hardly change their state within an increment, and few
+    iterations are left.
 
     Parameters
     ----------
@@ -175,17 +208,25 @@ class Predictor:
         self._accepted = (*self._accepted[-1:], (x, load, time))
 
     def start(self, load: ndarray, prescribed: ndarray, time: float = 0.0) -> ndarray | None:
-        """Return displacements to start from under a load, or None where changes are not in proportion."""
+        """Return displacements to start from under a load, or None where changes are not in
+        proportion.
+        """
         if len(self._accepted) < 2:
             return None
         (x_before, load_before, then), (x, load_last, last) = self._accepted
         moved, held = x - x_before, self._fixed
-        changes = ((load_last - load_before, load - load_last), (moved[held], prescribed - x[held]),
-                   (np.array([last - then]), np.array([time - last])))
+        changes = (
+            (load_last - load_before, load - load_last),
+            (moved[held], prescribed - x[held]),
+            (np.array([last - then]), np.array([time - last])),
+        )
         ratios = [float(old @ new / (old @ old)) for old, new in changes if old.any()]
         if not ratios or not ratios[0] > 0.0:
             return None
-        if any(np.linalg.norm(new - ratios[0] * old) > _PROPORTIONAL * np.linalg.norm(new) for old, new in changes):
+        if any(
+            np.linalg.norm(new - ratios[0] * old) > _PROPORTIONAL * np.linalg.norm(new)
+            for old, new in changes
+        ):
             return None
         start = x + ratios[0] * moved
         start[held] = prescribed

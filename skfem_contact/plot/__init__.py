@@ -1,8 +1,9 @@
 """Pictures of results: contours by pyvista, diagrams by matplotlib.
 
-Import it by itself, ``import skfem_contact.plot as plot``: the solver needs no graphics library. Functions take a stage
-and a quantity, return the picture and write it to ``file`` if one is given.
+Import it by itself, ``import skfem_contact.plot as plot``: the solver needs no graphics library.
+Functions take a stage and a quantity, return the picture and write it to ``file`` if one is given.
 """
+
 from ..checks import guard
 from .contour import animate, contour, cutaway, stages
 from .diagram import diagram, history
@@ -14,7 +15,22 @@ from .report import report
 from .sketch import sketch
 from .units import labelled, set_units
 
-__all__ = ["animate", "contour", "cutaway", "diagram", "flow_diagram", "history", "labelled", "live", "load_curve",
-           "mechanism", "model", "report", "set_units", "sketch", "stages"]
+__all__ = [
+    "animate",
+    "contour",
+    "cutaway",
+    "diagram",
+    "flow_diagram",
+    "history",
+    "labelled",
+    "live",
+    "load_curve",
+    "mechanism",
+    "model",
+    "report",
+    "set_units",
+    "sketch",
+    "stages",
+]
 
 guard(__name__)

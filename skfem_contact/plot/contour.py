@@ -1,4 +1,5 @@
 """Contour pictures by pyvista: of a stage, of several side by side, films, and bodies cut open."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Sequence
@@ -23,24 +24,40 @@ from .units import labelled
 _FRAMES_A_SECOND, _WIDTH = 12, 960  # of films
 
 
-def contour(stage: StageResult, quantity: str, *, since: StageResult | None = None,
-            deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None,
-            window: Window | None = None, levels: int = 10, colors: str | None = None, mesh: bool = True,
-            bodies: str | Iterable[str] | None = None, water: Shown | None = None, supports: ndarray | None = None,
-            loads: ndarray | None = None, vectors: bool = False, points: bool = False, contact: bool = False,
-            file: str | Path | None = None, show: bool = False) -> Any:
+def contour(
+    stage: StageResult,
+    quantity: str,
+    *,
+    since: StageResult | None = None,
+    deformed: float | Literal["auto"] = 0.0,
+    limits: tuple[float, float] | None = None,
+    window: Window | None = None,
+    levels: int = 10,
+    colors: str | None = None,
+    mesh: bool = True,
+    bodies: str | Iterable[str] | None = None,
+    water: Shown | None = None,
+    supports: ndarray | None = None,
+    loads: ndarray | None = None,
+    vectors: bool = False,
+    points: bool = False,
+    contact: bool = False,
+    file: str | Path | None = None,
+    show: bool = False,
+) -> Any:
     """Draw contours of a field on plane bodies.
 
-    The scale has round levels and zero is one of them; fields of both signs have two colours. Where a few nodes would
-    make it much longer, at a singular corner, it ends before them with an arrow. Nothing is smeared over a contact or
-    a border between materials.
+    The scale has round levels and zero is one of them; fields of both signs have two colours. Where
+    a few nodes would make it much longer, at a singular corner, it ends before them with an arrow.
+    Nothing is smeared over a contact or a border between materials.
 
     Parameters
     ----------
     stage
         Stage of a result; its active solids are drawn.
     quantity
-        Field of :meth:`~skfem_contact.results.StageResult.field`: ``"ux"``, ``"syy"``, ``"mises"``, ``"gamma"``, ...
+        Field of :meth:`~skfem_contact.results.StageResult.field`: ``"ux"``, ``"syy"``, ``"mises"``,
+        ``"gamma"``, ...
     since
         Earlier stage: draw the change from there on.
     deformed
@@ -58,9 +75,9 @@ def contour(stage: StageResult, quantity: str, *, since: StageResult | None = No
     bodies
         Names of the solids to draw; by default all.
     water
-        Draw the water table: the free surface of a :class:`~skfem_contact.Seepage`, or the line on which the pore
-        pressure, a function of coordinates such as :func:`~skfem_contact.hydrostatic`, falls to zero; True: that of the
-        stage's own water.
+        Draw the water table: the free surface of a :class:`~skfem_contact.Seepage`, or the line on
+        which the pore pressure, a function of coordinates such as
+        :func:`~skfem_contact.hydrostatic`, falls to zero; True: that of the stage's own water.
     supports
         Fixed dofs, drawn as triangles.
     loads : ndarray, (N,)
@@ -74,13 +91,14 @@ def contour(stage: StageResult, quantity: str, *, since: StageResult | None = No
     file
         Name of a picture to write, ``.png``.
     show
-        Open a window in which the picture can be moved; the plotter's ``export_html`` writes a page that can do so.
+        Open a window in which the picture can be moved; the plotter's ``export_html`` writes a page
+        that can do so.
 
     Returns
     -------
     pyvista.Plotter or None
-        Plotter, which a notebook shows as a picture, or None with a warning where this machine cannot draw: VTK needs
-        OpenGL.
+        Plotter, which a notebook shows as a picture, or None with a warning where this machine
+        cannot draw: VTK needs OpenGL.
 
     Raises
     ------
@@ -93,14 +111,35 @@ def contour(stage: StageResult, quantity: str, *, since: StageResult | None = No
     >>> import skfem_contact.plot as plot
     >>> picture = plot.contour(culvert().result["surcharge"], "uy", deformed="auto", contact=True)
     """
-    picture = contours([stage], quantity, since=since, deformed=deformed, limits=limits, levels=levels, colors=colors,
-                        bodies=bodies, water=water, supports=supports, loads=loads, vectors=vectors, points=points,
-                        contact=contact)
+    picture = contours(
+        [stage],
+        quantity,
+        since=since,
+        deformed=deformed,
+        limits=limits,
+        levels=levels,
+        colors=colors,
+        bodies=bodies,
+        water=water,
+        supports=supports,
+        loads=loads,
+        vectors=vectors,
+        points=points,
+        contact=contact,
+    )
     return picture.draw(window, mesh, file, show)
 
 
-def stages(result: Result | Sequence[StageResult], quantity: str, *, window: Window | None = None, mesh: bool = False,
-           file: str | Path | None = None, show: bool = False, **style: Any) -> Any:
+def stages(
+    result: Result | Sequence[StageResult],
+    quantity: str,
+    *,
+    window: Window | None = None,
+    mesh: bool = False,
+    file: str | Path | None = None,
+    show: bool = False,
+    **style: Any,
+) -> Any:
     """Draw contours of several stages side by side on one scale.
 
     Parameters
@@ -108,7 +147,8 @@ def stages(result: Result | Sequence[StageResult], quantity: str, *, window: Win
     result
         Result, or some stages of it: ``[result["dig"], result["filled"]]``.
     quantity, window, mesh, file, show, style
-        As for :func:`contour`; an automatic factor of the displacements is that of the stage that has moved most.
+        As for :func:`contour`; an automatic factor of the displacements is that of the stage that
+        has moved most.
 
     Examples
     --------
@@ -119,17 +159,27 @@ def stages(result: Result | Sequence[StageResult], quantity: str, *, window: Win
     return contours(list(result), quantity, **style).draw(window, mesh, file, show)
 
 
-def cutaway(stage: StageResult, quantity: str, *, cuts: Sequence[Cut] = (),
-            towards: Sequence[float] = (-1.0, 2.0, -1.0), mesh: bool = True, file: str | Path | None = None,
-            show: bool = False, **style: Any) -> Any:
+def cutaway(
+    stage: StageResult,
+    quantity: str,
+    *,
+    cuts: Sequence[Cut] = (),
+    towards: Sequence[float] = (-1.0, 2.0, -1.0),
+    mesh: bool = True,
+    file: str | Path | None = None,
+    show: bool = False,
+    **style: Any,
+) -> Any:
     """Draw contours of a field on bodies in space, of which parts are cut away.
 
     Parameters
     ----------
     stage, quantity, file, show, style
-        As for :func:`contour`; style is ``since``, ``deformed``, ``limits``, ``levels``, ``colors``, ``bodies``.
+        As for :func:`contour`; style is ``since``, ``deformed``, ``limits``, ``levels``,
+        ``colors``, ``bodies``.
     cuts
-        Planes, each by its normal, which points to what is cut away, and a point on it, before anything has moved.
+        Planes, each by its normal, which points to what is cut away, and a point on it, before
+        anything has moved.
     towards
         Direction of view; the last axis is upright.
     mesh
@@ -145,12 +195,22 @@ def cutaway(stage: StageResult, quantity: str, *, cuts: Sequence[Cut] = (),
     >>> result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> picture = plot.cutaway(result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
-    picture = contours([stage], quantity, scene=partial(Cutaway, cuts=cuts, towards=towards), **style)
+    picture = contours(
+        [stage], quantity, scene=partial(Cutaway, cuts=cuts, towards=towards), **style
+    )
     return picture.draw(None, mesh, file, show)
 
 
-def animate(result: Result | Sequence[StageResult], quantity: str, file: str | Path, *, window: Window | None = None,
-            mesh: bool = False, frames: int = 16, **style: Any) -> Path | None:
+def animate(
+    result: Result | Sequence[StageResult],
+    quantity: str,
+    file: str | Path,
+    *,
+    window: Window | None = None,
+    mesh: bool = False,
+    frames: int = 16,
+    **style: Any,
+) -> Path | None:
     """Write a film of the stages, ``.gif`` or ``.mp4``, all of them on one scale.
 
     Between stages that hold the same bodies, displacements and the field are interpolated linearly.
@@ -213,7 +273,9 @@ class View(NamedTuple):
 
 @dataclass(frozen=True)
 class Contours:
-    """Views on one scale, and texts above the colour bar: title on the left, note on the right, extremes."""
+    """Views on one scale, and texts above the colour bar: title on the left, note on the right,
+    extremes.
+    """
 
     views: Sequence[View]
     scale: Scale
@@ -245,10 +307,20 @@ class Contours:
         return finish(plotter, file, show)
 
 
-def contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult | None = None,
-              deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None, levels: int = 10,
-              colors: str | None = None, bodies: str | Iterable[str] | None = None, water: Shown | None = None,
-              scene: Callable[..., Scene] = Scene, **marks: Any) -> Contours:
+def contours(
+    steps: Sequence[StageResult],
+    quantity: str,
+    *,
+    since: StageResult | None = None,
+    deformed: float | Literal["auto"] = 0.0,
+    limits: tuple[float, float] | None = None,
+    levels: int = 10,
+    colors: str | None = None,
+    bodies: str | Iterable[str] | None = None,
+    water: Shown | None = None,
+    scene: Callable[..., Scene] = Scene,
+    **marks: Any,
+) -> Contours:
     """Return views of all stages; an automatic factor is that of the stage that has moved most."""
     if not steps:
         raise ValueError("there is no stage to draw")
@@ -258,28 +330,54 @@ def contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult 
         steps = [only(stage, chosen) for stage in steps]
     _check_dimension(basis_of(steps[0]), scene is not Scene, {**marks, "water": water})
     after = "" if since is None else f", since {since.name}"
-    views = [View(scene(stage, deformed, since, region_field(stage, quantity, since, water)),
-                   f"{stage.name}{after}", Marks(stage, water, **marks)) for stage in steps]
-    factors = [view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()]
+    views = [
+        View(
+            scene(stage, deformed, since, region_field(stage, quantity, since, water)),
+            f"{stage.name}{after}",
+            Marks(stage, water, **marks),
+        )
+        for stage in steps
+    ]
+    factors = [
+        view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()
+    ]
     for view in views:
         view.scene.factor = min(factors, default=view.scene.factor)
     values, area = (np.concatenate(parts) for parts in zip(*(view.scene.samples for view in views)))
     factor = views[0].scene.factor
-    texts = [views[0].title if len(views) == 1 else "", "" if factor in (0.0, 1.0) else f"displacements × {factor:g}"]
-    title, note = _headline(steps[0], quantity, since, water), ", ".join(text for text in texts if text)
-    return Contours(views, make_scale(values, area, limits, levels, colors), title, note, _extremes(views))
+    texts = [
+        views[0].title if len(views) == 1 else "",
+        "" if factor in (0.0, 1.0) else f"displacements × {factor:g}",
+    ]
+    title, note = (
+        _headline(steps[0], quantity, since, water),
+        ", ".join(text for text in texts if text),
+    )
+    return Contours(
+        views, make_scale(values, area, limits, levels, colors), title, note, _extremes(views)
+    )
 
 
 def _extremes(views: Sequence[View]) -> str:
-    """Return the smallest and the largest value at nodes, where they are before anything has moved, and when."""
+    """Return the smallest and the largest value at nodes, where they are before anything has moved,
+    and when.
+    """
     values = np.concatenate([view.scene.values for view in views])
     points = np.concatenate([view.scene.coordinates[view.scene.nodes] for view in views])
-    when = np.repeat([f" in {view.title}" if len(views) > 1 else "" for view in views],
-                     [len(view.scene.values) for view in views])
+    when = np.repeat(
+        [f" in {view.title}" if len(views) > 1 else "" for view in views],
+        [len(view.scene.values) for view in views],
+    )
     if np.nanmin(values) == np.nanmax(values):
         return f"{values[np.isfinite(values)][0]:.4g} everywhere".replace("-", "−")
-    found = ((what, *located(sign * values, points)) for what, sign in (("smallest", -1.0), ("largest", 1.0)))
-    return ", ".join(f"{what} {values[at]:.4g} at {where}".replace("-", "−") + when[at] for what, at, where in found)
+    found = (
+        (what, *located(sign * values, points))
+        for what, sign in (("smallest", -1.0), ("largest", 1.0))
+    )
+    return ", ".join(
+        f"{what} {values[at]:.4g} at {where}".replace("-", "−") + when[at]
+        for what, at, where in found
+    )
 
 
 def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
@@ -288,18 +386,30 @@ def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
     if not space:
         check_plane(basis, "plot.contour")
     elif basis.mesh.dim() != 3:
-        raise ValueError("plot.cutaway is for bodies in space; plane ones are drawn by plot.contour")
-    elif given := [name for name, value in marks.items() if value is not None and value is not False]:
-        raise ValueError(f"plot.cutaway does not draw {', '.join(given)}: these are for plane bodies")
+        raise ValueError(
+            "plot.cutaway is for bodies in space; plane ones are drawn by plot.contour"
+        )
+    elif given := [
+        name for name, value in marks.items() if value is not None and value is not False
+    ]:
+        raise ValueError(
+            f"plot.cutaway does not draw {', '.join(given)}: these are for plane bodies"
+        )
 
 
 def only(stage: StageResult, bodies: Container[str]) -> StageResult:
     """Return a stage with some of its solids."""
-    return replace(stage, forms={name: form for name, form in stage.forms.items()
-                                 if name in bodies or not form.materials})
+    return replace(
+        stage,
+        forms={
+            name: form for name, form in stage.forms.items() if name in bodies or not form.materials
+        },
+    )
 
 
-def _headline(stage: StageResult, quantity: str, since: StageResult | None, water: Shown | None = None) -> str:
+def _headline(
+    stage: StageResult, quantity: str, since: StageResult | None, water: Shown | None = None
+) -> str:
     """Return the title of the colour bar, with its unit."""
     field = quantities(stage, water)[quantity]
     title = labelled(field.title, field.unit)
@@ -310,4 +420,7 @@ def _between(first: View, last: View, n: int) -> list[View]:
     """Return views on the way from one stage to the next; one where the bodies are others."""
     if first is last or not np.array_equal(first.scene.nodes, last.scene.nodes):
         return [last]
-    return [last._replace(scene=last.scene.between(first.scene, share)) for share in np.arange(1, n + 1) / n]
+    return [
+        last._replace(scene=last.scene.between(first.scene, share))
+        for share in np.arange(1, n + 1) / n
+    ]

@@ -1,4 +1,5 @@
 """Pictures of seepage by matplotlib."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -20,14 +21,23 @@ from .diagram import saved
 from .marks import WATER
 from .units import labelled
 
-_LEVELS, _ARROWS = 14, 24  # most bands of the head or pressure; arrows along the longer side of the picture
+_LEVELS, _ARROWS = (
+    14,
+    24,
+)  # most bands of the head or pressure; arrows along the longer side of the picture
 _WIDTH, _HEIGHT = 9.0, 5.0  # inches of a picture at most
 _FLOW = {"head": ("hydraulic head", "length"), "pressure": ("pore pressure", "stress")}
 
 
-def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head", arrows: bool = True,
-                 ax: Axes | None = None, file: str | Path | None = None) -> Figure:
-    """Draw contours of the head or of the pore pressure in wet ground, the free surface and directions of flow.
+def flow_diagram(
+    water: Seepage,
+    quantity: Literal["head", "pressure"] = "head",
+    arrows: bool = True,
+    ax: Axes | None = None,
+    file: str | Path | None = None,
+) -> Figure:
+    """Draw contours of the head or of the pore pressure in wet ground, the free surface and
+    directions of flow.
 
     Parameters
     ----------
@@ -36,8 +46,8 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     quantity
         ``"head"`` or ``"pressure"``.
     arrows
-        Draw the velocities of the elements nearest to the points of a grid; but for the few strongest, the arrows are
-        as long as the flow is strong.
+        Draw the velocities of the elements nearest to the points of a grid; but for the few
+        strongest, the arrows are as long as the flow is strong.
     ax
         Axes to draw in; by default those of a new figure.
     file
@@ -57,12 +67,14 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     mesh, elements = water.basis.mesh, elements_of(water.basis)
     if mesh.dim() != 2:
         raise ValueError("plot.flow_diagram is for plane seepage")
-    x, y = mesh.p[:, :len(water.head)]
+    x, y = mesh.p[:, : len(water.head)]
     corners = simplices(mesh, elements).T
     if ax is None:
         width, height = np.ptp(mesh.p[:, corners.ravel()], axis=1)
         scale = min((_WIDTH - 2.0) / width, _HEIGHT / height)
-        ax = plt.subplots(figsize=(scale * width + 2.0, scale * height + 0.5), layout="constrained")[1]
+        ax = plt.subplots(
+            figsize=(scale * width + 2.0, scale * height + 0.5), layout="constrained"
+        )[1]
     wet = (water.head >= y)[corners].any(axis=1)
     triangles = Triangulation(x, y, corners[wet | ~wet.any()])
     values = np.nan_to_num(water.head if quantity == "head" else water.pressure)
@@ -71,7 +83,9 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     filled = ax.tricontourf(triangles, values, levels, cmap="Blues")
     ax.tricontour(triangles, values, levels, colors="white", linewidths=0.5)
     outline = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets) == 1
-    ax.add_collection(LineCollection(mesh.p[:, mesh.facets[:, outline]].transpose(2, 1, 0), colors="black"))
+    ax.add_collection(
+        LineCollection(mesh.p[:, mesh.facets[:, outline]].transpose(2, 1, 0), colors="black")
+    )
     for line in water.free_surface:
         ax.plot(*line.T, color=WATER, linewidth=2.0)
     if arrows:
@@ -95,5 +109,12 @@ def _draw_arrows(ax: Axes, centres: ndarray, velocity: ndarray) -> None:
     longest = float(np.quantile(speed, 0.95)) or 1.0
     flow = flow / np.maximum(speed, longest) * 0.9 * step
     shown = np.linalg.norm(flow, axis=0) > 0.05 * step
-    ax.quiver(*centres[:, first[shown]], *flow[:, shown], angles="xy", scale_units="xy", scale=1.0, width=0.002,
-              color="#333333")
+    ax.quiver(
+        *centres[:, first[shown]],
+        *flow[:, shown],
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        width=0.002,
+        color="#333333",
+    )

@@ -1,4 +1,5 @@
 """Pictures that follow an analysis while it runs."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -16,12 +17,14 @@ from .sheet import close
 _SHARE = 0.2
 
 
-def live(quantity: str = "u", *, seconds: float = 1.0, file: str | Path | None = None, **style: Any
-         ) -> Callable[[StageResult], None]:
+def live(
+    quantity: str = "u", *, seconds: float = 1.0, file: str | Path | None = None, **style: Any
+) -> Callable[[StageResult], None]:
     """Return an observer that draws a field while an analysis runs.
 
-    It is given to a run, ``model.run(stages, on_increment=plot.live("uy"))``. A notebook shows one picture that
-    changes. The end of every stage is drawn, increments now and then: pictures take no more than a fifth of the time.
+    It is given to a run, ``model.run(stages, on_increment=plot.live("uy"))``. A notebook shows one
+    picture that changes. The end of every stage is drawn, increments now and then: pictures take no
+    more than a fifth of the time.
 
     Parameters
     ----------
@@ -52,14 +55,18 @@ def live(quantity: str = "u", *, seconds: float = 1.0, file: str | Path | None =
     >>> result = model.run([sc.Stage("weight", increments=4)], on_increment=plot.live("uy", file=file))
     """
     if not in_notebook() and file is None:
-        raise ValueError("live pictures appear in a notebook; elsewhere give a file=, which is written each time")
+        raise ValueError(
+            "live pictures appear in a notebook; elsewhere give a file=, which is written each time"
+        )
     return Live(quantity, seconds, file, style)
 
 
 class Live:
     """Observer of an analysis that shows and writes its picture."""
 
-    def __init__(self, quantity: str, seconds: float, file: str | Path | None, style: dict[str, Any]) -> None:
+    def __init__(
+        self, quantity: str, seconds: float, file: str | Path | None, style: dict[str, Any]
+    ) -> None:
         self._quantity, self._seconds, self._file, self._style = quantity, seconds, file, style
         self._shown: Any = None
         self._next = 0.0

@@ -1,4 +1,5 @@
 """Pictures of collapses: the mechanism, and the way to it."""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -25,21 +26,31 @@ from .scene import Scene
 from .sheet import Window, make_scale, quantile
 from .units import labelled
 
-#: Largest displacement of the drawn mechanism, as a share of the bodies' size, where bodies are drawn deformed.
+#: Largest displacement of the drawn mechanism, as a share of the bodies' size, where bodies are
+#: drawn deformed.
 _MOVED = 0.05
 
 
-def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, window: Window | None = None,
-              levels: int = 8, mesh: bool = False, water: Shown | None = None, file: str | Path | None = None,
-              show: bool = False) -> Any:
+def mechanism(
+    result: Any,
+    *,
+    deformed: bool = False,
+    vectors: bool = True,
+    window: Window | None = None,
+    levels: int = 8,
+    mesh: bool = False,
+    water: Shown | None = None,
+    file: str | Path | None = None,
+    show: bool = False,
+) -> Any:
     """Draw the mechanism of a collapse: bands of shear strain, arrows, and the factor in the title.
 
     Parameters
     ----------
     result
         Result of :func:`~skfem_contact.strength_reduction`, :func:`~skfem_contact.limit_load` or
-        :func:`~skfem_contact.bounds`; of bounds it is the mechanism of the upper one, on its own mesh. The title holds
-        the bounds where they are known (``certify=True``).
+        :func:`~skfem_contact.bounds`; of bounds it is the mechanism of the upper one, on its own
+        mesh. The title holds the bounds where they are known (``certify=True``).
     deformed
         Draw the bodies as the mechanism moves them.
     vectors
@@ -60,11 +71,15 @@ def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, wind
     """
     proven = isinstance(result, Bounds)
     _check_search(result, proven)
-    stage, bands = _upper_bound(result) if proven else (replace(result.end, x=result.mechanism), result.bands)
+    stage, bands = (
+        _upper_bound(result) if proven else (replace(result.end, x=result.mechanism), result.bands)
+    )
     check_plane(basis_of(stage), "plot.mechanism")
     stage = only(stage, bands)
     found = solids(stage)
-    strain = np.concatenate([recovered(form, bands[name][None], limited=True)[0] for name, form in found.items()])
+    strain = np.concatenate(
+        [recovered(form, bands[name][None], limited=True)[0] for name, form in found.items()]
+    )
     scene = Scene(stage)
     if deformed:
         size = np.ptp(scene.coordinates[scene.nodes], axis=0).max()
@@ -74,7 +89,9 @@ def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, wind
     bounds = result if proven else result.proven
     value = "" if proven else f" {result.value:.4g}"
     value += "" if bounds is None else f" in [{bounds.lower:.4g}, {bounds.upper:.4g}]"
-    title = f"{result.what[0].upper()}{result.what[1:]}{value}: shear strain of the mechanism, relative"
+    title = (
+        f"{result.what[0].upper()}{result.what[1:]}{value}: shear strain of the mechanism, relative"
+    )
     view = View(scene, "", Marks(stage, water=water, vectors=vectors))
     return Contours([view], scale, title).draw(window, mesh, file, show)
 
@@ -82,23 +99,31 @@ def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, wind
 def _check_search(result: Any, proven: bool = False) -> None:
     """Refuse what is no result of a search, or no bounds where these are accepted."""
     if not proven and getattr(result, "curve", None) is None:
-        raise ValueError("a result of strength_reduction or limit_load is drawn, or by plot.mechanism of bounds, not "
-                         f"a {type(result).__name__}")
+        raise ValueError(
+            "a result of strength_reduction or limit_load is drawn, or by plot.mechanism of "
+            "bounds, not "
+            f"a {type(result).__name__}"
+        )
 
 
 def _upper_bound(bounds: Bounds) -> tuple[StageResult, dict[str, ndarray]]:
-    """Return the mechanism of an upper bound as a stage of a solid on its own mesh, and its shear strains."""
+    """Return the mechanism of an upper bound as a stage of a solid on its own mesh, and its shear
+    strains.
+    """
     basis = Basis(bounds.mesh, ElementVector(ElementTriP2()), intorder=2)
     x, n = basis.zeros(), bounds.mesh.nvertices
     x[basis.nodal_dofs], x[basis.facet_dofs] = bounds.mechanism[:, :n], bounds.mechanism[:, n:]
     form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # any law: strains are asked for
     forms = {"mechanism": form}
-    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0, forms=forms)
+    stage = StageResult(
+        "upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0, forms=forms
+    )
     return stage, {"mechanism": form.shear_strain(x)}
 
 
 def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
-    """Draw the factor, or load multiplier, against the largest displacement on the way to a collapse.
+    """Draw the factor, or load multiplier, against the largest displacement on the way to a
+    collapse.
 
     Parameters
     ----------
@@ -120,13 +145,21 @@ def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
     """
     _check_search(result)
     _, parameter, displacement = np.asarray(result.curve).T
-    begin = int(np.argmin(displacement))  # what is before has moved the structure to where the search starts
+    begin = int(
+        np.argmin(displacement)
+    )  # what is before has moved the structure to where the search starts
     figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
     (style,) = styles(1)
     ax.plot(displacement[begin:], parameter[begin:], marker="o", markersize=4, **style)
     ax.axhline(result.value, color="#888888", linewidth=1.0, linestyle=":")
-    ax.annotate(f"{result.value:.4g}", (0.0, result.value), xycoords=("axes fraction", "data"), xytext=(6, 4),
-                textcoords="offset points", fontsize=11)
+    ax.annotate(
+        f"{result.value:.4g}",
+        (0.0, result.value),
+        xycoords=("axes fraction", "data"),
+        xytext=(6, 4),
+        textcoords="offset points",
+        fontsize=11,
+    )
     ax.set(xlabel=labelled("largest displacement", "length"), ylabel=result.what)
     ax.set_xlim(left=0.0)
     tidy(ax, 1)

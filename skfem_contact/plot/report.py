@@ -1,4 +1,7 @@
-"""Report of an analysis: one HTML file with model, stages, tables, pictures, remarks and versions."""
+"""Report of an analysis: one HTML file with model, stages, tables, pictures, remarks and
+versions.
+"""
+
 from __future__ import annotations
 
 from base64 import b64encode
@@ -37,26 +40,50 @@ _COLUMNS = 8
 #: Dots per inch, and pixels over the width of a field beside the model.
 _DPI, _WIDE = 150, 900
 #: Names of a template.
-_NAMES = ("title", "facts", "model", "stages", "table", "diagrams", "searches", "pictures", "remarks", "run",
-          "versions", "footer")
+_NAMES = (
+    "title",
+    "facts",
+    "model",
+    "stages",
+    "table",
+    "diagrams",
+    "searches",
+    "pictures",
+    "remarks",
+    "run",
+    "versions",
+    "footer",
+)
 #: What is written where there is nothing.
-_NOTHING = {"searches": "No strength reduction or limit load is part of this report.",
-            "pictures": "There are no further pictures.",
-            "remarks": "The forms have no remarks on the ends of the stages."}
+_NOTHING = {
+    "searches": "No strength reduction or limit load is part of this report.",
+    "pictures": "There are no further pictures.",
+    "remarks": "The forms have no remarks on the ends of the stages.",
+}
 
 
-def report(result: Result, file: str | Path, *, title: str = "Analysis", quantity: str = "u",
-           sections: Mapping[str, Sections] | None = None, searches: Mapping[str, Any] | None = None,
-           pictures: Mapping[str, Any] | None = None, template: str | Path | None = None) -> Path:
+def report(
+    result: Result,
+    file: str | Path,
+    *,
+    title: str = "Analysis",
+    quantity: str = "u",
+    sections: Mapping[str, Sections] | None = None,
+    searches: Mapping[str, Any] | None = None,
+    pictures: Mapping[str, Any] | None = None,
+    template: str | Path | None = None,
+) -> Path:
     """Write a report: one HTML file that needs nothing else, and that a browser prints to PDF.
 
-    It holds the materials and other parts of the model, two pictures of each stage, the largest displacements and
-    forces, diagrams of section forces, the searches, remarks and warnings of the run, versions and times.
+    It holds the materials and other parts of the model, two pictures of each stage, the largest
+    displacements and forces, diagrams of section forces, the searches, remarks and warnings of the
+    run, versions and times.
 
     Parameters
     ----------
     result
-        Result of an analysis, also one that stopped early or was read by :func:`~skfem_contact.load_result`.
+        Result of an analysis, also one that stopped early or was read by
+        :func:`~skfem_contact.load_result`.
     file
         Name of the file, ``.html``.
     title
@@ -68,12 +95,13 @@ def report(result: Result, file: str | Path, *, title: str = "Analysis", quantit
     searches
         Strength reductions or limit loads by the stages from which they start.
     pictures
-        Further pictures by their captions: what functions of this module return, other figures of matplotlib, or names
-        of files.
+        Further pictures by their captions: what functions of this module return, other figures of
+        matplotlib, or names of files.
     template
-        Template of your own: a text with ``$title``, ``$facts``, ``$model``, ``$stages``, ``$table``, ``$diagrams``,
-        ``$searches``, ``$pictures``, ``$remarks``, ``$run``, ``$versions`` and ``$footer``, or some of them; ``$$`` is
-        a dollar sign. By default that of the package, ``skfem_contact/data/report.html``.
+        Template of your own: a text with ``$title``, ``$facts``, ``$model``, ``$stages``,
+        ``$table``, ``$diagrams``, ``$searches``, ``$pictures``, ``$remarks``, ``$run``,
+        ``$versions`` and ``$footer``, or some of them; ``$$`` is a dollar sign. By default that of
+        the package, ``skfem_contact/data/report.html``.
 
     Returns
     -------
@@ -83,7 +111,8 @@ def report(result: Result, file: str | Path, *, title: str = "Analysis", quantit
     Raises
     ------
     ValueError
-        No stage, a form, stage or field that does not exist, a picture that is none, or a template with other names.
+        No stage, a form, stage or field that does not exist, a picture that is none, or a template
+        with other names.
 
     Examples
     --------
@@ -101,12 +130,19 @@ def report(result: Result, file: str | Path, *, title: str = "Analysis", quantit
     text = template_of(template)
     table, colors = result.table(sections=sections, searches=searches), shades(result)
     parts = {
-        "pictures": _figures((pictures or {}).items()), "title": escape(title),
-        "facts": _facts(result, table, searches), "model": _model(result, colors),
-        "stages": "\n".join(_stages(result, colors, quantity)), "table": _by_stages(table),
-        "diagrams": _figures(_diagrams(result, sections)), "searches": "\n".join(_searches(searches)),
-        "remarks": _remarks(result), "run": _run(result), "versions": _pairs(versions()),
-        "footer": escape(f"skfem_contact {own_version()}, {datetime.now():%Y-%m-%d %H:%M}")}
+        "pictures": _figures((pictures or {}).items()),
+        "title": escape(title),
+        "facts": _facts(result, table, searches),
+        "model": _model(result, colors),
+        "stages": "\n".join(_stages(result, colors, quantity)),
+        "table": _by_stages(table),
+        "diagrams": _figures(_diagrams(result, sections)),
+        "searches": "\n".join(_searches(searches)),
+        "remarks": _remarks(result),
+        "run": _run(result),
+        "versions": _pairs(versions()),
+        "footer": escape(f"skfem_contact {own_version()}, {datetime.now():%Y-%m-%d %H:%M}"),
+    }
     nothing = {name: f'<p class="none">{words}</p>' for name, words in _NOTHING.items()}
     html = text.substitute({name: part or nothing.get(name, "") for name, part in parts.items()})
     Path(file).write_text(html, encoding="utf-8")
@@ -114,46 +150,77 @@ def report(result: Result, file: str | Path, *, title: str = "Analysis", quantit
 
 
 def template_of(file: str | Path | None) -> Template:
-    """Return a template, by default that of the package, whose names are checked before anything is drawn."""
+    """Return a template, by default that of the package, whose names are checked before anything is
+    drawn.
+    """
     path = files("skfem_contact") / "data" / "report.html" if file is None else Path(file)
     text = Template(path.read_text(encoding="utf-8"))
     try:
         text.substitute(dict.fromkeys(_NAMES, ""))
     except (KeyError, ValueError) as error:
-        raise ValueError(f"the template is wrong: {error}; its names are {', '.join(f'${name}' for name in _NAMES)}, "
-                         "and $$ is a dollar sign") from error
+        raise ValueError(
+            f"the template is wrong: {error}; its names are "
+            f"{', '.join(f'${name}' for name in _NAMES)}, "
+            "and $$ is a dollar sign"
+        ) from error
     return text
 
 
 def _facts(result: Result, table: Table, searches: Mapping[str, Any]) -> str:
-    """Return the figures at the top: stages, size of the model, largest displacement, factors, time."""
+    """Return the figures at the top: stages, size of the model, largest displacement, factors,
+    time.
+    """
     last = result[-1]
-    reached = f"{len(result)}" if last.fraction == 1.0 else f"stopped at {last.fraction:.0%} of '{last.name}'"
+    reached = (
+        f"{len(result)}"
+        if last.fraction == 1.0
+        else f"stopped at {last.fraction:.0%} of '{last.name}'"
+    )
     found = {"stages": reached, "degrees of freedom": f"{len(last.x)}"}
     if any(form.materials for form in solids_of(last.forms).values()):
         found["elements"] = f"{sum(form.basis.nelems for form in solids(last).values())}"
     if "displacement" in table.head:
-        found[in_words("largest displacement", "length")] = f"{np.nanmax(table['displacement']):.4g}"
+        found[in_words("largest displacement", "length")] = (
+            f"{np.nanmax(table['displacement']):.4g}"
+        )
     for stage, search in searches.items():
         bound = "" if search.stop.shows_limit else "at least "
         found[f"{search.what}, {stage}"] = f"{bound}{search.value:.3f}"
     found["time"] = f"{sum(stage.seconds for stage in result):.1f} s"
-    return "".join(f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
-                   for name, value in found.items())
+    return "".join(
+        f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
+        for name, value in found.items()
+    )
 
 
 def _model(result: Result, colors: Mapping[str, Shade]) -> str:
     """Return the materials and the other forms with their parameters."""
-    weights = {name: form.unit_weight for stage in result for name, form in solids_of(stage.forms).items()
-               if form.materials}
-    rows = [f'<tr><td><i class="shade" style="background:{shade.color}"></i></td><td>{escape(", ".join(shade.names))}'
-            f"</td><td>{escape(shade.material.label)}</td><td>{escape(_weight(shade, weights))}</td>"
-            f"<td>{escape(_parameters(shade.material))}</td></tr>" for shade in colors.values()]
-    head = "".join(f"<th>{name}</th>" for name in ("", "regions", "material", "unit weight", "parameters"))
-    others = {name: form for stage in result for name, form in stage.forms.items() if not form.materials}
-    further = Table(("name", "kind", "parameters"), tuple(
-        (name, type(form).__name__, _parameters(form)) for name, form in others.items()))
-    materials = f'<table class="text"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+    weights = {
+        name: form.unit_weight
+        for stage in result
+        for name, form in solids_of(stage.forms).items()
+        if form.materials
+    }
+    rows = [
+        f'<tr><td><i class="shade" '
+        f'style="background:{shade.color}"></i></td><td>{escape(", ".join(shade.names))}'
+        f"</td><td>{escape(shade.material.label)}</td><td>{escape(_weight(shade, weights))}</td>"
+        f"<td>{escape(_parameters(shade.material))}</td></tr>"
+        for shade in colors.values()
+    ]
+    head = "".join(
+        f"<th>{name}</th>" for name in ("", "regions", "material", "unit weight", "parameters")
+    )
+    others = {
+        name: form for stage in result for name, form in stage.forms.items() if not form.materials
+    }
+    further = Table(
+        ("name", "kind", "parameters"),
+        tuple((name, type(form).__name__, _parameters(form)) for name, form in others.items()),
+    )
+    materials = (
+        f'<table class="text"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+    )
     return materials * bool(rows) + _plain(further) * bool(others)
 
 
@@ -164,17 +231,30 @@ def _plain(table: Table) -> str:
 
 def _weight(shade: Shade, weights: Mapping[str, Any]) -> str:
     """Return the unit weights of the regions of a material."""
-    found = {weight.get(name) if isinstance(weight, Mapping) else weight for form, weight in weights.items()
-             for name in shade.names if name == form or (isinstance(weight, Mapping) and name in weight)}
+    found = {
+        weight.get(name) if isinstance(weight, Mapping) else weight
+        for form, weight in weights.items()
+        for name in shade.names
+        if name == form or (isinstance(weight, Mapping) and name in weight)
+    }
     return ", ".join(f"{weight:g}" for weight in found if weight is not None)
 
 
 def _parameters(thing: Any) -> str:
-    """Return the parameters of a material, a law or another form, without those that are zero or unlimited."""
+    """Return the parameters of a material, a law or another form, without those that are zero or
+    unlimited.
+    """
     own = getattr(thing, "_law", thing)  # a material that does not derive from Material
-    values = {f.name: getattr(own, f.name) for f in fields(own)} if is_dataclass(own) else thing.parameters
-    return ", ".join(f"{name} {_value(value)}" for name, value in values.items()
-                     if not (np.ndim(value) == 0 and value in (0, None, np.inf, False, "")))
+    values = (
+        {f.name: getattr(own, f.name) for f in fields(own)}
+        if is_dataclass(own)
+        else thing.parameters
+    )
+    return ", ".join(
+        f"{name} {_value(value)}"
+        for name, value in values.items()
+        if not (np.ndim(value) == 0 and value in (0, None, np.inf, False, ""))
+    )
 
 
 def _value(value: Any) -> str:
@@ -199,8 +279,10 @@ def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Itera
         pictures = {} if space else {f"{stage.name}: model": drawn(stage, colors)}
         if _has_solids(stage):
             pictures |= {f"{stage.name}: {quantity}": _field(stage, quantity, scale)}
-        yield f'<section class="stage"><h3>{escape(stage.name)}</h3><p>{_changes(stage, before)}</p>' \
-              f"{_figures(pictures.items())}</section>"
+        yield (
+            f'<section class="stage"><h3>{escape(stage.name)}</h3><p>{_changes(stage, before)}</p>'
+            f"{_figures(pictures.items())}</section>"
+        )
         before = list(stage.states)
 
 
@@ -224,12 +306,17 @@ def _has_solids(stage: StageResult) -> bool:
 def _changes(stage: StageResult, before: list[str]) -> str:
     """Return in words what has become active and inactive, and how the stage was found."""
     now = list(stage.states)
-    changes = {"new" if before else "active": [name for name in now if name not in before],
-               "removed": [name for name in before if name not in now]}
+    changes = {
+        "new" if before else "active": [name for name in now if name not in before],
+        "removed": [name for name in before if name not in now],
+    }
     words = [f"{word}: {', '.join(names)}" for word, names in changes.items() if names]
     load = "" if stage.fraction == 1.0 else f"stopped at {stage.fraction:.1%} of its load; "
-    words += [f"{load}{_counted(len(stage.iterations), 'increment')}, {_counted(sum(stage.iterations), 'iteration')}, "
-              f"residual {stage.residual:.0e}"]
+    words += [
+        f"{load}{_counted(len(stage.iterations), 'increment')}, "
+        f"{_counted(sum(stage.iterations), 'iteration')}, "
+        f"residual {stage.residual:.0e}"
+    ]
     return escape(". ".join(words) + ".")
 
 
@@ -244,21 +331,36 @@ def _by_stages(table: Table) -> str:
 
     def cell(name: str, k: int) -> str:
         where = text[f"{name} at"][k] if f"{name} at" in text else ""
-        return f"<td>{escape(text[name][k])}{f'<small>{escape(where)}</small>' if where else ''}</td>"
+        return (
+            f"<td>{escape(text[name][k])}{f'<small>{escape(where)}</small>' if where else ''}</td>"
+        )
 
     parts = []
     for chosen in np.array_split(np.arange(len(table)), -(-len(table) // _COLUMNS)):
         head = "".join(f"<th>{escape(text['stage'][k])}</th>" for k in chosen)
-        body = "".join(f"<tr><th>{escape(in_words(name))}</th>{''.join(cell(name, k) for k in chosen)}</tr>"
-                       for name in rows)
-        parts.append(f'<table class="stages"><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table>')
+        body = "".join(
+            f"<tr><th>{escape(in_words(name))}</th>{''.join(cell(name, k) for k in chosen)}</tr>"
+            for name in rows
+        )
+        parts.append(
+            f"<table "
+            f'class="stages"><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table>'
+        )
     return "\n".join(parts)
 
 
 def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tuple[str, Any]]:
-    """Yield section forces of plane beams and of cuts: their envelope, and those of the last stage."""
-    beams = [name for stage in result for name, state in stage.states.items()
-             if (along := stage.forms[name].line_forces(state)) and np.ndim(along[5]) == 1 and np.any(along[5])]
+    """Yield section forces of plane beams and of cuts: their envelope, and those of the last
+    stage.
+    """
+    beams = [
+        name
+        for stage in result
+        for name, state in stage.states.items()
+        if (along := stage.forms[name].line_forces(state))
+        and np.ndim(along[5]) == 1
+        and np.any(along[5])
+    ]
     for name in dict.fromkeys((*beams, *sections)):
         cuts, envelope = sections.get(name), result.envelope(name, sections.get(name))
         last = next(stage for stage in reversed(result.stages) if name in stage.states)
@@ -266,7 +368,9 @@ def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tupl
         if forces.axis is not None:  # in space
             continue
         series = {"smallest": envelope.smallest, "largest": envelope.largest, last.name: forces}
-        text = f"{name}: smallest and largest section forces of all stages, and those of '{last.name}'"
+        text = (
+            f"{name}: smallest and largest section forces of all stages, and those of '{last.name}'"
+        )
         if cuts is not None and cuts.curvature.all():  # a ring
             yield from ((text, diagram(series, key, angle=cuts.position)) for key in "NM")
         else:
@@ -285,15 +389,33 @@ def _searches(searches: Mapping[str, Any]) -> Iterator[str]:
 
 def _remarks(result: Result) -> str:
     """Return the remarks on every stage."""
-    found = {stage.name: "".join(f"<li>{escape(one)}</li>" for one in stage.remarks) for stage in result}
-    return "".join(f"<h3>{escape(name)}</h3><ul>{items}</ul>" for name, items in found.items() if items)
+    found = {
+        stage.name: "".join(f"<li>{escape(one)}</li>" for one in stage.remarks) for stage in result
+    }
+    return "".join(
+        f"<h3>{escape(name)}</h3><ul>{items}</ul>" for name, items in found.items() if items
+    )
 
 
 def _run(result: Result) -> str:
     """Return increments, iterations and times of the stages."""
-    return _plain(Table(("stage", "increments", "iterations", "residual", "load", "seconds", "state"), tuple(
-        (s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}", f"{s.seconds:.2f}",
-         "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in result)))
+    return _plain(
+        Table(
+            ("stage", "increments", "iterations", "residual", "load", "seconds", "state"),
+            tuple(
+                (
+                    s.name,
+                    len(s.iterations),
+                    sum(s.iterations),
+                    f"{s.residual:.1e}",
+                    f"{s.fraction:.0%}",
+                    f"{s.seconds:.2f}",
+                    "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v),
+                )
+                for s in result
+            ),
+        )
+    )
 
 
 def _pairs(values: Mapping[str, str]) -> str:
@@ -302,8 +424,10 @@ def _pairs(values: Mapping[str, str]) -> str:
 
 def _figures(pictures: Iterable[tuple[str, Any]]) -> str:
     """Return pictures with their captions side by side."""
-    found = "".join(f"<figure>{_embedded(caption, picture)}<figcaption>{escape(caption)}</figcaption></figure>"
-                    for caption, picture in pictures)
+    found = "".join(
+        f"<figure>{_embedded(caption, picture)}<figcaption>{escape(caption)}</figcaption></figure>"
+        for caption, picture in pictures
+    )
     return f'<div class="figures">{found}</div>' if found else ""
 
 
@@ -321,11 +445,15 @@ def _embedded(caption: str, picture: Any) -> str:
         content = picture
     elif isinstance(picture, (str, Path)):
         if Path(picture).suffix.lower() not in _KINDS or not Path(picture).is_file():
-            raise ValueError(f"picture '{caption}': {picture} is no file with the end {', '.join(_KINDS)}")
+            raise ValueError(
+                f"picture '{caption}': {picture} is no file with the end {', '.join(_KINDS)}"
+            )
         kind, content = _KINDS[Path(picture).suffix.lower()], Path(picture).read_bytes()
     elif callable(png := getattr(picture, "_repr_png_", None)):
         content = png()
         close(picture)
     else:
-        raise ValueError(f"picture '{caption}' is a {type(picture).__name__}: give a figure, a plotter or a file")
+        raise ValueError(
+            f"picture '{caption}' is a {type(picture).__name__}: give a figure, a plotter or a file"
+        )
     return f'<img alt="{escape(caption)}" src="data:image/{kind};base64,{b64encode(content).decode()}">'

@@ -1,4 +1,7 @@
-"""Sheets of pictures: colour scales, views side by side, a foot with the colour bar, files and windows."""
+"""Sheets of pictures: colour scales, views side by side, a foot with the colour bar, files and
+windows.
+"""
+
 from __future__ import annotations
 
 import os
@@ -20,21 +23,27 @@ from numpy import ndarray
 from ..checks import format_point
 from ..errors import warn
 
-#: Share of the area that may lie below, and above, the limits where it would make the scale so much longer.
+#: Share of the area that may lie below, and above, the limits where it would make the scale so much
+#: longer.
 _TAIL, _LONGER = 0.01, 3.0
-#: A field with both signs has them in both colours if the smaller side is at least this share of the larger one.
+#: A field with both signs has them in both colours if the smaller side is at least this share of
+#: the larger one.
 _BOTH = 0.02
 #: Sizes of letters, in points at 100 dots per inch, and the width of a small one in pixels.
 _SMALL, _LARGE, _LETTER = 15, 17, 13
 #: Pixels of a point at 100 dots per inch, and of the mean letter per point.
 _POINT, _BROAD = 100 / 72, 0.75
-#: Blue for negative, red for positive values, without the darkest ends: mesh lines are seen on every colour.
+#: Blue for negative, red for positive values, without the darkest ends: mesh lines are seen on
+#: every colour.
 _DIVERGING = LinearSegmentedColormap.from_list(
-    "signed", ["#3b78b4", "#8ab6d6", "#d6e6f0", "#f9f7f5", "#f8d9c6", "#ec9a79", "#cf4b41"])
+    "signed", ["#3b78b4", "#8ab6d6", "#d6e6f0", "#f9f7f5", "#f8d9c6", "#ec9a79", "#cf4b41"]
+)
 #: From pale yellow over green to blue, light enough for dark lines.
 _SEQUENTIAL = LinearSegmentedColormap.from_list(
-    "one sign", ["#fdf6c9", "#d5e8a4", "#9dd3a3", "#62b8b2", "#4796b8", "#4f6fae"])
-#: Pixels of all views together at most, of the foot, of the views' titles, and between views side by side.
+    "one sign", ["#fdf6c9", "#d5e8a4", "#9dd3a3", "#62b8b2", "#4796b8", "#4f6fae"]
+)
+#: Pixels of all views together at most, of the foot, of the views' titles, and between views side
+#: by side.
 _WIDTH, _FOOT, _HEAD, _GAP = 1400, 178, 46, 24
 #: Width over height of all views at least, and of a picture over the largest width.
 _ASPECT, _NARROWEST = 1.4, 0.65
@@ -43,29 +52,41 @@ Window = tuple[float, float, float, float]  # xmin, xmax, ymin, ymax
 
 
 class Scale(NamedTuple):
-    """Ends of the bands, ascending, (n + 1,), a colour map of n colours, and matplotlib's ``extend`` of the bar."""
+    """Ends of the bands, ascending, (n + 1,), a colour map of n colours, and matplotlib's
+    ``extend`` of the bar.
+    """
 
     levels: ndarray
     colors: ListedColormap
     extend: str
 
 
-def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None) -> Scale:
-    """Return a scale of about n bands for values (n,) and their areas: given limits stay, others become round."""
+def make_scale(
+    values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None
+) -> Scale:
+    """Return a scale of about n bands for values (n,) and their areas: given limits stay, others
+    become round.
+    """
     known = np.isfinite(values)
     if not known.any():
         raise ValueError("there is nothing to draw: no material of these bodies defines this field")
     if n < 1 or colors not in (None, *matplotlib.colormaps):
-        raise ValueError(f"a scale has at least one level and a colour map of matplotlib, not levels={n!r}, "
-                         f"colors={colors!r}")
+        raise ValueError(
+            f"a scale has at least one level and a colour map of matplotlib, not levels={n!r}, "
+            f"colors={colors!r}"
+        )
     values, area = values[known], area[known]
     if limits is not None:
         low, high = float(limits[0]), float(limits[1])
         if not -np.inf < low < high < np.inf:
-            raise ValueError(f"limits are two finite numbers, the smaller one first, not {limits!r}")
+            raise ValueError(
+                f"limits are two finite numbers, the smaller one first, not {limits!r}"
+            )
         levels = _round_levels(low, high, n)
         apart = 1e-9 * (high - low)
-        levels = np.concatenate(([low], levels[(levels > low + apart) & (levels < high - apart)], [high]))
+        levels = np.concatenate(
+            ([low], levels[(levels > low + apart) & (levels < high - apart)], [high])
+        )
     else:
         levels = _round_levels(*_robust(values, area), n)
     slack = 1e-6 * (levels[-1] - levels[0])
@@ -81,7 +102,9 @@ def quantile(values: ndarray, area: ndarray, share: float) -> float:
 
 
 def _robust(values: ndarray, area: ndarray) -> tuple[float, float]:
-    """Return the extremes, or where all but a little of the area lies if that little would spoil the scale."""
+    """Return the extremes, or where all but a little of the area lies if that little would spoil
+    the scale.
+    """
     most = [quantile(values, area, part) for part in (_TAIL, 1.0 - _TAIL)]
     low, high = float(values.min()), float(values.max())
     if (room := 0.5 * (_LONGER - 1.0) * (most[1] - most[0])) > 0.0:
@@ -100,7 +123,9 @@ def _round_levels(low: float, high: float, n: int) -> ndarray:
 
 
 def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
-    """Return colours of the bands, (n, 4): around zero where there are both signs, from light to dark for one."""
+    """Return colours of the bands, (n, 4): around zero where there are both signs, from light to
+    dark for one.
+    """
     middle = 0.5 * (levels[1:] + levels[:-1])
     low, high = float(levels[0]), float(levels[-1])
     if colors is None and low < 0.0 < high and min(-low, high) > _BOTH * max(-low, high):
@@ -112,17 +137,32 @@ def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
     return np.asarray(_SEQUENTIAL(1.0 - share if abs(low) > abs(high) else share))
 
 
-def bar_figure(scale: Scale, title: str, note: str, extremes: str, size: tuple[int, int],
-               marks: dict[str, dict[str, Any]]) -> Figure:
-    """Return the foot of a picture: colour bar, title on the left, note on the right, extremes, legend of marks."""
+def bar_figure(
+    scale: Scale,
+    title: str,
+    note: str,
+    extremes: str,
+    size: tuple[int, int],
+    marks: dict[str, dict[str, Any]],
+) -> Figure:
+    """Return the foot of a picture: colour bar, title on the left, note on the right, extremes,
+    legend of marks.
+    """
     figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
     axes = figure.add_axes((0.06, 0.39 if marks else 0.32, 0.88, 0.14))
     words = [_figures(value, scale.levels) for value in scale.levels]
     every = int(np.ceil(len(words) * _LETTER * (1 + max(map(len, words))) / (0.88 * size[0])))
     zero = int(np.argmin(np.abs(scale.levels))) % every  # if there is one, it is written
     mapped = ScalarMappable(BoundaryNorm(scale.levels, len(scale.levels) - 1), scale.colors)
-    bar = figure.colorbar(mapped, cax=axes, orientation="horizontal", extend=scale.extend, extendfrac=0.03,
-                          ticks=scale.levels[zero::every], spacing="proportional")
+    bar = figure.colorbar(
+        mapped,
+        cax=axes,
+        orientation="horizontal",
+        extend=scale.extend,
+        extendfrac=0.03,
+        ticks=scale.levels[zero::every],
+        spacing="proportional",
+    )
     bar.ax.tick_params(labelsize=_SMALL, length=4)
     bar.ax.xaxis.set_major_formatter(lambda value, _: _figures(value, scale.levels))
     figure.text(0.06, 0.80, title, fontsize=_LARGE)
@@ -130,18 +170,29 @@ def bar_figure(scale: Scale, title: str, note: str, extremes: str, size: tuple[i
     figure.text(0.06, 0.62, extremes, fontsize=fitting(extremes, 0.88 * size[0]), color="#444444")
     if marks:
         handles = [Line2D([], [], label=label, **style) for label, style in marks.items()]
-        figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=_SMALL,
-                      bbox_to_anchor=(0.5, -0.07), handletextpad=0.4)
+        figure.legend(
+            handles=handles,
+            loc="lower center",
+            ncol=len(handles),
+            frameon=False,
+            fontsize=_SMALL,
+            bbox_to_anchor=(0.5, -0.07),
+            handletextpad=0.4,
+        )
     return figure
 
 
 def fitting(text: str, width: float) -> float:
-    """Return the size of letters, in points at 100 dots per inch, at which a text is no wider than some pixels."""
+    """Return the size of letters, in points at 100 dots per inch, at which a text is no wider than
+    some pixels.
+    """
     return min(_SMALL, width / (_BROAD * max(len(text), 1)))
 
 
 def _figures(value: float, levels: ndarray) -> str:
-    """Return a level with as many digits as distinguish it from its neighbours, and a true minus sign."""
+    """Return a level with as many digits as distinguish it from its neighbours, and a true minus
+    sign.
+    """
     step, largest = float(np.diff(levels).min()), float(np.abs(levels).max())
     if largest >= 1e5 or largest < 1e-3:
         power = int(np.floor(np.log10(largest)))
@@ -156,18 +207,29 @@ def _figures(value: float, levels: ndarray) -> str:
 
 
 class Frame:
-    """Views side by side that show points (n, 2) or a window, their size in pixels, and the foot below them."""
+    """Views side by side that show points (n, 2) or a window, their size in pixels, and the foot
+    below them.
+    """
 
-    def __init__(self, points: ndarray, window: Window | None, views: int, titled: bool,
-                 margin: float, width: int = _WIDTH) -> None:
+    def __init__(
+        self,
+        points: ndarray,
+        window: Window | None,
+        views: int,
+        titled: bool,
+        margin: float,
+        width: int = _WIDTH,
+    ) -> None:
         low, high = points.min(axis=0), points.max(axis=0)
         if window is not None:
             begin, end = np.array(window[0::2], float), np.array(window[1::2], float)
             if not (begin < end).all():
                 raise ValueError(f"a window is (xmin, xmax, ymin, ymax), not {window!r}")
             if (begin > high).any() or (end < low).any():
-                raise ValueError(f"the window {window!r} shows nothing of the bodies, which lie between "
-                                 f"{format_point(low)} and {format_point(high)}")
+                raise ValueError(
+                    f"the window {window!r} shows nothing of the bodies, which lie between "
+                    f"{format_point(low)} and {format_point(high)}"
+                )
             low, high = begin, end
         free = margin * (high - low).max()
         low, high = low - free, high + free
@@ -181,7 +243,10 @@ class Frame:
 
     def make_even(self) -> None:
         """Round sizes to whole multiples of 16, which the codecs of films take."""
-        self.view = (16 * -(-self.view[0] // 16), 16 * -(-(self.height + _FOOT) // 16) - _FOOT - self.head)
+        self.view = (
+            16 * -(-self.view[0] // 16),
+            16 * -(-(self.height + _FOOT) // 16) - _FOOT - self.head,
+        )
 
     @property
     def size(self) -> tuple[int, int]:
@@ -199,10 +264,19 @@ class Frame:
 
         rows = ([self.head] if self.head else []) + [self.view[1]]
         rows, columns = rows * self.rows + [_FOOT], [self.view[0], _GAP] * self.columns
-        with pyvista.vtk_verbosity("off"):  # VTK complains of displays that it tries before it finds one
-            plotter = _picture()(off_screen=not show, window_size=list(self.size), lighting="none", border=False,
-                                 shape=(len(rows), 2 * self.columns - 1), row_weights=rows,
-                                 col_weights=columns[:-1], groups=[(len(rows) - 1, slice(None))])
+        with pyvista.vtk_verbosity(
+            "off"
+        ):  # VTK complains of displays that it tries before it finds one
+            plotter = _picture()(
+                off_screen=not show,
+                window_size=list(self.size),
+                lighting="none",
+                border=False,
+                shape=(len(rows), 2 * self.columns - 1),
+                row_weights=rows,
+                col_weights=columns[:-1],
+                groups=[(len(rows) - 1, slice(None))],
+            )
         plotter.set_background("white", all_renderers=True)
         for renderer in list(plotter.renderers)[:-1]:  # in the foot it would shrink the figure
             renderer.enable_anti_aliasing("ssaa")
@@ -213,13 +287,18 @@ class Frame:
         row, column = divmod(number, self.columns)
         return (2 * row + 1 if self.head else row), 2 * column
 
-    def aim(self, plotter: Any, number: int, title: str, axes: ndarray, depth: float, distance: float) -> None:
-        """Look in one of the views, tight, from a distance against the last of three axes, at a depth on it."""
+    def aim(
+        self, plotter: Any, number: int, title: str, axes: ndarray, depth: float, distance: float
+    ) -> None:
+        """Look in one of the views, tight, from a distance against the last of three axes, at a
+        depth on it.
+        """
         row, column = self.cell(number)
         if self.head:
             plotter.subplot(row - 1, column)
-            text = plotter.add_text(title, position=(0.5, 0.3), viewport=True, color="black", font="arial",
-                                    name="title")
+            text = plotter.add_text(
+                title, position=(0.5, 0.3), viewport=True, color="black", font="arial", name="title"
+            )
             text.prop.font_size = int(_POINT * fitting(title, self.view[0]))
             text.prop.justification_horizontal = "center"
         plotter.subplot(row, column)
@@ -229,9 +308,18 @@ class Frame:
         plotter.camera.parallel_scale = 0.5 * self.view[1] * self.pixel
         plotter.renderer.ResetCameraClippingRange()
 
-    def put_foot(self, plotter: Any, scale: Scale, title: str, note: str, extremes: str,
-                 marks: dict[str, dict[str, Any]]) -> None:
-        """Put the colour bar into the foot, with title, note, extremes of the field and a legend of marks."""
+    def put_foot(
+        self,
+        plotter: Any,
+        scale: Scale,
+        title: str,
+        note: str,
+        extremes: str,
+        marks: dict[str, dict[str, Any]],
+    ) -> None:
+        """Put the colour bar into the foot, with title, note, extremes of the field and a legend of
+        marks.
+        """
         import pyvista
 
         plotter.subplot(self.cell(self.columns * self.rows - 1)[0] + 1, 0)
@@ -262,13 +350,21 @@ def close(plotter: Any) -> None:
 
 
 def can_draw(title: str, show: bool = False) -> tuple[bool, bool]:
-    """Return whether VTK can draw here, and whether it can open a window; warn where it cannot as asked for."""
+    """Return whether VTK can draw here, and whether it can open a window; warn where it cannot as
+    asked for.
+    """
     if not _can_render():
-        warn(f"no picture of '{title}': VTK cannot draw on this machine, it needs OpenGL "
-             "(a display, or the libraries EGL or OSMesa)", UserWarning)
+        warn(
+            f"no picture of '{title}': VTK cannot draw on this machine, it needs OpenGL "
+            "(a display, or the libraries EGL or OSMesa)",
+            UserWarning,
+        )
         return False, False
     if show and not _has_windows():
-        warn(f"no window for '{title}': this machine has no display; file= writes the picture", UserWarning)
+        warn(
+            f"no window for '{title}': this machine has no display; file= writes the picture",
+            UserWarning,
+        )
         return True, False
     return True, show
 
@@ -278,12 +374,16 @@ def _has_windows() -> bool:
 
     if pyvista.OFF_SCREEN:
         return False
-    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return sys.platform in ("win32", "darwin") or bool(
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    )
 
 
 @cache
 def _picture() -> Any:
-    """Return the class of plotters that a notebook shows; made at its first use, as pyvista is not needed before."""
+    """Return the class of plotters that a notebook shows; made at its first use, as pyvista is not
+    needed before.
+    """
     import pyvista
 
     class Picture(pyvista.Plotter):
@@ -297,7 +397,12 @@ def _picture() -> Any:
 
 @cache
 def _can_render() -> bool:
-    """Return whether VTK can draw here; tried in a process of its own, because without OpenGL it crashes."""
-    code = ("import vtkmodules.vtkRenderingOpenGL2; from vtkmodules.vtkRenderingCore import vtkRenderWindow; "
-            "w = vtkRenderWindow(); w.SetOffScreenRendering(1); w.SetSize(8, 8); w.Render()")
+    """Return whether VTK can draw here; tried in a process of its own, because without OpenGL it
+    crashes.
+    """
+    code = (
+        "import vtkmodules.vtkRenderingOpenGL2; from vtkmodules.vtkRenderingCore import "
+        "vtkRenderWindow; "
+        "w = vtkRenderWindow(); w.SetOffScreenRendering(1); w.SetSize(8, 8); w.Render()"
+    )
     return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0

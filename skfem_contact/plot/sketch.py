@@ -1,4 +1,5 @@
 """Sketches of sections before they are meshed, by matplotlib."""
+
 from __future__ import annotations
 
 from pathlib import Path
@@ -41,27 +42,59 @@ def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> 
     >>> plot.sketch(sc.section.Section(ground, size=1., lines={"wall": [(8., 0.), (8., -5.)]}))
     <Figure size ...>
     """
-    x = np.vstack([points for outlines in section.outlines.values() for o in outlines for points in o.chords()[:2]])
+    x = np.vstack(
+        [
+            points
+            for outlines in section.outlines.values()
+            for o in outlines
+            for points in o.chords()[:2]
+        ]
+    )
     low, high = x.min(axis=0), x.max(axis=0)
     height = float(np.clip((_WIDTH - 2.0) * (high - low)[1] / (high - low)[0] + 1.0, _LOW, _HIGH))
     figure, axes = plt.subplots(figsize=(_WIDTH, height), layout="constrained")
     below = section.plan.below and _path([section.plan.below])
     for k, name in enumerate(section.areas):
-        _fill(axes, section, name, below, label=name, facecolor=_AREAS[k % len(_AREAS)], edgecolor="#333333",
-              linewidth=0.8)
+        _fill(
+            axes,
+            section,
+            name,
+            below,
+            label=name,
+            facecolor=_AREAS[k % len(_AREAS)],
+            edgecolor="#333333",
+            linewidth=0.8,
+        )
     for name in section.holes:
         _fill(axes, section, name, below, facecolor="white", edgecolor="#333333", linewidth=1.2)
         _write(axes, section, name, "#333333")
     for name in section.lifts:
-        _fill(axes, section, name, below, facecolor="none", edgecolor=_LIFT, linewidth=1.2, linestyle="--")
+        _fill(
+            axes,
+            section,
+            name,
+            below,
+            facecolor="none",
+            edgecolor=_LIFT,
+            linewidth=1.2,
+            linestyle="--",
+        )
         _write(axes, section, name, _LIFT)
     for k, name in enumerate(section.lines):
-        for label, outline in zip((name, *[None] * len(section.outlines[name])), section.outlines[name]):
-            axes.plot(*_corners(outline).T, color=_LINES[k % len(_LINES)], linewidth=2.5, label=label)
+        for label, outline in zip(
+            (name, *[None] * len(section.outlines[name])), section.outlines[name]
+        ):
+            axes.plot(
+                *_corners(outline).T, color=_LINES[k % len(_LINES)], linewidth=2.5, label=label
+            )
     free = 0.02 * (high - low).max()
-    axes.set(xlim=(low[0] - free, high[0] + free), ylim=(low[1] - free, high[1] + free), aspect="equal",
-             xlabel=labelled("r" if section.coordinates == "axisymmetric" else "x", "length"),
-             ylabel=labelled("y", "length"))
+    axes.set(
+        xlim=(low[0] - free, high[0] + free),
+        ylim=(low[1] - free, high[1] + free),
+        aspect="equal",
+        xlabel=labelled("r" if section.coordinates == "axisymmetric" else "x", "length"),
+        ylabel=labelled("y", "length"),
+    )
     figure.legend(loc="outside right upper", frameon=False)
     if file is not None:
         figure.savefig(file, dpi=160)
@@ -86,7 +119,9 @@ def _write(axes: Any, section: Any, name: str, color: str) -> None:
 
 def _path(outlines: Any) -> Outlines:
     """Return outlines as matplotlib's path."""
-    return Outlines.make_compound_path(*(Outlines(_corners(outline), closed=outline.closed) for outline in outlines))
+    return Outlines.make_compound_path(
+        *(Outlines(_corners(outline), closed=outline.closed) for outline in outlines)
+    )
 
 
 def _corners(outline: Outline) -> ndarray:

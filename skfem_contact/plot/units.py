@@ -1,12 +1,22 @@
 """Units of the labels in all pictures."""
+
 from __future__ import annotations
 
-_STRESSES = {("kN", "m"): "kPa", ("N", "m"): "Pa", ("MN", "m"): "MPa", ("N", "mm"): "MPa", ("kN", "mm"): "GPa"}
+_STRESSES = {
+    ("kN", "m"): "kPa",
+    ("N", "m"): "Pa",
+    ("MN", "m"): "MPa",
+    ("N", "mm"): "MPa",
+    ("kN", "mm"): "GPa",
+}
 _chosen: dict[str, str] = {}
 
 
-def set_units(force: str | None = None, length: str | None = None, stress: str | None = None) -> None:
-    """Choose the units that pictures write beside their figures; the figures themselves stay as they are.
+def set_units(
+    force: str | None = None, length: str | None = None, stress: str | None = None
+) -> None:
+    """Choose the units that pictures write beside their figures; the figures themselves stay as
+    they are.
 
     Parameters
     ----------
@@ -28,8 +38,13 @@ def set_units(force: str | None = None, length: str | None = None, stress: str |
     _chosen.clear()
     if force is not None and length is not None:
         pressure = _STRESSES.get((force, length), f"{force}/{length}²")
-        _chosen.update(force=force, length=length, stress=stress or pressure,
-                       line=f"{force}/{length}", moment=f"{force}{length}/{length}")
+        _chosen.update(
+            force=force,
+            length=length,
+            stress=stress or pressure,
+            line=f"{force}/{length}",
+            moment=f"{force}{length}/{length}",
+        )
     elif length is not None:
         _chosen.update(length=length)
     if stress is not None:
@@ -37,11 +52,21 @@ def set_units(force: str | None = None, length: str | None = None, stress: str |
 
 
 def in_words(title: str, kind: str = "") -> str:
-    """Return a title of a table with its unit, if units were set; names of forces have those of their kinds."""
+    """Return a title of a table with its unit, if units were set; names of forces have those of
+    their kinds.
+    """
     if not kind:
         last = title.split(" ")[-1]
-        kind = {"displacement": "length", "N": "line", "V": "line", "M": "moment", "N_hoop": "line", "M_hoop": "moment",
-                "pressure": "stress", "shear": "stress"}.get(last, "")
+        kind = {
+            "displacement": "length",
+            "N": "line",
+            "V": "line",
+            "M": "moment",
+            "N_hoop": "line",
+            "M_hoop": "moment",
+            "pressure": "stress",
+            "shear": "stress",
+        }.get(last, "")
     return labelled(title, kind)
 
 
@@ -53,6 +78,7 @@ def labelled(title: str, kind: str) -> str:
     title
         Name of the quantity.
     kind
-        ``"length"``, ``"force"``, ``"stress"``, ``"line"`` (force per length), ``"moment"`` (per length), or nothing.
+        ``"length"``, ``"force"``, ``"stress"``, ``"line"`` (force per length), ``"moment"`` (per
+        length), or nothing.
     """
     return f"{title} [{_chosen[kind]}]" if kind in _chosen else title

@@ -1,4 +1,7 @@
-"""Results of stages and all that follows from them: fields, tractions, section forces, reports, files."""
+"""Results of stages and all that follows from them: fields, tractions, section forces, reports,
+files.
+"""
+
 from ..display import Table
 from .cuts import SectionForces, Sections
 from .files import Append
@@ -7,5 +10,16 @@ from .stage import StageResult
 from .tables import Envelope
 from .tractions import ContactReport, Tractions
 
-__all__ = ["Append", "ContactReport", "Envelope", "Result", "SectionForces", "Sections", "StageResult", "Table",
-           "Tractions", "load_result", "of"]
+__all__ = [
+    "Append",
+    "ContactReport",
+    "Envelope",
+    "Result",
+    "SectionForces",
+    "Sections",
+    "StageResult",
+    "Table",
+    "Tractions",
+    "load_result",
+    "of",
+]

@@ -1,4 +1,5 @@
 """Pressure of water at rest, as stages have it: in elements, on facets, and at nodes."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -16,7 +17,9 @@ from .patch_recovery import region_mesh
 
 
 def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
-    """Return water as a seepage, a function of the coordinates, pressures at the vertices, or such by region."""
+    """Return water as a seepage, a function of the coordinates, pressures at the vertices, or such
+    by region.
+    """
     if isinstance(water, str):
         raise ValueError(f"the water of the start is {water}: give the first stage its `water`")
     if isinstance(water, Mapping):
@@ -27,14 +30,20 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     if hasattr(water, "pressure_at") or callable(water) or np.shape(water) == (mesh.nvertices,):
         return water
     if unit_weight is None:
-        raise ValueError("a water level needs the unit weight of water: give the model `water_unit_weight`")
+        raise ValueError(
+            "a water level needs the unit weight of water: give the model `water_unit_weight`"
+        )
     return hydrostatic(water, unit_weight=unit_weight)
 
 
-def in_elements(basis: Any, pressure: Any, elements: ndarray, faced: ndarray | None = None) -> ndarray:
-    """Return the pressure at the integration points of elements or facets, by the region of given elements.
+def in_elements(
+    basis: Any, pressure: Any, elements: ndarray, faced: ndarray | None = None
+) -> ndarray:
+    """Return the pressure at the integration points of elements or facets, by the region of given
+    elements.
 
-    A facet above the ground of a seepage, such as a wall's, has the head of the porous facet that it faces.
+    A facet above the ground of a seepage, such as a wall's, has the head of the porous facet that
+    it faces.
     """
     x = np.asarray(basis.global_coordinates())
     values = np.zeros(x.shape[1:])
@@ -56,10 +65,17 @@ def in_elements(basis: Any, pressure: Any, elements: ndarray, faced: ndarray | N
 
 
 def pressure_at_nodes(form: SolidForm, water: Any, unit_weight: float | None) -> ndarray:
-    """Return the pressure at the nodes of the :func:`region_mesh` of a solid, zero without pores or water."""
+    """Return the pressure at the nodes of the :func:`region_mesh` of a solid, zero without pores or
+    water.
+    """
     basis, (numbers, cells, _) = form.basis, region_mesh(form)
     values, corners = np.zeros(len(numbers)), np.asarray(basis.elem.elem.doflocs).T
     if form.porous and water is not None and water is not False:
-        at = CellBasis(basis.mesh, basis.elem, elements=form.elements, quadrature=(corners, np.ones(corners.shape[1])))
+        at = CellBasis(
+            basis.mesh,
+            basis.elem,
+            elements=form.elements,
+            quadrature=(corners, np.ones(corners.shape[1])),
+        )
         values[cells] = in_elements(at, as_pressure(water, basis.mesh, unit_weight), form.elements)
     return values

@@ -1,4 +1,5 @@
 """Cuts across slender bodies, and the forces there."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -12,10 +13,12 @@ from ..surfaces.vectors import dot
 
 @dataclass(frozen=True)
 class SectionForces:
-    """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in space (n, 3).
+    """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in
+    space (n, 3).
 
-    Those of a body of revolution are per length of the circumference at the axis of the section. On the axis of
-    revolution, in a pile, the normal force is per radian, and there are no shear force and moment.
+    Those of a body of revolution are per length of the circumference at the axis of the section. On
+    the axis of revolution, in a pile, the normal force is per radian, and there are no shear force
+    and moment.
 
     Attributes
     ----------
@@ -26,15 +29,16 @@ class SectionForces:
     N
         Normal force, tension positive (a thrust is negative).
     V
-        Shear force, in the plane to the left of the axis; ``V = dM/ds`` where no friction on a side of the body acts as
-        a couple. In space a vector across the axis.
+        Shear force, in the plane to the left of the axis; ``V = dM/ds`` where no friction on a side
+        of the body acts as a couple. In space a vector across the axis.
     M
-        Moment, in the plane positive where the fibres to the left of the axis, the outer ones of a ring, are in
-        tension. In space a vector across the axis.
+        Moment, in the plane positive where the fibres to the left of the axis, the outer ones of a
+        ring, are in tension. In space a vector across the axis.
     T
         Torque about the axis; None in the plane, like `axis`, its direction, (n, 3).
     N_hoop, M_hoop
-        Normal force and moment around the axis of a body of revolution, per length along the section's axis, else None.
+        Normal force and moment around the axis of a body of revolution, per length along the
+        section's axis, else None.
     """
 
     position: ndarray
@@ -55,13 +59,14 @@ class SectionForces:
         return ("N", "V", "M") if self.N_hoop is None else ("N", "V", "M", "N_hoop", "M_hoop")
 
     def towards(self, left: ArrayLike) -> SectionForces:
-        """Return the section forces of bending in a plane, with the height for y, from those in space.
+        """Return the section forces of bending in a plane, with the height for y, from those in
+        space.
 
         Parameters
         ----------
         left
-            Direction across the axis, (3,): the shear force is positive to the left, the moment where the fibres there
-            are in tension.
+            Direction across the axis, (3,): the shear force is positive to the left, the moment
+            where the fibres there are in tension.
 
         Raises
         ------
@@ -89,10 +94,11 @@ class Sections:
     position : ndarray, shape (n,)
         Coordinate of every cut for tables and diagrams: central angle or arc position.
     center, axis : ndarray, shape (n, dim)
-        Points on the axis of the body, to which moments refer, and unit tangents in the sense of rising position.
+        Points on the axis of the body, to which moments refer, and unit tangents in the sense of
+        rising position.
     half_depth, curvature : ndarray, shape (n,)
-        Half the depth of the body: elements farther from the axis do not belong to it. Curvature of the axis, positive
-        where it turns to the right.
+        Half the depth of the body: elements farther from the axis do not belong to it. Curvature of
+        the axis, positive where it turns to the right.
 
     Examples
     --------
@@ -121,14 +127,21 @@ class Sections:
             Number of cuts; their positions are ``360 / n`` degrees apart.
         """
         if not 0.0 < inner < outer:
-            raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
+            raise ValueError(
+                f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}"
+            )
         center = _point(center, "the center")
         _check_number(n, 1)
         middle = 0.5 * (inner + outer)
         position = np.arange(n) * 360.0 / n
         sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
-        return cls(position, center + middle * np.column_stack((sin, cos)),
-                   np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
+        return cls(
+            position,
+            center + middle * np.column_stack((sin, cos)),
+            np.column_stack((cos, -sin)),
+            np.full(n, 0.5 * (outer - inner)),
+            np.full(n, 1.0 / middle),
+        )
 
     @classmethod
     def line(cls, start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
@@ -148,11 +161,18 @@ class Sections:
         _check_number(n, 2)
         length = float(np.linalg.norm(end - start))
         if not (length > 0.0 and depth > 0.0):
-            raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
+            raise ValueError(
+                f"a line of sections needs two different ends and a positive depth, not {depth!r}"
+            )
         position = np.linspace(0.0, length, n)
         axis = (end - start) / length
-        return cls(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
-                   np.full(n, 0.5 * depth), np.zeros(n))
+        return cls(
+            position,
+            start + position[:, None] * axis,
+            np.tile(axis, (n, 1)),
+            np.full(n, 0.5 * depth),
+            np.zeros(n),
+        )
 
     @property
     def left(self) -> ndarray:
@@ -163,12 +183,16 @@ class Sections:
         """Return cuts that are moved along the curved axis, each by a distance, (n,)."""
         half = 0.5 * self.curvature * distance
         chord = (distance * np.sinc(half / np.pi))[:, None]
-        center = self.center + chord * (np.cos(half)[:, None] * self.axis - np.sin(half)[:, None] * self.left)
+        center = self.center + chord * (
+            np.cos(half)[:, None] * self.axis - np.sin(half)[:, None] * self.left
+        )
         axis = np.cos(2.0 * half)[:, None] * self.axis - np.sin(2.0 * half)[:, None] * self.left
         return replace(self, center=center, axis=axis)
 
     def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
-        """Return positions along the curved axis and distances to its left, of points (m, dim) from sections (m,)."""
+        """Return positions along the curved axis and distances to its left, of points (m, dim) from
+        sections (m,).
+        """
         offset = points - self.center[section]
         s = np.einsum("mc,mc->m", offset, self.axis[section])
         if points.shape[1] == 3:
@@ -178,7 +202,9 @@ class Sections:
         curved = k != 0.0
         if curved.any():
             k = k[curved]
-            radius = 1.0 + k * y[curved] + 1j * k * s[curved]  # from the centre of curvature, in units of 1/k
+            radius = (
+                1.0 + k * y[curved] + 1j * k * s[curved]
+            )  # from the centre of curvature, in units of 1/k
             s[curved], y[curved] = np.angle(radius) / k, (np.abs(radius) - 1.0) / k
         return s, y
 
@@ -187,7 +213,10 @@ def _point(point: ArrayLike, what: str, dim: int = 2) -> ndarray:
     """Check the coordinates of a point."""
     found = np.asarray(point, float)
     if found.shape != (dim,) or not np.isfinite(found).all():
-        raise ValueError(f"{what} of the sections must be a finite {('(x, y)', '(x, y, z)')[dim - 2]}, not {point!r}")
+        raise ValueError(
+            f"{what} of the sections must be a finite {('(x, y)', '(x, y, z)')[dim - 2]}, not "
+            f"{point!r}"
+        )
     return found
 
 

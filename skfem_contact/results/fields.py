@@ -1,4 +1,5 @@
 """Fields at nodes, region by region: displacements, strains, stresses and derived quantities."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
@@ -33,8 +34,8 @@ Shown = Water | Literal[True]
 class Quantity(NamedTuple):
     """Field with its title, kind of unit, source at the nodes, and function of the source.
 
-    The functions of ``"points"``, values at integration points that limit those at the nodes, and of ``"nodes"`` take a
-    solid and a state.
+    The functions of ``"points"``, values at integration points that limit those at the nodes, and
+    of ``"nodes"`` take a solid and a state.
     """
 
     title: str
@@ -52,9 +53,15 @@ PLANE = {
     "syy": Quantity("vertical stress", "stress", "stress", itemgetter(1)),
     "szz": Quantity("out-of-plane stress", "stress", "stress", itemgetter(2)),
     "sxy": Quantity("shear stress", "stress", "stress", itemgetter(3)),
-    "s1": Quantity("largest principal stress", "stress", "stress", lambda s: principal_stresses(s)[0]),
-    "s2": Quantity("middle principal stress", "stress", "stress", lambda s: principal_stresses(s)[1]),
-    "s3": Quantity("smallest principal stress", "stress", "stress", lambda s: principal_stresses(s)[2]),
+    "s1": Quantity(
+        "largest principal stress", "stress", "stress", lambda s: principal_stresses(s)[0]
+    ),
+    "s2": Quantity(
+        "middle principal stress", "stress", "stress", lambda s: principal_stresses(s)[1]
+    ),
+    "s3": Quantity(
+        "smallest principal stress", "stress", "stress", lambda s: principal_stresses(s)[2]
+    ),
     "mean": Quantity("mean stress", "stress", "stress", lambda s: s[:3].mean(axis=0)),
     "mises": Quantity("von Mises stress", "stress", "stress", mises),
     "exx": Quantity("horizontal strain", "", "strain", itemgetter(0)),
@@ -80,8 +87,12 @@ SPACE = PLANE | {
 }
 
 
-def nodal_field(stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None) -> ndarray:
-    """Return a field at the nodes, (N/dim,), see :meth:`~skfem_contact.results.StageResult.field`."""
+def nodal_field(
+    stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None
+) -> ndarray:
+    """Return a field at the nodes, (N/dim,), see
+    :meth:`~skfem_contact.results.StageResult.field`.
+    """
     values = region_field(stage, name, since, water)
     there = list(solids(stage).values())
     nodes, n = region_mesh(*there).nodes, there[0].basis.N // there[0].basis.mesh.dim()
@@ -89,14 +100,23 @@ def nodal_field(stage: StageData, name: str, since: StageData | None = None, wat
     return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
 
 
-def region_field(stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None) -> ndarray:
-    """Return a field at the nodes of the :func:`region_mesh` of all solids; arguments of `nodal_field`."""
+def region_field(
+    stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None
+) -> ndarray:
+    """Return a field at the nodes of the :func:`region_mesh` of all solids; arguments of
+    `nodal_field`.
+    """
     there = solids(stage)
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
-        raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=True for "
-                         "that of the stage, a Seepage, or a function of coordinates such as hydrostatic(level)")
-    values = np.concatenate([_of_form(form, stage, key, quantity, since) for key, form in there.items()])
+        raise ValueError(
+            "pore pressure where there is no PoreWater and no ground is Undrained: give water=True "
+            "for "
+            "that of the stage, a Seepage, or a function of coordinates such as hydrostatic(level)"
+        )
+    values = np.concatenate(
+        [_of_form(form, stage, key, quantity, since) for key, form in there.items()]
+    )
     if name != "pore":
         return values
     basis, nodes = basis_of(stage), region_mesh(*there.values()).nodes
@@ -112,35 +132,61 @@ def region_field(stage: StageData, name: str, since: StageData | None = None, wa
 
 
 def _own(stage: StageData, there: Mapping[str, SolidForm]) -> ndarray:
-    """Return the pressure of the stage's own water at the nodes of the :func:`region_mesh` of some solids."""
+    """Return the pressure of the stage's own water at the nodes of the :func:`region_mesh` of some
+    solids.
+    """
     if stage.water is None or isinstance(stage.water, str):
-        raise ValueError(f"the water of stage '{stage.name}' is {stage.water or 'not given'}: give water= a Seepage or "
-                         "a function of coordinates such as hydrostatic(level)")
-    return np.concatenate([pressure_at_nodes(form, stage.water if name in stage.states else None,
-                                             stage.water_unit_weight) for name, form in there.items()])
+        raise ValueError(
+            f"the water of stage '{stage.name}' is {stage.water or 'not given'}: give water= a "
+            f"Seepage or "
+            "a function of coordinates such as hydrostatic(level)"
+        )
+    return np.concatenate(
+        [
+            pressure_at_nodes(
+                form, stage.water if name in stage.states else None, stage.water_unit_weight
+            )
+            for name, form in there.items()
+        ]
+    )
 
 
 def has_excess(stage: StageData) -> bool:
-    """Return True if excess pore pressures are computed: water flows, or some ground is or was undrained."""
+    """Return True if excess pore pressures are computed: water flows, or some ground is or was
+    undrained.
+    """
     grounds = [material for form in solids(stage).values() for material in form.materials.values()]
     return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
 
 
 def undrained_elements(forms: Mapping[str, Any]) -> ndarray:
     """Return the elements whose ground is Undrained."""
-    return np.concatenate([np.zeros(0, int), *(form.elements[region.elements] for form in solids_of(forms).values()
-                                               for region in form.regions if region.material.undrained)])
+    return np.concatenate(
+        [
+            np.zeros(0, int),
+            *(
+                form.elements[region.elements]
+                for form in solids_of(forms).values()
+                for region in form.regions
+                if region.material.undrained
+            ),
+        ]
+    )
 
 
 def undrained_excess(stage: StageData, layout: Layout, elements: ndarray) -> ndarray:
-    """Return values of all dofs, (N,): pressures of those elements that were Undrained, zero for all others."""
+    """Return values of all dofs, (N,): pressures of those elements that were Undrained, zero for
+    all others.
+    """
     values = np.zeros(layout.size)
     if len(tight := np.intersect1d(undrained_elements(stage.forms), elements)):
         nodal, mesh = nodal_field(stage, "pore"), basis_of(stage).mesh
         vertices = np.unique(mesh.t[:, tight])
         for one, part in zip(layout.fields, layout.parts, strict=True):
             if one.kind == "pressure":
-                at = vertices[vertices < one.n]  # those of a mesh of second order have no pressures in the middle
+                at = vertices[
+                    vertices < one.n
+                ]  # those of a mesh of second order have no pressures in the middle
                 values[part.start + at] = nodal[at]
     return values
 
@@ -148,16 +194,28 @@ def undrained_excess(stage: StageData, layout: Layout, elements: ndarray) -> nda
 def quantities(stage: StageData, water: Shown | None = None) -> dict[str, Quantity]:
     """Return the fields of a stage, in the plane or in space."""
     fields = PLANE if basis_of(stage).mesh.dim() == 2 else SPACE
-    return fields if water is None else fields | {"pore": fields["pore"]._replace(title="pore pressure")}
+    return (
+        fields
+        if water is None
+        else fields | {"pore": fields["pore"]._replace(title="pore pressure")}
+    )
 
 
 def solids(stage: StageData) -> dict[str, SolidForm]:
     """Return the solids of a stage."""
     if not isinstance(stage, StageData):
-        raise ValueError(f"one stage is needed, result[name of the stage], not {type(stage).__name__}")
-    there = {name: form for name, form in solids_of(stage.forms).items() if form.materials and name in stage.states}
+        raise ValueError(
+            f"one stage is needed, result[name of the stage], not {type(stage).__name__}"
+        )
+    there = {
+        name: form
+        for name, form in solids_of(stage.forms).items()
+        if form.materials and name in stage.states
+    }
     if not there:
-        raise ValueError(f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.states)}")
+        raise ValueError(
+            f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.states)}"
+        )
     return there
 
 
@@ -166,26 +224,34 @@ def basis_of(stage: StageData) -> CellBasis:
     return next(iter(solids(stage).values())).basis
 
 
-def _of_form(form: SolidForm, stage: StageData, name: str, quantity: Quantity, since: StageData | None) -> ndarray:
+def _of_form(
+    form: SolidForm, stage: StageData, name: str, quantity: Quantity, since: StageData | None
+) -> ndarray:
     """Return the field of one solid, without pressures of flowing and of given water."""
     state, before = stage.states[name], None if since is None else since.states.get(name)
     if quantity.source == "displacement":
-        x = (stage.x - reference(stage, since, name))[:form.basis.N]
+        x = (stage.x - reference(stage, since, name))[: form.basis.N]
         return quantity.value(x.reshape(-1, form.basis.mesh.dim()).T[:, region_mesh(form).nodes])
     if quantity.source == "strain":
-        return quantity.value(recovered(form, state.strain if before is None else state.strain - before.strain))
+        return quantity.value(
+            recovered(form, state.strain if before is None else state.strain - before.strain)
+        )
 
     def at_nodes(state: Any) -> ndarray:
         if quantity.source == "stress":
             return quantity.value(recovered(form, total_stress(form, state), balanced=True))
         values = quantity.value(form, state)
-        return values if quantity.source == "nodes" else recovered(form, values[None], limited=True)[0]
+        return (
+            values if quantity.source == "nodes" else recovered(form, values[None], limited=True)[0]
+        )
 
     return at_nodes(state) if before is None else at_nodes(state) - at_nodes(before)
 
 
 def reference(stage: StageData, since: StageData | None, name: str) -> ndarray:
-    """Return displacements from which those of a solid count: at an earlier stage that holds it, or when activated."""
+    """Return displacements from which those of a solid count: at an earlier stage that holds it, or
+    when activated.
+    """
     if since is not None and name in since.states:
         return since.x
     return stage.placed.get(name, np.zeros_like(stage.x))
@@ -201,5 +267,7 @@ def _excess(stage: StageData, nodes: ndarray) -> ndarray:
     """Return the excess pressure of consolidating ground at some nodes, zero elsewhere."""
     pressure = np.zeros(len(nodes))
     for own in _pressures(stage):
-        pressure = np.where(pressure == 0.0, own[nodes], pressure)  # parts of the ground share nodes and pressures
+        pressure = np.where(
+            pressure == 0.0, own[nodes], pressure
+        )  # parts of the ground share nodes and pressures
     return pressure

@@ -1,4 +1,5 @@
 """Results of an analysis: its stages in their order."""
+
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
@@ -16,14 +17,16 @@ from . import export, files, tables
 from .cuts import Sections
 from .stage import StageResult
 
-#: Change of a form's internal force at a reset, as a share of all forces, that is more than round-off.
+#: Change of a form's internal force at a reset, as a share of all forces, that is more than
+#: round-off.
 _SAME_FORCE = 1e-9
 _COLUMNS = ("stage", "increments", "iterations", "residual", "load", "state")
 
 
 @dataclass(frozen=True)
 class Result:
-    """Results of stages in their order; ``result["gravity"]`` is one of them, ``print(result)`` a table.
+    """Results of stages in their order; ``result["gravity"]`` is one of them, ``print(result)`` a
+    table.
 
     Examples
     --------
@@ -56,7 +59,10 @@ class Result:
         return len(self.stages)
 
     def __str__(self) -> str:
-        return "\n".join("{:16} {:>10}  {:>10}  {:>8}  {:>4}    {}".format(*row) for row in (_COLUMNS, *self._rows()))
+        return "\n".join(
+            "{:16} {:>10}  {:>10}  {:>8}  {:>4}    {}".format(*row)
+            for row in (_COLUMNS, *self._rows())
+        )
 
     __repr__ = __str__  # the arrays of all stages would fill a notebook
 
@@ -64,28 +70,48 @@ class Result:
         return Table(_COLUMNS, self._rows())._repr_html_()
 
     def _rows(self) -> tuple[tuple[Any, ...], ...]:
-        return tuple((s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}",
-                 "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in self.stages)
+        return tuple(
+            (
+                s.name,
+                len(s.iterations),
+                sum(s.iterations),
+                f"{s.residual:.1e}",
+                f"{s.fraction:.0%}",
+                "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v),
+            )
+            for s in self.stages
+        )
 
     def envelope(self, body: str, sections: Sections | None = None) -> tables.Envelope:
-        """Return the extreme section forces at the ends of all stages that hold a body; increments do not count."""
-        there = [stage for stage in self if body in stage.states] or self.stages[-1:]  # which names what is missing
-        return tables.Envelope.of({stage.name: stage.section_forces(body, sections) for stage in there})
+        """Return the extreme section forces at the ends of all stages that hold a body; increments
+        do not count.
+        """
+        there = [stage for stage in self if body in stage.states] or self.stages[
+            -1:
+        ]  # which names what is missing
+        return tables.Envelope.of(
+            {stage.name: stage.section_forces(body, sections) for stage in there}
+        )
 
-    def table(self, *names: str, sections: Mapping[str, Sections] | None = None,
-              searches: Mapping[str, Any] | None = None) -> Table:
-        """Return one row for each stage: displacements and forces of the largest magnitude, and where they are.
+    def table(
+        self,
+        *names: str,
+        sections: Mapping[str, Sections] | None = None,
+        searches: Mapping[str, Any] | None = None,
+    ) -> Table:
+        """Return one row for each stage: displacements and forces of the largest magnitude, and
+        where they are.
 
         Parameters
         ----------
         names
-            Names of beams, bars, embedded beams and contact pairs; by default all but contact pairs. Columns of zeros
-            are left out.
+            Names of beams, bars, embedded beams and contact pairs; by default all but contact
+            pairs. Columns of zeros are left out.
         sections
             Cuts through solids by their names, such as ``{"lining": Sections.ring(...)}``.
         searches
-            Strength reductions or limit loads by the stages from which they start, such as ``{"dig 4": found}``. A
-            value that is not shown to be the limit has ``>=`` before it.
+            Strength reductions or limit loads by the stages from which they start, such as ``{"dig
+            4": found}``. A value that is not shown to be the limit has ``>=`` before it.
 
         Raises
         ------
@@ -114,24 +140,31 @@ class Result:
         return report(self, file, **options)
 
     def save(self, file: str | Path) -> None:
-        """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``.
+        """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets
+        the end ``.npz``.
 
         A file of that name is replaced once the new one is complete.
         """
         files.write(file, self.stages)
 
     def to_pvd(self, file: str | Path) -> list[Path]:
-        """Write a ``.pvd`` series for ParaView, and beside it a ``.vtu`` file for each stage or kept increment.
+        """Write a ``.pvd`` series for ParaView, and beside it a ``.vtu`` file for each stage or
+        kept increment.
 
-        ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is that of the analysis where stages have
-        a duration, otherwise a number. The names of the written files are returned, the series first.
+        ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is that of the
+        analysis where stages have a duration, otherwise a number. The names of the written files
+        are returned, the series first.
         """
-        return export.series(file, [part for stage in self for part in stage.increments or (stage,)])
+        return export.series(
+            file, [part for stage in self for part in stage.increments or (stage,)]
+        )
 
     def reset(self) -> Result:
-        """Return the result with displacements counted from its end on: they become zero, and all forces stay.
+        """Return the result with displacements counted from its end on: they become zero, and all
+        forces stay.
 
-        Contact has followed the bodies and comes back with them: a stage of the same load finds equilibrium there.
+        Contact has followed the bodies and comes back with them: a stage of the same load finds
+        equilibrium there.
 
         Raises
         ------
@@ -142,22 +175,32 @@ class Result:
         x = np.zeros_like(last.x)
         if last.layout is not None:
             x[last.layout.still] = last.x[last.layout.still]
-        states = {name: form.rebased(last.x, last.states[name]) for name, form in last.forms.items()}
+        states = {
+            name: form.rebased(last.x, last.states[name]) for name, form in last.forms.items()
+        }
         scale = float(np.abs(last.load).max(initial=0.0))
         for name, form in last.forms.items():
             if getattr(form.rebased, "__func__", None) is not Form.rebased:
                 continue  # the form has a rule of its own: contact follows the bodies
-            before = form.assemble(last.x[:form.size], last.states[name]).force
-            change = float(np.abs(form.assemble(x[:form.size], states[name]).force - before).max(initial=0.0))
+            before = form.assemble(last.x[: form.size], last.states[name]).force
+            change = float(
+                np.abs(form.assemble(x[: form.size], states[name]).force - before).max(initial=0.0)
+            )
             scale = max(scale, float(np.abs(before).max(initial=0.0)))
             if change > _SAME_FORCE * scale:
-                raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give it "
-                                 "a method rebased(x, state) whose state has that force at zero displacements")
-        return Result((*self.stages[:-1], replace(last, x=x, states=states, placed={}, before=None)))
+                raise ValueError(
+                    f"the force of '{name}' changes by {change:.3g} when displacements are reset: "
+                    f"give it "
+                    "a method rebased(x, state) whose state has that force at zero displacements"
+                )
+        return Result(
+            (*self.stages[:-1], replace(last, x=x, states=states, placed={}, before=None))
+        )
 
 
 def load_result(file: str | Path, forms: Any) -> Result:
-    """Read a saved result, or the increments that :class:`~skfem_contact.results.Append` has written.
+    """Read a saved result, or the increments that :class:`~skfem_contact.results.Append` has
+    written.
 
     Parameters
     ----------
@@ -169,7 +212,8 @@ def load_result(file: str | Path, forms: Any) -> Result:
     Raises
     ------
     ValueError
-        The file is no result or damaged, another version of this library wrote it, or it holds other forms or meshes.
+        The file is no result or damaged, another version of this library wrote it, or it holds
+        other forms or meshes.
 
     Examples
     --------
@@ -183,7 +227,9 @@ def load_result(file: str | Path, forms: Any) -> Result:
     return Result(files.read(file, forms, StageResult))
 
 
-def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | None = None) -> StageResult:
+def of(
+    model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | None = None
+) -> StageResult:
     """Return the result of a loop of one's own.
 
     Parameters
@@ -217,8 +263,20 @@ def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | Non
     forms = {name: look_up(name, given, "form") for name in states}
     for name, form in forms.items():
         if np.ndim(x) != 1 or len(x) < (form.size or 0):
-            raise ValueError(f"displacements of '{name}' have shape {np.shape(x)}, not ({form.size or 'N'},)")
+            raise ValueError(
+                f"displacements of '{name}' have shape {np.shape(x)}, not ({form.size or 'N'},)"
+            )
         if not form.fits(states[name]):
-            raise ValueError(f"the state of '{name}' belongs to another form: {type(states[name]).__name__}")
-    return StageResult("state", x, np.zeros_like(x) if load is None else load, states, (), 0.0, forms=forms,
-                       layout=getattr(model, "layout", None))
+            raise ValueError(
+                f"the state of '{name}' belongs to another form: {type(states[name]).__name__}"
+            )
+    return StageResult(
+        "state",
+        x,
+        np.zeros_like(x) if load is None else load,
+        states,
+        (),
+        0.0,
+        forms=forms,
+        layout=getattr(model, "layout", None),
+    )

@@ -1,4 +1,5 @@
 """Result of a stage: data with all that can be computed from them."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -29,10 +30,12 @@ class StageResult(files.StageData):
     x, load : ndarray, shape (N,)
         Displacements with the other degrees of freedom behind them, and external forces.
     forms, states, summary
-        Forms by name as they are in the stage, their accepted states, and one line of text for each.
+        Forms by name as they are in the stage, their accepted states, and one line of text for
+        each.
     iterations, residual, fraction
-        Newton iterations of every increment, those of both equilibria of a step in time of second order; relative
-        residual at the end, and share of the stage's load that was reached: 1 unless the analysis failed.
+        Newton iterations of every increment, those of both equilibria of a step in time of second
+        order; relative residual at the end, and share of the stage's load that was reached: 1
+        unless the analysis failed.
     increments
         Accepted increments that were kept, in their order.
     unreleased : ndarray, shape (N,), or None
@@ -42,15 +45,18 @@ class StageResult(files.StageData):
     water, water_unit_weight
         Water at rest whose load is part of ``load``; a stage that follows keeps it.
     placed
-        Displacements at which bodies were activated, (N,), by name: fields of displacements count from there.
+        Displacements at which bodies were activated, (N,), by name: fields of displacements count
+        from there.
     next_step
         Length that the error in time allows for a step of the stage that follows.
     remarks, seconds
         Remarks of the forms on the end of the stage, and the time that its run took.
     changed, supports
-        Forms that stages have changed, and supported dofs, with which a further run of the same model continues.
+        Forms that stages have changed, and supported dofs, with which a further run of the same
+        model continues.
     before
-        Displacements, load and time of the increment before: a run that continues from here extrapolates from both.
+        Displacements, load and time of the increment before: a run that continues from here
+        extrapolates from both.
 
     Examples
     --------
@@ -69,7 +75,9 @@ class StageResult(files.StageData):
     """
 
     def reactions(self) -> ndarray:
-        """Return the forces of the supports, (N,): internal forces less the load; the residual where none is fixed."""
+        """Return the forces of the supports, (N,): internal forces less the load; the residual
+        where none is fixed.
+        """
         return internal_force(self.forms, self.x, self.states) - self.load
 
     def tractions(self, pair: str) -> Tractions:
@@ -79,32 +87,40 @@ class StageResult(files.StageData):
     def report(self, pair: str) -> ContactReport:
         """Return resultants, status and penetration of a contact pair."""
         form, state = self._pair(pair)
-        return contact_report(form, self.x[:form.size], state)
+        return contact_report(form, self.x[: form.size], state)
 
     def section_forces(self, body: str, sections: Sections | None = None) -> SectionForces:
-        """Return normal force, shear force and moment at sections of a body, or at both ends of a beam's elements.
+        """Return normal force, shear force and moment at sections of a body, or at both ends of a
+        beam's elements.
 
         Parameters
         ----------
         body
-            Name of a :class:`~skfem_contact.Beam`, or of the solid that holds the body; it may hold other bodies.
+            Name of a :class:`~skfem_contact.Beam`, or of the solid that holds the body; it may hold
+            other bodies.
         sections
             Cuts through a solid, :meth:`Sections.ring` or :meth:`Sections.line`; a beam needs none.
 
         Notes
         -----
-        Between two lines of nodes forces are interpolated linearly; at the end of a body they are its last layer's.
-        A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``. Beside water in the pores
-        forces of solids are effective: a total normal force is N less the pressure times the area of the cut. In axial
-        symmetry they are per radian.
+        Between two lines of nodes forces are interpolated linearly; at the end of a body they are
+        its last layer's. A curved body without layers of elements of length h has moments to ``N
+        h**2 / 8 R``. Beside water in the pores forces of solids are effective: a total normal force
+        is N less the pressure times the area of the cut. In axial symmetry they are per radian.
 
         Warns
         -----
         AnalysisWarning
             The body continues beside a cut that is not deep enough or off its middle.
         """
-        along = look_up(body, self.forms, f"form in stage '{self.name}'").line_forces(self.states[body])
-        return SectionForces(*along) if along and not sections else section_forces(*self._solid(body), sections)
+        along = look_up(body, self.forms, f"form in stage '{self.name}'").line_forces(
+            self.states[body]
+        )
+        return (
+            SectionForces(*along)
+            if along and not sections
+            else section_forces(*self._solid(body), sections)
+        )
 
     def table(self, name: str, sections: Sections | None = None) -> Table:
         """Return the forces along a beam, a contact pair or bars as a table with their coordinates.
@@ -112,9 +128,10 @@ class StageResult(files.StageData):
         Parameters
         ----------
         name
-            Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact pairs those of
-            :class:`Tractions`, bars their ends and ``force``, embedded beams ``skin``, the force of one member per
-            length, and its ``share`` of the resistance.
+            Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact
+            pairs those of
+            :class:`Tractions`, bars their ends and ``force``, embedded beams ``skin``, the force of
+            one member per length, and its ``share`` of the resistance.
         sections
             Cuts through a solid, as for :meth:`section_forces`.
 
@@ -139,64 +156,86 @@ class StageResult(files.StageData):
         """
         return tables.of_form(self, name, sections)
 
-    def field(self, name: str, since: StageResult | None = None, *, water: fields.Shown | None = None) -> ndarray:
-        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
+    def field(
+        self, name: str, since: StageResult | None = None, *, water: fields.Shown | None = None
+    ) -> ndarray:
+        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of
+        no solid.
 
         Stresses are recovered at the nodes of every region from its elements' forces and stresses
-        (:doc:`theory </theory/recovery>`); invariants are theirs. A node between regions has the mean of their values.
-        They are effective where water acts, but contain the excess pressure of :class:`Undrained` ground.
+        (:doc:`theory </theory/recovery>`); invariants are theirs. A node between regions has the
+        mean of their values. They are effective where water acts, but contain the excess pressure
+        of :class:`Undrained` ground.
 
         Parameters
         ----------
         name
-            ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``, ``"szz"``,
-            ``"sxy"``; principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; strains ``"exx"``,
-            ``"eyy"``, ``"exy"`` (engineering shear), ``"gamma"`` (largest shear strain, in the plane), ``"ev"``
-            (volumetric); ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the
-            share of the shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater` or of
-            undrained ground, and that of `water` with it. In three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
+            ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``,
+            ``"szz"``, ``"sxy"``; principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``,
+            ``"mises"``; strains ``"exx"``, ``"eyy"``, ``"exy"`` (engineering shear), ``"gamma"``
+            (largest shear strain, in the plane), ``"ev"`` (volumetric); ``"plastic"``, the
+            equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the
+            shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater`
+            or of undrained ground, and that of `water` with it. In three dimensions also ``"uz"``,
+            ``"syz"``, ``"szx"``.
         since
-            Earlier stage from which the change is returned; displacements of bodies that it does not hold count from
-            their activation. Strains are those of the change; invariants of stresses are subtracted.
+            Earlier stage from which the change is returned; displacements of bodies that it does
+            not hold count from their activation. Strains are those of the change; invariants of
+            stresses are subtracted.
         water
-            Pore pressure besides: a :class:`~skfem_contact.water.Seepage`, a function of coordinates such as
+            Pore pressure besides: a :class:`~skfem_contact.water.Seepage`, a function of
+            coordinates such as
             :func:`hydrostatic`, or True, that of the stage's own water.
         """
         return fields.nodal_field(self, name, since, water)
 
     def pore_pressure(self, solid: str) -> ndarray:
-        """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements, n_points), zero elsewhere.
+        """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements,
+        n_points), zero elsewhere.
 
-        Compression is positive. The pressure of :func:`water_load`, which is part of the load, is not included.
-        A solid without such soil raises a ``ValueError``: ``field("pore")`` has the pressure of :class:`PoreWater`.
+        Compression is positive. The pressure of :func:`water_load`, which is part of the load, is
+        not included. A solid without such soil raises a ``ValueError``: ``field("pore")`` has the
+        pressure of :class:`PoreWater`.
         """
         form, state = self._solid(solid)
-        if all(variable.name != EXCESS_PRESSURE for one in form.materials.values() for variable in one.internal):
-            raise ValueError(f"'{solid}' has no Undrained soil: field('pore') has the pressure of PoreWater at nodes")
+        if all(
+            variable.name != EXCESS_PRESSURE
+            for one in form.materials.values()
+            for variable in one.internal
+        ):
+            raise ValueError(
+                f"'{solid}' has no Undrained soil: field('pore') has the pressure of PoreWater at "
+                f"nodes"
+            )
         return strength.pore_pressure(form, state)
 
     def undrained_strength(self, solid: str) -> dict[str, ndarray]:
-        r"""Return the undrained shear strength in plane strain that follows from the stresses in the ground.
+        r"""Return the undrained shear strength in plane strain that follows from the stresses in
+        the ground.
 
-        Without drainage and dilation the mean effective stress in the plane, :math:`s' = -(\sigma_1' + \sigma_3') / 2`,
-        remains constant if the soil is elastic and isotropic before it yields. The strength is
+        Without drainage and dilation the mean effective stress in the plane,
+        :math:`s' = -(\sigma_1' + \sigma_3') / 2`, remains constant if the soil is elastic and
+        isotropic before it yields. The strength is
 
         .. math:: s_u = c \cos\varphi + s' \sin\varphi .
 
-        Stresses are effective where :func:`water_load` acts. Every region with `c` and `phi` has an array, shape
-        (n_elements,): means of the points of each element, at least zero, to be the `c` of :class:`Tresca`.
+        Stresses are effective where :func:`water_load` acts. Every region with `c` and `phi` has an
+        array, shape (n_elements,): means of the points of each element, at least zero, to be the
+        `c` of :class:`Tresca`.
         """
         return strength.undrained_strength(*self._solid(solid))
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids, the contact and the beams to a ``.vtu`` file.
 
-        Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
-        shear) and the equivalent ``plastic_strain``. Regions share no points, so that no value is averaged between
-        regions. Cells have means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
-        :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the materials of all solids. The
-        slave's facets of every contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``.
-        Quadratic elements stay quadratic. Elements of beams have points of their own with ``N``, ``V`` and ``M``.
+        Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy,
+        yz, xz; engineering shear) and the equivalent ``plastic_strain``. Regions share no points,
+        so that no value is averaged between regions. Cells have means of ``stress`` and
+        ``plastic_strain``, the number of the ``body``, in the order of
+        :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the
+        materials of all solids. The slave's facets of every contact pair are cells with
+        ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements stay
+        quadratic. Elements of beams have points of their own with ``N``, ``V`` and ``M``.
         """
         export.grid(self).write(file, file_format="vtu")
 
@@ -207,7 +246,9 @@ class StageResult(files.StageData):
         return pyvista.from_meshio(export.grid(self))
 
     def to_frame(self) -> Any:
-        """Return fields at the nodes of solids as a pandas data frame; tractions: ``DataFrame(vars(tractions))``."""
+        """Return fields at the nodes of solids as a pandas data frame; tractions:
+        ``DataFrame(vars(tractions))``.
+        """
         return export.frame(self)
 
     def contour(self, quantity: str, **options: Any) -> Any:
@@ -218,7 +259,9 @@ class StageResult(files.StageData):
 
     def _solid(self, name: str) -> tuple[Any, Any]:
         """Return a solid and its state."""
-        return self._of(name, "SolidForm", {key: f for key, f in solids_of(self.forms).items() if f.materials})
+        return self._of(
+            name, "SolidForm", {key: f for key, f in solids_of(self.forms).items() if f.materials}
+        )
 
     def _pair(self, name: str) -> tuple[Any, Any]:
         """Return a contact pair and its state."""
@@ -228,9 +271,13 @@ class StageResult(files.StageData):
         """Return one of the forms of a kind, and its state."""
         form = look_up(name, self.forms, f"form in stage '{self.name}'")
         if name not in there:
-            raise ValueError(f"'{name}' is a {type(form).__name__}, no {kind}; there are {list(there)}")
+            raise ValueError(
+                f"'{name}' is a {type(form).__name__}, no {kind}; there are {list(there)}"
+            )
         return form, self.states[name]
 
     def __repr__(self) -> str:
-        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} dofs, "
-                f"forms: {', '.join(self.states)}>")
+        return (
+            f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} dofs, "
+            f"forms: {', '.join(self.states)}>"
+        )

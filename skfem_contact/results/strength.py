@@ -1,4 +1,7 @@
-"""Strength of the ground: mobilised share, status of points, excess pore pressure, undrained strength."""
+"""Strength of the ground: mobilised share, status of points, excess pore pressure, undrained
+strength.
+"""
+
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
@@ -19,7 +22,8 @@ from .patch_recovery import projected, recovered, region_mesh, within_points
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
-#: Mean excess pressure beside a contact, as a share of its mean pressure, by which friction is wrong and remarked on.
+#: Mean excess pressure beside a contact, as a share of its mean pressure, by which friction is
+#: wrong and remarked on.
 _IN_FRICTION = 0.05
 
 
@@ -42,10 +46,12 @@ def plastic_strain(form: SolidForm, state: SolidState) -> ndarray:
 
 
 def mobilised(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the mobilised share of the strength at the points of a solid, 0 to 1, (n_elements, n_points).
+    """Return the mobilised share of the strength at the points of a solid, 0 to 1, (n_elements,
+    n_points).
 
-    For cohesion and friction it is the radius of Mohr's circle over the distance of its centre from the yield line.
-    The share is zero where a material cannot fail, and NaN where the law does not define it.
+    For cohesion and friction it is the radius of Mohr's circle over the distance of its centre from
+    the yield line. The share is zero where a material cannot fail, and NaN where the law does not
+    define it.
     """
     share = np.full(form.weight.shape, np.nan)
     for region, stress, internal in form.at_regions(state):
@@ -58,7 +64,9 @@ def mobilised(form: SolidForm, state: SolidState) -> ndarray:
 
 def point_status(form: SolidForm, state: SolidState) -> ndarray:
     """Return the :class:`PointStatus` of the points of a solid, (n_elements, n_points)."""
-    status = np.where(mobilised(form, state) > 1.0 - _AT_YIELD, PointStatus.YIELDS, PointStatus.ELASTIC)
+    status = np.where(
+        mobilised(form, state) > 1.0 - _AT_YIELD, PointStatus.YIELDS, PointStatus.ELASTIC
+    )
     for region, stress, internal in form.at_regions(state):
         if (limit := region.material.tensile_strength) is not None:
             limit = limit.reshape(len(limit), -1) if isinstance(limit, ndarray) else limit
@@ -70,10 +78,12 @@ def point_status(form: SolidForm, state: SolidState) -> ndarray:
 
 
 def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements, n_points), zero elsewhere.
+    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements,
+    n_points), zero elsewhere.
 
-    In elements of second order the volume of nearly incompressible ground is right in the mean with every linear
-    function only, so pressures are projected on these: under a strip load q, at nodes, an error of .33 q becomes .02 q.
+    In elements of second order the volume of nearly incompressible ground is right in the mean with
+    every linear function only, so pressures are projected on these: under a strip load q, at nodes,
+    an error of .33 q becomes .02 q.
     """
     values = form.variable(EXCESS_PRESSURE, state)
     if not values.any() or not _has_midside_nodes(form):
@@ -90,7 +100,9 @@ def pore_pressure_at_nodes(form: SolidForm, state: SolidState) -> ndarray:
     at, vertex, pressure = projected(form, values[None])
     shapes, locations = linear_element(form.basis.mesh), form.basis.elem.elem.doflocs.T
     found = np.zeros(len(mesh.nodes))  # the same from every element of a node
-    found[mesh.cells] = pressure[vertex, 0] @ np.array([shapes.lbasis(locations, j)[0] for j in range(vertex.shape[1])])
+    found[mesh.cells] = pressure[vertex, 0] @ np.array(
+        [shapes.lbasis(locations, j)[0] for j in range(vertex.shape[1])]
+    )
     return within_points(found[None], (at @ pressure).reshape(1, *values.shape), mesh)[0]
 
 
@@ -99,7 +111,9 @@ def _has_midside_nodes(form: SolidForm) -> bool:
 
 
 def total_stress(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the stress of a solid, (n_components, n_elements, n_points), with its :func:`pore_pressure`."""
+    """Return the stress of a solid, (n_components, n_elements, n_points), with its
+    :func:`pore_pressure`.
+    """
     at_points = form.variable(EXCESS_PRESSURE, state)
     if not at_points.any():
         return state.stress
@@ -108,24 +122,44 @@ def total_stress(form: SolidForm, state: SolidState) -> ndarray:
     return stress
 
 
-def undrained_friction(forms: Mapping[str, Form], states: Mapping[str, Any]) -> Iterator[tuple[str, Remark]]:
-    """Yield contact pairs and remarks on their friction, which counts the excess pressure of undrained ground."""
+def undrained_friction(
+    forms: Mapping[str, Form], states: Mapping[str, Any]
+) -> Iterator[tuple[str, Remark]]:
+    """Yield contact pairs and remarks on their friction, which counts the excess pressure of
+    undrained ground.
+    """
     pairs = [(name, pair) for name, pair in pairs_of(forms).items() if pair.has_friction]
-    grounds = [(form.basis.element_dofs[:, region.elements], pore_pressure(form, states[name])[region.elements])
-               for name, form in (solids_of(forms) if pairs else {}).items() for region in form.regions
-               if region.material.undrained]
+    grounds = [
+        (
+            form.basis.element_dofs[:, region.elements],
+            pore_pressure(form, states[name])[region.elements],
+        )
+        for name, form in (solids_of(forms) if pairs else {}).items()
+        for region in form.regions
+        if region.material.undrained
+    ]
     for (name, pair), (dofs, pressure) in product(pairs, grounds):
         beside, normal = np.isin(dofs, pair.joins).any(axis=0), states[name].traction[0]
         if beside.any() and (normal < 0.0).any():
             excess, total = float(pressure[beside].mean()), -float(normal[normal < 0.0].mean())
             if abs(excess) > _IN_FRICTION * total:
-                yield name, Remark("undrained", abs(excess) / total,
-                                   f"the ground beside it is undrained, with an excess pressure of {excess:.3g} on "
-                                   f"average: friction counts the total stress, {total:.3g}, not the effective one")
+                yield (
+                    name,
+                    Remark(
+                        "undrained",
+                        abs(excess) / total,
+                        f"the ground beside it is undrained, with an excess pressure of "
+                        f"{excess:.3g} on "
+                        f"average: friction counts the total stress, {total:.3g}, not the "
+                        f"effective one",
+                    ),
+                )
 
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
-    """Return the undrained shear strength of a plane solid by region that defines it, (n_elements,) each."""
+    """Return the undrained shear strength of a plane solid by region that defines it, (n_elements,)
+    each.
+    """
     if form.coordinates != "plane":
         where = "in space" if form.coordinates == "space" else "axisymmetric"
         raise ValueError(f"the undrained strength is that of plane strain; this solid is {where}")
@@ -137,5 +171,7 @@ def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]
         if found is not None:
             strength[region.name] = found
     if not strength:
-        raise ValueError(f"no region has an undrained strength; the regions are {list(form.materials)}")
+        raise ValueError(
+            f"no region has an undrained strength; the regions are {list(form.materials)}"
+        )
     return strength

@@ -1,4 +1,5 @@
 """Contact tractions along the interface, their means over facets, and their resultants."""
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,30 +17,33 @@ from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
 from .files import StageData
 
-#: Eigenvalues of a facet's mass below this share of the largest one count as zero: the points are too few.
+#: Eigenvalues of a facet's mass below this share of the largest one count as zero: the points are
+#: too few.
 _SINGULAR = 1e-10
 
 
 @dataclass(frozen=True)
 class Tractions:
-    """Tractions of a contact pair, arrays, shape (n_points,), in the plane in the order of the slave's chain.
+    """Tractions of a contact pair, arrays, shape (n_points,), in the plane in the order of the
+    slave's chain.
 
     Attributes
     ----------
     arc
-        Position along the slave's chain in the plane, empty in space. The chain has its body to the right: it runs
-        clockwise around a body, anticlockwise around a hole.
+        Position along the slave's chain in the plane, empty in space. The chain has its body to the
+        right: it runs clockwise around a body, anticlockwise around a hole.
     x, y, z
         Coordinates of the points in the undeformed slave; z is zero in the plane.
     pressure
-        Normal traction, compression positive. Where all points of a facet have one status, it is projected onto the
-        shape functions of the slave, with the same nodal forces.
+        Normal traction, compression positive. Where all points of a facet have one status, it is
+        projected onto the shape functions of the slave, with the same nodal forces.
     shear
-        Friction of the slave on the master, likewise projected: in the plane positive along the master's chain,
-        clockwise around a pipe; in space vectors, shape (n_points, 3), on the undeformed slave.
+        Friction of the slave on the master, likewise projected: in the plane positive along the
+        master's chain, clockwise around a pipe; in space vectors, shape (n_points, 3), on the
+        undeformed slave.
     gap
-        Normal gap beyond the clearance: negative where the penalty lets the point penetrate, infinite where no master
-        is near.
+        Normal gap beyond the clearance: negative where the penalty lets the point penetrate,
+        infinite where no master is near.
     slip
         Slip along the master's chain; in space vectors, shape (n_points, 3).
     status
@@ -47,8 +51,8 @@ class Tractions:
     weight
         Length or area of surface times the pair's share: ``(weight * pressure).sum()`` is a force.
     raw_pressure, raw_shear
-        Tractions at the points themselves. They have the same nodal forces, but ripple within facets, by 10 % and more
-        on curved masters.
+        Tractions at the points themselves. They have the same nodal forces, but ripple within
+        facets, by 10 % and more on curved masters.
     """
 
     arc: ndarray
@@ -80,16 +84,30 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     else:
         arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
         tangents = frame(normal, points.direction(pair.slave, pair.slave.nodes))
-        shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
+        shear, slip = (
+            np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip)
+        )
     x, y, z = coordinates.T
-    return Tractions(arc, x, y, z, pressure=_consistent(pair, state, -state.traction[0]),
-                     shear=_consistent(pair, state, shear), gap=state.gap - state.clearance, slip=slip,
-                     status=state.status, weight=pair.share * points.weight, raw_pressure=-state.traction[0],
-                     raw_shear=shear)
+    return Tractions(
+        arc,
+        x,
+        y,
+        z,
+        pressure=_consistent(pair, state, -state.traction[0]),
+        shear=_consistent(pair, state, shear),
+        gap=state.gap - state.clearance,
+        slip=slip,
+        status=state.status,
+        weight=pair.share * points.weight,
+        raw_pressure=-state.traction[0],
+        raw_shear=shear,
+    )
 
 
 def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndarray:
-    """Return values at points projected onto the slave's shape functions, but on facets with kinks: mixed status."""
+    """Return values at points projected onto the slave's shape functions, but on facets with kinks:
+    mixed status.
+    """
     points, m = pair.points(state), len(pair.slave.facets)
     N, k = points.values, points.nodes.shape[1]
     if k == 1:
@@ -101,14 +119,18 @@ def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndar
     weighted = points.weight[:, None] * N
     np.add.at(mass, points.facet, weighted[:, :, None] * N[:, None])
     np.add.at(moments, points.facet, np.einsum("nk,n...->nk...", weighted, values))
-    nodal = np.einsum("fij,fj...->fi...", np.linalg.pinv(mass, rcond=_SINGULAR, hermitian=True), moments)
+    nodal = np.einsum(
+        "fij,fj...->fi...", np.linalg.pinv(mass, rcond=_SINGULAR, hermitian=True), moments
+    )
     projected = np.einsum("nk,nk...->n...", N, nodal[points.facet])
     smooth = (first == last)[points.facet]
     return np.asarray(np.where(smooth.reshape(-1, *[1] * (values.ndim - 1)), projected, values))
 
 
 class ContactFacets(NamedTuple):
-    """Contact pair in a stage: points with their normals, nodes and shape functions, and facets with their nodes."""
+    """Contact pair in a stage: points with their normals, nodes and shape functions, and facets
+    with their nodes.
+    """
 
     tractions: Tractions
     normal: ndarray
@@ -139,20 +161,28 @@ class ContactFacets(NamedTuple):
 
 def interfaces(stage: StageData) -> dict[str, ContactFacets]:
     """Return the contact pairs of a stage."""
-    return {name: _interface(form, stage.states[name]) for name, form in pairs_of(stage.forms).items()
-            if name in stage.states and form.slave.meshed}
+    return {
+        name: _interface(form, stage.states[name])
+        for name, form in pairs_of(stage.forms).items()
+        if name in stage.states and form.slave.meshed
+    }
 
 
 def _interface(pair: ContactPair, state: ContactState) -> ContactFacets:
     points, slave = pair.points(state), pair.slave
     at = tractions(pair, state)
-    node, normal = slave.dofs[:, 0] // slave.dim, slave.at(points.facet, points.xi, slave.nodes).normal
+    node, normal = (
+        slave.dofs[:, 0] // slave.dim,
+        slave.at(points.facet, points.xi, slave.nodes).normal,
+    )
     members = np.stack((points.facet, np.arange(len(points.facet))))
     if points.nodes.shape[1] == 1:  # a node belongs to all of its facets
         number = np.full(len(node), -1)
         number[points.nodes[:, 0]] = np.arange(len(points.nodes))
         facet = np.repeat(np.arange(len(slave.facets)), slave.facets.shape[1])
-        members = np.stack((facet, number[slave.facets.ravel()]))[:, number[slave.facets.ravel()] >= 0]
+        members = np.stack((facet, number[slave.facets.ravel()]))[
+            :, number[slave.facets.ravel()] >= 0
+        ]
     return ContactFacets(at, normal, node[points.nodes], points.values, node[slave.facets], members)
 
 
@@ -169,7 +199,8 @@ class ContactReport:
     pressure, friction
         Integrals of the pressure and of the magnitude of the friction over the surface.
     mobilised, penetration
-        Largest ratio of friction to pressure of a point, and largest penetration as a share of the slave's segment.
+        Largest ratio of friction to pressure of a point, and largest penetration as a share of the
+        slave's segment.
     open, stick, slip
         Number of points of each status.
     """
@@ -192,12 +223,16 @@ class ContactReport:
 
     def __str__(self) -> str:
         lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
-        for what, total, vector in (("pressure", self.pressure, self.normal),
-                                    ("friction", self.friction, self.tangential)):
+        for what, total, vector in (
+            ("pressure", self.pressure, self.normal),
+            ("friction", self.friction, self.tangential),
+        ):
             resultant = ", ".join(f"{part:.5g}" for part in vector)
             lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({resultant})")
-        lines.append(f"  friction over pressure at most {self.mobilised:.3f}, "
-                     f"penetration at most {self.penetration:.2%} of a segment")
+        lines.append(
+            f"  friction over pressure at most {self.mobilised:.3f}, "
+            f"penetration at most {self.penetration:.2%} of a segment"
+        )
         return "\n".join(lines)
 
 
@@ -211,10 +246,16 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
     return ContactReport(
         name=f"{pair.slave.name} on {pair.master.name}",
-        normal=resultants[0], tangential=resultants[1],
-        pressure=-float(weight @ normal), friction=float(weight @ friction),
-        mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
-        open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
+        normal=resultants[0],
+        tangential=resultants[1],
+        pressure=-float(weight @ normal),
+        friction=float(weight @ friction),
+        mobilised=float(ratio.max(initial=0.0)),
+        penetration=pair.penetration(state),
+        open=int(counts[Status.OPEN]),
+        stick=int(counts[Status.STICK]),
+        slip=int(counts[Status.SLIP]),
+    )
 
 
 def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:

@@ -1,4 +1,7 @@
-"""Plane sections from a sketch: outlines, lines and sizes by name, from which Gmsh makes a mesh with all names."""
+"""Plane sections from a sketch: outlines, lines and sizes by name, from which Gmsh makes a mesh
+with all names.
+"""
+
 from ..checks import guard
 from .borehole import Borehole, borehole
 from .drawing import Drawing, from_dxf
@@ -7,7 +10,25 @@ from .outline import Outline, circle, rectangle
 from .section import Section
 from .structures import footing, pile, retaining_wall, three_centres, trench, tunnel
 
-__all__ = ["Borehole", "Drawing", "Outline", "Section", "borehole", "circle", "embankment", "footing", "from_dxf",
-           "layers", "pile", "pit", "rectangle", "retaining_wall", "slope", "three_centres", "trench", "tunnel"]
+__all__ = [
+    "Borehole",
+    "Drawing",
+    "Outline",
+    "Section",
+    "borehole",
+    "circle",
+    "embankment",
+    "footing",
+    "from_dxf",
+    "layers",
+    "pile",
+    "pit",
+    "rectangle",
+    "retaining_wall",
+    "slope",
+    "three_centres",
+    "trench",
+    "tunnel",
+]
 
 guard(__name__)

@@ -1,4 +1,5 @@
 """Layers and parameters from the table of a borehole."""
+
 from __future__ import annotations
 
 import csv
@@ -35,17 +36,18 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
     Parameters
     ----------
     file
-        Name of the file, or text of several lines. The first line names the columns: ``depth``, down to which a layer
-        reaches below the surface, ``soil``, and parameters such as ``E``, ``nu``, ``c``, ``phi``, ``unit_weight``.
-        Columns are separated by commas, semicolons or tabulators. Empty cells are left out.
+        Name of the file, or text of several lines. The first line names the columns: ``depth``,
+        down to which a layer reaches below the surface, ``soil``, and parameters such as ``E``,
+        ``nu``, ``c``, ``phi``, ``unit_weight``. Columns are separated by commas, semicolons or
+        tabulators. Empty cells are left out.
     surface
         Height of the surface.
 
     Raises
     ------
     ValueError
-        Columns without a name or missing ones, texts instead of numbers, depths that do not increase, a soil that comes
-        twice with other parameters. The line is named.
+        Columns without a name or missing ones, texts instead of numbers, depths that do not
+        increase, a soil that comes twice with other parameters. The line is named.
 
     Examples
     --------
@@ -57,7 +59,10 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
     text = str(file) if "\n" in str(file) else Path(file).read_text(encoding="utf-8-sig")
     lines = [line for line in text.splitlines() if line.strip()]
     separator = max(",;\t", key=lambda mark: lines[0].count(mark) if lines else 0)
-    rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)), delimiter=separator)]
+    rows = [
+        [cell.strip() for cell in row]
+        for row in csv.reader(io.StringIO("\n".join(lines)), delimiter=separator)
+    ]
     names = rows[0] if rows else []
     depth, soil = (_column(names, known) for known in (_DEPTH, _SOIL))
     if len(set(names)) < len(names) or "" in names:
@@ -67,16 +72,27 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
     upper = surface
     for number, row in enumerate(rows[1:], 2):
         if len(row) != len(names) or not row[soil]:
-            raise ValueError(f"line {number} of the borehole has {len(row)} cells, not {len(names)}, or no soil: {row}")
-        values = {name: _number(cell, name, number) for k, (name, cell) in enumerate(zip(names, row))
-                  if k != soil and cell}
+            raise ValueError(
+                f"line {number} of the borehole has {len(row)} cells, not {len(names)}, or no "
+                f"soil: {row}"
+            )
+        values = {
+            name: _number(cell, name, number)
+            for k, (name, cell) in enumerate(zip(names, row))
+            if k != soil and cell
+        }
         bottom = surface - values.pop(names[depth], -float("inf"))
         if not bottom < upper or not is_number(bottom):
-            raise ValueError(f"line {number} of the borehole: the depth {row[depth]!r} of '{row[soil]}' is not below "
-                             f"the layer above, which ends at {surface - upper:g}")
+            raise ValueError(
+                f"line {number} of the borehole: the depth {row[depth]!r} of '{row[soil]}' is not "
+                f"below "
+                f"the layer above, which ends at {surface - upper:g}"
+            )
         if parameters.setdefault(row[soil], values) != values:
-            raise ValueError(f"line {number} of the borehole: '{row[soil]}' has the parameters {values}, but "
-                             f"{parameters[row[soil]]} above; give it another name")
+            raise ValueError(
+                f"line {number} of the borehole: '{row[soil]}' has the parameters {values}, but "
+                f"{parameters[row[soil]]} above; give it another name"
+            )
         layers.append((row[soil], bottom))
         upper = bottom
     if not layers:
@@ -97,4 +113,6 @@ def _number(cell: str, name: str, line: int) -> float:
     try:
         return float(cell)
     except ValueError as error:
-        raise ValueError(f"line {line} of the borehole: '{name}' must be a number, not {cell!r}") from error
+        raise ValueError(
+            f"line {line} of the borehole: '{name}' must be a number, not {cell!r}"
+        ) from error

@@ -1,4 +1,5 @@
 """Curves of a drawing: entities as chains of segments and arcs, joined, without doubles."""
+
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
@@ -55,15 +56,25 @@ def chain_of(entity: Any, size: float) -> Chain | None:
         return Chain((x, y) + entity.dxf.radius * corners, np.full(4, np.tan(np.pi / 8)), True)
     if flat and kind == "ARC":
         angle = np.radians((entity.dxf.end_angle - entity.dxf.start_angle) % 360.0 or 360.0)
-        turns = np.linspace(0.0, angle, max(2, int(np.ceil(angle / (0.5 * np.pi))) + 1)) + np.radians(
-            entity.dxf.start_angle)
-        points = plane(entity.dxf.center) + entity.dxf.radius * np.column_stack((np.cos(turns), np.sin(turns)))
+        turns = np.linspace(
+            0.0, angle, max(2, int(np.ceil(angle / (0.5 * np.pi))) + 1)
+        ) + np.radians(entity.dxf.start_angle)
+        points = plane(entity.dxf.center) + entity.dxf.radius * np.column_stack(
+            (np.cos(turns), np.sin(turns))
+        )
         return Chain(points, np.full(len(turns) - 1, np.tan(np.diff(turns)[0] / 4.0)), False)
     if flat and kind == "LWPOLYLINE":
-        return _polyline([(x, y, bulge) for x, y, bulge in entity.get_points("xyb")], bool(entity.closed))
+        return _polyline(
+            [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")], bool(entity.closed)
+        )
     if flat and kind == "POLYLINE" and entity.is_2d_polyline:
-        return _polyline([(*plane(vertex.dxf.location), vertex.dxf.get("bulge", 0.0)) for vertex in entity.vertices],
-                         bool(entity.is_closed))
+        return _polyline(
+            [
+                (*plane(vertex.dxf.location), vertex.dxf.get("bulge", 0.0))
+                for vertex in entity.vertices
+            ],
+            bool(entity.is_closed),
+        )
     from ezdxf.path import make_path
 
     points = np.array([plane(point) for point in make_path(entity).flattening(_FLAT * size)])
@@ -84,7 +95,9 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
         return []
     x = np.vstack([chain.points for chain in chains])
     pairs = cKDTree(x).query_pairs(near, output_type="ndarray")
-    label = connected_components(coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x))), directed=False)[1]
+    label = connected_components(
+        coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x))), directed=False
+    )[1]
     first = np.unique(label, return_index=True)[1]
     x = x[first[label]]
     ends = np.cumsum([len(chain.points) for chain in chains])[:-1]
@@ -92,7 +105,9 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
 
 
 def joined(chains: Sequence[Chain], near: float) -> tuple[list[Chain], int]:
-    """Return chains joined at common ends and closed over gaps below a distance, and the number of doubles left out."""
+    """Return chains joined at common ends and closed over gaps below a distance, and the number of
+    doubles left out.
+    """
     left, doubles = [], 0
     known: set[tuple[Any, ...]] = set()
     for chain in chains:
@@ -107,8 +122,16 @@ def joined(chains: Sequence[Chain], near: float) -> tuple[list[Chain], int]:
         while not chain.closed and (there := _next(chain, left, near)):
             k, turned = there
             other = _turned(left.pop(k)) if turned else left.pop(k)
-            chain = Chain(np.vstack((chain.points, other.points[1:])), np.append(chain.bulges, other.bulges), False)
-        if not chain.closed and len(chain.points) > 2 and np.linalg.norm(chain.points[0] - chain.points[-1]) <= near:
+            chain = Chain(
+                np.vstack((chain.points, other.points[1:])),
+                np.append(chain.bulges, other.bulges),
+                False,
+            )
+        if (
+            not chain.closed
+            and len(chain.points) > 2
+            and np.linalg.norm(chain.points[0] - chain.points[-1]) <= near
+        ):
             chain = Chain(chain.points[:-1], chain.bulges, True)
         found.append(chain)
     return found, doubles
@@ -122,8 +145,11 @@ def _next(chain: Chain, others: Sequence[Chain], near: float) -> tuple[int, bool
             if not other.closed and np.linalg.norm(begin - chain.points[-1]) <= near:
                 return k, turned
     for k, other in enumerate(others):  # one that continues its beginning
-        if not other.closed and min(np.linalg.norm(other.points[end] - chain.points[0]) for end in (0, -1)) <= near \
-                and np.linalg.norm(chain.points[0] - chain.points[-1]) > near:
+        if (
+            not other.closed
+            and min(np.linalg.norm(other.points[end] - chain.points[0]) for end in (0, -1)) <= near
+            and np.linalg.norm(chain.points[0] - chain.points[-1]) > near
+        ):
             chain.points[:], chain.bulges[:] = chain.points[::-1].copy(), -chain.bulges[::-1].copy()
             return k, bool(np.linalg.norm(other.points[0] - chain.points[-1]) > near)
     return None
@@ -134,7 +160,9 @@ def _turned(chain: Chain) -> Chain:
 
 
 def _key(chain: Chain) -> tuple[Any, ...]:
-    """Return what is the same for a chain and its double, which may run the other way or begin elsewhere."""
+    """Return what is the same for a chain and its double, which may run the other way or begin
+    elsewhere.
+    """
     points = [tuple(point) for point in np.round(chain.points, 9).tolist()]
     bulges = np.round(np.abs(chain.bulges), 9).tolist()
     if chain.closed:

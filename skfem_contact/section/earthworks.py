@@ -1,4 +1,7 @@
-"""Sections of slopes, embankments and pits from a few numbers each; heights are measured from the ground, y = 0."""
+"""Sections of slopes, embankments and pits from a few numbers each; heights are measured from the
+ground, y = 0.
+"""
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -10,7 +13,8 @@ from ..checks import finite, number, positive
 from .outline import Outline, rectangle
 from .section import Section
 
-#: Layers from the top to the bottom: the height of the lower end of each, by name, or pairs of both.
+#: Layers from the top to the bottom: the height of the lower end of each, by name, or pairs of
+#: both.
 Layers = Mapping[str, float] | Sequence[tuple[str, float]]
 
 
@@ -24,8 +28,8 @@ def layers(x: Sequence[float], top: float, bottoms: Layers) -> dict[str, list[Ou
     top
         Height of their upper end.
     bottoms
-        Heights of the lower ends of the layers by name, from the top to the bottom, or pairs of name and height: a soil
-        may come twice.
+        Heights of the lower ends of the layers by name, from the top to the bottom, or pairs of
+        name and height: a soil may come twice.
 
     Examples
     --------
@@ -38,14 +42,25 @@ def layers(x: Sequence[float], top: float, bottoms: Layers) -> dict[str, list[Ou
     upper = number(top, "top")
     for name, bottom in bottoms.items() if isinstance(bottoms, Mapping) else bottoms:
         if not number(bottom, f"the lower end of '{name}'") < upper:
-            raise ValueError(f"the layer '{name}' ends at {bottom:g}, which is not below its upper end at {upper:g}")
+            raise ValueError(
+                f"the layer '{name}' ends at {bottom:g}, which is not below its upper end at "
+                f"{upper:g}"
+            )
         areas.setdefault(name, []).append(rectangle(x, (bottom, upper)))
         upper = bottom
     return areas
 
 
-def slope(height: float, angle: float, bottoms: Layers, size: float, *, crest: float | None = None,
-          toe: float | None = None, **more: Any) -> Section:
+def slope(
+    height: float,
+    angle: float,
+    bottoms: Layers,
+    size: float,
+    *,
+    crest: float | None = None,
+    toe: float | None = None,
+    **more: Any,
+) -> Section:
     """Return a slope that falls to the right from the height of its crest to 0.
 
     Parameters
@@ -73,9 +88,19 @@ def slope(height: float, angle: float, bottoms: Layers, size: float, *, crest: f
     return Section(layers((left, right), height, bottoms), size, surface=surface, **more)
 
 
-def embankment(height: float, crest: float, run: float, bottoms: Layers, size: float, *, lifts: int = 1,
-               beyond: float | None = None, **more: Any) -> Section:
-    """Return the right half of an embankment on level ground, of the area ``"fill"`` and lifts ``"lift 1"``, ...
+def embankment(
+    height: float,
+    crest: float,
+    run: float,
+    bottoms: Layers,
+    size: float,
+    *,
+    lifts: int = 1,
+    beyond: float | None = None,
+    **more: Any,
+) -> Section:
+    """Return the right half of an embankment on level ground, of the area ``"fill"`` and lifts
+    ``"lift 1"``, ...
 
     Parameters
     ----------
@@ -106,13 +131,29 @@ def embankment(height: float, crest: float, run: float, bottoms: Layers, size: f
     right = base + chosen(beyond, "beyond", 2.0 * base)
     ground = layers((0.0, right), 0.0, bottoms)
     fill = {"fill": [(0.0, 0.0), (base, 0.0), (crest, height), (0.0, height)]}
-    placed = {f"lift {k + 1}": [(0.0, levels[k]), (widths[k], levels[k]), (widths[k + 1], levels[k + 1]),
-                                (0.0, levels[k + 1])] for k in range(lifts)}
+    placed = {
+        f"lift {k + 1}": [
+            (0.0, levels[k]),
+            (widths[k], levels[k]),
+            (widths[k + 1], levels[k + 1]),
+            (0.0, levels[k + 1]),
+        ]
+        for k in range(lifts)
+    }
     return Section({**ground, **fill}, size, **merged({"lifts": placed}, more))
 
 
-def pit(width: float, floors: Sequence[float], wall: float | Sequence[float], bottoms: Layers, size: float, *,
-        beyond: float | None = None, fine: float | None = None, **more: Any) -> Section:
+def pit(
+    width: float,
+    floors: Sequence[float],
+    wall: float | Sequence[float],
+    bottoms: Layers,
+    size: float,
+    *,
+    beyond: float | None = None,
+    fine: float | None = None,
+    **more: Any,
+) -> Section:
     """Return half of a pit on the left of a wall at x = 0, whose lifts are ``"lift 1"``, ...
 
     Parameters
@@ -122,8 +163,8 @@ def pit(width: float, floors: Sequence[float], wall: float | Sequence[float], bo
     floors
         Heights of the floors of the lifts, from the top to the bottom: negative.
     wall
-        Height of the toe of the wall, a slit with the name ``"wall"``; or heights of nodes for props and anchors and of
-        the toe, ``(-2., -5., -14.)``.
+        Height of the toe of the wall, a slit with the name ``"wall"``; or heights of nodes for
+        props and anchors and of the toe, ``(-2., -5., -14.)``.
     bottoms
         Layers, see :func:`layers`.
     size, fine
@@ -141,13 +182,26 @@ def pit(width: float, floors: Sequence[float], wall: float | Sequence[float], bo
     """
     levels = np.append(0.0, finite(floors, "floors"))
     heights = np.append(0.0, finite(wall, "wall"))
-    if (np.diff(levels) >= 0.0).any() or (np.diff(heights[heights < 0.0]) >= 0.0).any() or heights[-1] > levels[-1]:
-        raise ValueError("heights of floors and of the wall must descend from 0, to the toe of the wall, not "
-                         f"{floors!r} and {wall!r}")
+    if (
+        (np.diff(levels) >= 0.0).any()
+        or (np.diff(heights[heights < 0.0]) >= 0.0).any()
+        or heights[-1] > levels[-1]
+    ):
+        raise ValueError(
+            "heights of floors and of the wall must descend from 0, to the toe of the wall, not "
+            f"{floors!r} and {wall!r}"
+        )
     left, right = -positive(width, "width"), chosen(beyond, "beyond", -3.0 * heights[-1])
-    lifts = {f"lift {k}": rectangle((left, 0.0), (levels[k], levels[k - 1])) for k in range(1, len(levels))}
-    options: dict[str, Any] = {"lifts": lifts, "lines": {"wall": np.column_stack((0.0 * heights, heights))},
-                               "slits": "wall", "sizes": {"wall": chosen(fine, "fine", size / 3.0)}}
+    lifts = {
+        f"lift {k}": rectangle((left, 0.0), (levels[k], levels[k - 1]))
+        for k in range(1, len(levels))
+    }
+    options: dict[str, Any] = {
+        "lifts": lifts,
+        "lines": {"wall": np.column_stack((0.0 * heights, heights))},
+        "slits": "wall",
+        "sizes": {"wall": chosen(fine, "fine", size / 3.0)},
+    }
     return Section(layers((left, right), 0.0, bottoms), size, **merged(options, more))
 
 
@@ -157,6 +211,10 @@ def chosen(value: float | None, name: str, default: float) -> float:
 
 
 def merged(options: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
-    """Return arguments of a section with those of the user, whose lifts, lines and sizes come on top."""
-    return options | {name: {**options[name], **value} if isinstance(options.get(name), dict) else value
-                      for name, value in more.items()}
+    """Return arguments of a section with those of the user, whose lifts, lines and sizes come on
+    top.
+    """
+    return options | {
+        name: {**options[name], **value} if isinstance(options.get(name), dict) else value
+        for name, value in more.items()
+    }

@@ -1,4 +1,5 @@
 """Tetrahedra of a plane mesh that is extruded."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -12,20 +13,28 @@ from ..mesh.join import owners_of
 def extruded(mesh: Mesh, levels: ndarray, upright: bool) -> Mesh:
     """Return the tetrahedra of a mesh of triangles that is extruded, with its names.
 
-    Each prism is cut into three tetrahedra along the diagonals that begin at the node of lower rank. Ranks follow from
-    coordinates, so that both sides of an interface have the same triangles.
+    Each prism is cut into three tetrahedra along the diagonals that begin at the node of lower
+    rank. Ranks follow from coordinates, so that both sides of an interface have the same triangles.
     """
     n, layers = mesh.nvertices, len(levels) - 1
     rank = np.empty(n, int)
     rank[np.lexsort(mesh.p[::-1, :n])] = np.arange(n)
     corners = np.take_along_axis(mesh.t, np.argsort(rank[mesh.t], axis=0), axis=0)
     a, b, c = corners[:, None] + n * np.arange(layers)[:, None]
-    tets = np.array([[a, b, c, c + n], [a, b, b + n, c + n], [a, a + n, b + n, c + n]])  # (3, 4, layers, elements)
+    tets = np.array(
+        [[a, b, c, c + n], [a, b, b + n, c + n], [a, a + n, b + n, c + n]]
+    )  # (3, 4, layers, elements)
     t = tets.transpose(1, 2, 3, 0).reshape(4, -1)
-    solid = MeshTet1(_in_space(np.tile(mesh.p[:, :n], layers + 1), np.repeat(levels, n), upright), t)
+    solid = MeshTet1(
+        _in_space(np.tile(mesh.p[:, :n], layers + 1), np.repeat(levels, n), upright), t
+    )
     prism = np.arange(t.shape[1]).reshape(layers, mesh.nelements, 3)
-    subdomains = {name: np.sort(prism[:, part].ravel()) for name, part in (mesh.subdomains or {}).items()}
-    boundaries = {name: _faces(mesh, solid, facets, rank) for name, facets in (mesh.boundaries or {}).items()}
+    subdomains = {
+        name: np.sort(prism[:, part].ravel()) for name, part in (mesh.subdomains or {}).items()
+    }
+    boundaries = {
+        name: _faces(mesh, solid, facets, rank) for name, facets in (mesh.boundaries or {}).items()
+    }
     for name, level in zip(("base", "top") if upright else ("front", "back"), (0, layers)):
         boundaries[name] = _find(solid, corners + n * level)
     if mesh.doflocs.shape[1] > n:
@@ -59,12 +68,16 @@ def _faces(mesh: Mesh, solid: Mesh, facets: ndarray, rank: ndarray) -> ndarray:
     layers = solid.nvertices // n - 1
     base = n * np.arange(layers)[:, None]
     i, j = i + base, j + base
-    nodes = np.concatenate((np.array([i, j, j + n]).reshape(3, -1), np.array([i, i + n, j + n]).reshape(3, -1)), axis=1)
+    nodes = np.concatenate(
+        (np.array([i, j, j + n]).reshape(3, -1), np.array([i, i + n, j + n]).reshape(3, -1)), axis=1
+    )
     found = _find(solid, nodes)
     if not isinstance(facets, OrientedBoundary):
         return np.unique(found)
     owners = np.tile(owners_of(mesh, facets), 2 * layers)
-    return OrientedBoundary(found, (solid.f2t[0, found] // 3 % mesh.nelements != owners).astype(int))
+    return OrientedBoundary(
+        found, (solid.f2t[0, found] // 3 % mesh.nelements != owners).astype(int)
+    )
 
 
 def _curved(mesh: Mesh, solid: Mesh, levels: ndarray, upright: bool) -> Mesh:
@@ -74,6 +87,8 @@ def _curved(mesh: Mesh, solid: Mesh, levels: ndarray, upright: bool) -> Mesh:
     along = levels[solid.edges // n].mean(axis=0)
     key = _keys(mesh.facets, n)
     order = np.argsort(key)
-    side = order[np.minimum(np.searchsorted(key, _keys(np.array([i, j]), n), sorter=order), len(key) - 1)]
+    side = order[
+        np.minimum(np.searchsorted(key, _keys(np.array([i, j]), n), sorter=order), len(key) - 1)
+    ]
     middle = np.where(i == j, mesh.p[:, i], mesh.doflocs[:, n + side])
     return MeshTet2(np.hstack((solid.p, _in_space(middle, along, upright))), solid.t)

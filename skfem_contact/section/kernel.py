@@ -1,4 +1,5 @@
 """Gmsh: its import, a model of its own for each section, and curves of outlines."""
+
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -25,18 +26,22 @@ def load_gmsh() -> Any:
     try:
         import gmsh
     except ModuleNotFoundError as error:
-        raise ImportError("sections are meshed by Gmsh, which is not installed: "
-                          'pip install "skfem-contact[mesh]"') from error
+        raise ImportError(
+            'sections are meshed by Gmsh, which is not installed: pip install "skfem-contact[mesh]"'
+        ) from error
     except OSError as error:  # its wheel links libraries of OpenGL and X that a server may lack
-        raise ImportError(f"Gmsh is installed, but a library of the system is missing ({error}): install it, "
-                          "on Debian and Ubuntu with: apt install libglu1-mesa libxft2 libxinerama1 libxcursor1"
-                          ) from error
+        raise ImportError(
+            f"Gmsh is installed, but a library of the system is missing ({error}): install it, "
+            "on Debian and Ubuntu with: apt install libglu1-mesa libxft2 libxinerama1 libxcursor1"
+        ) from error
     return gmsh
 
 
 @contextmanager
 def gmsh_model() -> Iterator[Any]:
-    """Yield Gmsh with an empty model, which is removed at the end; a session of the user stays as it is."""
+    """Yield Gmsh with an empty model, which is removed at the end; a session of the user stays as
+    it is.
+    """
     gmsh = load_gmsh()
     began = bool(gmsh.isInitialized())
     if not began:
@@ -59,20 +64,38 @@ def gmsh_model() -> Iterator[Any]:
             gmsh.finalize()
 
 
-#: One thread and a fixed seed, so that a section has the same mesh in every run; sizes come from the section alone.
-_OPTIONS = {"General.Terminal": 0, "General.NumThreads": 1, "Mesh.RandomSeed": 1, "Mesh.Algorithm": 5,
-            "Mesh.MeshSizeExtendFromBoundary": 1, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
-            "Mesh.LcIntegrationPrecision": 1e-3, "Mesh.MeshSizeMin": 0.0, "Mesh.MeshSizeMax": 1e22,
-            "Mesh.MeshSizeFactor": 1.0, "Mesh.ElementOrder": 1, "Mesh.SecondOrderIncomplete": 0,
-            "Mesh.HighOrderOptimize": 0, "Mesh.RecombineAll": 0, "Mesh.SubdivisionAlgorithm": 0, "Mesh.SaveAll": 0}
+#: One thread and a fixed seed, so that a section has the same mesh in every run; sizes come from
+#: the section alone.
+_OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.RandomSeed": 1,
+    "Mesh.Algorithm": 5,
+    "Mesh.MeshSizeExtendFromBoundary": 1,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.LcIntegrationPrecision": 1e-3,
+    "Mesh.MeshSizeMin": 0.0,
+    "Mesh.MeshSizeMax": 1e22,
+    "Mesh.MeshSizeFactor": 1.0,
+    "Mesh.ElementOrder": 1,
+    "Mesh.SecondOrderIncomplete": 0,
+    "Mesh.HighOrderOptimize": 0,
+    "Mesh.RecombineAll": 0,
+    "Mesh.SubdivisionAlgorithm": 0,
+    "Mesh.SaveAll": 0,
+}
 
 
 def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:
     """Add the segments and arcs of an outline, moved by a shift, and return their numbers."""
     for point, away in zip(outline.points, np.linalg.norm(np.subtract(*outline.ends), axis=1)):
         if away <= ONE_POINT:
-            raise ValueError(f"two points of '{outline.name}' near {format_point(point)} are {away:.2g} apart: let "
-                             f"them be one, or keep a distance of more than {ONE_POINT:.2g}")
+            raise ValueError(
+                f"two points of '{outline.name}' near {format_point(point)} are {away:.2g} apart: "
+                f"let "
+                f"them be one, or keep a distance of more than {ONE_POINT:.2g}"
+            )
     corners = [occ.addPoint(*(point - shift), 0.0) for point in outline.points]
     curves = []
     for k, (t, centre) in enumerate(zip(outline.bulges, outline.centres - shift)):
@@ -80,7 +103,9 @@ def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:
         if not t:
             curves.append(occ.addLine(a, b))
             continue
-        half = np.exp(2j * np.arctan(t)) * complex(*(outline.points[k] - shift - centre))  # turned to the middle
+        half = np.exp(2j * np.arctan(t)) * complex(
+            *(outline.points[k] - shift - centre)
+        )  # turned to the middle
         x, y = np.add(centre, (half.real, half.imag))
         through = occ.addPoint(x, y, 0.0)
         curves.append(occ.addCircleArc(a, through, b, center=False))

@@ -1,4 +1,5 @@
 """Names of a section's mesh: bodies, interfaces with both sides, slits, outer boundaries."""
+
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
@@ -26,14 +27,21 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
     Parts that lie apart from the largest one have their areas' names, such as ``"block:outside"``.
     """
     cut = np.concatenate([np.zeros(0, int), *holes.values()])
-    loops = [loop for loop in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0)) if not np.isin(loop[0], cut).all()]
+    loops = [
+        loop
+        for loop in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0))
+        if not np.isin(loop[0], cut).all()
+    ]
     size = [np.ptp(mesh.p[:, chain], axis=1).prod() for _, chain in loops]
     found, main = dict(holes), int(np.argmax(size))
     for k, (loop, chain) in enumerate(loops):
         x, y = mesh.p[:, chain]
         if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0.0:
-            raise ValueError(f"the areas enclose a gap near {format_point(mesh.p[:, chain].mean(axis=1))}: close it, "
-                             "or name it in holes=")
+            raise ValueError(
+                f"the areas enclose a gap near {format_point(mesh.p[:, chain].mean(axis=1))}: "
+                f"close it, "
+                "or name it in holes="
+            )
         parts = _sides(loop, x, y) if k == main else {f"{area[mesh.f2t[0, loop[0]]]}:outside": loop}
         for name, facets in parts.items():
             found[name] = np.append(found.get(name, np.zeros(0, int)), np.setdiff1d(facets, cut))
@@ -66,7 +74,9 @@ def _loops(mesh: Mesh, free: ndarray) -> list[tuple[ndarray, ndarray]]:
 
 
 def _sides(loop: ndarray, x: ndarray, y: ndarray) -> Tags:
-    """Return left, right, bottom and surface of an anticlockwise outline, given by the first nodes of its facets."""
+    """Return left, right, bottom and surface of an anticlockwise outline, given by the first nodes
+    of its facets.
+    """
     near = _AT * np.ptp(x)
     low, high = x < x.min() + near, x > x.max() - near
     left, right = low & np.roll(low, -1), high & np.roll(high, -1)
@@ -77,8 +87,14 @@ def _sides(loop: ndarray, x: ndarray, y: ndarray) -> Tags:
     return dict(zip(OUTER, (loop[left], loop[right], loop[bottom], loop[~(left | right | bottom)])))
 
 
-def separate(mesh: Mesh, bodies: Mapping[str, Collection[str]], slits: Collection[str], parts: Collection[str]) -> Mesh:
-    """Double the nodes round bodies and along slits, and name the interfaces of areas and parts, which are subdomains.
+def separate(
+    mesh: Mesh,
+    bodies: Mapping[str, Collection[str]],
+    slits: Collection[str],
+    parts: Collection[str],
+) -> Mesh:
+    """Double the nodes round bodies and along slits, and name the interfaces of areas and parts,
+    which are subdomains.
 
     Parts are the lifts and what remains, if there are lifts.
     """
@@ -121,20 +137,35 @@ def _interfaces(labels: ndarray, inside: ndarray, group: list[str]) -> Tags:
 
 
 def _shares(boundaries: Tags, side: str, group: list[str], owner: ndarray) -> Tags:
-    """Return the shares that the subdomains of a group have in an outer boundary, or in a side of the ground."""
+    """Return the shares that the subdomains of a group have in an outer boundary, or in a side of
+    the ground.
+    """
     facets = np.asarray(boundaries.get(side, np.zeros(0, int)))
     body = side.removeprefix("ground|")
-    names = {k: f"{name}:{side}" if body == side else f"{name}|{body}" for k, name in enumerate(group)}
-    return {name: facets[owner[facets] == k] for k, name in names.items() if (owner[facets] == k).any()}
+    names = {
+        k: f"{name}:{side}" if body == side else f"{name}|{body}" for k, name in enumerate(group)
+    }
+    return {
+        name: facets[owner[facets] == k] for k, name in names.items() if (owner[facets] == k).any()
+    }
 
 
 def _sides_of_slit(boundaries: Tags, name: str, group: list[str], owner: ndarray) -> Tags:
-    """Return the shares in the sides of a slit: ``"lift|wall"``, and by side, ``"lift|wall|left"``, if it has two."""
+    """Return the shares in the sides of a slit: ``"lift|wall"``, and by side, ``"lift|wall|left"``,
+    if it has two.
+    """
     found = Tags()
-    sides = [f"{name}|{side}" for side in ("left", "right", "below", "above") if f"{name}|{side}" in boundaries]
+    sides = [
+        f"{name}|{side}"
+        for side in ("left", "right", "below", "above")
+        if f"{name}|{side}" in boundaries
+    ]
     for k, part in enumerate(group):
-        on = {side: facets[owner[facets] == k] for side in sides if
-              (owner[facets := np.asarray(boundaries[side])] == k).any()}
+        on = {
+            side: facets[owner[facets] == k]
+            for side in sides
+            if (owner[facets := np.asarray(boundaries[side])] == k).any()
+        }
         for side, facets in on.items():
             found[f"{part}|{name}" if len(on) == 1 else f"{part}|{side}"] = facets
     return found

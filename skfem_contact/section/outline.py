@@ -1,4 +1,5 @@
 """Outlines of areas and lines of a section: straight segments and circular arcs."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -24,17 +25,20 @@ class Outline:
     Parameters
     ----------
     points
-        Corners (n, 2) in their order. A last point that repeats the first one is dropped from a closed outline.
+        Corners (n, 2) in their order. A last point that repeats the first one is dropped from a
+        closed outline.
     bulges
-        Tangent of a quarter of the angle of each segment, as in drawings: 0 for a straight one, 1 for a half circle,
-        positive where the arc is to the right of its chord. One for each segment, or one for all.
+        Tangent of a quarter of the angle of each segment, as in drawings: 0 for a straight one, 1
+        for a half circle, positive where the arc is to the right of its chord. One for each
+        segment, or one for all.
     closed
         True for the outline of an area.
 
     Raises
     ------
     ValueError
-        Fewer points than an outline or a line needs, numbers that are not finite, an outline without an area.
+        Fewer points than an outline or a line needs, numbers that are not finite, an outline
+        without an area.
 
     Examples
     --------
@@ -52,7 +56,9 @@ class Outline:
     def __post_init__(self) -> None:
         points = finite(self.points, f"points of '{self.name}'")
         if points.ndim != 2 or points.shape[1] != 2:
-            raise ValueError(f"points of '{self.name}' must be points (x, y), not of the shape {points.shape}")
+            raise ValueError(
+                f"points of '{self.name}' must be points (x, y), not of the shape {points.shape}"
+            )
         bulges = finite(self.bulges, f"bulges of '{self.name}'")
         segments = len(points) if self.closed else len(points) - 1
         if self.closed and len(points) > 1 and _near(points[0], points[-1], points):
@@ -66,12 +72,16 @@ class Outline:
         bulges = bulges[kept]
         points = points[kept if self.closed else [*kept, True]] if segments else points
         if len(points) < 2 or (self.closed and len(points) < 3 and not bulges.any()):
-            raise ValueError(f"'{self.name}' has {len(points)} different points: "
-                             f"{'an area needs three' if self.closed else 'a line needs two'}")
+            raise ValueError(
+                f"'{self.name}' has {len(points)} different points: "
+                f"{'an area needs three' if self.closed else 'a line needs two'}"
+            )
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "bulges", bulges)
         if self.closed and abs(self.area) <= _SAME * float(np.ptp(points, axis=0).max()) ** 2:
-            raise ValueError(f"'{self.name}' has no area: its points lie on a line, or it crosses itself")
+            raise ValueError(
+                f"'{self.name}' has no area: its points lie on a line, or it crosses itself"
+            )
 
     @property
     def ends(self) -> tuple[ndarray, ndarray]:
@@ -85,7 +95,9 @@ class Outline:
         a, b = self.ends
         chord, t = b - a, self.bulges[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
-            return 0.5 * (a + b) + np.column_stack((-chord[:, 1], chord[:, 0])) * (1.0 - t * t) / (4.0 * t)
+            return 0.5 * (a + b) + np.column_stack((-chord[:, 1], chord[:, 0])) * (1.0 - t * t) / (
+                4.0 * t
+            )
 
     @property
     def length(self) -> float:
@@ -106,7 +118,9 @@ class Outline:
         return float(0.5 * (x * v - u * y).sum() + caps.sum())
 
     def chords(self, n: int = _CHORDS) -> tuple[ndarray, ndarray, ndarray]:
-        """Return first and last points of chords, (k, 2) each, n for each arc, and the segments that they belong to."""
+        """Return first and last points of chords, (k, 2) each, n for each arc, and the segments
+        that they belong to.
+        """
         starts, stops, segments = [], [], []
         for k, (a, b, centre, t) in enumerate(zip(*self.ends, self.centres, self.bulges)):
             points = np.array([a, b])
@@ -130,14 +144,24 @@ class Outline:
         after = np.arange(n if self.closed else n - 1)
         way, next_ = (b - a)[after], (b - a)[(after + 1) % n]
         cross = way[:, 0] * next_[:, 1] - way[:, 1] * next_[:, 0]
-        back = (np.abs(cross) <= _SAME * np.linalg.norm(way, axis=1) * np.linalg.norm(next_, axis=1)) \
-            & ((way * next_).sum(axis=1) < 0.0)
+        back = (
+            np.abs(cross) <= _SAME * np.linalg.norm(way, axis=1) * np.linalg.norm(next_, axis=1)
+        ) & ((way * next_).sum(axis=1) < 0.0)
         if met.any() or (back.any() and n > 2):
-            at = b[after[np.argmax(back)]] if back.any() else _crossing(*(x[np.argmax(met)] for x in (
-                a[first], b[first], a[second], b[second])))
-            raise ValueError(f"'{name}' crosses or touches itself near {format_point(at)}; give its points in order "
-                             "round the area" if self.closed else
-                             f"'{name}' crosses or touches itself near {format_point(at)}")
+            at = (
+                b[after[np.argmax(back)]]
+                if back.any()
+                else _crossing(
+                    *(x[np.argmax(met)] for x in (a[first], b[first], a[second], b[second]))
+                )
+            )
+            raise ValueError(
+                f"'{name}' crosses or touches itself near {format_point(at)}; give its points in "
+                f"order "
+                "round the area"
+                if self.closed
+                else f"'{name}' crosses or touches itself near {format_point(at)}"
+            )
 
 
 def circle(centre: ArrayLike, radius: float) -> Outline:
@@ -157,7 +181,9 @@ def circle(centre: ArrayLike, radius: float) -> Outline:
     '3.141593'
     """
     corners = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)])
-    return Outline(vector(centre, 2, "centre") + positive(radius, "radius") * corners, np.tan(np.pi / 8))
+    return Outline(
+        vector(centre, 2, "centre") + positive(radius, "radius") * corners, np.tan(np.pi / 8)
+    )
 
 
 def rectangle(x: Sequence[float], y: Sequence[float]) -> Outline:
@@ -174,9 +200,15 @@ def rectangle(x: Sequence[float], y: Sequence[float]) -> Outline:
 
 
 def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
-    """Return the outlines of a shape: an outline, points, or a list of either; each crosses itself nowhere."""
+    """Return the outlines of a shape: an outline, points, or a list of either; each crosses itself
+    nowhere.
+    """
     pieces = [shape]
-    if isinstance(shape, (list, tuple)) and shape and (isinstance(shape[0], Outline) or np.ndim(shape[0]) == 2):
+    if (
+        isinstance(shape, (list, tuple))
+        and shape
+        and (isinstance(shape[0], Outline) or np.ndim(shape[0]) == 2)
+    ):
         pieces = list(shape)
     found = []
     for piece in pieces:
@@ -195,16 +227,23 @@ def _near(a: ndarray, b: ndarray, points: ndarray) -> bool:
 def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
     """Return the side of lines through a and b on which points c lie, relative to the lengths."""
     u, v = b - a, c - a
-    scale = np.linalg.norm(u, axis=1) * np.maximum(np.linalg.norm(v, axis=1), np.linalg.norm(u, axis=1))
+    scale = np.linalg.norm(u, axis=1) * np.maximum(
+        np.linalg.norm(v, axis=1), np.linalg.norm(u, axis=1)
+    )
     value = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     return np.where(np.abs(value) <= _SAME * scale, 0.0, np.sign(value))
 
 
 def _meet(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:
     """Return which segments a-b and c-d have a point in common."""
-    boxes = (np.maximum(np.minimum(a, b), np.minimum(c, d)) <= np.minimum(np.maximum(a, b), np.maximum(c, d))
-             + _SAME * np.abs(b - a).max(axis=1, keepdims=True)).all(axis=1)
-    return boxes & (_side(a, b, c) * _side(a, b, d) <= 0.0) & (_side(c, d, a) * _side(c, d, b) <= 0.0)
+    boxes = (
+        np.maximum(np.minimum(a, b), np.minimum(c, d))
+        <= np.minimum(np.maximum(a, b), np.maximum(c, d))
+        + _SAME * np.abs(b - a).max(axis=1, keepdims=True)
+    ).all(axis=1)
+    return (
+        boxes & (_side(a, b, c) * _side(a, b, d) <= 0.0) & (_side(c, d, a) * _side(c, d, b) <= 0.0)
+    )
 
 
 def _crossing(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:

@@ -1,4 +1,5 @@
 """Sections: named areas, lines and sizes, from which Gmsh makes a mesh with all names."""
+
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
@@ -28,23 +29,28 @@ Shape = Any
 
 @dataclass(frozen=True)
 class Section:
-    """A plane section of ground and structures from a sketch: named areas, lines and sizes of elements.
+    """A plane section of ground and structures from a sketch: named areas, lines and sizes of
+    elements.
 
     Outlines need not share points. Where they cross, touch or lie on each other they are cut.
 
     Parameters
     ----------
     areas
-        Outlines by name: layers, fills, linings, footings. Each is a list of points (x, y), an :class:`Outline` such as
-        :func:`circle`, or a list of several of them. Areas must not overlap, unless `replace` names the later one.
+        Outlines by name: layers, fills, linings, footings. Each is a list of points (x, y), an
+        :class:`Outline` such as
+        :func:`circle`, or a list of several of them. Areas must not overlap, unless `replace` names
+        the later one.
     size
         Size of elements.
     lifts
-        Outlines by name of what stages dig or fill. They lie over the areas, and each may hold several of them.
+        Outlines by name of what stages dig or fill. They lie over the areas, and each may hold
+        several of them.
     lines
         Points by name, or open outlines: walls, geogrids, drains, loaded strips of the surface.
     holes
-        Outlines by name that are cut out: bores, the inside of pipes. Their boundaries have their names.
+        Outlines by name that are cut out: bores, the inside of pipes. Their boundaries have their
+        names.
     surface
         Points of the surface, from the left to the right; what lies above it is cut off.
     replace
@@ -63,8 +69,9 @@ class Section:
     Raises
     ------
     ValueError
-        Outlines that cross themselves, names that are not unique or do not exist, sizes that are not positive. Areas
-        that overlap and lines outside of them are refused by name when the section is cut, by :attr:`parts` and
+        Outlines that cross themselves, names that are not unique or do not exist, sizes that are
+        not positive. Areas that overlap and lines outside of them are refused by name when the
+        section is cut, by :attr:`parts` and
         :meth:`mesh`.
     ImportError
         Gmsh is missing: install the extra ``mesh``.
@@ -114,33 +121,57 @@ class Section:
         if self.coordinates == "axisymmetric":
             for name, outlines in self.outlines.items():
                 if (low := min(np.vstack(o.chords()[:2])[:, 0].min() for o in outlines)) < 0.0:
-                    raise ValueError(f"'{name}' reaches to x = {low:.4g}: axisymmetric sections have x >= 0")
+                    raise ValueError(
+                        f"'{name}' reaches to x = {low:.4g}: axisymmetric sections have x >= 0"
+                    )
         self.plan  # noqa: B018 - refuses wrong outlines now
 
     @cached_property
     def outlines(self) -> dict[str, tuple[Outline, ...]]:
         """Checked outlines of all areas, lifts, holes and lines by name."""
-        closed = {name: outlines_of(shape, name, True) for group in (self.areas, self.lifts, self.holes)
-                  for name, shape in group.items()}
-        return closed | {name: outlines_of(shape, name, False) for name, shape in self.lines.items()}
+        closed = {
+            name: outlines_of(shape, name, True)
+            for group in (self.areas, self.lifts, self.holes)
+            for name, shape in group.items()
+        }
+        return closed | {
+            name: outlines_of(shape, name, False) for name, shape in self.lines.items()
+        }
 
     @cached_property
     def plan(self) -> Plan:
         """Outlines in the order in which they are cut."""
-        areas, lifts, holes, lines = ({name: self.outlines[name] for name in group} for group in (
-            self.areas, self.lifts, self.holes, self.lines))
-        later = list(areas)[1:] if self.replace is True else () if self.replace is False else self.replace
+        areas, lifts, holes, lines = (
+            {name: self.outlines[name] for name in group}
+            for group in (self.areas, self.lifts, self.holes, self.lines)
+        )
+        later = (
+            list(areas)[1:]
+            if self.replace is True
+            else ()
+            if self.replace is False
+            else self.replace
+        )
         bodies = frozenset(names(self.bodies, areas, "area"))
         corners = np.vstack([o.points for outlines in areas.values() for o in outlines])
         shift = np.round(0.5 * (corners.min(axis=0) + corners.max(axis=0)))
-        return Plan(areas, lifts, holes, lines, _below(self.surface, areas), frozenset(names(later, areas, "area")),
-                    bodies, shift)
+        return Plan(
+            areas,
+            lifts,
+            holes,
+            lines,
+            _below(self.surface, areas),
+            frozenset(names(later, areas, "area")),
+            bodies,
+            shift,
+        )
 
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
         """Parts that stages and contact move by themselves, with the areas that each of them holds.
 
-        They are the lifts, the bodies and the ground: ``"ground"``, or ``"remaining"`` beside lifts.
+        They are the lifts, the bodies and the ground: ``"ground"``, or ``"remaining"`` beside
+        lifts.
         """
         with gmsh_model() as gmsh:
             faces = cut_up(gmsh, self.plan).faces.values()
@@ -154,42 +185,60 @@ class Section:
     def mesh(self, order: Literal[1, 2] | None = None, scale: float = 1.0) -> Mesh:
         """Return the mesh of triangles with all names.
 
-        Subdomains are the areas, the lifts, ``"ground"``, which is all but the bodies, and beside lifts
-        ``"remaining"``. Boundaries are:
+        Subdomains are the areas, the lifts, ``"ground"``, which is all but the bodies, and beside
+        lifts ``"remaining"``. Boundaries are:
 
-        * ``"left"``, ``"right"``, ``"bottom"`` and ``"surface"``; ``"lift 1:surface"`` is the share of a lift or area;
-        * lines and holes by their names; a hole between several bodies is ``"ring:bore"`` and ``"ground:bore"``;
+        * ``"left"``, ``"right"``, ``"bottom"`` and ``"surface"``; ``"lift 1:surface"`` is the share
+          of a lift or area;
+        * lines and holes by their names; a hole between several bodies is ``"ring:bore"`` and
+          ``"ground:bore"``;
         * ``"a|b"`` and ``"b|a"``, both sides of the interface between two areas, lifts or bodies;
-        * ``"wall|left"`` and ``"wall|right"``, the sides of a slit, or ``"wall|below"`` and ``"wall|above"``.
-          ``"lift 1|wall"`` is the share of a lift or area; if that lies on both sides, ``"remaining|wall|left"`` and
-          ``"remaining|wall|right"``, see :meth:`sides`.
+        * ``"wall|left"`` and ``"wall|right"``, the sides of a slit, or ``"wall|below"`` and
+          ``"wall|above"``. ``"lift 1|wall"`` is the share of a lift or area; if that lies on both
+          sides, ``"remaining|wall|left"`` and ``"remaining|wall|right"``, see :meth:`sides`.
 
         Parameters
         ----------
         order
-            2 for elements whose sides follow arcs; by default 2 if there are any. With order 1 sides are chords.
+            2 for elements whose sides follow arcs; by default 2 if there are any. With order 1
+            sides are chords.
         scale
             Factor of all sizes: .5 for elements of half the size.
 
         Raises
         ------
         ValueError
-            Areas or lifts that overlap, lines or lifts outside of the areas, areas of which nothing is left, gaps
-            between areas, outlines that nearly meet.
+            Areas or lifts that overlap, lines or lifts outside of the areas, areas of which nothing
+            is left, gaps between areas, outlines that nearly meet.
 
         Warns
         -----
         AnalysisWarning
-            Triangles with an angle below 5 degrees, because outlines or lines meet at such an angle.
+            Triangles with an angle below 5 degrees, because outlines or lines meet at such an
+            angle.
         """
         if order is None:
-            order = 2 if any(o.bulges.any() for outlines in self.outlines.values() for o in outlines) else 1
+            order = (
+                2
+                if any(o.bulges.any() for outlines in self.outlines.values() for o in outlines)
+                else 1
+            )
         near = [(vector(point, 2, "near") - self.plan.shift, value) for point, value in self.near]
-        return meshed(self.plan, Sizing(self.size, self.sizes, near), names(self.slits, self.lines, "line"), order,
-                      positive(scale, "scale"))
+        return meshed(
+            self.plan,
+            Sizing(self.size, self.sizes, near),
+            names(self.slits, self.lines, "line"),
+            order,
+            positive(scale, "scale"),
+        )
 
-    def solids(self, basis: CellBasis, materials: Material | Mapping[str, Material],
-               unit_weight: float | Mapping[str, float] | None = None, porous: bool = True) -> dict[str, SolidForm]:
+    def solids(
+        self,
+        basis: CellBasis,
+        materials: Material | Mapping[str, Material],
+        unit_weight: float | Mapping[str, float] | None = None,
+        porous: bool = True,
+    ) -> dict[str, SolidForm]:
         """Return a solid for each of the :attr:`parts`.
 
         Parameters
@@ -213,17 +262,27 @@ class Section:
         >>> list(footing.solids(basis, soils, unit_weight=20.))
         ['ground', 'footing']
         """
-        given = materials if isinstance(materials, Mapping) else dict.fromkeys(self.areas, materials)
+        given = (
+            materials if isinstance(materials, Mapping) else dict.fromkeys(self.areas, materials)
+        )
         if missing := [name for name in self.areas if name not in given]:
             raise ValueError(f"there is no material for the areas {missing}")
-        weights: Mapping[str, Any] = unit_weight if isinstance(unit_weight, Mapping) else dict.fromkeys(
-            self.areas, unit_weight)
+        weights: Mapping[str, Any] = (
+            unit_weight
+            if isinstance(unit_weight, Mapping)
+            else dict.fromkeys(self.areas, unit_weight)
+        )
         forms = {}
         for part, held in self.parts.items():
             weight = {area: weights[area] for area in held if weights.get(area) is not None}
             coordinates = None if self.coordinates == "plane" else self.coordinates
-            forms[part] = SolidForm(basis.with_elements(part), {area: given[area] for area in held},
-                                    coordinates=coordinates, unit_weight=weight or None, porous=porous)
+            forms[part] = SolidForm(
+                basis.with_elements(part),
+                {area: given[area] for area in held},
+                coordinates=coordinates,
+                unit_weight=weight or None,
+                porous=porous,
+            )
         return forms
 
     def extruded(self, levels: ArrayLike, upright: bool = False, order: Literal[1, 2] = 1) -> Mesh:
@@ -234,9 +293,9 @@ class Section:
         levels
             Coordinates of the layers of elements, ascending, (n,).
         upright
-            False: the section is upright, and is extruded along y; x remains, its heights become z, and the ends are
-            the boundaries ``"front"`` and ``"back"``. True: the section is a plan, and is extruded along z; the ends
-            are ``"base"`` and ``"top"``.
+            False: the section is upright, and is extruded along y; x remains, its heights become z,
+            and the ends are the boundaries ``"front"`` and ``"back"``. True: the section is a plan,
+            and is extruded along z; the ends are ``"base"`` and ``"top"``.
         order
             As of :meth:`mesh`.
 
@@ -256,13 +315,17 @@ class Section:
     def sides(self, line: str, mesh: Mesh) -> list[str]:
         """Return the boundaries that make up both sides of a slit: by lift, where lifts touch it.
 
-        They are what ``wall.contact(basis, law, section.sides("wall", mesh))`` takes, so that the contact of a lift can
-        be deactivated with it.
+        They are what ``wall.contact(basis, law, section.sides("wall", mesh))`` takes, so that the
+        contact of a lift can be deactivated with it.
         """
         look_up(line, dict.fromkeys(names(self.slits, self.lines, "line")), "slit")
         parts = [part for part in self.parts if part not in self.plan.bodies] if self.lifts else []
-        found = [name for name in mesh.boundaries or {} for part in parts
-                 if name == f"{part}|{line}" or name.startswith(f"{part}|{line}|")]
+        found = [
+            name
+            for name in mesh.boundaries or {}
+            for part in parts
+            if name == f"{part}|{line}" or name.startswith(f"{part}|{line}|")
+        ]
         return found or [name for name in mesh.boundaries or {} if name.startswith(f"{line}|")]
 
     def plot(self, file: str | Path | None = None, show: bool = False) -> Any:
@@ -280,7 +343,12 @@ class Section:
         return area if area in self.plan.bodies else lift or self._ground
 
     def __repr__(self) -> str:
-        groups = {"areas": self.areas, "lifts": self.lifts, "lines": self.lines, "holes": self.holes}
+        groups = {
+            "areas": self.areas,
+            "lifts": self.lifts,
+            "lines": self.lines,
+            "holes": self.holes,
+        }
         listed = [f"{kind}: {', '.join(group)}" for kind, group in groups.items() if group]
         return f"<Section {'; '.join(listed)}>"
 
@@ -296,10 +364,18 @@ def _check_names(section: Section) -> None:
         if given.count(name) > 1:
             raise ValueError(f"the name '{name}' is not unique")
         if name in (*OUTER, REMAINING):
-            raise ValueError(f"'{name}' is the name of a part of every mesh of a section: choose another one")
-    ground = [name for name in section.areas if name not in names(section.bodies, section.areas, "area")]
-    if "ground" in section.lifts or "ground" in section.lines or "ground" in section.holes \
-            or ("ground" in section.areas and ground != ["ground"]):
+            raise ValueError(
+                f"'{name}' is the name of a part of every mesh of a section: choose another one"
+            )
+    ground = [
+        name for name in section.areas if name not in names(section.bodies, section.areas, "area")
+    ]
+    if (
+        "ground" in section.lifts
+        or "ground" in section.lines
+        or "ground" in section.holes
+        or ("ground" in section.areas and ground != ["ground"])
+    ):
         raise ValueError("'ground' is the name of all areas that are no bodies: choose another one")
     names(section.slits, section.lines, "line")
 
@@ -310,12 +386,19 @@ def _below(surface: Any, areas: Mapping[str, tuple[Outline, ...]]) -> Outline | 
         return None
     profile = Outline(surface, closed=False, name="surface")
     profile.check_simple("surface")
-    corners = np.vstack([np.vstack(o.chords()[:2]) for outlines in areas.values() for o in outlines])
+    corners = np.vstack(
+        [np.vstack(o.chords()[:2]) for outlines in areas.values() for o in outlines]
+    )
     (left, low), (right, _) = corners.min(axis=0), corners.max(axis=0)
     first, last = profile.points[[0, -1], 0]
     if first > left or last < right:
-        raise ValueError(f"the surface reaches from x = {first:.4g} to {last:.4g}, the areas from {left:.4g} to "
-                         f"{right:.4g}: it must cover them, from the left to the right")
+        raise ValueError(
+            f"the surface reaches from x = {first:.4g} to {last:.4g}, the areas from {left:.4g} to "
+            f"{right:.4g}: it must cover them, from the left to the right"
+        )
     depth: ndarray = np.array([min(low, profile.points[:, 1].min()) - 0.1 * (right - left)])
-    return Outline(np.vstack((profile.points, np.column_stack(([last, first], np.repeat(depth, 2))))), closed=True,
-                   name="surface")
+    return Outline(
+        np.vstack((profile.points, np.column_stack(([last, first], np.repeat(depth, 2))))),
+        closed=True,
+        name="surface",
+    )

@@ -1,4 +1,5 @@
 """Sections of structures in level ground, y = 0, from a few numbers each."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -13,9 +14,20 @@ from .outline import Outline, circle, rectangle
 from .section import Section
 
 
-def trench(width: float, depth: float, bottoms: Layers, size: float, *, outer: float | Sequence[float],
-           thickness: float, bedding: float | None = None, beyond: float | None = None, **more: Any) -> Section:
-    """Return a trench that is filled over a pipe or a box: areas ``"backfill"`` and ``"pipe"``, a body.
+def trench(
+    width: float,
+    depth: float,
+    bottoms: Layers,
+    size: float,
+    *,
+    outer: float | Sequence[float],
+    thickness: float,
+    bedding: float | None = None,
+    beyond: float | None = None,
+    **more: Any,
+) -> Section:
+    """Return a trench that is filled over a pipe or a box: areas ``"backfill"`` and ``"pipe"``, a
+    body.
 
     Parameters
     ----------
@@ -48,18 +60,30 @@ def trench(width: float, depth: float, bottoms: Layers, size: float, *, outer: f
     if np.ndim(outer):
         wide, high = finite(outer, "outer")
         shell = rectangle((-wide / 2, wide / 2), (floor, floor + high))
-        inside = rectangle((thickness - wide / 2, wide / 2 - thickness), (floor + thickness, floor + high - thickness))
+        inside = rectangle(
+            (thickness - wide / 2, wide / 2 - thickness),
+            (floor + thickness, floor + high - thickness),
+        )
     else:
         radius = 0.5 * float(np.asarray(outer))
         shell, inside = (circle((0.0, floor + radius), r) for r in (radius, radius - thickness))
-    areas = {**layers((-right, right), 0.0, bottoms), "backfill": rectangle((-half, half), (-depth, 0.0)),
-             "pipe": shell}
-    options: dict[str, Any] = {"replace": ["backfill", "pipe"], "bodies": "pipe", "holes": {"inside": inside},
-                               "sizes": {"pipe": max(2.0 * thickness, size / 10.0)}}
+    areas = {
+        **layers((-right, right), 0.0, bottoms),
+        "backfill": rectangle((-half, half), (-depth, 0.0)),
+        "pipe": shell,
+    }
+    options: dict[str, Any] = {
+        "replace": ["backfill", "pipe"],
+        "bodies": "pipe",
+        "holes": {"inside": inside},
+        "sizes": {"pipe": max(2.0 * thickness, size / 10.0)},
+    }
     return Section(areas, size, **merged(options, more))
 
 
-def three_centres(crown: float, side: float, angles: Sequence[float], centre: Sequence[float] = (0.0, 0.0)) -> Outline:
+def three_centres(
+    crown: float, side: float, angles: Sequence[float], centre: Sequence[float] = (0.0, 0.0)
+) -> Outline:
     """Return the outline of a tunnel of three radii, which meet without kinks.
 
     Parameters
@@ -93,8 +117,15 @@ def three_centres(crown: float, side: float, angles: Sequence[float], centre: Se
     return Outline(points, np.tan(turns / 4.0))
 
 
-def tunnel(outline: Outline, bottoms: Layers, size: float, *, width: float, fine: float | None = None,
-           **more: Any) -> Section:
+def tunnel(
+    outline: Outline,
+    bottoms: Layers,
+    size: float,
+    *,
+    width: float,
+    fine: float | None = None,
+    **more: Any,
+) -> Section:
     """Return a tunnel in level ground: the lift ``"core"``, and the line ``"lining"`` round it.
 
     Parameters
@@ -117,13 +148,25 @@ def tunnel(outline: Outline, bottoms: Layers, size: float, *, width: float, fine
     <Section areas: clay; lifts: core; lines: lining>
     """
     right = 0.5 * positive(width, "width")
-    options: dict[str, Any] = {"lifts": {"core": outline}, "lines": {"lining": outline},
-                               "sizes": {"lining": chosen(fine, "fine", size / 4.0)}}
+    options: dict[str, Any] = {
+        "lifts": {"core": outline},
+        "lines": {"lining": outline},
+        "sizes": {"lining": chosen(fine, "fine", size / 4.0)},
+    }
     return Section(layers((-right, right), 0.0, bottoms), size, **merged(options, more))
 
 
-def footing(width: float, thickness: float, bottoms: Layers, size: float, *, depth: float = 0.0,
-            beyond: float | None = None, fine: float | None = None, **more: Any) -> Section:
+def footing(
+    width: float,
+    thickness: float,
+    bottoms: Layers,
+    size: float,
+    *,
+    depth: float = 0.0,
+    beyond: float | None = None,
+    fine: float | None = None,
+    **more: Any,
+) -> Section:
     """Return a footing with its middle at x = 0, a body.
 
     Parameters
@@ -149,15 +192,32 @@ def footing(width: float, thickness: float, bottoms: Layers, size: float, *, dep
     """
     half = 0.5 * positive(width, "width")
     right = half + chosen(beyond, "beyond", 3.0 * width)
-    areas = {**layers((-right, right), 0.0, bottoms),
-             "footing": rectangle((-half, half), (-depth, positive(thickness, "thickness") - depth))}
-    options: dict[str, Any] = {"bodies": "footing", "replace": "footing",
-                               "sizes": {"footing": chosen(fine, "fine", width / 10.0)}}
+    areas = {
+        **layers((-right, right), 0.0, bottoms),
+        "footing": rectangle((-half, half), (-depth, positive(thickness, "thickness") - depth)),
+    }
+    options: dict[str, Any] = {
+        "bodies": "footing",
+        "replace": "footing",
+        "sizes": {"footing": chosen(fine, "fine", width / 10.0)},
+    }
     return Section(areas, size, **merged(options, more))
 
 
-def retaining_wall(height: float, base: float, bottoms: Layers, size: float, *, stem: float, slab: float, toe: float,
-                   depth: float, beyond: float | None = None, fine: float | None = None, **more: Any) -> Section:
+def retaining_wall(
+    height: float,
+    base: float,
+    bottoms: Layers,
+    size: float,
+    *,
+    stem: float,
+    slab: float,
+    toe: float,
+    depth: float,
+    beyond: float | None = None,
+    fine: float | None = None,
+    **more: Any,
+) -> Section:
     """Return a cantilever wall, a body, with the area ``"backfill"`` behind it, on its right.
 
     Parameters
@@ -189,17 +249,36 @@ def retaining_wall(height: float, base: float, bottoms: Layers, size: float, *, 
     """
     heel, free = base - toe, chosen(beyond, "beyond", 3.0 * (height + depth))
     left, right = -toe - free, heel + free
-    wall = [(-toe, -depth), (heel, -depth), (heel, slab - depth), (stem, slab - depth), (stem, height), (0.0, height),
-            (0.0, slab - depth), (-toe, slab - depth)]
+    wall = [
+        (-toe, -depth),
+        (heel, -depth),
+        (heel, slab - depth),
+        (stem, slab - depth),
+        (stem, height),
+        (0.0, height),
+        (0.0, slab - depth),
+        (-toe, slab - depth),
+    ]
     filled = [(0.0, -depth), (right, -depth), (right, height), (0.0, height)]
     areas = {**layers((left, right), 0.0, bottoms), "backfill": filled, "wall": wall}
-    options: dict[str, Any] = {"bodies": "wall", "replace": ["backfill", "wall"],
-                               "sizes": {"wall": chosen(fine, "fine", stem)}}
+    options: dict[str, Any] = {
+        "bodies": "wall",
+        "replace": ["backfill", "wall"],
+        "sizes": {"wall": chosen(fine, "fine", stem)},
+    }
     return Section(areas, size, **merged(options, more))
 
 
-def pile(diameter: float, length: float, bottoms: Layers, size: float, *, radius: float | None = None,
-         fine: float | None = None, **more: Any) -> Section:
+def pile(
+    diameter: float,
+    length: float,
+    bottoms: Layers,
+    size: float,
+    *,
+    radius: float | None = None,
+    fine: float | None = None,
+    **more: Any,
+) -> Section:
     """Return a pile in a cylinder of ground, axisymmetric; the pile is a body.
 
     Parameters
@@ -221,8 +300,14 @@ def pile(diameter: float, length: float, bottoms: Layers, size: float, *, radius
     >>> sc.section.pile(.6, 10., {"clay": -15.}, size=3.).coordinates
     'axisymmetric'
     """
-    areas = {**layers((0.0, chosen(radius, "radius", positive(length, "length"))), 0.0, bottoms),
-             "pile": rectangle((0.0, 0.5 * positive(diameter, "diameter")), (-length, 0.0))}
-    options: dict[str, Any] = {"bodies": "pile", "replace": "pile", "coordinates": "axisymmetric",
-                               "sizes": {"pile": chosen(fine, "fine", 0.5 * diameter)}}
+    areas = {
+        **layers((0.0, chosen(radius, "radius", positive(length, "length"))), 0.0, bottoms),
+        "pile": rectangle((0.0, 0.5 * positive(diameter, "diameter")), (-length, 0.0)),
+    }
+    options: dict[str, Any] = {
+        "bodies": "pile",
+        "replace": "pile",
+        "coordinates": "axisymmetric",
+        "sizes": {"pile": chosen(fine, "fine", 0.5 * diameter)},
+    }
     return Section(areas, size, **merged(options, more))

@@ -19,8 +19,8 @@ from .schur import SchurSolver
 
 logger = logging.getLogger("skfem_contact")
 
-#: Dofs in space up to which elastic bodies in contact are factored once: 116,000 take 34 s, as long as 8 solutions
-#: by multigrid, and the time grows with the square of their number.
+#: Dofs in space up to which elastic bodies in contact are factored once: 116,000 take 34 s, as long
+#: as 8 solutions by multigrid, and the time grows with the square of their number.
 FACTORED_ONCE = 200_000
 
 
@@ -41,18 +41,26 @@ class FunctionSolver:
             x = np.zeros(K.shape[0])
             x[self._block.order] = self._function(A, b[self._block.order])
             if not np.all(np.isfinite(x)):
-                raise NotConverged(f"the linear solver {self.name} returned values that are not finite")
+                raise NotConverged(
+                    f"the linear solver {self.name} returned values that are not finite"
+                )
             return x
 
         return solve
 
 
-def as_solver(solver: Any, locations: ndarray, free: ndarray, interface: ndarray | None = None, single: bool = False
-              ) -> LinearSolver:
+def as_solver(
+    solver: Any,
+    locations: ndarray,
+    free: ndarray,
+    interface: ndarray | None = None,
+    single: bool = False,
+) -> LinearSolver:
     """Return the linear solver of the `free` dofs with coordinates `locations`, (dim, N).
 
-    `solver` is None or the name of an engine, for a :class:`DirectSolver`; "amg", for :class:`AmgOrDirect`; or a linear
-    solver of scikit-fem, a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
+    `solver` is None or the name of an engine, for a :class:`DirectSolver`; "amg", for
+    :class:`AmgOrDirect`; or a linear solver of scikit-fem, a function (A, b) -> x such as
+    `skfem.utils.solver_iter_krylov()` returns.
     """
     if callable(solver):
         return FunctionSolver(solver, free)
@@ -61,23 +69,34 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray, interface: ndarray
     if solver is None or solver in tuple(ENGINES):
         return DirectSolver(locations, free, solver, single)
     names = ", ".join((*ENGINES, "amg"))
-    raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")
+    raise ValueError(
+        f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}"
+    )
 
 
-def linear_solver(forms: Mapping[str, Form], solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
+def linear_solver(
+    forms: Mapping[str, Form], solver: Any, locations: ndarray, free: ndarray
+) -> LinearSolver:
     """Choose the linear solver of an analysis by the dofs where the tangents of its forms change.
 
-    A function of the user and multigrid, if given, solve all systems.  None leaves the choice to the installed
-    packages, with multigrid where it pays.
+    A function of the user and multigrid, if given, solve all systems.  None leaves the choice to
+    the installed packages, with multigrid where it pays.
     """
     changing = [form.changing for form in forms.values() if form.changing is not None]
     anywhere = len(changing) < len(forms)
     interface = np.unique(np.concatenate(changing or [np.zeros(0, int)]))
     engine = fastest_engine() if solver is None else ""
     displacements_only = not any(form.fields for form in forms.values())
-    most = iterations_that_pay(locations, free, engine, anywhere) if solver is None and displacements_only else 0
-    inner = AmgOrDirect(locations, free, interface, engine, most) if most else \
-        as_solver(solver, locations, free, interface, single=anywhere)
+    most = (
+        iterations_that_pay(locations, free, engine, anywhere)
+        if solver is None and displacements_only
+        else 0
+    )
+    inner = (
+        AmgOrDirect(locations, free, interface, engine, most)
+        if most
+        else as_solver(solver, locations, free, interface, single=anywhere)
+    )
     given = callable(solver) or (isinstance(solver, str) and solver == "amg")
     if given or anywhere or len(interface) == 0 or (most and len(free) > FACTORED_ONCE):
         return inner  # where bodies yield, factors that are made to be kept do not pay

@@ -24,9 +24,9 @@ MOVES = 1e-2  # part of the largest entry from which a dof takes part in a motio
 REFINE = 1e-10  # relative residual from which the solution is refined
 WRONG = 1e-5  # relative residual that is refused
 HOLD = 1e-13  # relative stiffness that is added to find the dofs that move
-#: Free dofs in space from which factors have single precision: from 4,000 to 32,000 dofs they take 65 to 50 % of the
-#: time and half of the memory, and three refinements, 2 to 5 % of a factor each, lead to residuals of 1e-14.  In the
-#: plane refinements take what factors save.
+#: Free dofs in space from which factors have single precision: from 4,000 to 32,000 dofs they take
+#: 65 to 50 % of the time and half of the memory, and three refinements, 2 to 5 % of a factor each,
+#: lead to residuals of 1e-14.  In the plane refinements take what factors save.
 SINGLE = 4000
 #: Stiffness from which they do, and the residual to which so many refinements must lead.
 FIRM, ROUND_OFF, REFINEMENTS = 1e-5, 1e-13, 4
@@ -44,7 +44,9 @@ class Solve(Protocol):
     """Solution of a prepared system."""
 
     def __call__(self, b: ndarray, rtol: float = REFINE) -> ndarray:
-        """Return the solution for b (N,); iterative solvers may leave a residual of `rtol` times b."""
+        """Return the solution for b (N,); iterative solvers may leave a residual of `rtol` times
+        b.
+        """
 
 
 class LinearSolver(Protocol):
@@ -69,21 +71,28 @@ class Engine(Protocol):
     def outdated(self) -> bool:
         """Return True if a new order pays."""
 
-    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
+    def factor(
+        self, A: csr_matrix, symmetric: bool, careful: bool = False
+    ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
 
 
-#: Ways to compute a factor: in single precision, in double precision, and with pivots chosen for accuracy.
+#: Ways to compute a factor: in single precision, in double precision, and with pivots chosen for
+#: accuracy.
 Way = Literal["single", "double", "careful"]
 WAYS: tuple[Way, ...] = ("single", "double", "careful")
-ENGINES: dict[str, Callable[[], Engine]] = {"pardiso": Pardiso, "superlu": SuperLU}  # the fastest first
+ENGINES: dict[str, Callable[[], Engine]] = {
+    "pardiso": Pardiso,
+    "superlu": SuperLU,
+}  # the fastest first
 
 
 class DirectSolver:
     """Sparse factors of the free block of K, for many tangents on one mesh.
 
-    The order of elimination is kept as long as the factors stay sparse.  The map that gathers the block is kept as long
-    as the pattern of K stays, and the factor as long as the free block of K stays.
+    The order of elimination is kept as long as the factors stay sparse.  The map that gathers the
+    block is kept as long as the pattern of K stays, and the factor as long as the free block of K
+    stays.
 
     Parameters
     ----------
@@ -92,11 +101,11 @@ class DirectSolver:
     free
         Dofs to solve for; the others are zero in every solution.
     engine
-        "superlu" (scipy) or "pardiso" (Intel MKL, needs the extra ``fast``); by default PARDISO where it
-        is installed.
+        "superlu" (scipy) or "pardiso" (Intel MKL, needs the extra ``fast``); by default PARDISO
+        where it is installed.
     single
-        Factor large matrices in space in single precision, and refine their solutions to the residual of double
-        precision.  It pays where a factor serves for few solutions.
+        Factor large matrices in space in single precision, and refine their solutions to the
+        residual of double precision.  It pays where a factor serves for few solutions.
 
     Examples
     --------
@@ -110,7 +119,9 @@ class DirectSolver:
     array([0. , 1.5, 2. , 1.5])
     """
 
-    def __init__(self, locations: ndarray, free: ndarray, engine: str | None = None, single: bool = False) -> None:
+    def __init__(
+        self, locations: ndarray, free: ndarray, engine: str | None = None, single: bool = False
+    ) -> None:
         self._locations, self._free = locations, np.asarray(free)
         self._engine = as_engine(engine)
         self._block: FreeBlock | None = None
@@ -128,14 +139,18 @@ class DirectSolver:
         return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} dofs)"
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Factor the free block of K, (N, N), for solutions b (N,) -> x (N,) with zeros at the prescribed dofs.
+        """Factor the free block of K, (N, N), for solutions b (N,) -> x (N,) with zeros at the
+        prescribed dofs.
 
-        PARDISO makes use of the symmetry of K; K is nonsymmetric in slip and in non-associated flow.  A motion of
-        the free dofs without stiffness raises :class:`SingularSystem`, here or in the callable.
+        PARDISO makes use of the symmetry of K; K is nonsymmetric in slip and in non-associated
+        flow.  A motion of the free dofs without stiffness raises :class:`SingularSystem`, here or
+        in the callable.
         """
         n = self._locations.shape[1]
         if K.shape != (n, n):
-            raise ValueError(f"the stiffness has the shape {K.shape}, but {n} dofs have coordinates")
+            raise ValueError(
+                f"the stiffness has the shape {K.shape}, but {n} dofs have coordinates"
+            )
         if len(self._free) == 0:
             return nothing_free
         last, block = self._last, self._block or self._ordered(K)
@@ -143,14 +158,21 @@ class DirectSolver:
         if known and last is not None and last.usable and last.symmetric == symmetric:
             return last
         self._block, self._given, A = block, ref(K), block.gather(K)
-        if last is not None and last.usable and last.symmetric == symmetric and same_matrix(A, last.A):
+        if (
+            last is not None
+            and last.usable
+            and last.symmetric == symmetric
+            and same_matrix(A, last.A)
+        ):
             return last
         if self._engine.outdated():
             block = self._block = self._ordered(K)
             A = block.gather(K)
         self._single = self._single and (last is None or last.holds)
         self._last = last = None  # its memory is free for the next one
-        factor = self._last = _Factor(A, self._engine, symmetric, block.order, n, WAYS[not self._single:])
+        factor = self._last = _Factor(
+            A, self._engine, symmetric, block.order, n, WAYS[not self._single :]
+        )
         return factor
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
@@ -182,10 +204,19 @@ def as_engine(name: str | None = None) -> Engine:
 
 
 class _Factor:
-    """Factor of one free block, with checks of its solutions: computed in one of the `ways`, the first that holds."""
+    """Factor of one free block, with checks of its solutions: computed in one of the `ways`, the
+    first that holds.
+    """
 
-    def __init__(self, A: csr_matrix, engine: Engine, symmetric: bool, order: ndarray, size: int,
-                 ways: tuple[Way, ...]) -> None:
+    def __init__(
+        self,
+        A: csr_matrix,
+        engine: Engine,
+        symmetric: bool,
+        order: ndarray,
+        size: int,
+        ways: tuple[Way, ...],
+    ) -> None:
         self.A, self.symmetric, self._ways = A, symmetric, ways
         self._engine, self._order, self._size = engine, order, size
         self._scale = self._row_norms()
@@ -244,7 +275,9 @@ class _Factor:
         return x
 
     def _refined(self, rhs: ndarray, size: float) -> tuple[ndarray, float]:
-        """Solve, refine where the residual is not small, and return the relative residual as well."""
+        """Solve, refine where the residual is not small, and return the relative residual as
+        well.
+        """
         x = self._solve(rhs)
         residual = rhs - self.A @ x
         small, most = (ROUND_OFF, REFINEMENTS) if self._way == "single" else (REFINE, 1)
@@ -255,7 +288,9 @@ class _Factor:
         return x, error if np.isfinite(error) else np.inf
 
     def _row_norms(self) -> ndarray:
-        """Return the largest entry of each row, the measure of stiffness: penalties may be millions of times E."""
+        """Return the largest entry of each row, the measure of stiffness: penalties may be millions
+        of times E.
+        """
         A = self.A
         filled = np.flatnonzero(np.diff(A.indptr))
         norms = np.zeros(A.shape[0])
@@ -267,7 +302,8 @@ class _Factor:
         return norms
 
     def _stiffness(self) -> float:
-        """Estimate the stiffness of the softest motion relative to the rows by one or two inverse iterations.
+        """Estimate the stiffness of the softest motion relative to the rows by one or two inverse
+        iterations.
 
         SuperLU needs a copy of its factors for the ratio of the pivots.
         """
@@ -281,17 +317,26 @@ class _Factor:
         return stiffness
 
     def _singular(self) -> SingularSystem:
-        """Create the error with the dofs of the softest motion, found with a little stiffness added."""
+        """Create the error with the dofs of the softest motion, found with a little stiffness
+        added.
+        """
         self._forget()
-        for careful in (False, True):  # scaled as an earlier matrix the first factors may give no numbers
-            solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful)
+        for careful in (
+            False,
+            True,
+        ):  # scaled as an earlier matrix the first factors may give no numbers
+            solve = self._engine.factor(
+                (self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful
+            )
             motion = _any_motion(len(self._scale))
             for _ in range(2):
                 motion = solve(self._scale * motion)
                 motion /= np.abs(motion).max()
             if np.isfinite(motion).all():
                 break
-        return _floating(self._order[~(np.abs(motion) <= MOVES)], len(motion))  # all of them without numbers
+        return _floating(
+            self._order[~(np.abs(motion) <= MOVES)], len(motion)
+        )  # all of them without numbers
 
 
 def _in_single(engine: Engine, A: csr_matrix, symmetric: bool) -> Callable[[ndarray], ndarray]:
@@ -317,4 +362,7 @@ def _any_motion(n: int) -> ndarray:
 def _floating(dofs: ndarray, n: int) -> SingularSystem:
     dofs = np.sort(dofs)
     return SingularSystem(
-        f"the system is singular: {len(dofs)} of {n} free dofs can move without force, the first is {dofs[0]}", dofs)
+        f"the system is singular: {len(dofs)} of {n} free dofs can move without force, the first "
+        f"is {dofs[0]}",
+        dofs,
+    )

@@ -1,4 +1,5 @@
 """Krylov methods with a preconditioner: conjugate gradients and FGMRES."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -13,8 +14,8 @@ from scipy.sparse import csr_matrix
 RESTART = 100
 #: Share of a vector that is left of it by projections, below which round-off asks for others.
 _LEFT = 0.7
-#: Directions that are kept for the next solution, and iterations of a solution from which on they are: their products
-#: with the matrix take as long as 3 iterations of multigrid.
+#: Directions that are kept for the next solution, and iterations of a solution from which on they
+#: are: their products with the matrix take as long as 3 iterations of multigrid.
 _KEPT, _FEW = 20, 20
 #: Share of the largest length below which directions depend on each other.
 _DEPENDENT = 1e-12
@@ -22,12 +23,13 @@ _DEPENDENT = 1e-12
 Preconditioner = Callable[[ndarray], ndarray]
 
 
-def conjugate_gradients(A: csr_matrix, b: ndarray, cycle: Preconditioner, tolerance: float, most: int
-                        ) -> tuple[ndarray, int]:
+def conjugate_gradients(
+    A: csr_matrix, b: ndarray, cycle: Preconditioner, tolerance: float, most: int
+) -> tuple[ndarray, int]:
     """Return the solution and the number of iterations; an A that is not definite ends them.
 
-    The residual follows the recursion.  Recomputed from x every few iterations, the residual stagnates at 1e-7 on
-    slender beams and then grows.
+    The residual follows the recursion.  Recomputed from x every few iterations, the residual
+    stagnates at 1e-7 on slender beams and then grows.
     """
     x, residual, target = np.zeros_like(b), b.copy(), tolerance * np.linalg.norm(b)
     direction, product = np.zeros_like(b), np.inf
@@ -49,22 +51,24 @@ def conjugate_gradients(A: csr_matrix, b: ndarray, cycle: Preconditioner, tolera
 class Fgmres:
     """FGMRES that begins with the directions in which the solution before was slow.
 
-    Tangents of Newton's method resemble each other: a mechanism that is nearly free to move in one is so in the next.
-    Of a footing with 285,660 dofs near equilibrium solutions take 87, 32 and 48 iterations for 128, 94 and 78 without.
+    Tangents of Newton's method resemble each other: a mechanism that is nearly free to move in one
+    is so in the next. Of a footing with 285,660 dofs near equilibrium solutions take 87, 32 and 48
+    iterations for 128, 94 and 78 without.
 
     References
     ----------
-    Y. Saad, A flexible inner-outer preconditioned GMRES algorithm, SIAM J. Sci. Comput. 14 (1993) 461-469.
-    M. L. Parks, E. de Sturler, G. Mackey, D. D. Johnson, S. Maiti, Recycling Krylov subspaces for sequences of linear
-    systems, SIAM J. Sci. Comput. 28 (2006) 1651-1674.
+    Y. Saad, A flexible inner-outer preconditioned GMRES algorithm, SIAM J. Sci. Comput. 14 (1993)
+    461-469. M. L. Parks, E. de Sturler, G. Mackey, D. D. Johnson, S. Maiti, Recycling Krylov
+    subspaces for sequences of linear systems, SIAM J. Sci. Comput. 28 (2006) 1651-1674.
     """
 
     def __init__(self) -> None:
         self.forgets = False
         self._slow = np.zeros((0, 0))
 
-    def __call__(self, A: csr_matrix, b: ndarray, cycle: Preconditioner, tolerance: float, most: int
-                 ) -> tuple[ndarray, int]:
+    def __call__(
+        self, A: csr_matrix, b: ndarray, cycle: Preconditioner, tolerance: float, most: int
+    ) -> tuple[ndarray, int]:
         """Return the solution and the number of iterations."""
         if self.forgets or self._slow.shape[1] != len(b):
             self._slow = np.zeros((0, len(b)))
@@ -92,7 +96,8 @@ class _Space:
     directions, images : ndarray, shape (n, N)
         Directions, and what the matrix makes of them, which is orthonormal.
     steps : ndarray, shape (k, N)
-        Steps of the Krylov space; A times them is made of the images, by `beside`, and of an orthonormal basis.
+        Steps of the Krylov space; A times them is made of the images, by `beside`, and of an
+        orthonormal basis.
     R : ndarray, shape (k, k)
         Triangular factor of the coefficients of this basis.
     """
@@ -111,19 +116,38 @@ class _Space:
         if not independent.all():
             directions, Q, R = directions[:0], Q[:, :0], R[:0, :0]
         none = np.zeros((0, 0))
-        return cls(solve_triangular(R, directions, trans="T", check_finite=False) if len(R) else directions,
-                   np.ascontiguousarray(Q.T), none, none, none)
+        return cls(
+            solve_triangular(R, directions, trans="T", check_finite=False)
+            if len(R)
+            else directions,
+            np.ascontiguousarray(Q.T),
+            none,
+            none,
+            none,
+        )
 
     def projected(self, residual: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the step along the directions that reduces a residual most, and the residual that it leaves."""
+        """Return the step along the directions that reduces a residual most, and the residual that
+        it leaves.
+        """
         along = self.images @ residual
         return along @ self.directions, residual - along @ self.images
 
-    def arnoldi(self, A: csr_matrix, b: ndarray, cycle: Preconditioner, target: float, most: int
-                ) -> tuple[ndarray, int]:
-        """Return the step of least residual, and the iterations, in a space that grows until this is small enough."""
-        basis, steps = np.empty((most + 1, len(b))), np.empty((most, len(b)))  # memory is taken as they are filled
-        R, right, beside = np.zeros((most, most)), np.zeros(most + 1), np.zeros((len(self.images), most))
+    def arnoldi(
+        self, A: csr_matrix, b: ndarray, cycle: Preconditioner, target: float, most: int
+    ) -> tuple[ndarray, int]:
+        """Return the step of least residual, and the iterations, in a space that grows until this
+        is small enough.
+        """
+        basis, steps = (
+            np.empty((most + 1, len(b))),
+            np.empty((most, len(b))),
+        )  # memory is taken as they are filled
+        R, right, beside = (
+            np.zeros((most, most)),
+            np.zeros(most + 1),
+            np.zeros((len(self.images), most)),
+        )
         right[0] = np.linalg.norm(b)
         basis[0], k = b / right[0], 0
         turns: list[tuple[float, float]] = []
@@ -132,16 +156,19 @@ class _Space:
             vector = A @ steps[k]
             beside[:, k] = self.images @ vector
             vector -= beside[:, k] @ self.images
-            along, left = _orthogonal(basis[:k + 1], vector)
+            along, left = _orthogonal(basis[: k + 1], vector)
             column = np.append(along, left)
             for i, (cosine, sine) in enumerate(turns):  # Givens rotations
-                column[i:i + 2] = cosine * column[i] + sine * column[i + 1], cosine * column[i + 1] - sine * column[i]
+                column[i : i + 2] = (
+                    cosine * column[i] + sine * column[i + 1],
+                    cosine * column[i + 1] - sine * column[i],
+                )
             length = float(np.hypot(column[k], left))
             if not length > 0.0:  # the cycle returned nothing new
                 break
             turns.append((column[k] / length, left / length))
             R[:k, k], R[k, k] = column[:k], length
-            right[k:k + 2] = turns[k][0] * right[k], -turns[k][1] * right[k]
+            right[k : k + 2] = turns[k][0] * right[k], -turns[k][1] * right[k]
             k += 1
             if left > 0.0:
                 basis[k] = vector / left
@@ -150,21 +177,29 @@ class _Space:
         return shares @ self.steps - (self.beside @ shares) @ self.directions, k
 
     def slowest(self) -> ndarray:
-        """Return the directions that the matrix changes least, over their length: harmonic Ritz vectors."""
+        """Return the directions that the matrix changes least, over their length: harmonic Ritz
+        vectors.
+        """
         n, k = self.beside.shape
         images = np.block([[np.eye(n), self.beside], [np.zeros((k, n)), self.R]])
         mixed = self.directions @ self.steps.T
-        lengths = np.block([[self.directions @ self.directions.T, mixed], [mixed.T, self.steps @ self.steps.T]])
+        lengths = np.block(
+            [[self.directions @ self.directions.T, mixed], [mixed.T, self.steps @ self.steps.T]]
+        )
         scale = 1.0 / np.sqrt(np.diagonal(lengths))
         lengths = scale[:, None] * lengths * scale + _DEPENDENT * np.eye(len(scale))
         images = images * scale
-        shares = scale[:, None] * eigh(images.T @ images, lengths, subset_by_index=(0, _KEPT - 1))[1]
+        shares = (
+            scale[:, None] * eigh(images.T @ images, lengths, subset_by_index=(0, _KEPT - 1))[1]
+        )
         found = shares[:n].T @ self.directions + shares[n:].T @ self.steps
         return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])
 
 
 def _orthogonal(basis: ndarray, vector: ndarray) -> tuple[ndarray, float]:
-    """Make a vector orthogonal to a basis in place; return what was along the basis, and the length that is left."""
+    """Make a vector orthogonal to a basis in place; return what was along the basis, and the length
+    that is left.
+    """
     before = float(np.linalg.norm(vector))
     along = basis @ vector
     vector -= along @ basis

@@ -1,4 +1,7 @@
-"""Levels of an algebraic multigrid method: aggregates by pyamg, polynomial smoothers, coarse matrices that are kept."""
+"""Levels of an algebraic multigrid method: aggregates by pyamg, polynomial smoothers, coarse
+matrices that are kept.
+"""
+
 from __future__ import annotations
 
 import logging
@@ -16,31 +19,42 @@ from ..sparse import same_pattern
 
 logger = logging.getLogger("skfem_contact")
 
-# Aggregates do not follow couplings of nodes below this share of their diagonals; others cost more iterations.
+# Aggregates do not follow couplings of nodes below this share of their diagonals; others cost more
+# iterations.
 STRENGTH = ("symmetric", {"theta": 0.08})
-# A level of at most so many nodes is factored: beams of 30 and 100 times their height take 16 and 26 iterations
-# (30 and 53 with pyamg's 10 nodes), plates of 1:50 take 33 (59).  With 1000 nodes a cube of 71,000 dofs takes 3.5 s
-# for 2.6 s, in 13 iterations with both.
+# A level of at most so many nodes is factored: beams of 30 and 100 times their height take 16 and
+# 26 iterations (30 and 53 with pyamg's 10 nodes), plates of 1:50 take 33 (59).  With 1000 nodes a
+# cube of 71,000 dofs takes 3.5 s for 2.6 s, in 13 iterations with both.
 COARSEST = 300
-#: Degree of the smoother's polynomial, and the smallest eigenvalue that it reduces over the largest one.
+#: Degree of the smoother's polynomial, and the smallest eigenvalue that it reduces over the largest
+#: one.
 _DEGREE, _LOWEST = 3, 0.05
-#: Products for the largest eigenvalue from any vector and from that of the last matrix, and what they may miss.
+#: Products for the largest eigenvalue from any vector and from that of the last matrix, and what
+#: they may miss.
 _FIRST, _NEXT, _MISSED = 15, 4, 1.1
 
 
 class Levels:
     """Prolongators of one matrix, which serve for similar matrices as well, and coarse matrices.
 
-    Where soil yields, the smoother of the tangent itself saves three of four iterations that the smoother of an earlier
-    tangent takes, for any coarse matrices.
+    Where soil yields, the smoother of the tangent itself saves three of four iterations that the
+    smoother of an earlier tangent takes, for any coarse matrices.
     """
 
     def __init__(self, pattern: csr_matrix, A: bsr_matrix, modes: ndarray) -> None:
         self._pattern = pattern
         with _repeatable():
             # the modes are exact: their improvement takes longer than the iterations that it saves
-            made = smoothed_aggregation()(A, modes, strength=STRENGTH, improve_candidates=None, max_coarse=COARSEST,
-                                          coarse_solver="splu", presmoother=None, postsmoother=None)
+            made = smoothed_aggregation()(
+                A,
+                modes,
+                strength=STRENGTH,
+                improve_candidates=None,
+                max_coarse=COARSEST,
+                coarse_solver="splu",
+                presmoother=None,
+                postsmoother=None,
+            )
         self.sizes = [level.A.shape[0] for level in made.levels]
         self._prolongators = [level.P for level in made.levels[:-1]]
         self._largest: ndarray | None = None
@@ -119,7 +133,9 @@ class Smoother:
 
     def _highest(self, start: ndarray | None) -> float:
         """Return the largest eigenvalue by the power method."""
-        vector = np.random.default_rng(0).standard_normal(self.A.shape[0]) if start is None else start
+        vector = (
+            np.random.default_rng(0).standard_normal(self.A.shape[0]) if start is None else start
+        )
         for _ in range(_FIRST if start is None else _NEXT):
             self.largest = vector / np.linalg.norm(vector)
             vector = self._scaled(self.A @ self.largest)
@@ -127,14 +143,18 @@ class Smoother:
 
 
 def _solution(coarsest: bsr_matrix) -> Callable[[ndarray], ndarray]:
-    """Factor a coarse matrix and return its solution; modes of aggregates that are held have no stiffness and stay."""
+    """Factor a coarse matrix and return its solution; modes of aggregates that are held have no
+    stiffness and stay.
+    """
     A = coarsest.tocsc()
     A.eliminate_zeros()
     moves = np.flatnonzero(np.diff(A.indptr))
     try:
         solve = splu(A[moves][:, moves]).solve
     except RuntimeError as error:  # an exact zero among the pivots
-        raise NotConverged("the coarsest matrix of algebraic multigrid is singular: bodies may be loose") from error
+        raise NotConverged(
+            "the coarsest matrix of algebraic multigrid is singular: bodies may be loose"
+        ) from error
 
     def solution(b: ndarray) -> ndarray:
         x = np.zeros_like(b)

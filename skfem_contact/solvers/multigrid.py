@@ -1,4 +1,6 @@
-"""Algebraic multigrid for large bodies: pyamg's smoothed aggregation with the rigid motions of every body."""
+"""Algebraic multigrid for large bodies: pyamg's smoothed aggregation with the rigid motions of
+every body.
+"""
 
 from __future__ import annotations
 
@@ -26,36 +28,43 @@ Balance = Callable[[ndarray, ndarray], ndarray]
 Method = Callable[[csr_matrix, ndarray, Preconditioner, float, int], tuple[ndarray, int]]
 
 MOST = 300  # iterations of a solution
-# Coarse matrices are kept for the next tangents until the iterations beyond those that new ones would have taken have
-# cost more than new ones, which take as long as 9 to 11 iterations (9,000 to 36,000 dofs of yielding soil).
+# Coarse matrices are kept for the next tangents until the iterations beyond those that new ones
+# would have taken have cost more than new ones, which take as long as 9 to 11 iterations (9,000 to
+# 36,000 dofs of yielding soil).
 KEPT = 15
-# Dofs in space for each iteration that takes as long as a factorisation: a paraboloid in contact, 50,240 dofs,
-# is factored in 1.4 s by PARDISO and in 7.2 s by SuperLU, times that grow with the square of the dofs; an
-# iteration takes 0.062 s.  Blocks without stretched elements take 20 iterations or more.
+# Dofs in space for each iteration that takes as long as a factorisation: a paraboloid in contact,
+# 50,240 dofs, is factored in 1.4 s by PARDISO and in 7.2 s by SuperLU, times that grow with the
+# square of the dofs; an iteration takes 0.062 s.  Blocks without stretched elements take 20
+# iterations or more.
 PER_ITERATION = {"pardiso": 2000, "superlu": 500}
-# Where bodies yield, rough solutions are enough, in 4 to 15 iterations: of a footing with 36,501 dofs PARDISO factors a
-# tangent in 25 iterations' time, SuperLU in three times as long.  Up to 50 are tried before a factor replaces them.
+# Where bodies yield, rough solutions are enough, in 4 to 15 iterations: of a footing with 36,501
+# dofs PARDISO factors a tangent in 25 iterations' time, SuperLU in three times as long.  Up to 50
+# are tried before a factor replaces them.
 PER_ITERATION_YIELDING = {"pardiso": 700, "superlu": 500}
 FEWEST = 20
-#: Relative residual from which on a solution is rough: it may leave a tenth after the largest number of iterations.
-#: With rough residuals of .1 a footing of 10,000 dofs takes 29 iterations of Newton's method for 28.
+#: Relative residual from which on a solution is rough: it may leave a tenth after the largest
+#: number of iterations. With rough residuals of .1 a footing of 10,000 dofs takes 29 iterations of
+#: Newton's method for 28.
 _ROUGH, _ENOUGH = 1e-3, 0.1
-#: Residual from which on a solution is far from equilibrium, and iterations after which it ends with any residual.
-#: Mechanisms are about to form there, along which directions that are more accurate lead away.  After one that leaves
-#: more than a tenth the next may take twice as many.  A footing of 98,301 dofs takes 57 iterations of Newton's method
-#: and 524 of the linear solver; with 100 for each solution it takes 59 and 587.
-#: Newton's method asks for .03 far from equilibrium, and for .01 or less near it.
+#: Residual from which on a solution is far from equilibrium, and iterations after which it ends
+#: with any residual. Mechanisms are about to form there, along which directions that are more
+#: accurate lead away.  After one that leaves more than a tenth the next may take twice as many.  A
+#: footing of 98,301 dofs takes 57 iterations of Newton's method and 524 of the linear solver; with
+#: 100 for each solution it takes 59 and 587. Newton's method asks for .03 far from equilibrium, and
+#: for .01 or less near it.
 _FAR, _EARLY = 0.02, 25
 
 
 class AmgSolver:
-    """Conjugate gradients, or FGMRES where K is not symmetric or not definite, preconditioned by algebraic multigrid.
+    """Conjugate gradients, or FGMRES where K is not symmetric or not definite, preconditioned by
+    algebraic multigrid.
 
-    Coarse levels consist of aggregates of nodes and represent the rigid motions of every body exactly.  The levels are
-    built from the whole tangent and contain the coupling by contact.  A factor of the block of the interface removes
-    the residual that the levels leave there, where penalties are large.  Contact therefore costs few iterations,
-    whatever the penalty.  Time and memory grow in proportion to the dofs.  Nearly incompressible material and stretched
-    elements increase the number of iterations.
+    Coarse levels consist of aggregates of nodes and represent the rigid motions of every body
+    exactly.  The levels are built from the whole tangent and contain the coupling by contact.  A
+    factor of the block of the interface removes the residual that the levels leave there, where
+    penalties are large.  Contact therefore costs few iterations, whatever the penalty.  Time and
+    memory grow in proportion to the dofs.  Nearly incompressible material and stretched elements
+    increase the number of iterations.
 
     Parameters
     ----------
@@ -68,22 +77,29 @@ class AmgSolver:
 
     References
     ----------
-    P. Vaněk, J. Mandel, M. Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic
-    problems, Computing 56 (1996) 179-196.  Y. Saad, A flexible inner-outer preconditioned GMRES algorithm, SIAM J. Sci.
-    Comput. 14 (1993) 461-469.
+    P. Vaněk, J. Mandel, M. Brezina, Algebraic multigrid by smoothed aggregation for second and
+    fourth order elliptic problems, Computing 56 (1996) 179-196.  Y. Saad, A flexible inner-outer
+    preconditioned GMRES algorithm, SIAM J. Sci. Comput. 14 (1993) 461-469.
     """
 
     name = "algebraic multigrid (pyamg)"
 
-    def __init__(self, locations: ndarray, free: ndarray, interface: ndarray | None = None,
-                 most: int | None = None) -> None:
+    def __init__(
+        self,
+        locations: ndarray,
+        free: ndarray,
+        interface: ndarray | None = None,
+        most: int | None = None,
+    ) -> None:
         smoothed_aggregation()
         self._locations, dim = locations, len(locations)
         nodes = np.unique(np.asarray(free) // dim)
         self._dofs = (dim * nodes[:, None] + np.arange(dim)).ravel()  # of whole nodes
         self._held = ~np.isin(self._dofs, free)
         self._block = FreeBlock(self._dofs)
-        self._interface = np.flatnonzero(np.isin(self._dofs, [] if interface is None else interface))
+        self._interface = np.flatnonzero(
+            np.isin(self._dofs, [] if interface is None else interface)
+        )
         self._levels: Levels | None = None
         self._rate, self._spent = 0.0, 0.0
         self._couplings: tuple[ndarray, ndarray] | None = None
@@ -92,14 +108,18 @@ class AmgSolver:
         logger.info("linear solver: %s", self.name)
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution, see :meth:`DirectSolver.factor`; the callable raises NotConverged if it fails."""
+        """Prepare the solution, see :meth:`DirectSolver.factor`; the callable raises NotConverged
+        if it fails.
+        """
         if len(self._dofs) == 0:
             return nothing_free
         A = self._without_held(self._block.gather(K))
         try:
             balanced = _balance(A, self._interface)
         except RuntimeError as error:  # an exact zero among the pivots
-            raise SingularSystem("the interface can move without force", self._dofs[self._interface]) from error
+            raise SingularSystem(
+                "the interface can move without force", self._dofs[self._interface]
+            ) from error
         blocks = A.tobsr(2 * (len(self._locations),))
         fresh = self._levels is None or self._spent > KEPT
         levels = self._renewed(A, blocks) if self._levels is None or fresh else self._levels
@@ -118,11 +138,18 @@ class AmgSolver:
                 cycle, fresh = self._renewed(A, blocks).cycle(A, blocks), True
                 found = _iterated(A, cycle, balanced, right, methods, left, rtol, found.x)
                 self.iterations += found.count
-            logger.debug("multigrid: %d iterations to a residual of %.1e", self.iterations, found.error)
-            if not found.close and (rtol < _ROUGH or (most == self._most and found.error > _ENOUGH)):
-                raise NotConverged(f"algebraic multigrid does not converge, its relative residual is {found.error:.1e} "
-                                   f"after {self.iterations} iterations: bodies may be loose, very thin or nearly "
-                                   "incompressible")
+            logger.debug(
+                "multigrid: %d iterations to a residual of %.1e", self.iterations, found.error
+            )
+            if not found.close and (
+                rtol < _ROUGH or (most == self._most and found.error > _ENOUGH)
+            ):
+                raise NotConverged(
+                    f"algebraic multigrid does not converge, its relative residual is "
+                    f"{found.error:.1e} "
+                    f"after {self.iterations} iterations: bodies may be loose, very thin or nearly "
+                    "incompressible"
+                )
             if found.close:
                 self._count(found, fresh)
             if far:
@@ -138,7 +165,9 @@ class AmgSolver:
         return int(self._rate * -np.log10(rtol) + KEPT - self._spent) + 1
 
     def _end_early(self, found: _Found, fresh: bool) -> None:
-        """Decide when the next solution far from equilibrium ends, and whether it needs other coarse matrices."""
+        """Decide when the next solution far from equilibrium ends, and whether it needs other
+        coarse matrices.
+        """
         if found.close and self.iterations <= _EARLY:
             self._early = _EARLY
         elif found.error > _ENOUGH:
@@ -153,7 +182,9 @@ class AmgSolver:
         self._spent += max(0.0, found.count - self._rate * found.digits)
 
     def _renewed(self, A: csr_matrix, blocks: bsr_matrix) -> Levels:
-        """Return levels with the coarse matrices of A, of the known aggregates if it has their pattern."""
+        """Return levels with the coarse matrices of A, of the known aggregates if it has their
+        pattern.
+        """
         levels, self._rate, self._spent = self._levels, 0.0, 0.0
         if levels is not None and levels.fit(A):
             levels.update(blocks)
@@ -168,12 +199,17 @@ class AmgSolver:
             raise ValueError("the stiffness has entries that are not finite")
         if self._couplings is None or self._couplings[0] is not A.indices:
             row = np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
-            self._couplings = A.indices, (self._held[row] | self._held[A.indices]) & (row != A.indices)
+            self._couplings = (
+                A.indices,
+                (self._held[row] | self._held[A.indices]) & (row != A.indices),
+            )
         A.data[self._couplings[1]] = 0.0
         loose = np.flatnonzero(A.diagonal() == 0.0)
         if len(loose):
-            raise SingularSystem(f"{len(loose)} dofs meet no stiffness, the first is {self._dofs[loose[0]]}",
-                                 self._dofs[loose])
+            raise SingularSystem(
+                f"{len(loose)} dofs meet no stiffness, the first is {self._dofs[loose[0]]}",
+                self._dofs[loose],
+            )
         return A
 
     def _built(self, A: csr_matrix, blocks: bsr_matrix) -> Levels:
@@ -187,15 +223,18 @@ class AmgSolver:
             modes[body == number] = rigid_modes(self._locations, self._dofs[body == number])
         modes[self._held] = 0.0
         levels = Levels(A, blocks, modes)
-        logger.info("multigrid: %d bodies, %s dofs on the levels", count, ", ".join(map(str, levels.sizes)))
+        logger.info(
+            "multigrid: %d bodies, %s dofs on the levels", count, ", ".join(map(str, levels.sizes))
+        )
         return levels
 
 
 def _balance(A: csr_matrix, at: ndarray) -> Balance:
-    """Return the function (x, b) -> x that removes the residual b - A x of some dofs; RuntimeError if singular.
+    """Return the function (x, b) -> x that removes the residual b - A x of some dofs; RuntimeError
+    if singular.
 
-    A preconditioner that ends with this balance is symmetric for all residuals that vanish there, as all residuals of
-    its iterations do.
+    A preconditioner that ends with this balance is symmetric for all residuals that vanish there,
+    as all residuals of its iterations do.
     """
     rows = A[at]
     solve = splu(rows[:, at].tocsc()).solve if len(at) else None
@@ -210,7 +249,9 @@ def _balance(A: csr_matrix, at: ndarray) -> Balance:
 
 @dataclass(frozen=True)
 class _Found:
-    """Solution with its relative residual and that of the start; `close` if it is small or what round-off leaves."""
+    """Solution with its relative residual and that of the start; `close` if it is small or what
+    round-off leaves.
+    """
 
     x: ndarray
     count: int
@@ -224,8 +265,16 @@ class _Found:
         return float(np.log10(self.first / self.error)) if self.error > 0.0 else 0.0
 
 
-def _iterated(A: csr_matrix, cycle: Preconditioner, balanced: Balance, b: ndarray, methods: Sequence[Method], most: int,
-              rtol: float, start: ndarray | None = None) -> _Found:
+def _iterated(
+    A: csr_matrix,
+    cycle: Preconditioner,
+    balanced: Balance,
+    b: ndarray,
+    methods: Sequence[Method],
+    most: int,
+    rtol: float,
+    start: ndarray | None = None,
+) -> _Found:
     """Solve A x = b to a relative residual, or to the residual that round-off leaves."""
     size = float(np.linalg.norm(b))
     if not np.isfinite(size):
@@ -234,7 +283,9 @@ def _iterated(A: csr_matrix, cycle: Preconditioner, balanced: Balance, b: ndarra
     first = error = float(np.linalg.norm(b - A @ x)) / size if size > 0.0 else 0.0
     for method in methods:
         if error > wanted and count < most:
-            step, taken = method(A, b - A @ x, lambda r: balanced(cycle(r), r), wanted / error, most - count)
+            step, taken = method(
+                A, b - A @ x, lambda r: balanced(cycle(r), r), wanted / error, most - count
+            )
             candidate, count = balanced(x + step, b), count + taken
             improved = float(np.linalg.norm(b - A @ candidate)) / size
             if improved < error:
@@ -245,15 +296,25 @@ def _iterated(A: csr_matrix, cycle: Preconditioner, balanced: Balance, b: ndarra
 
 
 def _round_off(A: csr_matrix, x: ndarray) -> float:
-    """Estimate the residual that round-off leaves: 7e-9 of the load of a beam 30 times as long as high."""
+    """Estimate the residual that round-off leaves: 7e-9 of the load of a beam 30 times as long as
+    high.
+    """
     return float(np.finfo(float).eps * np.linalg.norm(with_data(A, np.abs(A.data)) @ np.abs(x)))
 
 
 class AmgOrDirect:
-    """Algebraic multigrid up to a number of iterations; from its first failure on a direct solver."""
+    """Algebraic multigrid up to a number of iterations; from its first failure on a direct
+    solver.
+    """
 
-    def __init__(self, locations: ndarray, free: ndarray, interface: ndarray | None = None, engine: str | None = None,
-                 most: int | None = None) -> None:
+    def __init__(
+        self,
+        locations: ndarray,
+        free: ndarray,
+        interface: ndarray | None = None,
+        engine: str | None = None,
+        most: int | None = None,
+    ) -> None:
         self._locations, self._free, self._engine = locations, free, engine
         self._solver: LinearSolver = AmgSolver(locations, free, interface, most)
 
@@ -263,7 +324,9 @@ class AmgOrDirect:
         return self._solver.name
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution of K[free, free] x[free] = b[free]; see :meth:`DirectSolver.factor`."""
+        """Prepare the solution of K[free, free] x[free] = b[free]; see
+        :meth:`DirectSolver.factor`.
+        """
         try:
             first = self._solver.factor(K, symmetric)
         except NotConverged as error:
@@ -286,6 +349,8 @@ class AmgOrDirect:
 
 
 def iterations_that_pay(locations: ndarray, free: ndarray, engine: str, yielding: bool) -> int:
-    """Return the iterations that cost less than a factorisation by an engine; 0 where multigrid does not pay."""
+    """Return the iterations that cost less than a factorisation by an engine; 0 where multigrid
+    does not pay.
+    """
     most = len(free) // (PER_ITERATION_YIELDING if yielding else PER_ITERATION)[engine]
     return most if len(locations) == 3 and most >= FEWEST and find_spec("pyamg") is not None else 0

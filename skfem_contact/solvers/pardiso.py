@@ -20,23 +20,32 @@ from .threads import allowed
 UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
 OUT_OF_MEMORY = -2  # its error
-OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}  # own options, METIS, pivots above 1e-18, scaling, matching
-#: Entries up to which minimum degree replaces METIS: with 10,000 to 90,000 of plane bodies the analysis takes
-#: 13 to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30 % more, with 130,000 in space 17 %.
+OPTIONS = {
+    1: 1,
+    2: 2,
+    10: 18,
+    11: 1,
+    13: 1,
+}  # own options, METIS, pivots above 1e-18, scaling, matching
+#: Entries up to which minimum degree replaces METIS: with 10,000 to 90,000 of plane bodies the
+#: analysis takes 13 to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30
+#: % more, with 130,000 in space 17 %.
 FEW = 100_000
-#: Entries from which a factor is computed by all threads that the process may use. On two free cores they save a
-#: quarter of an iteration in the plane from 3,000 dofs on, but beside one more process they take up to four times as
-#: long as one thread, since each waits for the other at every small block.
+#: Entries from which a factor is computed by all threads that the process may use. On two free
+#: cores they save a quarter of an iteration in the plane from 3,000 dofs on, but beside one more
+#: process they take up to four times as long as one thread, since each waits for the other at every
+#: small block.
 MANY = 300_000
 SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
 
 
 class Pardiso:
-    """Engine of MKL, through the library that pypardiso finds; ImportError where it is not installed.
+    """Engine of MKL, through the library that pypardiso finds; ImportError where it is not
+    installed.
 
-    An analysis costs as much as a factor and is kept for all matrices whose pattern lies within the analysed one, so
-    that contacts may open and close.  Without scaling and matching PARDISO returns wrong solutions of indefinite
-    systems and reports no error.
+    An analysis costs as much as a factor and is kept for all matrices whose pattern lies within the
+    analysed one, so that contacts may open and close.  Without scaling and matching PARDISO returns
+    wrong solutions of indefinite systems and reports no error.
     """
 
     name = "MKL PARDISO"
@@ -54,8 +63,12 @@ class Pardiso:
         """Return False: PARDISO orders each new pattern itself."""
         return False
 
-    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
-        """Factor A and return its solution; `careful` scales and matches by its values, without use of symmetry."""
+    def factor(
+        self, A: csr_matrix, symmetric: bool, careful: bool = False
+    ) -> Callable[[ndarray], ndarray]:
+        """Factor A and return its solution; `careful` scales and matches by its values, without use
+        of symmetry.
+        """
         symmetric = symmetric and not careful
         self._prepare(A, symmetric, careful)
 
@@ -80,21 +93,31 @@ class Pardiso:
 
 
 class _Analysis:
-    """PARDISO's analysis of one pattern and the factor of the last values on it; its memory ends with it."""
+    """PARDISO's analysis of one pattern and the factor of the last values on it; its memory ends
+    with it.
+    """
 
-    def __init__(self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool) -> None:
+    def __init__(
+        self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool
+    ) -> None:
         self.pattern, self._symmetric, self._dtype = _ones(pattern), symmetric, A.dtype
         self._last: csr_matrix | None = None
         self._positions: ndarray | slice
         n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
         row = np.repeat(np.arange(n), np.diff(indptr))
         self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
-        self._rows = np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
+        self._rows = (
+            np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
+        )
         self._columns = indices[self._stored].astype(np.int32) + 1
-        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz, A.dtype == np.float32)
+        self._call = _Call(
+            library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz, A.dtype == np.float32
+        )
         self.admits(A, symmetric)
         self._run(ANALYSE, A)
-        weakref.finalize(self, self._call, RELEASE, np.zeros(1), self._rows, self._columns).atexit = False
+        weakref.finalize(
+            self, self._call, RELEASE, np.zeros(1), self._rows, self._columns
+        ).atexit = False
 
     def admits(self, A: csr_matrix, symmetric: bool) -> bool:
         """Return True if A is of the analysed kind and its pattern lies within the analysed one."""
@@ -106,7 +129,8 @@ class _Analysis:
             self._last, self._positions = A, slice(None)
             return True
         numbers = csr_matrix(
-            (np.arange(1.0, self.pattern.nnz + 1), self.pattern.indices, self.pattern.indptr), shape=A.shape
+            (np.arange(1.0, self.pattern.nnz + 1), self.pattern.indices, self.pattern.indptr),
+            shape=A.shape,
         )
         common = numbers.multiply(_ones(A)).tocsr()
         if common.nnz < A.nnz:
@@ -137,7 +161,9 @@ def _ones(A: csr_matrix) -> csr_matrix:
 
 
 class _Call:
-    """Phases of PARDISO on one handle, with one number of threads: another one than at the analysis is not safe."""
+    """Phases of PARDISO on one handle, with one number of threads: another one than at the analysis
+    is not safe.
+    """
 
     def __init__(self, library: _Library, kind: int, entries: int, single: bool) -> None:
         self._library, self._kind = library, kind
@@ -150,16 +176,33 @@ class _Call:
             self._options[1] = 0
         self._options[27] = single
 
-    def __call__(self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray) -> None:
+    def __call__(
+        self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray
+    ) -> None:
         one, zero, error, kind, phases, size = (
-            np.array([value], dtype=np.int32) for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
+            np.array([value], dtype=np.int32)
+            for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
         )
         b, x = vectors or (np.zeros(1), np.zeros(1))
         before = self._library.limit(self._threads)
         self._library.pardiso(
-            self._handle, one, one, kind, phases, size, values, rows, columns,
-            zero, one, self._options, zero, b, x, error,
-        )  # fmt: skip
+            self._handle,
+            one,
+            one,
+            kind,
+            phases,
+            size,
+            values,
+            rows,
+            columns,
+            zero,
+            one,
+            self._options,
+            zero,
+            b,
+            x,
+            error,
+        )
         self._library.limit(before)
         if error[0] == OUT_OF_MEMORY:
             raise MemoryError("PARDISO: not enough memory for the factor")
@@ -171,7 +214,9 @@ class _Library:
     """Entry points of MKL."""
 
     def __init__(self) -> None:
-        with suppress(PackageNotFoundError):  # without the path pypardiso looks through all directories, for 1.5 s
+        with suppress(
+            PackageNotFoundError
+        ):  # without the path pypardiso looks through all directories, for 1.5 s
             for path in files("mkl") or ():
                 if "mkl_rt" in path.name:
                     os.environ.setdefault("PYPARDISO_MKL_RT", str(path.locate()))
@@ -180,7 +225,17 @@ class _Library:
         self.pardiso = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
         integers, reals = ndpointer(np.int32, flags="C"), ndpointer(flags="C")
         handle = ndpointer(np.intp, flags="C")
-        self.pardiso.argtypes = [handle, *5 * [integers], reals, *6 * [integers], reals, reals, integers]
+        self.pardiso.argtypes = [
+            handle,
+            *5 * [integers],
+            reals,
+            *6 * [integers],
+            reals,
+            reals,
+            integers,
+        ]
         self.pardiso.restype = None
-        self.limit = ps.libmkl["MKL_Set_Num_Threads_Local"]  # of this thread of Python; returns the last one
+        self.limit = ps.libmkl[
+            "MKL_Set_Num_Threads_Local"
+        ]  # of this thread of Python; returns the last one
         self.limit.argtypes, self.limit.restype = [c_int], c_int

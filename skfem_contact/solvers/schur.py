@@ -1,14 +1,16 @@
 """Schur complement of an interface: elastic bodies in contact are factored once.
 
-The dofs of the contact surfaces are eliminated last.  The trailing blocks of the factors are then those of the Schur
-complement S, the condensed stiffness of the interface.  A tangent ``K + P dK P^T`` whose change dK lies on the
-interface costs two solutions with the old factors and a small dense system
+The dofs of the contact surfaces are eliminated last.  The trailing blocks of the factors are then
+those of the Schur complement S, the condensed stiffness of the interface.  A tangent ``K + P dK
+P^T`` whose change dK lies on the interface costs two solutions with the old factors and a small
+dense system
 
     z = K^-1 b,    (S + dK) x_S = S z_S,    x = K^-1 (b - P dK x_S).
 
-Once elastic bodies are in equilibrium inside, the residual acts on the interface alone: then S z_S = b_S, and one
-solution is enough.
+Once elastic bodies are in equilibrium inside, the residual acts on the interface alone: then S z_S
+= b_S, and one solution is enough.
 """
+
 from __future__ import annotations
 
 import logging
@@ -35,9 +37,13 @@ _SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left t
 
 
 class SchurSolver:
-    """Linear solver that keeps its factors while the tangent changes on an interface only; else `solver` is used."""
+    """Linear solver that keeps its factors while the tangent changes on an interface only; else
+    `solver` is used.
+    """
 
-    def __init__(self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray) -> None:
+    def __init__(
+        self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray
+    ) -> None:
         self._solver, self._locations = solver, locations
         self._on_interface = np.zeros(locations.shape[1], bool)
         self._on_interface[np.intersect1d(interface, free)] = True
@@ -52,7 +58,9 @@ class SchurSolver:
         return self._solver.name
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution of K[free, free] x[free] = b[free]; see :meth:`DirectSolver.factor`."""
+        """Prepare the solution of K[free, free] x[free] = b[free]; see
+        :meth:`DirectSolver.factor`.
+        """
         base, last, self._last = self._base, self._last, K
         if base is not None and (change := self._change(K, base.K)) is not None:
             return base.updated(K, change, lambda: self._solver.factor(K, symmetric))
@@ -60,7 +68,9 @@ class SchurSolver:
         if self._worth and last is not None and self._change(K, last) is not None:
             self._base = _Base.of(K, self._locations, self._free, self._on_interface)
             if self._base is not None:
-                return self._base.updated(K, csr_matrix(K.shape), lambda: self._solver.factor(K, symmetric))
+                return self._base.updated(
+                    K, csr_matrix(K.shape), lambda: self._solver.factor(K, symmetric)
+                )
             self._worth = False
         return self._solver.factor(K, symmetric)
 
@@ -68,7 +78,11 @@ class SchurSolver:
         """Return the change of the free block if the change lies on the interface, else None."""
         if same_pattern(K, old):
             at = np.flatnonzero(K.data != old.data)
-            row, col, data = np.searchsorted(K.indptr, at, side="right") - 1, K.indices[at], K.data[at] - old.data[at]
+            row, col, data = (
+                np.searchsorted(K.indptr, at, side="right") - 1,
+                K.indices[at],
+                K.data[at] - old.data[at],
+            )
         else:
             change = (K - old).tocoo()
             row, col, data = change.row, change.col, change.data
@@ -87,14 +101,18 @@ class _Base:
     Multipliers, which no element gives stiffness to, are left to the dense system: `apart`.
     """
 
-    def __init__(self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, lu: SuperLU, schur: ndarray) -> None:
+    def __init__(
+        self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, lu: SuperLU, schur: ndarray
+    ) -> None:
         self.K, self._order, self._m, self._lu, self._schur = K, order, m, lu, schur
         self._all, ends = np.concatenate((order, apart)), np.concatenate((order[-m:], apart))
         self._ends, self._added = ends, K[ends][:, ends].toarray()
         self._added[:m, :m] = 0.0
 
     @classmethod
-    def of(cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray) -> _Base | None:
+    def of(
+        cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray
+    ) -> _Base | None:
         """Factor K; None where the interface is too large or pivots are too small."""
         inner, last = free[~on_interface[free]], free[on_interface[free]]
         beside = np.diff(K[last][:, inner].indptr) > 0
@@ -102,28 +120,45 @@ class _Base:
         m = len(last)
         if m == 0 or len(inner) == 0:
             return None
-        order = np.concatenate((inner[nested_dissection(K[inner][:, inner], locations[:, inner])], last))
+        order = np.concatenate(
+            (inner[nested_dissection(K[inner][:, inner], locations[:, inner])], last)
+        )
         block = FreeBlock(order).gather(K)
         try:
-            lu = splu(block.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            lu = splu(
+                block.tocsc(),
+                permc_spec="NATURAL",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
         except RuntimeError:  # an exact zero among the pivots
             return None
         columns = np.diff(lu.L.indptr).astype(float)
         identity = np.arange(len(order))
         sound = (np.abs(lu.U.diagonal()) > _SINGULAR * np.abs(block.diagonal())).all()
-        if not (sound and np.array_equal(lu.perm_r, identity) and np.array_equal(lu.perm_c, identity)) \
-                or m**3 > 3.0 * _SHARE * (columns**2).sum():
+        if (
+            not (
+                sound
+                and np.array_equal(lu.perm_r, identity)
+                and np.array_equal(lu.perm_c, identity)
+            )
+            or m**3 > 3.0 * _SHARE * (columns**2).sum()
+        ):
             return None
         schur = (lu.L.tocsc()[-m:, -m:] @ lu.U.tocsc()[-m:, -m:]).toarray()
         logger.info("elastic bodies in contact: factored once, %d dofs on the interface", m)
         return cls(K, order, apart, m, lu, schur)
 
     def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
-        """Prepare solutions with the factored tangent plus `change`; `other` solves where they are inaccurate."""
+        """Prepare solutions with the factored tangent plus `change`; `other` solves where they are
+        inaccurate.
+        """
         order, m, ends = self._order, self._m, self._ends
         delta = self._added + change[ends][:, ends].toarray()
         single = (np.count_nonzero(delta, axis=0) == 1) & (np.count_nonzero(delta, axis=1) == 1)
-        single &= (np.diagonal(delta) != 0.0) & (np.arange(len(ends)) >= m)  # multipliers of open nodes
+        single &= (np.diagonal(delta) != 0.0) & (
+            np.arange(len(ends)) >= m
+        )  # multipliers of open nodes
         live, alone = np.flatnonzero(~single), np.flatnonzero(single)
         total = delta[np.ix_(live, live)]
         total[:m, :m] += self._schur
@@ -147,7 +182,9 @@ class _Base:
         def unbalanced(x: ndarray, b: ndarray) -> tuple[ndarray, float]:
             residual = np.zeros_like(b)
             residual[self._all] = (b - K @ x)[self._all]
-            return residual, float(np.linalg.norm(residual)) / max(float(np.linalg.norm(b[self._all])), 1e-300)
+            return residual, float(np.linalg.norm(residual)) / max(
+                float(np.linalg.norm(b[self._all])), 1e-300
+            )
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[ends]))

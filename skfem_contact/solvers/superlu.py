@@ -18,7 +18,8 @@ SLACK = 0.1  # part of the points on either side of the median that may change s
 HOPS = 3  # edges from the median's cut within which a separator is searched,
 SMALL = 200  # in parts of more points than this; smaller ones are separated at the median's cut
 WALL = 2**28  # capacity that no separator reaches
-KEPT = 8  # orders that are kept for the next models of the same mesh: a fifth of the time of 1,500 dofs,
+# orders that are kept for the next models of the same mesh: a fifth of the time of 1,500 dofs,
+KEPT = 8
 FEWER = 100_000  # of fewer dofs than these: of more the order is a small part
 
 #: The last orders, by the pattern and the coordinates that they are of.
@@ -26,7 +27,9 @@ _orders: dict[bytes, ndarray] = {}
 
 
 class SuperLU:
-    """Engine of scipy, :func:`~scipy.sparse.linalg.splu` of the transposed matrix, which needs no copy."""
+    """Engine of scipy, :func:`~scipy.sparse.linalg.splu` of the transposed matrix, which needs no
+    copy.
+    """
 
     name = "SuperLU with nested dissection"
 
@@ -42,7 +45,9 @@ class SuperLU:
         parts = (graph.indptr, graph.indices, np.ascontiguousarray(locations))
         key = blake2b(b"".join(part.tobytes() for part in parts)).digest()
         # what was used last is the last one
-        _orders[key] = order = _orders.pop(key) if key in _orders else nested_dissection(graph, locations)
+        _orders[key] = order = (
+            _orders.pop(key) if key in _orders else nested_dissection(graph, locations)
+        )
         while len(_orders) > KEPT:
             _orders.pop(next(iter(_orders)))
         return order
@@ -51,11 +56,14 @@ class SuperLU:
         """Return True if contacts have moved so far that the factors have grown."""
         return self._first_fill is not None and self._fill > DRIFT * self._first_fill
 
-    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
-        """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of symmetry.
+    def factor(
+        self, A: csr_matrix, symmetric: bool, careful: bool = False
+    ) -> Callable[[ndarray], ndarray]:
+        """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of
+        symmetry.
 
-        Where the entries that are not zero leave a row without a pivot, whatever their values, SuperLU reads beyond its
-        arrays: it prints errors of BLAS, or ends the process.
+        Where the entries that are not zero leave a row without a pivot, whatever their values,
+        SuperLU reads beyond its arrays: it prints errors of BLAS, or ends the process.
         """
         if not A.diagonal().all():
             entries = A.copy()
@@ -75,19 +83,20 @@ class SuperLU:
 def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:
     """Return the order of elimination, (N,), that keeps the factors of a mesh's matrix sparse.
 
-    The points of the dofs are bisected at the median of the longest side, again and again; the two halves are
-    eliminated before the points that separate them.  The separator is the lightest one near the median, the minimum
-    cut of a network whose points have the number of their dofs as capacity.  On graded meshes such a separator is much
-    smaller than a straight one.  Dofs of one point stay together.
+    The points of the dofs are bisected at the median of the longest side, again and again; the two
+    halves are eliminated before the points that separate them.  The separator is the lightest one
+    near the median, the minimum cut of a network whose points have the number of their dofs as
+    capacity.  On graded meshes such a separator is much smaller than a straight one.  Dofs of one
+    point stay together.
 
-    The nonzero pattern of `graph`, (N, N), couples the dofs and need not be symmetric; `locations`, (dim, N), are the
-    coordinates.
+    The nonzero pattern of `graph`, (N, N), couples the dofs and need not be symmetric; `locations`,
+    (dim, N), are the coordinates.
 
     References
     ----------
-    A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345-363.
-    C. Ashcraft, J. W. H. Liu, Applications of the Dulmage-Mendelsohn decomposition and network flow to graph bisection
-    improvement, SIAM J. Matrix Anal. Appl. 19 (1998) 325-354.
+    A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973)
+    345-363. C. Ashcraft, J. W. H. Liu, Applications of the Dulmage-Mendelsohn decomposition and
+    network flow to graph bisection improvement, SIAM J. Matrix Anal. Appl. 19 (1998) 325-354.
     """
     group, points = _points(locations)
     key = _dissect(_edges(graph, group), points, np.bincount(group))
@@ -97,7 +106,9 @@ def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:
 
 
 def _points(locations: ndarray) -> tuple[ndarray, ndarray]:
-    """Return the number of the point of each dof, and the integer coordinates of the points, (dim, n)."""
+    """Return the number of the point of each dof, and the integer coordinates of the points, (dim,
+    n).
+    """
     low = locations.min(axis=1, keepdims=True)
     extent = np.ptp(locations, axis=1).max() or 1.0
     steps = np.round((locations - low) / (COINCIDENT * extent)).astype(np.int64)
@@ -122,7 +133,9 @@ def _edges(graph: csr_matrix, group: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -> ndarray:
-    """Return the sorting key of each point: base-3 digits left 0, right 1, separator 2, level by level."""
+    """Return the sorting key of each point: base-3 digits left 0, right 1, separator 2, level by
+    level.
+    """
     n = points.shape[1]
     along = np.array([np.unique(axis, return_inverse=True)[1] for axis in points])
     key = np.zeros(n, dtype=np.int64)
@@ -147,7 +160,8 @@ def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -
 
 
 def _bisect(along: ndarray, points: ndarray, part: ndarray) -> tuple[ndarray, ndarray]:
-    """Return the points beyond the median of the longest side of their part, and the points near the median.
+    """Return the points beyond the median of the longest side of their part, and the points near
+    the median.
 
     Points of one coordinate stay together: the separators of a structured mesh are straight.
     """
@@ -155,7 +169,9 @@ def _bisect(along: ndarray, points: ndarray, part: ndarray) -> tuple[ndarray, nd
     count = np.bincount(part)
     start = np.cumsum(count) - count
     in_parts = points[:, np.argsort(part, kind="stable")]
-    extent = np.maximum.reduceat(in_parts, start, axis=1) - np.minimum.reduceat(in_parts, start, axis=1)
+    extent = np.maximum.reduceat(in_parts, start, axis=1) - np.minimum.reduceat(
+        in_parts, start, axis=1
+    )
     along = along[extent.argmax(axis=0)[part], np.arange(len(part))]
     order = np.argsort(part * (along.max() + 1) + along)
     median, lowest = along[order][start + count // 2], along[order][start]
@@ -165,12 +181,15 @@ def _bisect(along: ndarray, points: ndarray, part: ndarray) -> tuple[ndarray, nd
     return right, np.abs((rank - start[part]) / count[part] - 0.5) < SLACK
 
 
-def _separator(row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight: ndarray, hops: int) -> ndarray:
-    """Find the points of least weight that separate left from right; update `right` where points change sides.
+def _separator(
+    row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight: ndarray, hops: int
+) -> ndarray:
+    """Find the points of least weight that separate left from right; update `right` where points
+    change sides.
 
-    A point v of the band about the cut is an arc (v, v + m) of its weight in a network whose other arcs cannot be cut.
-    Points with neighbours outside the band and points far from the median are tied to the source or the sink: they
-    stay on their side or join the separator.
+    A point v of the band about the cut is an arc (v, v + m) of its weight in a network whose other
+    arcs cannot be cut. Points with neighbours outside the band and points far from the median are
+    tied to the source or the sink: they stay on their side or join the separator.
     """
     band = np.zeros(len(right), dtype=bool)
     band[row[right[row] != right[col]]] = True
@@ -186,10 +205,16 @@ def _separator(row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight
     row, col = row[from_band], col[from_band]
     tied = ~near
     tied[row[~band[col]]] = True
-    sources, sinks = (number[points[tied[points] & (right[points] == side)]] for side in (False, True))
+    sources, sinks = (
+        number[points[tied[points] & (right[points] == side)]] for side in (False, True)
+    )
     within = band[col]
-    tails = np.concatenate([np.arange(m), m + number[row[within]], np.full(len(sources), 2 * m), m + sinks])
-    heads = np.concatenate([m + np.arange(m), number[col[within]], sources, np.full(len(sinks), 2 * m + 1)])
+    tails = np.concatenate(
+        [np.arange(m), m + number[row[within]], np.full(len(sources), 2 * m), m + sinks]
+    )
+    heads = np.concatenate(
+        [m + np.arange(m), number[col[within]], sources, np.full(len(sinks), 2 * m + 1)]
+    )
     capacity = np.full(len(tails), WALL, dtype=np.int32)
     capacity[:m] = weight[points]
     network = csr_array((capacity, (tails, heads)), shape=(2 * m + 2, 2 * m + 2))
@@ -199,7 +224,9 @@ def _separator(row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight
 
 
 def _source_side(network: csr_array) -> ndarray:
-    """Return the nodes on the source's side of the minimum cut; source and sink are the last two nodes."""
+    """Return the nodes on the source's side of the minimum cut; source and sink are the last two
+    nodes.
+    """
     n = network.shape[0]
     residual = network - maximum_flow(network, n - 2, n - 1).flow
     residual.data = np.maximum(residual.data, 0)

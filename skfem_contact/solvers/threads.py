@@ -15,8 +15,8 @@ from threadpoolctl import ThreadpoolController
 class _OneThread(ContextDecorator):
     """One thread for BLAS, set by the first of several runs side by side and lifted by the last.
 
-    Vectors of some thousand numbers and the supernodes of a sparse factor are too small for several threads: with four
-    of them a contact analysis of 20,000 dofs takes twice the time.
+    Vectors of some thousand numbers and the supernodes of a sparse factor are too small for several
+    threads: with four of them a contact analysis of 20,000 dofs takes twice the time.
     """
 
     def __init__(self) -> None:
@@ -45,7 +45,8 @@ single_threaded = _OneThread()
 
 
 def allowed() -> int:
-    """Return the number of threads for a large factor: the cores of the process, at most ``OMP_NUM_THREADS``.
+    """Return the number of threads for a large factor: the cores of the process, at most
+    ``OMP_NUM_THREADS``.
 
     Analyses side by side in one process have one each.
     """

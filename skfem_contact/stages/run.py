@@ -1,4 +1,5 @@
 """Run of stages that follow each other: each starts from the state that the last one left."""
+
 from __future__ import annotations
 
 import logging
@@ -33,8 +34,13 @@ Observer = Callable[[StageResult], Any]
 
 
 @single_threaded
-def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | None = None,
-        on_increment: Observer | None = None, progress: bool | None = None) -> Result:
+def run(
+    setup: Setup,
+    stages: Sequence[Stage],
+    start: Result | StageResult | None = None,
+    on_increment: Observer | None = None,
+    progress: bool | None = None,
+) -> Result:
     """Run stages one after the other, see :meth:`skfem_contact.Model.run`."""
     done = [start] if isinstance(start, StageResult) else list(start or ())
     stages = checked(stages, [stage.name for stage in done])
@@ -50,16 +56,34 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):
                 x, states, lost = begin(setup.layout, phase, last)
-                last = replace(last, x=x, states=states, placed=_placed(phase, last, x), next_step=np.inf, before=None)
+                last = replace(
+                    last,
+                    x=x,
+                    states=states,
+                    placed=_placed(phase, last, x),
+                    next_step=np.inf,
+                    before=None,
+                )
             if system is None or predictor is None or phase.changed:
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
-                if last.before is not None and stage is stages[0]:  # the run continues that of the start
+                if (
+                    last.before is not None and stage is stages[0]
+                ):  # the run continues that of the start
                     predictor.accept(*last.before)
                 predictor.accept(last.x, last.load - lost, last.time)
-            last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=(),
-                           water=phase.water, water_unit_weight=setup.water_unit_weight, changed=phase.replaced,
-                           supports=phase.supports)
+            last = replace(
+                last,
+                name=stage.name,
+                iterations=(),
+                fraction=0.0,
+                forms=system.forms,
+                increments=(),
+                water=phase.water,
+                water_unit_weight=setup.water_unit_weight,
+                changed=phase.replaced,
+                supports=phase.supports,
+            )
             unreleased = lost if last.unreleased is None else lost + last.unreleased
             left = (1.0 - stage.release) * (unreleased - phase.gone)
             path = _path(phase, last, system.fixed, lost, left)
@@ -77,22 +101,39 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
 
 
 def _remarked(remarks: Remarks, phase: Phase, last: StageResult, parts: Parts) -> StageResult:
-    """Return the end of a stage, reached or not, with all remarks on it: contact may be the reason of a failure."""
+    """Return the end of a stage, reached or not, with all remarks on it: contact may be the reason
+    of a failure.
+    """
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
     for name, form in last.forms.items():
-        found[name] = [*form.remarks(last.x[:form.size], last.states[name]), *form.remarks_on(last.x, last.states),
-                       *parts.remarks(name)]
+        found[name] = [
+            *form.remarks(last.x[: form.size], last.states[name]),
+            *form.remarks_on(last.x, last.states),
+            *parts.remarks(name),
+        ]
     for name, remark in undrained_friction(last.forms, last.states):
         found[name].append(remark)
     for name, several in found.items():
         remarks.add(last.name, name, several)
-    return replace(last, remarks=tuple(f"{name}: {remark.text}" for name, several in found.items()
-                                       for remark in several))
+    return replace(
+        last,
+        remarks=tuple(
+            f"{name}: {remark.text}" for name, several in found.items() for remark in several
+        ),
+    )
 
 
-def _followed(increments: Iterator[StageResult], stage: Stage, last: StageResult, on_increment: Observer | None,
-              progress: Bars, parts: Parts) -> StageResult:
-    """Return the end of a stage with the increments that it keeps; an error that stops it has the last one."""
+def _followed(
+    increments: Iterator[StageResult],
+    stage: Stage,
+    last: StageResult,
+    on_increment: Observer | None,
+    progress: Bars,
+    parts: Parts,
+) -> StageResult:
+    """Return the end of a stage with the increments that it keeps; an error that stops it has the
+    last one.
+    """
     kept, began = list[StageResult](), perf_counter()
     with progress.stage(stage.name):
         try:
@@ -101,7 +142,9 @@ def _followed(increments: Iterator[StageResult], stage: Stage, last: StageResult
                 last = accepted
                 if _keeps(stage, last):
                     kept.append(last)
-                progress.update(last.fraction, len(last.iterations), sum(last.iterations), _moved(last))
+                progress.update(
+                    last.fraction, len(last.iterations), sum(last.iterations), _moved(last)
+                )
                 if on_increment is not None:
                     on_increment(last)
         except (NotConverged, KeyboardInterrupt) as error:
@@ -117,7 +160,9 @@ def _moved(stage: StageResult, since: ndarray | float = 0.0) -> float:
 
 
 def _ended(last: StageResult, kept: Sequence[StageResult], began: float) -> StageResult:
-    """Return the end of a stage with the increments that it keeps and the time that it has taken."""
+    """Return the end of a stage with the increments that it keeps and the time that it has
+    taken.
+    """
     return replace(last, increments=tuple(kept), seconds=perf_counter() - began)
 
 
@@ -126,13 +171,24 @@ def among(setup: Setup, start: StageResult) -> StageResult:
     before = start.before
     if before is not None:
         before = setup.vector(before[0], "start"), setup.vector(before[1], "start"), before[2]
-    return replace(start, x=setup.vector(start.x, "start"), load=setup.vector(start.load, "start"), before=before)
+    return replace(
+        start,
+        x=setup.vector(start.x, "start"),
+        load=setup.vector(start.load, "start"),
+        before=before,
+    )
 
 
 def _placed(phase: Phase, last: StageResult, x: ndarray) -> dict[str, ndarray]:
-    """Return the displacements at which solids have become active, with the new ones of a phase, at x."""
+    """Return the displacements at which solids have become active, with the new ones of a phase, at
+    x.
+    """
     new = solids_of(phase.forms).keys() - phase.before.keys()
-    return {name: x if name in new else last.placed[name] for name in phase.forms if name in {*new, *last.placed}}
+    return {
+        name: x if name in new else last.placed[name]
+        for name in phase.forms
+        if name in {*new, *last.placed}
+    }
 
 
 def _keeps(stage: Stage, accepted: StageResult) -> bool:
@@ -142,58 +198,111 @@ def _keeps(stage: Stage, accepted: StageResult) -> bool:
     return stage.keep == "all" or len(accepted.iterations) % stage.keep == 0
 
 
-def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, last: StageResult, newton: Newton
-                ) -> Iterator[StageResult]:
+def _increments(
+    system: System,
+    predictor: Predictor,
+    stage: Stage,
+    path: Path,
+    last: StageResult,
+    newton: Newton,
+) -> Iterator[StageResult]:
     """Yield the accepted increments of a stage."""
     began, duration = last.time, stage.duration
     stepping = Stepping(stage.increments, last.next_step / duration if duration else np.inf)
     start_x, farthest = last.x, _farthest(system, path)
     while last.fraction < 1.0:
         if (moved := _moved(last, start_x)) > farthest:
-            raise NotConverged(f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load: its displacements, "
-                               f"{moved:.3g}, exceed the size of the bodies, {farthest:.3g}; are E and the loads in "
-                               f"the same units, and is every body held?{_so_far(system, last)}", last.x)
+            raise NotConverged(
+                f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load: its "
+                f"displacements, "
+                f"{moved:.3g}, exceed the size of the bodies, {farthest:.3g}; are E and the loads "
+                f"in "
+                f"the same units, and is every body held?{_so_far(system, last)}",
+                last.x,
+            )
         fraction = stepping.fraction
         time = began + fraction * duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
         if start is not None:
             start = system.foreseen(start, last.x, predictor.before, last.states)
         try:
-            new, errors = solve_step(system, last.x, last.states, path, (last.fraction, fraction), duration, newton,
-                                     start, stepping.try_recovery)
+            new, errors = solve_step(
+                system,
+                last.x,
+                last.states,
+                path,
+                (last.fraction, fraction),
+                duration,
+                newton,
+                start,
+                stepping.try_recovery,
+            )
         except NotConverged as error:
             stepping.reject(error)
-            logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
-                        error)
+            logger.info(
+                "stage '%s': increment to %.4f failed, cut to %.4f: %s",
+                stage.name,
+                fraction,
+                stepping.size,
+                error,
+            )
             if stepping.exhausted:
                 where = "" if error.dof is None else f", {system.layout.describe(error.dof)}"
-                raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
+                raise NotConverged(
+                    f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}"
+                ) from error
             continue
         if stepping.too_long(errors):
-            logger.info("stage '%s': step to %.3g too long, cut to %.4f", stage.name, time, stepping.size)
+            logger.info(
+                "stage '%s': step to %.3g too long, cut to %.4f", stage.name, time, stepping.size
+            )
             continue
-        logger.debug("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
+        logger.debug(
+            "stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations
+        )
         stepping.accept(fraction, new.iterations, new.equilibria)
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
-        last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations), new.residuals[-1],
-                           fraction, summary, system.forms, time, layout=system.layout, water=last.water,
-                           water_unit_weight=last.water_unit_weight, placed=last.placed, changed=last.changed,
-                           supports=last.supports, next_step=stepping.allowed * duration if duration else np.inf,
-                           before=(last.x, last.load, last.time))
+        last = StageResult(
+            stage.name,
+            new.x,
+            load,
+            new.states,
+            (*last.iterations, new.iterations),
+            new.residuals[-1],
+            fraction,
+            summary,
+            system.forms,
+            time,
+            layout=system.layout,
+            water=last.water,
+            water_unit_weight=last.water_unit_weight,
+            placed=last.placed,
+            changed=last.changed,
+            supports=last.supports,
+            next_step=stepping.allowed * duration if duration else np.inf,
+            before=(last.x, last.load, last.time),
+        )
         predictor.accept(last.x, last.load, time)
         yield last
 
 
 def _farthest(system: System, path: Path) -> float:
-    """Return the size of the bodies and how far supports move: displacements beyond it are those of no structure."""
-    sizes = [np.linalg.norm(np.ptp(form.basis.mesh.p, axis=1)) for form in solids_of(system.forms).values()]
+    """Return the size of the bodies and how far supports move: displacements beyond it are those of
+    no structure.
+    """
+    sizes = [
+        np.linalg.norm(np.ptp(form.basis.mesh.p, axis=1))
+        for form in solids_of(system.forms).values()
+    ]
     pushed = np.abs(path(1.0)[1] - path(0.0)[1]).max(initial=0.0)
     return float(max(sizes) + pushed) if sizes else np.inf
 
 
 def _path(phase: Phase, last: StageResult, fixed: ndarray, lost: ndarray, left: ndarray) -> Path:
-    """Return load and prescribed values at a share of a stage; lost forces are released but for those that are left."""
+    """Return load and prescribed values at a share of a stage; lost forces are released but for
+    those that are left.
+    """
     load, held = last.load, last.x[fixed]
     target = held if phase.prescribed is None else phase.prescribed[fixed]
     end = phase.load - left
@@ -203,7 +312,9 @@ def _path(phase: Phase, last: StageResult, fixed: ndarray, lost: ndarray, left: 
         values = held + fraction * (target - held)
         if phase.on_top is None:
             return load + fraction * (end - load) - (1.0 - fraction) * lost, values
-        return phase.on_top(fraction) - fraction * left + (1.0 - fraction) * (load - lost - start), values
+        return phase.on_top(fraction) - fraction * left + (1.0 - fraction) * (
+            load - lost - start
+        ), values
 
     return at
 

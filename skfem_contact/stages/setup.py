@@ -1,4 +1,7 @@
-"""Setup of an analysis: forms that are completed and numbered once, supports, gravity and the solver."""
+"""Setup of an analysis: forms that are completed and numbered once, supports, gravity and the
+solver.
+"""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
@@ -30,11 +33,21 @@ _STRONGEST = 2.0
 
 
 class Setup:
-    """Forms, supports and settings that all analyses of a model share; see :class:`~skfem_contact.Model`."""
+    """Forms, supports and settings that all analyses of a model share; see
+    :class:`~skfem_contact.Model`.
+    """
 
-    def __init__(self, forms: Mapping[str, Any], fixed: Any = (), *, solver: str | Callable[..., Any] | None = None,
-                 newton: Newton | None = None, gravity: Sequence[float] | None = None,
-                 seismic: float | Sequence[float] = 0.0, water_unit_weight: float | None = None) -> None:
+    def __init__(
+        self,
+        forms: Mapping[str, Any],
+        fixed: Any = (),
+        *,
+        solver: str | Callable[..., Any] | None = None,
+        newton: Newton | None = None,
+        gravity: Sequence[float] | None = None,
+        seismic: float | Sequence[float] = 0.0,
+        water_unit_weight: float | None = None,
+    ) -> None:
         given = as_forms(forms)
         self.solver, self.newton = solver, newton
         self.coordinates = _coordinates_of(given)
@@ -42,27 +55,39 @@ class Setup:
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
-        self.forms = self.own = {name: self._numbered(form) for name, form in self._completed.items()}
+        self.forms = self.own = {
+            name: self._numbered(form) for name, form in self._completed.items()
+        }
         self.fixed = self.layout.dofs(fixed)
         self.water_unit_weight = water_unit_weight
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
         self.gravity = self._acceleration(gravity, seismic)
 
-    def weight(self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None) -> ndarray:
+    def weight(
+        self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None
+    ) -> ndarray:
         """Return the load vector of the weight of all solids, see :func:`weight`."""
         for name, form in self.solids.items():
             if missing := loads.weightless(form, unit_weights):
-                warn(f"{missing} of '{name}' are weightless: name them too, with 0 if they are meant to be")
-        return sum((loads.weight(form, unit_weights, direction) for form in self.solids.values()),
-                   start=np.zeros(self.layout.n_displacements))
+                warn(
+                    f"{missing} of '{name}' are weightless: name them too, with 0 if they are "
+                    f"meant to be"
+                )
+        return sum(
+            (loads.weight(form, unit_weights, direction) for form in self.solids.values()),
+            start=np.zeros(self.layout.n_displacements),
+        )
 
-    def traction(self, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]) -> ndarray:
+    def traction(
+        self, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]
+    ) -> ndarray:
         """Return the load vector of forces per area on a boundary, see :func:`traction`."""
         return loads.traction(next(iter(self.solids.values())), boundary, force)
 
     def water_load(self, pressure: loads.Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
-        """Return the load vector of water in the pores of all porous solids and on boundaries, see :func:`water_load`.
+        """Return the load vector of water in the pores of all porous solids and on boundaries, see
+        :func:`water_load`.
 
         ``Stage(water=...)`` finds these boundaries by itself.
         """
@@ -71,33 +96,51 @@ class Setup:
         ground = loads.Domain(porous[0].basis.with_elements(elements), self.coordinates)
         return loads.water_load(ground, pressure, boundaries)
 
-    def _acceleration(self, gravity: Sequence[float] | None, seismic: float | Sequence[float]) -> ndarray:
+    def _acceleration(
+        self, gravity: Sequence[float] | None, seismic: float | Sequence[float]
+    ) -> ndarray:
         """Return the acceleration of all weights over that of gravity, (dim,)."""
         dim = len(self.layout.coordinates)
         down = -np.eye(dim)[-1] if gravity is None else unit_vector(gravity, dim, "gravity")
         horizontal = np.zeros(dim)
         if np.size(seismic) > max(dim - 1, 1) or not np.isfinite(seismic).all():
-            raise ValueError(f"seismic must be finite, with at most {max(dim - 1, 1)} components, not {seismic!r}")
-        horizontal[:np.size(seismic)] = seismic
+            raise ValueError(
+                f"seismic must be finite, with at most {max(dim - 1, 1)} components, not "
+                f"{seismic!r}"
+            )
+        horizontal[: np.size(seismic)] = seismic
         if self.coordinates == "axisymmetric" and (down + horizontal)[0] != 0.0:
-            raise ValueError("in axial symmetry weights act along the axis: gravity or seismic across it needs a model "
-                             "in space")
+            raise ValueError(
+                "in axial symmetry weights act along the axis: gravity or seismic across it needs "
+                "a model "
+                "in space"
+            )
         if np.abs(horizontal).max() > _STRONGEST:
-            warn(f"seismic is {seismic}: it is the acceleration over that of gravity, neither in per cent nor in m/s²")
+            warn(
+                f"seismic is {seismic}: it is the acceleration over that of gravity, neither in "
+                f"per cent nor in m/s²"
+            )
         return down + horizontal
 
     @property
     def seismic(self) -> float | ndarray:
-        """Horizontal acceleration over that of gravity; a `ValueError` where gravity is not against the last axis."""
+        """Horizontal acceleration over that of gravity; a `ValueError` where gravity is not against
+        the last axis.
+        """
         if self.gravity[-1] != -1.0:
-            raise ValueError(f"bounds need gravity against the last axis, not {self.gravity.tolist()}: rotate the mesh")
+            raise ValueError(
+                f"bounds need gravity against the last axis, not {self.gravity.tolist()}: rotate "
+                f"the mesh"
+            )
         return float(self.gravity[0]) if len(self.gravity) == 2 else self.gravity[:-1]
 
     def _numbered(self, form: Form) -> Form:
         return form.numbered(self.layout.numbers((*form.fields, *form.borrowed)))
 
     def restricted(self, names: Sequence[str]) -> tuple[Self, ndarray]:
-        """Return the set-up of some of the forms, numbered anew, and its dofs among those of this one."""
+        """Return the set-up of some of the forms, numbered anew, and its dofs among those of this
+        one.
+        """
         new = copy(self)
         vars(new).pop("solids", None)
         new._completed = {name: self._completed[name] for name in names}
@@ -108,11 +151,15 @@ class Setup:
         new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, away)))
         if len(kept) < self.layout.size:
             new.layout = _layout_of(new._completed)
-            new.forms = new.own = {name: new._numbered(form) for name, form in new._completed.items()}
+            new.forms = new.own = {
+                name: new._numbered(form) for name, form in new._completed.items()
+            }
         return new, kept
 
     def after(self, start: StageData | None) -> Self:
-        """Return the set-up as stages of its own have left it: with the forms and the supports that they changed."""
+        """Return the set-up as stages of its own have left it: with the forms and the supports that
+        they changed.
+        """
         if start is None or start.layout is not self.layout or start.supports is None:
             return self
         new = copy(self)
@@ -127,7 +174,9 @@ class Setup:
             old, form = now[name], form.continues(now[name])
             if form is not old and (form.fields or form.borrowed):
                 its = self.layout.numbers(old.fields)
-                own = {mine: its[other] for mine, other in zip(form.fields, old.fields, strict=True)}
+                own = {
+                    mine: its[other] for mine, other in zip(form.fields, old.fields, strict=True)
+                }
                 form = form.numbered({**self.layout.numbers(form.borrowed), **own})
                 form.fields = old.fields
             found[name] = form
@@ -145,7 +194,7 @@ class Setup:
         total = np.zeros(self.layout.size)
         for form in forms.values():
             if (weight := form.own_weight(self.gravity)) is not None:
-                total[:len(weight)] += weight
+                total[: len(weight)] += weight
         return total
 
     def water_on(self, forms: Mapping[str, Form], water: Any) -> ndarray:
@@ -153,31 +202,49 @@ class Setup:
         total = np.zeros(self.layout.size)
         if water is not None and water is not False:
             if self.gravity[-1] != -1.0 and not callable(water) and np.ndim(water) != 1:
-                raise ValueError(f"levels need gravity against the last axis, not {self.gravity.tolist()}: rotate the "
-                                 "mesh, or give the water as a function of the coordinates")
-            for wet in water_at_rest(solids_of(forms), forms.values(), water, self.water_unit_weight):
-                total[:len(wet)] += wet
+                raise ValueError(
+                    f"levels need gravity against the last axis, not {self.gravity.tolist()}: "
+                    f"rotate the "
+                    "mesh, or give the water as a function of the coordinates"
+                )
+            for wet in water_at_rest(
+                solids_of(forms), forms.values(), water, self.water_unit_weight
+            ):
+                total[: len(wet)] += wet
         return total
 
     def at_rest(self, forms: Mapping[str, Form], water: Any) -> tuple[Any, ndarray] | None:
-        """Return the pressure of water at rest and its load in and on some forms, (N,), for bounds; None without."""
+        """Return the pressure of water at rest and its load in and on some forms, (N,), for bounds;
+        None without.
+        """
         if water is None or water is False:
             return None
         solids = solids_of(forms)
-        pressure = as_pressure(water, next(iter(solids.values())).basis.mesh, self.water_unit_weight)
+        pressure = as_pressure(
+            water, next(iter(solids.values())).basis.mesh, self.water_unit_weight
+        )
         dry = [name for name, form in solids.items() if not form.porous and form.strengths]
         if dry or isinstance(pressure, Mapping):
-            why = f"pores in all that yields, but '{dry[0]}' has none" if dry else "one pressure, but it is by region"
+            why = (
+                f"pores in all that yields, but '{dry[0]}' has none"
+                if dry
+                else "one pressure, but it is by region"
+            )
             raise ValueError(f"bounds beside a search know water with {why}: leave out `certify`")
         return getattr(pressure, "pressure", pressure), self.water_on(forms, water)
 
     def vector(self, values: Any, what: str) -> ndarray:
-        """Return values of all dofs, given up to the end of any field; a ``ValueError`` for others, or NaN."""
+        """Return values of all dofs, given up to the end of any field; a ``ValueError`` for others,
+        or NaN.
+        """
         n, n_first = self.layout.size, self.layout.n_displacements
         given = getattr(values, "coordinates", None)
         if given is not None and (given == "axisymmetric") != (self.coordinates == "axisymmetric"):
-            raise ValueError(f"{what} was integrated in {given} coordinates, but the model is {self.coordinates}: make "
-                             "loads by the model, or from a solid form instead of a basis")
+            raise ValueError(
+                f"{what} was integrated in {given} coordinates, but the model is "
+                f"{self.coordinates}: make "
+                "loads by the model, or from a solid form instead of a basis"
+            )
         if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)
@@ -193,8 +260,11 @@ class Setup:
         if given is None:
             return np.zeros(self.layout.size)
         several = isinstance(given, list | tuple) and len(given) > 0 and np.ndim(given[0]) == 1
-        return sum((self.vector(one, what) for one in given), start=np.zeros(self.layout.size)) if several \
+        return (
+            sum((self.vector(one, what) for one in given), start=np.zeros(self.layout.size))
+            if several
             else self.vector(given, what)
+        )
 
     def inactive(self, active: Mapping[str, Form]) -> ndarray:
         """Return the dofs that forms or fields have, but no active form."""
@@ -206,7 +276,12 @@ class Setup:
         """Return the system of some forms whose supports have been checked."""
         fixed = different(self.layout.size, fixed, *(form.idle(fixed) for form in forms.values()))
         free = others(self.layout.size, fixed)
-        return System(forms, self.layout, fixed, linear_solver(forms, self.solver, self.layout.coordinates, free))
+        return System(
+            forms,
+            self.layout,
+            fixed,
+            linear_solver(forms, self.solver, self.layout.coordinates, free),
+        )
 
     def checked_system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms, once their supports are checked."""
@@ -234,31 +309,45 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
     """Return the coordinate system of the forms, which must be the same."""
     given = {name: form.coordinates for name, form in forms.items() if form.coordinates is not None}
     if len(set(given.values())) > 1:
-        raise ValueError(f"the forms have different coordinate systems, {given}: give all the same `coordinates`")
+        raise ValueError(
+            f"the forms have different coordinate systems, {given}: give all the same `coordinates`"
+        )
     return next(iter(given.values()), None)
 
 
 def _check_fields(forms: Mapping[str, Form]) -> None:
-    """Refuse a field that two forms bring without sharing it, and one that is borrowed of no form."""
+    """Refuse a field that two forms bring without sharing it, and one that is borrowed of no
+    form.
+    """
     owner: dict[Field, str] = {}
     for name, form in forms.items():
         for field in form.fields:
             if not field.shared and owner.setdefault(field, name) != name:
-                raise ValueError(f"'{owner[field]}' and '{name}' bring the same field '{field.name}': build two forms, "
-                                 "or share it by Field(..., shared=...)")
+                raise ValueError(
+                    f"'{owner[field]}' and '{name}' bring the same field '{field.name}': build two "
+                    f"forms, "
+                    "or share it by Field(..., shared=...)"
+                )
     brought = {field for form in forms.values() for field in form.fields}
     for name, form in forms.items():
         for field in form.borrowed:
             if field not in brought:
-                raise ValueError(f"'{name}' acts on the field '{field.name}', which no form of the model brings")
+                raise ValueError(
+                    f"'{name}' acts on the field '{field.name}', which no form of the model brings"
+                )
         for _, other in (pair for field in form.fields for pair in field.taken):
             if isinstance(other, FieldDofs) and other.field not in brought:
-                raise ValueError(f"'{name}' is joined to a form that is not in the model: it takes dofs of the field "
-                                 f"'{other.field.name}'")
+                raise ValueError(
+                    f"'{name}' is joined to a form that is not in the model: it takes dofs of the "
+                    f"field "
+                    f"'{other.field.name}'"
+                )
 
 
 def _check_bases(forms: Mapping[str, Form]) -> None:
-    """Refuse bad meshes, forms of different bases, and forms none of which knows how many dofs there are."""
+    """Refuse bad meshes, forms of different bases, and forms none of which knows how many dofs
+    there are.
+    """
     bases = {name: form.basis for name, form in solids_of(forms).items()}
     sizes = {name: form.size for name, form in forms.items() if form.size is not None}
     if not forms:
@@ -266,15 +355,20 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     if not sizes and not any(form.fields for form in forms.values()):
         raise ValueError("no form knows how many dofs there are: give one of them a `size`")
     if len(set(sizes.values())) > 1:
-        raise ValueError(f"the forms belong to different bases; their numbers of dofs are {sizes}; they "
-                         f"are {', '.join(map(repr, forms.values()))}")
+        raise ValueError(
+            f"the forms belong to different bases; their numbers of dofs are {sizes}; they "
+            f"are {', '.join(map(repr, forms.values()))}"
+        )
     if not bases:
         return
     owner, basis = next(iter(bases.items()))
     check_mesh(basis.mesh)
     known = {name: (np.arange(other.N), other.doflocs) for name, other in bases.items()}
     known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
-    for name, (numbers, coordinates) in known.items():  # different meshes may have as many dofs as each other
+    for name, (
+        numbers,
+        coordinates,
+    ) in known.items():  # different meshes may have as many dofs as each other
         if not np.array_equal(coordinates, basis.doflocs[:, numbers]):
             raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
 

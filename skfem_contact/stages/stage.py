@@ -1,4 +1,5 @@
 """Stages of an analysis, as a user gives them."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,41 +30,47 @@ class Stage:
     name
         Its name in the result.
     load
-        External forces at its end, (N,), or several such vectors: the whole load, not the increment. The weight of
-        active bodies with a ``unit_weight`` and the pressure of `water` come on top. A function of the share of the
-        stage, 0 to 1, that returns a vector, gives the load on the way as well.
+        External forces at its end, (N,), or several such vectors: the whole load, not the
+        increment. The weight of active bodies with a ``unit_weight`` and the pressure of `water`
+        come on top. A function of the share of the stage, 0 to 1, that returns a vector, gives the
+        load on the way as well.
     prescribed
         Displacements at its end, (N,), of which the values at the fixed dofs count. By default they
         stay as they are.
     increments
-        Number of increments to begin with; they are cut where Newton fails and grow where it is easy.
+        Number of increments to begin with; they are cut where Newton fails and grow where it is
+        easy.
     activate
-        Names of forms that become active; they are inactive before. Solids start stress-free in the deformed ground:
-        nodes that they share with it are where it has brought them, the others follow. Water starts without excess
-        pressure where none was active. Contact starts without traction, with the gaps of the mesh; but where it
-        replaces a pair between the same surfaces that is deactivated in this stage, it takes over its tractions.
+        Names of forms that become active; they are inactive before. Solids start stress-free in the
+        deformed ground: nodes that they share with it are where it has brought them, the others
+        follow. Water starts without excess pressure where none was active. Contact starts without
+        traction, with the gaps of the mesh; but where it replaces a pair between the same surfaces
+        that is deactivated in this stage, it takes over its tractions.
     deactivate
         Names of forms that become inactive. Their forces are released in proportion over the stage.
     change
-        Forms that are replaced from this stage on, with other materials (``form.with_materials``) or another law
-        (``pair.with_law``). They continue the states of the old ones.
+        Forms that are replaced from this stage on, with other materials (``form.with_materials``)
+        or another law (``pair.with_law``). They continue the states of the old ones.
     fixed
-        Supported dofs from this stage on; by default those of the stage before. Reactions that are lost are
-        released in proportion over the stage. Where it opens a drain the excess pressure falls to zero at once, unless
-        `prescribed` is given.
+        Supported dofs from this stage on; by default those of the stage before. Reactions that are
+        lost are released in proportion over the stage. Where it opens a drain the excess pressure
+        falls to zero at once, unless `prescribed` is given.
     duration
-        Time that the stage takes, for forms to which it matters (:meth:`Form.over`); load and prescribed displacements
-        go from their last values to those of the stage in proportion to it. Beside :class:`PoreWater` increments are
-        cut and grow with their estimated error in time, too.
+        Time that the stage takes, for forms to which it matters (:meth:`Form.over`); load and
+        prescribed displacements go from their last values to those of the stage in proportion to
+        it. Beside :class:`PoreWater` increments are cut and grow with their estimated error in
+        time, too.
     water
-        Water at rest from this stage on: its level, points of it (x, height), levels by region, a seepage, pressures at
-        the vertices, or a function of the coordinates. It acts in the pores of all active bodies and presses on all of
-        their boundaries, both sides of contacts included. By default that of the stage before; ``False``: none.
+        Water at rest from this stage on: its level, points of it (x, height), levels by region, a
+        seepage, pressures at the vertices, or a function of the coordinates. It acts in the pores
+        of all active bodies and presses on all of their boundaries, both sides of contacts
+        included. By default that of the stage before; ``False``: none.
     release
-        Share of the forces of deactivated bodies and lost supports that is released in this stage, 0 to 1; a later
-        stage releases the rest.
+        Share of the forces of deactivated bodies and lost supports that is released in this stage,
+        0 to 1; a later stage releases the rest.
     keep
-        Increments that the result keeps besides the end: ``"last"``: none; ``"all"``; n: every n-th one.
+        Increments that the result keeps besides the end: ``"last"``: none; ``"all"``; n: every n-th
+        one.
 
     Notes
     -----
@@ -102,13 +109,19 @@ class Stage:
 
 
 def checked(stages: Sequence[Stage], before: Sequence[str]) -> Sequence[Stage]:
-    """Return the stages; a ``ValueError`` for stages without names of their own or proper numbers."""
+    """Return the stages; a ``ValueError`` for stages without names of their own or proper
+    numbers.
+    """
     if not stages:
         raise ValueError("there is no stage to run")
     known = set(before)
     for stage in stages:
         if stage.name in known:
-            which = "the start has a stage of the name" if stage.name in before else "two stages are named"
+            which = (
+                "the start has a stage of the name"
+                if stage.name in before
+                else "two stages are named"
+            )
             raise ValueError(f"{which} '{stage.name}'")
         known.add(stage.name)
         _check_numbers(stage)
@@ -119,10 +132,18 @@ def _check_numbers(stage: Stage) -> None:
     """Check increments, duration, release and keep of a stage."""
     where = f"stage '{stage.name}'"
     if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
-        raise ValueError(f"{where}: increments must be at least 1 and whole, not {stage.increments!r}")
+        raise ValueError(
+            f"{where}: increments must be at least 1 and whole, not {stage.increments!r}"
+        )
     if stage.duration != 0.0 and not is_number(stage.duration, 0.0, np.inf):
-        raise ValueError(f"{where}: the duration must not be negative, but finite, unlike {stage.duration!r}")
+        raise ValueError(
+            f"{where}: the duration must not be negative, but finite, unlike {stage.duration!r}"
+        )
     if stage.release not in (0.0, 1.0) and not is_number(stage.release, 0.0, 1.0):
         raise ValueError(f"{where}: release must be a share between 0 and 1, not {stage.release!r}")
-    if stage.keep not in ("last", "all") and not (isinstance(stage.keep, (int, np.integer)) and stage.keep >= 1):
-        raise ValueError(f"{where}: keep must be 'last', 'all' or a whole number, not {stage.keep!r}")
+    if stage.keep not in ("last", "all") and not (
+        isinstance(stage.keep, (int, np.integer)) and stage.keep >= 1
+    ):
+        raise ValueError(
+            f"{where}: keep must be 'last', 'all' or a whole number, not {stage.keep!r}"
+        )

@@ -1,4 +1,5 @@
 """Material points of a surface, such as the stick points of contact, and distances between them."""
+
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -15,7 +16,9 @@ _EXACT = 1e-14
 
 
 class MaterialPoints(NamedTuple):
-    """Material points of a surface: facets, shape (n,), -1 for none, and local coordinates, shape (n, dim - 1)."""
+    """Material points of a surface: facets, shape (n,), -1 for none, and local coordinates, shape
+    (n, dim - 1).
+    """
 
     facet: ndarray
     xi: ndarray
@@ -40,7 +43,8 @@ class MaterialPoints(NamedTuple):
 
 
 def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
-    """Return arc positions of points of a surface in the plane, shape (n,), in the reference configuration.
+    """Return arc positions of points of a surface in the plane, shape (n,), in the reference
+    configuration.
 
     The facets follow each other, with the body to the right; a closed chain ends where it begins.
     """
@@ -56,22 +60,40 @@ def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
 
 
 def arc_distance(surface: Surface, point: MaterialPoints, origin: MaterialPoints) -> ndarray:
-    """Return the distance of points from others along a chain, the short way round a closed one; zero for none."""
-    length = np.where(point.exist & origin.exist, along_chain(surface, *point) - along_chain(surface, *origin), 0.0)
+    """Return the distance of points from others along a chain, the short way round a closed one;
+    zero for none.
+    """
+    length = np.where(
+        point.exist & origin.exist,
+        along_chain(surface, *point) - along_chain(surface, *origin),
+        0.0,
+    )
     total = float(surface.area.sum())
     return (length + 0.5 * total) % total - 0.5 * total if surface.closed else length
 
 
-def distance(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
-             ) -> ndarray:
-    """Return the distance of points from others along unit tangents, shape (n, dim - 1); zero for none."""
+def distance(
+    surface: Surface,
+    nodes: ndarray,
+    tangents: ndarray,
+    point: MaterialPoints,
+    origin: MaterialPoints,
+) -> ndarray:
+    """Return the distance of points from others along unit tangents, shape (n, dim - 1); zero for
+    none.
+    """
     between = point.positions(surface, nodes) - origin.positions(surface, nodes)
-    return np.where((point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, between), 0.0)
+    return np.where(
+        (point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, between), 0.0
+    )
 
 
-def offset_back(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, slip: ndarray
-                ) -> MaterialPoints:
-    """Return material points of the same facets from which these have a slip, shape (n, dim - 1), along tangents."""
+def offset_back(
+    surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, slip: ndarray
+) -> MaterialPoints:
+    """Return material points of the same facets from which these have a slip, shape (n, dim - 1),
+    along tangents.
+    """
     xi, start = point.known, point.positions(surface, nodes)
     for _ in range(_NEWTON_STEPS):
         mapping = surface.at(point.facet, xi, nodes)
@@ -83,7 +105,13 @@ def offset_back(surface: Surface, nodes: ndarray, tangents: ndarray, point: Mate
     return MaterialPoints(point.facet, np.where(point.exist[:, None], xi, np.nan))
 
 
-def moved_along(surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray) -> MaterialPoints:
-    """Return the points moved by a motion, shape (n, dim), along the surface, to the first order."""
+def moved_along(
+    surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray
+) -> MaterialPoints:
+    """Return the points moved by a motion, shape (n, dim), along the surface, to the first
+    order.
+    """
     a = surface.at(points.facet, points.known, nodes).x[1]
-    return MaterialPoints(points.facet, points.xi + solve(products(a, a), np.einsum("nac,nc->na", a, motion)))
+    return MaterialPoints(
+        points.facet, points.xi + solve(products(a, a), np.einsum("nac,nc->na", a, motion))
+    )

@@ -1,4 +1,5 @@
 """Shape functions of facets as polynomials, whose derivatives of any order are polynomials too."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -44,7 +45,8 @@ _FACETS: dict[type[Element], tuple[type[Element], Sequence[tuple[int, ...]]]] = 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Polynomial shape functions; lines and quadrilaterals span -1 to 1, as in the paper, triangles 0 to 1.
+    """Polynomial shape functions; lines and quadrilaterals span -1 to 1, as in the paper, triangles
+    0 to 1.
 
     Attributes
     ----------
@@ -77,7 +79,9 @@ class Shape:
 
     @classmethod
     def of_cells(cls, dim: int, k: int) -> Shape:
-        """Return the shape functions of facets with k nodes in so many dimensions; a KeyError if there are none."""
+        """Return the shape functions of facets with k nodes in so many dimensions; a KeyError if
+        there are none.
+        """
         kinds = {facet.doflocs.shape: element for element, (facet, _) in _FACETS.items()}
         return cls.of_facets(kinds[k, dim - 1]())
 
@@ -107,7 +111,9 @@ class Shape:
 
     @cached_property
     def at_centre(self) -> list[ndarray]:
-        """Values, (1 or n_facets, k), and first derivatives, (1 or n_facets, dim - 1, k), at the centre."""
+        """Values, (1 or n_facets, k), and first derivatives, (1 or n_facets, dim - 1, k), at the
+        centre.
+        """
         facet = np.arange(len(self.coefficients))
         return self.at(facet, np.tile(self.centre, (len(facet), 1)), 1)
 
@@ -119,7 +125,9 @@ class Shape:
 
     @cached_property
     def along(self) -> ndarray:
-        """Vectors along every side, from its first corner, shape (n_sides, dim - 1); zero on a line."""
+        """Vectors along every side, from its first corner, shape (n_sides, dim - 1); zero on a
+        line.
+        """
         start, end = self.corners[self.side_corners[:, 0]], self.corners[self.side_corners[:, -1]]
         return np.asarray(end - start)
 
@@ -131,13 +139,19 @@ class Shape:
     @cached_property
     def outward(self) -> ndarray:
         """Normals c of the sides with c . (xi - corner) = 2 at a full width beyond the side."""
-        normal = self.corners - self.centre if self.dim == 1 else np.column_stack((self.along[:, 1], -self.along[:, 0]))
+        normal = (
+            self.corners - self.centre
+            if self.dim == 1
+            else np.column_stack((self.along[:, 1], -self.along[:, 0]))
+        )
         start = self.corners[self.side_corners[:, 0]]
         width = -np.einsum("sc,sjc->sj", normal, self.corners - start[:, None]).min(axis=1)
         return np.asarray(2.0 * normal / width[:, None])
 
     def beyond(self, xi: ndarray) -> ndarray:
-        """Return distances beyond the sides, shape (n, n_sides): -2 at the far end, 0 at the side."""
+        """Return distances beyond the sides, shape (n, n_sides): -2 at the far end, 0 at the
+        side.
+        """
         return np.asarray(xi @ self.outward.T - self._level)
 
     @cached_property
@@ -145,7 +159,8 @@ class Shape:
         return np.einsum("sc,sc->s", self.outward, self.corners[self.side_corners[:, 0]])
 
     def at(self, facet: ndarray, xi: ndarray, derivatives: int = 3) -> list[ndarray]:
-        """Return values (n, k), first (n, dim - 1, k), second (n, dim - 1, dim - 1, k), ... derivatives.
+        """Return values (n, k), first (n, dim - 1, k), second (n, dim - 1, dim - 1, k), ...
+        derivatives.
 
         The facets have the shape (n,), local coordinates (n, dim - 1); these may be complex.
         """
@@ -167,17 +182,27 @@ class Shape:
         result = []
         for powers in sorted(number, key=sum)[1:]:
             axis = max(i for i in range(self.dim) if powers[i])
-            result.append((number[powers], number[(*powers[:axis], powers[axis] - 1, *powers[axis + 1:])], axis))
+            result.append(
+                (
+                    number[powers],
+                    number[(*powers[:axis], powers[axis] - 1, *powers[axis + 1 :])],
+                    axis,
+                )
+            )
         return result
 
     @cached_property
     def _derivatives(self) -> list[ndarray]:
-        """Coefficients of the derivatives to the third, shape (1 or n_facets, dim - 1, ..., k, p)."""
+        """Coefficients of the derivatives to the third, shape (1 or n_facets, dim - 1, ..., k,
+        p).
+        """
         steps = np.zeros((self.dim, len(self.exponents), len(self.exponents)))
         for axis, j in product(range(self.dim), range(len(self.exponents))):
             if self.exponents[j, axis]:
                 lower = self.exponents[j] - np.eye(self.dim, dtype=int)[axis]
-                steps[axis, j, np.flatnonzero((self.exponents == lower).all(axis=1))] = self.exponents[j, axis]
+                steps[axis, j, np.flatnonzero((self.exponents == lower).all(axis=1))] = (
+                    self.exponents[j, axis]
+                )
         result = [self.coefficients]
         for _ in range(3):
             result.append(np.stack([result[-1] @ step for step in steps], axis=1))
@@ -193,9 +218,11 @@ def gauss_points(n: int) -> tuple[ndarray, ndarray]:
 
 
 def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
-    """Return points, shape (q, dim - 1), and positive weights of a rule with n Gauss points a direction.
+    """Return points, shape (q, dim - 1), and positive weights of a rule with n Gauss points a
+    direction.
 
-    The rule is exact to the degree 2n - 1; on triangles to 2n - 2, that of two shape functions' product.
+    The rule is exact to the degree 2n - 1; on triangles to 2n - 2, that of two shape functions'
+    product.
     """
     t, w = gauss_points(n)
     if shape.dim == 1:
@@ -203,7 +230,9 @@ def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
     if shape.triangular:
         points, weights = get_quadrature(RefTri, max(1, 2 * n - 2))
         return points.T, weights
-    return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
+    return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(
+        w, w
+    ).ravel()
 
 
 def divided_rule(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
@@ -211,10 +240,14 @@ def divided_rule(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
     xi, w = rule(shape, n)
     low, share = shape.corners.min(axis=0), 1.0 / pieces
     shift = np.ptp(shape.corners, axis=0) * share
-    steps = np.stack(np.meshgrid(*[np.arange(pieces)] * shape.dim, indexing="ij"), axis=-1).reshape(-1, shape.dim)
+    steps = np.stack(np.meshgrid(*[np.arange(pieces)] * shape.dim, indexing="ij"), axis=-1).reshape(
+        -1, shape.dim
+    )
     upright = low + steps[:, None] * shift + (xi - low) * share
     if not shape.triangular:
         return upright.reshape(-1, shape.dim), np.tile(w * share**shape.dim, len(steps))
     turned = low + (steps[:, None] + 1) * shift - (xi - low) * share
-    inside = np.concatenate((upright[steps.sum(axis=1) < pieces], turned[steps.sum(axis=1) < pieces - 1]))
+    inside = np.concatenate(
+        (upright[steps.sum(axis=1) < pieces], turned[steps.sum(axis=1) < pieces - 1])
+    )
     return inside.reshape(-1, shape.dim), np.tile(w * share**2, len(inside))

@@ -1,9 +1,11 @@
 """Hermite smoothing of a faceted master surface (eqs 23 and 24 of the paper, mended).
 
-At the joint x3 of the facets x2-x3 and x3-x4 a cubic runs from ``x_a`` to ``x_b``, both at the share alpha of their
-facet's length from the joint, with the end tangents ``x3 - x_a`` and ``x_b - x3`` (eq. 23).  The curve is linear in the
-three nodes; collinear facets are reproduced exactly and all joints are C1.
+At the joint x3 of the facets x2-x3 and x3-x4 a cubic runs from ``x_a`` to ``x_b``, both at the
+share alpha of their facet's length from the joint, with the end tangents ``x3 - x_a`` and ``x_b -
+x3`` (eq. 23).  The curve is linear in the three nodes; collinear facets are reproduced exactly and
+all joints are C1.
 """
+
 from __future__ import annotations
 
 import numpy as np
@@ -30,11 +32,16 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
         Angle in degrees; joints that turn by more stay sharp.
     """
     if surface.dim != 2:
-        raise ValueError(f"smoothing: '{surface.name}' is a surface in space; use elements of second order there")
+        raise ValueError(
+            f"smoothing: '{surface.name}' is a surface in space; use elements of second order there"
+        )
     if not (alpha == 0.5 or is_number(alpha, 0.0, 0.5)):
         raise ValueError(f"smoothing: alpha must lie in (0, 0.5], not {alpha!r}")
     if surface.facets.shape[1] != 2:
-        raise ValueError(f"smoothing: the facets of '{surface.name}' are curved already; smooth linear elements only")
+        raise ValueError(
+            f"smoothing: the facets of '{surface.name}' are curved already; smooth linear elements "
+            f"only"
+        )
     before = np.arange(len(surface.facets))
     after = (before + 1) % len(before)
     if not surface.closed:
@@ -48,10 +55,18 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
     start, end = np.zeros(len(along)), np.ones(len(along))
     end[before], start[after] = 1.0 - alpha, alpha
     straight = np.flatnonzero(end - start > 1e-12)
-    nodes = np.concatenate((surface.facets[straight][:, [0, 1, 1]],
-                            np.column_stack((surface.facets[before], surface.facets[after, 1]))))
-    coefficients = np.concatenate((_straight(start[straight], end[straight]),
-                                   np.broadcast_to(_rounded(alpha), (len(before), 3, 4))))
+    nodes = np.concatenate(
+        (
+            surface.facets[straight][:, [0, 1, 1]],
+            np.column_stack((surface.facets[before], surface.facets[after, 1])),
+        )
+    )
+    coefficients = np.concatenate(
+        (
+            _straight(start[straight], end[straight]),
+            np.broadcast_to(_rounded(alpha), (len(before), 3, 4)),
+        )
+    )
     order = np.argsort(np.concatenate((straight, before + 0.5)), kind="stable")
     shape = surface.shape.of(coefficients[order], np.arange(4)[:, None])
     return surface.with_facets(nodes[order], shape, following(len(order), surface.closed))
@@ -66,6 +81,12 @@ def _straight(start: ndarray, end: ndarray) -> ndarray:
 
 
 def _rounded(alpha: float) -> ndarray:
-    ends = np.array([[alpha, 1 - alpha, 0], [0, 1 - alpha, alpha],  # x_a, x_b
-                     [-alpha, alpha, 0], [0, -alpha, alpha]])  # tangents, eq. 23
+    ends = np.array(
+        [
+            [alpha, 1 - alpha, 0],
+            [0, 1 - alpha, alpha],  # x_a, x_b
+            [-alpha, alpha, 0],
+            [0, -alpha, alpha],
+        ]
+    )  # tangents, eq. 23
     return np.asarray(ends.T @ _HERMITE)

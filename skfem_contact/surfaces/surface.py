@@ -1,9 +1,10 @@
 """Surfaces of bodies: facets with an outward side, in the plane and in space.
 
-A facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` of dim - 1 local coordinates (eq. 18 of the paper).
-The outward normal is the tangent turned by +90 degrees in the plane (eq. 17), and the cross product of the two
-tangents in space.
+A facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` of dim - 1 local coordinates
+(eq. 18 of the paper). The outward normal is the tangent turned by +90 degrees in the plane (eq.
+17), and the cross product of the two tangents in space.
 """
+
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
@@ -20,16 +21,18 @@ from .shape import Shape, rule
 from .topology import Numbers, arms_of, boundary, joined_cells, numbers_of
 from .vectors import across, unit
 
-#: A surface continues beyond its rim for this share of its last facet: a slave corner that starts flush with
-#: the master's end must not lose contact to the lateral strain of the bodies.
+#: A surface continues beyond its rim for this share of its last facet: a slave corner that starts
+#: flush with the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
-#: Square of the cosine of the angle to a normal from which on an axis is no direction along a facet.
+#: Square of the cosine of the angle to a normal from which on an axis is no direction along a
+#: facet.
 _NORMAL = 0.8
 
 
-
 class FacetMapping(NamedTuple):
-    """Mapping of facets at points: shape functions of the nodes, coordinates, and derivatives of both."""
+    """Mapping of facets at points: shape functions of the nodes, coordinates, and derivatives of
+    both.
+    """
 
     shapes: list[ndarray]
     x: list[ndarray]
@@ -103,9 +106,18 @@ class Surface:
         return cls.of(name, dofs, nodes, facets, Shape.of_facets(basis.elem.elem), neighbours)
 
     @classmethod
-    def from_cells(cls, coordinates: ArrayLike, dofs: Numbers, cells: ArrayLike, name: str = "surface", *,
-                   rotations: Numbers | None = None, thickness: float = 0.0, about: ArrayLike | None = None,
-                   stiffness: float | None = None) -> Surface:
+    def from_cells(
+        cls,
+        coordinates: ArrayLike,
+        dofs: Numbers,
+        cells: ArrayLike,
+        name: str = "surface",
+        *,
+        rotations: Numbers | None = None,
+        thickness: float = 0.0,
+        about: ArrayLike | None = None,
+        stiffness: float | None = None,
+    ) -> Surface:
         """Return a surface whose nodes have dofs of their own: of a beam, a shell or a rigid body.
 
         Parameters
@@ -113,10 +125,12 @@ class Surface:
         coordinates : ndarray, shape (n_nodes, dim)
             Coordinates of the nodes, for beams and shells on the axis or middle surface.
         dofs : ndarray or (Field, ndarray), shape (n_nodes, dim)
-            Global dofs of the displacements, or their numbers in a field that the model numbers; -1: held.
+            Global dofs of the displacements, or their numbers in a field that the model numbers;
+            -1: held.
         cells : ndarray, shape (n_cells, k)
-            Nodes of the facets, corners first.  The free side lies to the left of the way from the first to the second
-            node in the plane, and where the corners go round anticlockwise in space.
+            Nodes of the facets, corners first.  The free side lies to the left of the way from the
+            first to the second node in the plane, and where the corners go round anticlockwise in
+            space.
         name : str
             Name for messages.
         rotations : ndarray or (Field, ndarray), shape (n_nodes,) or (n_nodes, 3), optional
@@ -124,9 +138,11 @@ class Surface:
         thickness : float
             Thickness of the beam or shell: the surface lies half of it off the nodes.
         about : array_like, shape (dim,) or (n_nodes, dim), optional
-            Points about which the rotations turn: the centre of a rigid body; by default the nodes themselves.
+            Points about which the rotations turn: the centre of a rigid body; by default the nodes
+            themselves.
         stiffness : float, optional
-            Traction per displacement of the surface, for the default penalty; by default the other surface decides.
+            Traction per displacement of the surface, for the default penalty; by default the other
+            surface decides.
 
         Examples
         --------
@@ -143,19 +159,47 @@ class Surface:
         nodes, facets, neighbours, shape = joined_cells(coordinates, cells, name)
         n, dim = nodes.shape
         parts = {"dofs": (dofs, (n, dim)), "rotations": (rotations, (n, 1 if dim == 2 else 3))}
-        given = {part: numbers_of(value, size, f"'{name}': {part}") for part, (value, size) in parts.items()
-                 if value is not None}
+        given = {
+            part: numbers_of(value, size, f"'{name}': {part}")
+            for part, (value, size) in parts.items()
+            if value is not None
+        }
         surface = cls.of(name, given["dofs"][0], nodes, facets, shape, neighbours)
         if thickness:
-            surface = cls.of(name, surface.dofs, nodes + 0.5 * thickness * surface.normals, facets, shape, neighbours)
-        arms = None if rotations is None else arms_of(surface.nodes - (nodes if about is None else np.asarray(about)))
-        return replace(surface, meshed=False, stiffness=stiffness, arms=arms,
-                       rotations=None if rotations is None else given["rotations"][0],
-                       unnumbered=tuple((part, field) for part, (_, field) in given.items() if field is not None))
+            surface = cls.of(
+                name,
+                surface.dofs,
+                nodes + 0.5 * thickness * surface.normals,
+                facets,
+                shape,
+                neighbours,
+            )
+        arms = (
+            None
+            if rotations is None
+            else arms_of(surface.nodes - (nodes if about is None else np.asarray(about)))
+        )
+        return replace(
+            surface,
+            meshed=False,
+            stiffness=stiffness,
+            arms=arms,
+            rotations=None if rotations is None else given["rotations"][0],
+            unnumbered=tuple(
+                (part, field) for part, (_, field) in given.items() if field is not None
+            ),
+        )
 
     @classmethod
-    def of(cls, name: str, dofs: ndarray, nodes: ndarray, facets: ndarray, shape: Shape, neighbours: ndarray
-           ) -> Surface:
+    def of(
+        cls,
+        name: str,
+        dofs: ndarray,
+        nodes: ndarray,
+        facets: ndarray,
+        shape: Shape,
+        neighbours: ndarray,
+    ) -> Surface:
         """Return a surface from its facets, with their areas; facets without area are refused."""
         surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(len(facets)))
         xi, weight = rule(shape, 5)
@@ -189,7 +233,9 @@ class Surface:
         """Dofs of the surface, ascending, rotations included; -1 among them for rigid nodes."""
         if self.fields:
             return np.zeros(0, int)
-        return np.unique(self.dofs if self.rotations is None else np.hstack((self.dofs, self.rotations)))
+        return np.unique(
+            self.dofs if self.rotations is None else np.hstack((self.dofs, self.rotations))
+        )
 
     @property
     def end(self) -> int:
@@ -203,7 +249,9 @@ class Surface:
         return self.dofs[nodes]
 
     def levers(self, nodes: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the rotations that move nodes, shape (n, q), and how they do, shape (n, k dim, q)."""
+        """Return the rotations that move nodes, shape (n, q), and how they do, shape (n, k dim,
+        q).
+        """
         n, k = nodes.shape
         if self.arms is None or self.rotations is None:
             return np.zeros((n, 0), int), np.zeros((n, k * self.dim, 0))
@@ -226,7 +274,9 @@ class Surface:
     @property
     def rigid(self) -> bool:
         """True if no dof moves the surface."""
-        return bool((self.dofs < 0).all() and (self.rotations is None or (self.rotations < 0).all()))
+        return bool(
+            (self.dofs < 0).all() and (self.rotations is None or (self.rotations < 0).all())
+        )
 
     @cached_property
     def size(self) -> ndarray:
@@ -253,19 +303,27 @@ class Surface:
 
     @cached_property
     def normals(self) -> ndarray:
-        """Unit normals at the nodes, means of those of the facets there by area, shape (n_nodes, dim)."""
+        """Unit normals at the nodes, means of those of the facets there by area, shape (n_nodes,
+        dim).
+        """
         m, k = self.facets.shape
-        normal = self.at(np.repeat(np.arange(m), k), np.tile(self.shape.nodes, (m, 1)), self.nodes).normal
+        normal = self.at(
+            np.repeat(np.arange(m), k), np.tile(self.shape.nodes, (m, 1)), self.nodes
+        ).normal
         total = np.zeros(self.nodes.shape)
         np.add.at(total, self.facets.ravel(), normal * np.repeat(self.area, k)[:, None])
         return unit(total)
 
     @cached_property
     def directions(self) -> ndarray:
-        """Axes most nearly along the surface, for the facets' tangents in space; another one where this is normal."""
+        """Axes most nearly along the surface, for the facets' tangents in space; another one where
+        this is normal.
+        """
         squares = self.centres.normal**2
         axis = np.argmin(np.round(self.area @ squares / self.area.sum(), 6))
-        return np.eye(self.dim)[np.where(squares[:, axis] > _NORMAL, np.argmin(np.round(squares, 6), axis=1), axis)]
+        return np.eye(self.dim)[
+            np.where(squares[:, axis] > _NORMAL, np.argmin(np.round(squares, 6), axis=1), axis)
+        ]
 
     @cached_property
     def at_rim(self) -> ndarray:
@@ -274,30 +332,40 @@ class Surface:
 
     @cached_property
     def reach(self) -> ndarray:
-        """Extension of the facets beyond the rim in local coordinates, shape (n_facets, n_sides)."""
+        """Extension of the facets beyond the rim in local coordinates, shape (n_facets,
+        n_sides).
+        """
         return 2.0 * self.extension * self.at_rim
 
     @cached_property
     def rank(self) -> ndarray:
-        """Ranks of the facets at a side, shape (n_facets, n_sides): a point at a joint belongs to the larger one."""
+        """Ranks of the facets at a side, shape (n_facets, n_sides): a point at a joint belongs to
+        the larger one.
+        """
         if self.dim == 2:
             return np.tile([0.0, 1.0], (len(self.facets), 1))
         m, sides = self.neighbours.shape
         return np.repeat(1.0 - np.arange(m)[:, None] / m, sides, axis=1)
 
     def facing(self, slave: Surface) -> Surface:
-        """Return the surface extended off its rim by a share of the slave's facets, or of its own if smaller."""
+        """Return the surface extended off its rim by a share of the slave's facets, or of its own
+        if smaller.
+        """
         if self.closed:
             return self
         last = float(self.size[self.at_rim.any(axis=1)].max())
         return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
 
     def positions(self, x: ndarray | None, origin: ndarray | float = 0.0) -> ndarray:
-        """Return the coordinates of the nodes at displacements x or None, from an origin, shape (n_nodes, dim)."""
+        """Return the coordinates of the nodes at displacements x or None, from an origin, shape
+        (n_nodes, dim).
+        """
         if x is None:
             return np.asarray(self.nodes - origin + 0.0)
         if self.fields:
-            raise ValueError(f"the dofs of '{self.name}' are not numbered yet: use the pair that the model holds")
+            raise ValueError(
+                f"the dofs of '{self.name}' are not numbered yet: use the pair that the model holds"
+            )
         moved = np.where(self.dofs >= 0, x.take(self.dofs), 0.0)
         if self.arms is not None and self.rotations is not None:
             turns = np.where(self.rotations >= 0, x.take(self.rotations), 0.0)
@@ -305,20 +373,27 @@ class Surface:
         return np.asarray(self.nodes - origin + moved)
 
     def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> FacetMapping:
-        """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at present nodes."""
+        """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at
+        present nodes.
+        """
         shapes = self.shape.at(facet, xi, derivatives)
-        coordinates = nodes.take(self.facets.take(facet, axis=0), axis=0)  # a fourth of the time of indexing
+        coordinates = nodes.take(
+            self.facets.take(facet, axis=0), axis=0
+        )  # a fourth of the time of indexing
         return FacetMapping(shapes, [_combined(M, coordinates) for M in shapes])
 
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:
-        """Return the area of a unit of the local coordinates in the reference configuration, shape (n,)."""
+        """Return the area of a unit of the local coordinates in the reference configuration, shape
+        (n,).
+        """
         return np.asarray(np.linalg.norm(across(self.at(facet, xi, self.nodes).x[1]), axis=1))
 
 
 def _combined(factors: ndarray, coordinates: ndarray) -> ndarray:
     """Return combinations of the nodes' coordinates, (n, k, dim), with factors (n, ..., k).
 
-    For derivatives in space matrix products take a quarter of the time of `einsum`, for all others three times as long.
+    For derivatives in space matrix products take a quarter of the time of `einsum`, for all others
+    three times as long.
     """
     if factors.ndim == 2 or coordinates.shape[2] == 2:
         return np.asarray(np.einsum("n...k,nkc->n...c", factors, coordinates))

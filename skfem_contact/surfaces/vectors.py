@@ -1,4 +1,5 @@
 """Small vectors and matrices at many points at once; real or complex."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -39,16 +40,24 @@ def cross(u: ndarray, v: ndarray) -> ndarray:
 
 
 def askew(direction: ndarray, normal: ndarray) -> ndarray:
-    """Return directions, shape (n, 3), replaced where they are normal by the axis that is least so."""
+    """Return directions, shape (n, 3), replaced where they are normal by the axis that is least
+    so.
+    """
     aside = np.real(direction - dot(direction, normal)[:, None] * normal)
-    lost = np.einsum("nc,nc->n", aside, aside) <= _NORMAL**2 * np.einsum("nc,nc->n", direction.real, direction.real)
+    lost = np.einsum("nc,nc->n", aside, aside) <= _NORMAL**2 * np.einsum(
+        "nc,nc->n", direction.real, direction.real
+    )
     if not lost.any():
         return direction
-    return np.where(lost[:, None], np.eye(3)[np.argmin(np.abs(normal.real).round(6), axis=1)], direction)
+    return np.where(
+        lost[:, None], np.eye(3)[np.argmin(np.abs(normal.real).round(6), axis=1)], direction
+    )
 
 
 def frame(normal: ndarray, direction: ndarray) -> ndarray:
-    """Return orthonormal tangents, shape (n, dim - 1, dim): in space the first along a direction, shape (n, 3)."""
+    """Return orthonormal tangents, shape (n, dim - 1, dim): in space the first along a direction,
+    shape (n, 3).
+    """
     if normal.shape[1] == 2:
         return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
     direction = askew(direction, normal)
@@ -57,7 +66,9 @@ def frame(normal: ndarray, direction: ndarray) -> ndarray:
 
 
 def products(a: ndarray, b: ndarray) -> ndarray:
-    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim); `matmul` takes twice as long."""
+    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim); `matmul` takes
+    twice as long.
+    """
     rows = [[dot(a[:, i], b[:, j]) for j in range(b.shape[1])] for i in range(a.shape[1])]
     return np.array(rows).transpose(2, 0, 1)
 
@@ -83,6 +94,8 @@ def solve(A: ndarray, b: ndarray) -> ndarray:
 
 
 def lift(factors: ndarray, vectors: ndarray) -> ndarray:
-    """Return ``A^T v`` for operators (n, i, nodes) or (n, 1, nodes) that act node by node, v likewise."""
+    """Return ``A^T v`` for operators (n, i, nodes) or (n, 1, nodes) that act node by node, v
+    likewise.
+    """
     product = factors[:, :, :, None] * vectors[:, :, None, :]
     return np.asarray(product.reshape(*product.shape[:2], product.shape[2] * product.shape[3]))

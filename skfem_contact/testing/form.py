@@ -15,14 +15,22 @@ from ..forms.staged import arrays_of
 from .laws import EXACT, STEP, differences, largest_error, require, same_twice
 
 
-def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = None, tolerance: float = 1e-6,
-               directions: int = 5, seed: int = 0) -> float:
+def check_form(
+    form: Any,
+    x: ndarray,
+    state: Any,
+    locations: ndarray | None = None,
+    tolerance: float = 1e-6,
+    directions: int = 5,
+    seed: int = 0,
+) -> float:
     """Check a form at some displacements from an accepted state.
 
-    A second call returns the same, and arguments do not change.  State and tangent are evaluated lazily.  The tangent
-    agrees with central differences, and is symmetric if `form.symmetric` is True.  The candidate state gives the same
-    force at the same displacements.  ``outer``, ``summary`` and ``remarks`` return the right types.  With `locations`,
-    forces and moments balance and rigid motions meet no resistance.
+    A second call returns the same, and arguments do not change.  State and tangent are evaluated
+    lazily.  The tangent agrees with central differences, and is symmetric if `form.symmetric` is
+    True.  The candidate state gives the same force at the same displacements.  ``outer``,
+    ``summary`` and ``remarks`` return the right types.  With `locations`, forces and moments
+    balance and rigid motions meet no resistance.
 
     Parameters
     ----------
@@ -33,8 +41,9 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     state
         An accepted state, such as ``form.initial_state()``.
     locations
-        Coordinates of the dofs, ``basis.doflocs``, if action and reaction are both forces of this form: not for rigid
-        obstacles and other supports.  Balance in either the undeformed or the displaced configuration is enough.
+        Coordinates of the dofs, ``basis.doflocs``, if action and reaction are both forces of this
+        form: not for rigid obstacles and other supports.  Balance in either the undeformed or the
+        displaced configuration is enough.
     tolerance
         Error of the tangent, relative to the largest difference.
     directions
@@ -61,30 +70,51 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     rng = np.random.default_rng(seed)
     form = as_forms({"form": form})["form"]
     if directions < 1 or type(state) is not type(form.initial_state()):
-        raise ValueError(f"directions must be at least 1, and the state one of the form's, not {type(state).__name__}")
+        raise ValueError(
+            f"directions must be at least 1, and the state one of the form's, not "
+            f"{type(state).__name__}"
+        )
     first = form.assemble(x, state)
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before its first access")
+
     def arrays() -> tuple[ndarray, ...]:
         response = _among_all(form, x, state)
         return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
     out = same_twice(arrays, (x, *arrays_of(state).values()), "form.assemble")
     force, K = np.asarray(out[0]), cast(Any, _among_all(form, x, state).stiffness)
-    require(isinstance(K, csr_matrix) and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
-    require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
-             "the force is no (N,), or not finite")
+    require(
+        isinstance(K, csr_matrix) and K.shape == (len(x), len(x)),
+        "the stiffness is no csr_matrix (N, N)",
+    )
+    require(
+        force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
+        "the force is no (N,), or not finite",
+    )
     if form.symmetric:
-        require(abs(K - K.T).max() <= EXACT * abs(K).max(), "`symmetric` is True, but the tangent is not symmetric")
+        require(
+            abs(K - K.T).max() <= EXACT * abs(K).max(),
+            "`symmetric` is True, but the tangent is not symmetric",
+        )
     scale = max(float(np.abs(force).max()), 1e-300)
     accepted = _among_all(form, x, first.state)
-    require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
+    require(
+        np.abs(accepted.force - force).max() <= 1e-7 * scale,
+        "the accepted candidate gives another force",
+    )
     again = form.outer(x, state, first.state)
-    require(again is None or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
-            "`outer` returns neither a form with a state nor None")
+    require(
+        again is None
+        or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
+        "`outer` returns neither a form with a state nor None",
+    )
     require(isinstance(form.summary(first.state), str), "`summary` returns no text")
-    require(all(isinstance(remark, Remark) for remark in form.remarks(x, first.state)), "`remarks` returns no remarks")
+    require(
+        all(isinstance(remark, Remark) for remark in form.remarks(x, first.state)),
+        "`remarks` returns no remarks",
+    )
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
     if locations is not None:
         _check_balance(force, K, x, np.asarray(locations))
@@ -94,7 +124,9 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
 def _among_all(form: Form, x: ndarray, state: Any) -> Response:
     """Return the response; a local one among all dofs."""
     response = form.assemble(x, state)
-    return response.padded(len(x)) if isinstance(response, Response) and response.local else response
+    return (
+        response.padded(len(x)) if isinstance(response, Response) and response.local else response
+    )
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
@@ -111,17 +143,29 @@ def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> No
     for configuration, follows in ((points, 0.0), (points + x.reshape(-1, dim), 1.0)):
         p = configuration - configuration.mean(axis=0)
         spins = [p @ turn.T for turn in turns]
-        moments.append(max(abs((spin * f).sum()) for spin in spins) / (np.abs(f).sum() * arms + 1e-300))
-        resistances.append(max(np.abs(K @ spin.ravel() - follows * (f @ turn.T).ravel()).max()
-                               for spin, turn in zip(spins, turns)) / (stiffness * arms))
+        moments.append(
+            max(abs((spin * f).sum()) for spin in spins) / (np.abs(f).sum() * arms + 1e-300)
+        )
+        resistances.append(
+            max(
+                np.abs(K @ spin.ravel() - follows * (f @ turn.T).ravel()).max()
+                for spin, turn in zip(spins, turns)
+            )
+            / (stiffness * arms)
+        )
     require(min(moments) <= 1e-8, "the moments of the forces do not balance")
-    require(min(resistances) <= 1e-8, "a rigid rotation changes more than the directions of the forces")
+    require(
+        min(resistances) <= 1e-8, "a rigid rotation changes more than the directions of the forces"
+    )
 
 
-def _form_tangent(form: Form, x: ndarray, state: Any, K: Any, directions: ndarray, tolerance: float) -> float:
+def _form_tangent(
+    form: Form, x: ndarray, state: Any, K: Any, directions: ndarray, tolerance: float
+) -> float:
     size = max(float(np.abs(x).max()), 1e-6)
     errors, kinks = [], []
     for d in directions:
+
         def force(h: Any, d: ndarray = d) -> ndarray:
             return _among_all(form, x + h * d, state).force
 
@@ -129,5 +173,9 @@ def _form_tangent(form: Form, x: ndarray, state: Any, K: Any, directions: ndarra
         largest = max(float(np.abs(K @ d).max()), float(np.abs(slope).max()), 1e-300)
         errors.append(np.abs(slope - K @ d) / largest)
         kinks.append(kink / largest)
-    return largest_error(np.max(errors, axis=0), np.max(kinks, axis=0), tolerance,
-                          "the tangent differs from the differences of the force")
+    return largest_error(
+        np.max(errors, axis=0),
+        np.max(kinks, axis=0),
+        tolerance,
+        "the tangent differs from the differences of the force",
+    )

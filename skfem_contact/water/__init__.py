@@ -1,4 +1,6 @@
-"""Water in the ground: seepage, steady or in time, confined or with a free surface, and consolidation."""
+"""Water in the ground: seepage, steady or in time, confined or with a free surface, and
+consolidation.
+"""
 
 from .compacting import CompactingPoreWater
 from .consolidation import PoreWater
@@ -10,5 +12,19 @@ from .seepage_face import SeepageFace
 from .transient import TransientSeepage, transient_seepage
 from .unsaturated import UnsaturatedPoreWater
 
-__all__ = ["BrooksCorey", "CompactingPoreWater", "Inflow", "PoreState", "PoreWater", "Ramp", "Retention", "Seepage",
-           "SeepageFace", "TransientSeepage", "UnsaturatedPoreWater", "VanGenuchten", "seepage", "transient_seepage"]
+__all__ = [
+    "BrooksCorey",
+    "CompactingPoreWater",
+    "Inflow",
+    "PoreState",
+    "PoreWater",
+    "Ramp",
+    "Retention",
+    "Seepage",
+    "SeepageFace",
+    "TransientSeepage",
+    "UnsaturatedPoreWater",
+    "VanGenuchten",
+    "seepage",
+    "transient_seepage",
+]

@@ -1,4 +1,7 @@
-"""Forms of water that enters or leaves consolidating ground at nodes, for as long as they are active."""
+"""Forms of water that enters or leaves consolidating ground at nodes, for as long as they are
+active.
+"""
+
 from __future__ import annotations
 
 from abc import abstractmethod

@@ -1,4 +1,5 @@
 """Heads at which the water of every node balances, with a free surface and seepage faces."""
+
 from __future__ import annotations
 
 import logging
@@ -23,23 +24,28 @@ logger = logging.getLogger("skfem_contact")
 #: Elements and their retention.
 Laws = Sequence[tuple[ndarray, Retention]]
 
-#: The transition between wet and dry is so many times as wide at first and shrinks by this ratio; the square root of
-#: the ratio is tried where Newton's method fails. Rectangular dams of 200 to 13,000 triangles take 10 to 22 iterations
-#: in all with a ratio of 4, 22 to 38 with 2. The flow is integrated finer before the ratio falls to the patience: 50
-#: random grounds with rain, wells and drains take 38 iterations in the mean, 49 with a patience of 1.5.
+#: The transition between wet and dry is so many times as wide at first and shrinks by this ratio;
+#: the square root of the ratio is tried where Newton's method fails. Rectangular dams of 200 to
+#: 13,000 triangles take 10 to 22 iterations in all with a ratio of 4, 22 to 38 with 2. The flow is
+#: integrated finer before the ratio falls to the patience: 50 random grounds with rain, wells and
+#: drains take 38 iterations in the mean, 49 with a patience of 1.5.
 _WIDEST, _RATIO, _LEAST_RATIO, _PATIENCE = 16.0, 4.0, 1.02, 2.0
 #: Unbalanced water over what enters, at the end, at the widths before it, and in a step in time.
 _BALANCED, _NEARLY, _IN_STEP = 1e-10, 1e-2, 1e-9
-#: Multiples of the narrowest width that are tried where the water does not balance with the requested one.
+#: Multiples of the narrowest width that are tried where the water does not balance with the
+#: requested one.
 _WIDER = (1.0, 1.25, 1.6, 2.0, 4.0)
-#: The line search accepts a residual below the worst of the last ones. Of 84 flows through zones 1e-8 to 1e8 times as
-#: permeable, with ramps down to a hundredth of an element and van Genuchten's curve, all balance with a memory of 5 and
-#: two do not with 1; shorter steps or fewer iterations lose one or two as well.
+#: The line search accepts a residual below the worst of the last ones. Of 84 flows through zones
+#: 1e-8 to 1e8 times as permeable, with ramps down to a hundredth of an element and van Genuchten's
+#: curve, all balance with a memory of 5 and two do not with 1; shorter steps or fewer iterations
+#: lose one or two as well.
 _MEMORY, _SHORTEST, _DECREASE, _ITERATIONS = 5, 1.0 / 64.0, 1e-4, 25
 
 
 class Balance(NamedTuple):
-    """Heads in balance, water that enters at the nodes, relative permeability at the integration points."""
+    """Heads in balance, water that enters at the nodes, relative permeability at the integration
+    points.
+    """
 
     head: ndarray
     inflow: ndarray
@@ -49,7 +55,9 @@ class Balance(NamedTuple):
 
 @dataclass(frozen=True)
 class _State:
-    """Heads, nodes of seepage faces through which water leaves, and iterations at every width so far."""
+    """Heads, nodes of seepage faces through which water leaves, and iterations at every width so
+    far.
+    """
 
     head: ndarray
     leaking: ndarray
@@ -63,11 +71,14 @@ class Unbalanced(RuntimeError):
 class WaterBalance:
     """Newton's method for the heads; at seepage faces either the pressure or the flow is zero.
 
-    The matrix `tie`, (N, N), gives the heads of all nodes from those of the nodes that are not tied to others. What
-    enters is the given supply, more where the head is held, and less at seepage faces.
+    The matrix `tie`, (N, N), gives the heads of all nodes from those of the nodes that are not tied
+    to others. What enters is the given supply, more where the head is held, and less at seepage
+    faces.
     """
 
-    def __init__(self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, coordinates: ndarray) -> None:
+    def __init__(
+        self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, coordinates: ndarray
+    ) -> None:
         self.flow, self.given, self.tie = flow, given, tie
         diagonal = (tie.T @ flow.saturated @ tie).diagonal()
         self._idle = diagonal == 0.0  # tied nodes, and those of no porous element
@@ -77,12 +88,17 @@ class WaterBalance:
         self._tolerance = 1e-12 * float(np.ptp(coordinates, axis=1).max())
 
     def solve(self, laws: Laws, finer: Callable[[], DarcyFlow]) -> Balance:
-        """Return the heads, or raise NotConverged; warn where the transition is wider than requested.
+        """Return the heads, or raise NotConverged; warn where the transition is wider than
+        requested.
 
         Where the water does not balance at the first attempts, the flow may become the finer one.
         """
         given = self.given
-        now = self._newton(_State(np.where(given.held, given.head, np.nanmax(given.known)), self._face), (), _BALANCED)
+        now = self._newton(
+            _State(np.where(given.held, given.head, np.nanmax(given.known)), self._face),
+            (),
+            _BALANCED,
+        )
         if (now.head >= self.flow.elevation - self._tolerance)[self.flow.dofs].all():
             laws = ()
         else:
@@ -90,14 +106,21 @@ class WaterBalance:
             if reached > 1.0:
                 reached, now = self._slowly(now, laws, reached, finer())
             if reached > 1.0:
-                warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for; "
-                     "with a narrower one the water did not balance; refine the mesh at the free surface")
+                warn(
+                    f"the transition between wet and dry ground is {reached:.3g} times as wide as "
+                    f"asked for; "
+                    "with a narrower one the water did not balance; refine the mesh at the free "
+                    "surface"
+                )
             laws = _softer(laws, reached)
         return self._balance(now, laws)
 
-    def step(self, flow: DarcyFlow, given: Conditions, head: ndarray, leaking: ndarray,
-             laws: Laws) -> tuple[Balance, ndarray]:
-        """Return the balance of another flow that is near to heads, and where it leaks; or raise Unbalanced."""
+    def step(
+        self, flow: DarcyFlow, given: Conditions, head: ndarray, leaking: ndarray, laws: Laws
+    ) -> tuple[Balance, ndarray]:
+        """Return the balance of another flow that is near to heads, and where it leaks; or raise
+        Unbalanced.
+        """
         new = copy(self)
         new.flow, new.given = flow, given
         new._face = given.face & ~self._idle
@@ -107,14 +130,19 @@ class WaterBalance:
 
     def _balance(self, now: _State, laws: Laws) -> Balance:
         relative = self.flow.relative(now.head, laws)[0]
-        return Balance(now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations)
+        return Balance(
+            now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations
+        )
 
     def _supply(self, head: ndarray) -> ndarray:
         """Return the water that enters the nodes that are not tied, less that of drains."""
         return np.asarray(self.tie.T @ (self.given.supply - self.given.taken(head)))
 
-    def _narrowed(self, now: _State, laws: Laws, reached: float, least: float) -> tuple[float, _State]:
-        """Return the narrowest transition that is reached, over the requested one, and heads near its balance.
+    def _narrowed(
+        self, now: _State, laws: Laws, reached: float, least: float
+    ) -> tuple[float, _State]:
+        """Return the narrowest transition that is reached, over the requested one, and heads near
+        its balance.
 
         Its width shrinks by ratios down to the least one.
         """
@@ -125,12 +153,21 @@ class WaterBalance:
                 now = self._newton(now, _softer(laws, wider), _NEARLY if wider > 1.0 else _BALANCED)
                 reached = wider
             except Unbalanced as failed:
-                logger.info("seepage: no balance with a transition %.3g times as wide: %s", wider, failed)
-                now, ratio = replace(now, iterations=(*now.iterations, _ITERATIONS)), float(np.sqrt(ratio))
+                logger.info(
+                    "seepage: no balance with a transition %.3g times as wide: %s", wider, failed
+                )
+                now, ratio = (
+                    replace(now, iterations=(*now.iterations, _ITERATIONS)),
+                    float(np.sqrt(ratio)),
+                )
         return reached, now
 
-    def _slowly(self, now: _State, laws: Laws, reached: float, finer: DarcyFlow) -> tuple[float, _State]:
-        """Return what `_narrowed` does in smaller steps, or `_instead`, with the finer flow or this one."""
+    def _slowly(
+        self, now: _State, laws: Laws, reached: float, finer: DarcyFlow
+    ) -> tuple[float, _State]:
+        """Return what `_narrowed` does in smaller steps, or `_instead`, with the finer flow or this
+        one.
+        """
         for flow in (finer, self.flow):
             self.flow = flow
             found, heads = self._narrowed(now, laws, reached, _LEAST_RATIO)
@@ -140,14 +177,19 @@ class WaterBalance:
         return self._instead(heads, laws, found)
 
     def _instead(self, now: _State, laws: Laws, reached: float) -> tuple[float, _State]:
-        """Return a wider transition for which the water balances, over the requested one, and the heads."""
+        """Return a wider transition for which the water balances, over the requested one, and the
+        heads.
+        """
         for wider in reached * np.array(_WIDER):
             try:
                 return float(wider), self._newton(now, _softer(laws, float(wider)), _BALANCED)
             except Unbalanced as error:
                 failed = error
-        raise NotConverged(f"the water does not balance: {failed}; give a wider transition between wet and dry in "
-                           "retention=, or refine the mesh where the free surface is", now.head)
+        raise NotConverged(
+            f"the water does not balance: {failed}; give a wider transition between wet and dry in "
+            "retention=, or refine the mesh where the free surface is",
+            now.head,
+        )
 
     def _newton(self, now: _State, laws: Laws, tolerance: float) -> _State:
         flow, head, leaking = self.flow, now.head, now.leaking
@@ -156,21 +198,35 @@ class WaterBalance:
         most = _ITERATIONS if laws else _ITERATIONS + int(self._face.sum())
         for iteration in range(1, most + 1):
             fixed = self.given.held | leaking | self._idle
-            head = self._step(self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals)
+            head = self._step(
+                self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals
+            )
             relative = flow.relative(head, laws)[0]
-            inflow, round_off = self.tie.T @ flow.inflow(head, relative), flow.round_off(head, relative)
+            inflow, round_off = (
+                self.tie.T @ flow.inflow(head, relative),
+                flow.round_off(head, relative),
+            )
             beyond = inflow - self._supply(head)
             unbalanced = float(np.linalg.norm(beyond[~fixed]))
-            leaks = np.where(leaking, beyond <= round_off, self._face & (head > flow.elevation + self._tolerance))
+            leaks = np.where(
+                leaking, beyond <= round_off, self._face & (head > flow.elevation + self._tolerance)
+            )
             steady = bool((leaks == leaking).all())
-            if steady and unbalanced <= max(tolerance * flow.scale(head, inflow), float(np.linalg.norm(round_off))):
+            if steady and unbalanced <= max(
+                tolerance * flow.scale(head, inflow), float(np.linalg.norm(round_off))
+            ):
                 return _State(head, leaking, (*now.iterations, iteration))
             leaking = leaks
-        raise Unbalanced(f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
-                          if steady else "the seepage faces open and close again and again")
+        raise Unbalanced(
+            f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
+            if steady
+            else "the seepage faces open and close again and again"
+        )
 
     def _step(self, head: ndarray, fixed: ndarray, laws: Laws, residuals: list[float]) -> ndarray:
-        """Take a step of Newton's method, shortened until less water is out of balance than of late."""
+        """Take a step of Newton's method, shortened until less water is out of balance than of
+        late.
+        """
         flow = self.flow
 
         def moved(share: float) -> ndarray:
@@ -184,7 +240,9 @@ class WaterBalance:
         residuals.append(float(np.linalg.norm(before)))
         taking = diags(self.given.taking(head))
         tangent = self.tie.T @ (flow.tangent(head, *flow.relative(head, laws)) + taking) @ self.tie
-        matrix = diags(np.where(fixed, 0.0, 1.0)) @ tangent + diags(np.where(fixed, self._diagonal, 0.0))
+        matrix = diags(np.where(fixed, 0.0, 1.0)) @ tangent + diags(
+            np.where(fixed, self._diagonal, 0.0)
+        )
         change = self.tie @ self._solver.factor(matrix.tocsr())(-before)
         share, worst = 1.0, max(residuals[-_MEMORY:])
         while share > _SHORTEST:
@@ -203,5 +261,9 @@ def warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarra
     for name in wells:
         at = nodes_on(basis, name)
         if head[at[0]] < (top := basis.mesh.p[-1, at].max()):
-            warn(f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its screen, {top:.4g}, "
-                 "where water would flow freely; pump less, or give the level as its head with seepage_face=")
+            warn(
+                f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its "
+                f"screen, {top:.4g}, "
+                "where water would flow freely; pump less, or give the level as its head with "
+                "seepage_face="
+            )

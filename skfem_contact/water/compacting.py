@@ -1,4 +1,5 @@
 """Consolidation of ground whose permeability changes with its void ratio."""
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -21,14 +22,16 @@ from .porous import FLOWING, PoreState
 
 @dataclass(frozen=True)
 class CompactedState(PoreState):
-    """State of the water around the nodes, and the volume strain of the elements, (n_elements,) each.
+    """State of the water around the nodes, and the volume strain of the elements, (n_elements,)
+    each.
 
     Attributes
     ----------
     strain
         Mean volume strain since the water became active.
     before
-        Part of it that displacements do not contain, because they were reset or the ground was active before.
+        Part of it that displacements do not contain, because they were reset or the ground was
+        active before.
     """
 
     strain: ndarray
@@ -36,14 +39,16 @@ class CompactedState(PoreState):
 
 
 class CompactingPoreWater(PoreWater):
-    r"""Water in saturated ground whose permeability k changes with the void ratio e (D. W. Taylor 1948).
+    r"""Water in saturated ground whose permeability k changes with the void ratio e (D. W. Taylor
+    1948).
 
     This is :class:`PoreWater` with
 
     .. math:: k = k_0\, 10^{(e - e_0) / C_k}, \qquad e - e_0 = (1 + e_0)\, \varepsilon_v ,
 
-    where :math:`\varepsilon_v` is the mean volume strain of an element since the water became active. Soft clay
-    under a high embankment consolidates several times slower in the end than at first.
+    where :math:`\varepsilon_v` is the mean volume strain of an element since the water became
+    active. Soft clay under a high embankment consolidates several times slower in the end than at
+    first.
 
     Parameters
     ----------
@@ -52,12 +57,14 @@ class CompactingPoreWater(PoreWater):
     void_ratio
         Void ratio :math:`e_0` at the start, for all ground or by subdomain.
     change
-        Change :math:`C_k` of the void ratio by which the permeability changes tenfold, likewise; of clay about half of
+        Change :math:`C_k` of the void ratio by which the permeability changes tenfold, likewise; of
+        clay about half of
         :math:`e_0`.
 
     Examples
     --------
-    A layer that is compressed by a tenth conducts .4 times as well in the end, and its water leaves later:
+    A layer that is compressed by a tenth conducts .4 times as well in the end, and its water leaves
+    later:
 
     >>> import numpy as np
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
@@ -77,10 +84,20 @@ class CompactingPoreWater(PoreWater):
 
     symmetric = False
 
-    def __init__(self, basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], *,
-                 void_ratio: float | Mapping[str, float], change: float | Mapping[str, float], unit_weight: float,
-                 storage: float | Mapping[str, float] = 0.0, time_error: float = 0.01) -> None:
-        super().__init__(basis, permeability, unit_weight=unit_weight, storage=storage, time_error=time_error)
+    def __init__(
+        self,
+        basis: CellBasis,
+        permeability: Permeability | Mapping[str, Permeability],
+        *,
+        void_ratio: float | Mapping[str, float],
+        change: float | Mapping[str, float],
+        unit_weight: float,
+        storage: float | Mapping[str, float] = 0.0,
+        time_error: float = 0.01,
+    ) -> None:
+        super().__init__(
+            basis, permeability, unit_weight=unit_weight, storage=storage, time_error=time_error
+        )
         start, tenfold = np.empty((2, basis.nelems))
         for values, given, name in ((start, void_ratio, "void_ratio"), (tenfold, change, "change")):
             for part, value in regions(basis, given, name):
@@ -111,24 +128,35 @@ class CompactingPoreWater(PoreWater):
 
     def _leaving(self, pressure: ndarray, strain: ndarray) -> ndarray:
         """Return the water that leaves the corners in a unit of time, (n_elements, n_corners)."""
-        by_corner = np.einsum("eij,ej->ei", self.porous.flow, pressure[self.pressures.element_dofs.T])
+        by_corner = np.einsum(
+            "eij,ej->ei", self.porous.flow, pressure[self.pressures.element_dofs.T]
+        )
         return np.asarray(np.exp(self._rate * strain)[:, None] * by_corner)
 
     def _at_nodes(self, corners: ndarray) -> ndarray:
-        return np.bincount(self.pressures.element_dofs.T.ravel(), corners.ravel(), minlength=self.fields[0].n)
+        return np.bincount(
+            self.pressures.element_dofs.T.ravel(), corners.ravel(), minlength=self.fields[0].n
+        )
 
     @override
     def assemble(self, x: ndarray, state: PoreState) -> Response:
         if self._duration is None:
             return self._standing(x, state)
         assert isinstance(state, CompactedState)
-        first, pressure, strain = self.first, x[self.first:], self._grown(x) + state.before
+        first, pressure, strain = self.first, x[self.first :], self._grown(x) + state.before
         leaving, kept = self._duration * self._leaving(pressure, strain), self._kept @ x
         gained, force, measure = kept[first:] + state.stored, kept.copy(), kept.copy()
         force[first:] = gained - self._at_nodes(leaving)
-        measure[first:] = np.abs(gained) + FLOWING * self._duration * (self._flow[1] @ np.abs(pressure))
-        new = replace(state, stored=-kept[first:], entered=state.entered - force[first:], pressure=pressure,
-                      strain=strain)
+        measure[first:] = np.abs(gained) + FLOWING * self._duration * (
+            self._flow[1] @ np.abs(pressure)
+        )
+        new = replace(
+            state,
+            stored=-kept[first:],
+            entered=state.entered - force[first:],
+            pressure=pressure,
+            strain=strain,
+        )
         return Response(force, lambda: new, lambda: self._tangent(strain, leaving), measure=measure)
 
     def _tangent(self, strain: ndarray, leaving: ndarray) -> csr_matrix:
@@ -141,8 +169,14 @@ class CompactingPoreWater(PoreWater):
 
     @override
     def time_error(self, middle: PoreState, after: PoreState) -> tuple[float, float]:
-        assert self._duration is not None and isinstance(middle, CompactedState) and isinstance(after, CompactedState)
-        change = self._leaving(after.pressure, after.strain) - self._leaving(middle.pressure, middle.strain)
+        assert (
+            self._duration is not None
+            and isinstance(middle, CompactedState)
+            and isinstance(after, CompactedState)
+        )
+        change = self._leaving(after.pressure, after.strain) - self._leaving(
+            middle.pressure, middle.strain
+        )
         water = super().time_error(middle, after)[1]
         flowed = float(np.abs(self._at_nodes(change)).sum())
         return 0.5 * self._duration * flowed / self._time_error, water

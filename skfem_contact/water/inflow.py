@@ -1,4 +1,5 @@
 """Water that enters or leaves consolidating ground at given rates: rain, wells, leaks."""
+
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
@@ -21,23 +22,25 @@ from .consolidation import PoreWater
 
 #: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
 _IDLE, _ALL = 0.2, 1e-9
-#: Depth of ponded water that is remarked on, as a share of that of the mesh, and slope of facets that look up.
+#: Depth of ponded water that is remarked on, as a share of that of the mesh, and slope of facets
+#: that look up.
 _PONDS, _UPWARDS = 0.01, 0.01
 
 
 class Inflow(AtNodes):
-    r"""Water that enters ground with :class:`PoreWater` at given rates, for as long as the form is active.
+    r"""Water that enters ground with :class:`PoreWater` at given rates, for as long as the form is
+    active.
 
-    Rates are changed by stages, with ``Stage(change=...)`` or ``deactivate``. What the ground does not take leaves it
-    at a :class:`SeepageFace` on the same boundary.
+    Rates are changed by stages, with ``Stage(change=...)`` or ``deactivate``. What the ground does
+    not take leaves it at a :class:`SeepageFace` on the same boundary.
 
     Parameters
     ----------
     water
         Water of the ground.
     flux
-        Rates per area by boundary: numbers or functions of coordinates (dim, ...). A well of discharge Q has
-        -Q over the area of its screen, :math:`2 \pi r` a unit of depth.
+        Rates per area by boundary: numbers or functions of coordinates (dim, ...). A well of
+        discharge Q has -Q over the area of its screen, :math:`2 \pi r` a unit of depth.
     sources
         Rates per volume by subdomain, likewise.
 
@@ -59,10 +62,16 @@ class Inflow(AtNodes):
     0.0001
     """
 
-    def __init__(self, water: PoreWater, flux: Mapping[str, Given] | None = None,
-                 sources: Mapping[str, Given] | None = None) -> None:
+    def __init__(
+        self,
+        water: PoreWater,
+        flux: Mapping[str, Given] | None = None,
+        sources: Mapping[str, Given] | None = None,
+    ) -> None:
         if not flux and not sources:
-            raise ValueError("Inflow has neither flux nor sources: give a rate by boundary or by subdomain")
+            raise ValueError(
+                "Inflow has neither flux nor sources: give a rate by boundary or by subdomain"
+            )
         self._water, self._flux, self._sources = water, dict(flux or {}), dict(sources or {})
         self.size, self.borrowed = water.ground.N, water.fields
         self._rates = self._entering(False)
@@ -73,8 +82,13 @@ class Inflow(AtNodes):
     def _entering(self, axisymmetric: bool) -> ndarray:
         basis = self._water.pressures
         named = basis.mesh.boundaries or {}
-        return sum((through(basis, look_up(name, named, "boundary"), rate, axisymmetric)
-                    for name, rate in self._flux.items()), sourced(basis, self._sources, axisymmetric))
+        return sum(
+            (
+                through(basis, look_up(name, named, "boundary"), rate, axisymmetric)
+                for name, rate in self._flux.items()
+            ),
+            sourced(basis, self._sources, axisymmetric),
+        )
 
     @override
     def _in(self, water: PoreWater) -> Self:
@@ -88,31 +102,50 @@ class Inflow(AtNodes):
         rate, around = np.abs(self._rates), self._water.around
         idle = float(rate[np.isin(self._at, fixed)].sum()) / max(float(rate.sum()), 1e-300)
         if idle > 1.0 - _ALL:
-            raise ValueError("the pressure is held at all nodes where water enters or leaves at a rate, which does "
-                             "nothing there: give either the pressure or the rate")
+            raise ValueError(
+                "the pressure is held at all nodes where water enters or leaves at a rate, which "
+                "does "
+                "nothing there: give either the pressure or the rate"
+            )
         if idle > _IDLE:
-            yield Remark("held", idle, f"{idle:.0%} of the rate acts where the pressure is held, and does nothing")
+            yield Remark(
+                "held",
+                idle,
+                f"{idle:.0%} of the rate acts where the pressure is held, and does nothing",
+            )
         sealed = not np.isin(self._at, fixed).any() and around is not None and not len(around.leaks)
         if sealed and (total := float(self._rates.sum())) != 0.0:
-            yield Remark("no way out", abs(total), f"{total:.4g} enter per time in ground that no water can leave: "
-                         "only its growth makes room")
+            yield Remark(
+                "no way out",
+                abs(total),
+                f"{total:.4g} enter per time in ground that no water can leave: "
+                "only its growth makes room",
+            )
 
     @override
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
-        """Report water that ponds on a surface that looks up, because the ground does not take it."""
+        """Report water that ponds on a surface that looks up, because the ground does not take
+        it.
+        """
         water, p = self._water, self._water.fields[0].coordinates
         open_ = np.setdiff1d(self._surface(), water.around.leaks if water.around else ())
         level = (x[self._at] + water._start)[open_] / water.unit_weight
         if level.max(initial=0.0) > _PONDS * np.ptp(p[-1]):
             at = p[:, open_[level.argmax()]]
-            yield Remark("ponds", level.max(), f"water that the ground does not take ponds, {level.max():.3g} "
-                         f"deep at {format_point(at)}: let it leave by a SeepageFace of the same boundary")
+            yield Remark(
+                "ponds",
+                level.max(),
+                f"water that the ground does not take ponds, {level.max():.3g} "
+                f"deep at {format_point(at)}: let it leave by a SeepageFace of the same boundary",
+            )
 
     def _surface(self) -> ndarray:
         """Return the nodes of facets that look up, at which water enters."""
         mesh, found = self._water.pressures.mesh, [np.zeros(0, int)]
         for name in self._flux:
-            sides = FacetBasis(mesh, self._water.pressures.elem, facets=look_up(name, mesh.boundaries, "boundary"))
+            sides = FacetBasis(
+                mesh, self._water.pressures.elem, facets=look_up(name, mesh.boundaries, "boundary")
+            )
             up = np.asarray(sides.normals)[-1].min(axis=1) > _UPWARDS
             found.append(np.unique(mesh.facets[:, np.asarray(sides.find)[up]]))
         nodes = np.concatenate(found)

@@ -1,4 +1,5 @@
 """Values at the nodes of porous ground: at any coordinates, and lines where they are zero."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -8,11 +9,17 @@ from skfem import Mesh
 
 from ..checks import format_point
 
-#: Corners of the triangles of a quadrilateral and of the tetrahedra of a hexahedron, as in scikit-fem.
-_PARTS = {(2, 3): ((0, 1, 2),), (2, 4): ((0, 1, 3), (1, 2, 3)), (3, 4): ((0, 1, 2, 3),),
-          (3, 8): ((0, 1, 3, 4), (0, 3, 2, 4), (2, 3, 4, 6), (3, 4, 6, 7), (3, 4, 5, 7), (1, 3, 4, 5))}
-#: A point is inside of an element if it lies outside by less than this, in sizes of the element: round-off, and the
-#: distance of curved sides from straight ones. The finder of scikit-fem accepts one unit of round-off only.
+#: Corners of the triangles of a quadrilateral and of the tetrahedra of a hexahedron, as in
+#: scikit-fem.
+_PARTS = {
+    (2, 3): ((0, 1, 2),),
+    (2, 4): ((0, 1, 3), (1, 2, 3)),
+    (3, 4): ((0, 1, 2, 3),),
+    (3, 8): ((0, 1, 3, 4), (0, 3, 2, 4), (2, 3, 4, 6), (3, 4, 6, 7), (3, 4, 5, 7), (1, 3, 4, 5)),
+}
+#: A point is inside of an element if it lies outside by less than this, in sizes of the element:
+#: round-off, and the distance of curved sides from straight ones. The finder of scikit-fem accepts
+#: one unit of round-off only.
 _ROUND_OFF, _CURVED = 1e-9, 0.1
 #: Numbers of elements that are tried, the nearest centres first: graded meshes have many near ones.
 _TRIED = (8, 64, 512)
@@ -24,8 +31,12 @@ def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
     return np.hstack([t[list(part)] for part in _PARTS[mesh.dim(), len(t)]])
 
 
-def interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray, beyond: ndarray | None) -> ndarray:
-    """Return nodal values at points (dim, n), linear on the simplices of elements; at points beyond them given ones."""
+def interpolated(
+    mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray, beyond: ndarray | None
+) -> ndarray:
+    """Return nodal values at points (dim, n), linear on the simplices of elements; at points beyond
+    them given ones.
+    """
     corners = simplices(mesh, elements)
     p = mesh.p[:, corners]
     inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
@@ -35,7 +46,9 @@ def interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray,
         near = tree.query(points[:, lost].T, tried)[1].reshape(len(lost), -1)
         outside = np.full(len(lost), np.inf)
         for candidate in near.T:
-            local = np.einsum("nij,jn->in", inverse[candidate], points[:, lost] - p[:, 0, candidate])
+            local = np.einsum(
+                "nij,jn->in", inverse[candidate], points[:, lost] - p[:, 0, candidate]
+            )
             weights = np.vstack((1.0 - local.sum(axis=0), local))
             better = -weights.min(axis=0) < outside
             outside[better] = -weights.min(axis=0)[better]
@@ -46,12 +59,16 @@ def interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray,
     if beyond is not None:
         result[lost] = beyond[lost]
         return result
-    raise ValueError(f"{len(lost)} points lie outside of the porous ground, the first is "
-                     f"{format_point(points[:, lost[0]])}")
+    raise ValueError(
+        f"{len(lost)} points lie outside of the porous ground, the first is "
+        f"{format_point(points[:, lost[0]])}"
+    )
 
 
 def zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
-    """Return polylines between nodes of negative and of other values, (n, 2) each, from left to right."""
+    """Return polylines between nodes of negative and of other values, (n, 2) each, from left to
+    right.
+    """
     from matplotlib.figure import Figure  # half a second, for pictures only
     from matplotlib.tri import Triangulation
 
@@ -61,13 +78,22 @@ def zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
     negative = values[corners] < 0.0
     if negative.all() or not negative.any():
         return []
-    x, y = mesh.p[:, :len(values)]
-    lines = Figure().add_subplot().tricontour(Triangulation(x, y, corners), np.nan_to_num(values), [0.0]).allsegs[0]
-    return sorted(map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+    x, y = mesh.p[:, : len(values)]
+    lines = (
+        Figure()
+        .add_subplot()
+        .tricontour(Triangulation(x, y, corners), np.nan_to_num(values), [0.0])
+        .allsegs[0]
+    )
+    return sorted(
+        map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    )
 
 
 def _cleaned(line: ndarray) -> ndarray:
-    """Return a line from left to right, or from below, without points that coincide with the one before."""
+    """Return a line from left to right, or from below, without points that coincide with the one
+    before.
+    """
     if tuple(line[-1]) < tuple(line[0]):
         line = line[::-1]
     kept = np.ones(len(line), dtype=bool)

@@ -1,4 +1,5 @@
 """Retention of water by partly saturated ground: its permeability and its content by suction."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -22,27 +23,34 @@ _STEEPEST = 1e-9
 
 
 class Retention(Protocol):
-    """Permeability of partly saturated ground, relative to that of saturated ground, and its water."""
+    """Permeability of partly saturated ground, relative to that of saturated ground, and its
+    water.
+    """
 
     content: tuple[float, float] | None
 
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope over the suction, a length: elevation less head.
+        """Return the relative permeability and its slope over the suction, a length: elevation less
+        head.
 
-        The size is the height of the elements in which the points lie, broadcast against the suction.
+        The size is the height of the elements in which the points lie, broadcast against the
+        suction.
         """
 
     def softer(self, factor: float) -> Retention:
-        """Return the law with a transition so many times as wide: Newton's method begins with it."""
+        """Return the law with a transition so many times as wide: Newton's method begins with
+        it.
+        """
 
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         """Return the effective saturation, from 0 to 1, and its slope over the suction."""
 
     def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
-        """Return the suction after a change by Newton's method, made in the saturation where that is not `flat`.
+        """Return the suction after a change by Newton's method, made in the saturation where that
+        is not `flat`.
 
-        From that slope of the saturation on, ground stores more water than flows off by a change of suction
-        (K. Brenner and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
+        From that slope of the saturation on, ground stores more water than flows off by a change of
+        suction (K. Brenner and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
         """
         return suction + change
 
@@ -58,11 +66,15 @@ class _Limited(Retention):
         if self.content is not None:
             least, most = vector(self.content, 2, "content")
             if not 0.0 <= least < most <= 1.0:
-                raise ValueError(f"content is the residual and the saturated content of water, 0 <= residual < "
-                                 f"saturated <= 1, not {self.content!r}")
+                raise ValueError(
+                    f"content is the residual and the saturated content of water, 0 <= residual < "
+                    f"saturated <= 1, not {self.content!r}"
+                )
 
     def limited(self, k: ndarray, slope: ndarray, dry: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope: 1 where the ground is not dry, and not below the limit."""
+        """Return the relative permeability and its slope: 1 where the ground is not dry, and not
+        below the limit.
+        """
         changing = dry & (k > self.least)
         return np.where(dry, np.maximum(k, self.least), 1.0), np.where(changing, slope, 0.0)
 
@@ -71,8 +83,9 @@ class _Limited(Retention):
 class Ramp(_Limited):
     r"""Sharp free surface: ground is saturated below it and nearly impermeable above it.
 
-    The relative permeability falls from 1 to `least` as the cubic :math:`3s^2 - 2s^3` over a suction head of `width`
-    heights of the element. The transition is centred on zero pressure, so that its width does not bias the discharge.
+    The relative permeability falls from 1 to `least` as the cubic :math:`3s^2 - 2s^3` over a
+    suction head of `width` heights of the element. The transition is centred on zero pressure, so
+    that its width does not bias the discharge.
 
     Parameters
     ----------
@@ -81,7 +94,8 @@ class Ramp(_Limited):
     least
         Relative permeability of dry ground, between 0 and 1.
     content
-        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
+        Volume of water per volume of ground, the least that suction leaves and that of saturated
+        ground: for
         :func:`transient_seepage`.
 
     Examples
@@ -119,8 +133,12 @@ class Ramp(_Limited):
         inner = np.clip(t, -half, half)
         new = inner * (1.5 - 2.0 * inner**2) + (1.5 - 6.0 * inner**2) * (t - inner - change / width)
         filled = np.clip(new, -most, most)  # less a half; 3 sin a - 4 sin^3 a = sin 3a
-        moved = -width * (np.sin(np.arcsin(2.0 * filled) / 3.0) + (new - filled) / (1.5 - 6.0 * half**2))
-        return np.where((t - inner) * (new - filled) > 0.0, suction + change, moved)  # for the sake of round-off
+        moved = -width * (
+            np.sin(np.arcsin(2.0 * filled) / 3.0) + (new - filled) / (1.5 - 6.0 * half**2)
+        )
+        return np.where(
+            (t - inner) * (new - filled) > 0.0, suction + change, moved
+        )  # for the sake of round-off
 
     @override
     def softer(self, factor: float) -> Ramp:
@@ -132,8 +150,9 @@ class VanGenuchten(_Limited):
     r"""Capillary fringe above the water table, by Mualem's model with van Genuchten's curve.
 
     With the suction head :math:`s`, :math:`m = 1 - 1/n` and the effective saturation
-    :math:`S = (1 + (\alpha s)^n)^{-m}` the relative permeability is :math:`\sqrt S\,(1 - (1 - S^{1/m})^m)^2`
-    (M. Th. van Genuchten, Soil Sci. Soc. Am. J. 44 (1980) 892-898, eqs. 3, 8 and 9).
+    :math:`S = (1 + (\alpha s)^n)^{-m}` the relative permeability is
+    :math:`\sqrt S\,(1 - (1 - S^{1/m})^m)^2` (M. Th. van Genuchten, Soil Sci. Soc. Am. J. 44 (1980)
+    892-898, eqs. 3, 8 and 9).
 
     Parameters
     ----------
@@ -144,7 +163,8 @@ class VanGenuchten(_Limited):
     least
         Lower limit of the relative permeability, between 0 and 1.
     content
-        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
+        Volume of water per volume of ground, the least that suction leaves and that of saturated
+        ground: for
         :func:`transient_seepage`.
 
     Examples
@@ -175,7 +195,9 @@ class VanGenuchten(_Limited):
         rest = 1.0 - (x / (1.0 + x)) ** m
         k = filled * rest**2
         # slope of (x / (1 + x))^m: infinite at s = 0 for n < 2
-        steep = (self.n - 1.0) * np.maximum(s, _STEEPEST) ** (self.n - 2.0) * (1.0 + x) ** (-m - 1.0)
+        steep = (
+            (self.n - 1.0) * np.maximum(s, _STEEPEST) ** (self.n - 2.0) * (1.0 + x) ** (-m - 1.0)
+        )
         slope = -filled * rest * (0.5 * m * self.n * rest * x / s / (1.0 + x) + 2.0 * steep)
         return self.limited(k, self.alpha * slope, suction > 0.0)
 
@@ -196,7 +218,9 @@ class VanGenuchten(_Limited):
         def suction_of(filled: ndarray) -> ndarray:
             return np.asarray(np.expm1(-np.log(filled) / m) ** (1.0 / self.n) / self.alpha)
 
-        return _by_saturation(self, np.clip(turn, _STEEPEST * steepest, steepest), suction_of, suction, change, flat)
+        return _by_saturation(
+            self, np.clip(turn, _STEEPEST * steepest, steepest), suction_of, suction, change, flat
+        )
 
     @property
     def _m(self) -> float:
@@ -211,9 +235,9 @@ class VanGenuchten(_Limited):
 class BrooksCorey(_Limited):
     r"""Ground that stays saturated up to a suction at which air enters.
 
-    Beyond the suction head :math:`s_b` the effective saturation is :math:`S = (s_b / s)^\lambda` and the relative
-    permeability :math:`S^{3 + 2 / \lambda}` (R. H. Brooks and A. T. Corey, Hydrology Papers 3, Colorado State
-    University 1964, by the model of N. T. Burdine).
+    Beyond the suction head :math:`s_b` the effective saturation is :math:`S = (s_b / s)^\lambda`
+    and the relative permeability :math:`S^{3 + 2 / \lambda}` (R. H. Brooks and A. T. Corey,
+    Hydrology Papers 3, Colorado State University 1964, by the model of N. T. Burdine).
 
     Parameters
     ----------
@@ -224,7 +248,8 @@ class BrooksCorey(_Limited):
     least
         Lower limit of the relative permeability, between 0 and 1.
     content
-        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
+        Volume of water per volume of ground, the least that suction leaves and that of saturated
+        ground: for
         :func:`transient_seepage`.
 
     Examples
@@ -264,20 +289,32 @@ class BrooksCorey(_Limited):
         def suction_of(filled: ndarray) -> ndarray:
             return np.asarray(self.entry * filled ** (-1.0 / self.index))
 
-        return _by_saturation(self, np.full_like(suction, self.entry), suction_of, suction, change, flat)
+        return _by_saturation(
+            self, np.full_like(suction, self.entry), suction_of, suction, change, flat
+        )
 
     @override
     def softer(self, factor: float) -> BrooksCorey:
         return replace(self, entry=self.entry * factor)
 
 
-def _by_saturation(law: Retention, turn: ndarray, suction_of: Callable[[ndarray], ndarray], suction: ndarray,
-                   change: ndarray, flat: ndarray) -> ndarray:
-    """Return the suction after a change in saturation, and in a line of the flat slope up to a suction."""
+def _by_saturation(
+    law: Retention,
+    turn: ndarray,
+    suction_of: Callable[[ndarray], ndarray],
+    suction: ndarray,
+    change: ndarray,
+    flat: ndarray,
+) -> ndarray:
+    """Return the suction after a change in saturation, and in a line of the flat slope up to a
+    suction.
+    """
     size, wet = np.ones(1), np.minimum(suction - turn, 0.0)
     (most, steep), (filled, slope) = law.saturation(turn, size), law.saturation(suction - wet, size)
     steep = np.maximum(steep, -flat)
     now = filled + steep * wet
     new = np.maximum(now + np.where(wet < 0.0, steep, slope) * change, _DRIER * now)
     moved = np.where(new < most, suction_of(np.minimum(new, most)), turn + (new - most) / steep)
-    return np.where((wet < 0.0) & (new > most), suction + change, moved)  # for the sake of round-off
+    return np.where(
+        (wet < 0.0) & (new > most), suction + change, moved
+    )  # for the sake of round-off

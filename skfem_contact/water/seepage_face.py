@@ -1,4 +1,5 @@
 """Seepage faces of consolidating ground: boundaries that water leaves and does not enter."""
+
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
@@ -17,8 +18,9 @@ from .at_nodes import AtNodes
 from .boundary import Given
 from .consolidation import PoreWater
 
-#: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth of the drop in an
-#: element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass LAPACK illegal sizes.
+#: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth
+#: of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass
+#: LAPACK illegal sizes.
 _OPEN = 1e2
 
 
@@ -26,7 +28,8 @@ class SeepageFace(AtNodes):
     r"""Boundary that water leaves if its pressure would be positive, and does not enter.
 
     The condition is that of contact, with the pressure for the gap: the outflow at the nodes is
-    :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess p of
+    :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess
+    p of
     :class:`PoreWater`. Fixed dofs, such as those under a level, are not affected.
 
     Parameters
@@ -36,11 +39,13 @@ class SeepageFace(AtNodes):
     boundaries
         Names of boundaries.
     pressure
-        Pore pressure there at the beginning, a number or a function of coordinates (dim, n): :func:`hydrostatic`.
+        Pore pressure there at the beginning, a number or a function of coordinates (dim, n):
+        :func:`hydrostatic`.
 
     Examples
     --------
-    Water leaves a layer under load, and none returns after the load: the ground keeps its settlement.
+    Water leaves a layer under load, and none returns after the load: the ground keeps its
+    settlement.
 
     >>> import numpy as np
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
@@ -62,7 +67,9 @@ class SeepageFace(AtNodes):
     leaks: ndarray
     _conductance: ndarray
 
-    def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
+    def __init__(
+        self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0
+    ) -> None:
         self._water, names = water, names_of(boundaries)
         self.size, self.borrowed = water.ground.N, water.fields
         self.leaks = water.dofs(*names).indices if names else np.zeros(0, int)

@@ -1,4 +1,5 @@
 """Flow of water through ground that stores it: the water balance of a step in time."""
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -15,15 +16,24 @@ from .retention import Retention
 
 
 class StoringFlow(DarcyFlow):
-    r"""Flow with the rate of the stored water, :math:`(\theta(h) - \theta_0) / \Delta t`, in mixed form.
+    r"""Flow with the rate of the stored water, :math:`(\theta(h) - \theta_0) / \Delta t`, in mixed
+    form.
 
-    The water is stored at the corners of the elements (lumped), so that a front neither over- nor undershoots. The
-    permeability is that of the corners too, interpolated: water enters dry ground whatever its suction.
-    The storage, (n_elements,), is the water that saturated ground takes per volume and head.
+    The water is stored at the corners of the elements (lumped), so that a front neither over- nor
+    undershoots. The permeability is that of the corners too, interpolated: water enters dry ground
+    whatever its suction. The storage, (n_elements,), is the water that saturated ground takes per
+    volume and head.
     """
 
-    def __init__(self, basis: CellBasis, tensors: ndarray, laws: Sequence[tuple[ndarray, Retention]],
-                 storage: ndarray, axisymmetric: bool, datum: float) -> None:
+    def __init__(
+        self,
+        basis: CellBasis,
+        tensors: ndarray,
+        laws: Sequence[tuple[ndarray, Retention]],
+        storage: ndarray,
+        axisymmetric: bool,
+        datum: float,
+    ) -> None:
         super().__init__(basis, tensors, axisymmetric, datum)
         self._laws, self._storage = laws, storage[:, None]
         self._least, self._range = np.zeros((2, basis.nelems, 1))
@@ -43,18 +53,32 @@ class StoringFlow(DarcyFlow):
 
     def stored(self, head: ndarray) -> ndarray:
         """Return the volume of water at the nodes, by saturation and by compression, (2, N)."""
-        filled, pressed = self.filled(head, self._laws)[0], np.maximum(head - self.elevation, 0.0)[self.dofs]
-        return np.stack((self.gathered(self._least + self._range * filled), self.gathered(self._storage * pressed)))
+        filled, pressed = (
+            self.filled(head, self._laws)[0],
+            np.maximum(head - self.elevation, 0.0)[self.dofs],
+        )
+        return np.stack(
+            (
+                self.gathered(self._least + self._range * filled),
+                self.gathered(self._storage * pressed),
+            )
+        )
 
     def span(self, change: float) -> ndarray:
-        """Return the volumes between dry and saturated ground, and by a change of pressure head, (2, N)."""
+        """Return the volumes between dry and saturated ground, and by a change of pressure head,
+        (2, N).
+        """
         return np.stack((self.gathered(self._range), self.gathered(self._storage * change)))
 
     def beyond(self, stored: ndarray, span: ndarray) -> float:
-        """Return how far stored volumes, (2, N), lie outside of those of dry and saturated ground, over the span."""
+        """Return how far stored volumes, (2, N), lie outside of those of dry and saturated ground,
+        over the span.
+        """
         least = self.gathered(self._least)
         off = np.maximum(least - stored[0], stored[0] - least - span[0])
-        return float(np.divide(off, span[0], out=np.zeros_like(off), where=span[0] > 0.0).max(initial=0.0))
+        return float(
+            np.divide(off, span[0], out=np.zeros_like(off), where=span[0] > 0.0).max(initial=0.0)
+        )
 
     def room(self, head: ndarray) -> float:
         """Return the volume of water that makes the ground saturated; infinite with storage."""
@@ -62,7 +86,9 @@ class StoringFlow(DarcyFlow):
         return float(np.inf if (self._storage > 0.0).any() else free.sum())
 
     @override
-    def relative(self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> tuple[ndarray, ndarray]:
+    def relative(
+        self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]
+    ) -> tuple[ndarray, ndarray]:
         suction = (self.elevation - head)[self.dofs]
         relative, slope = np.ones_like(suction), np.zeros_like(suction)
         for part, law in laws:
@@ -71,7 +97,10 @@ class StoringFlow(DarcyFlow):
 
     @override
     def inflow(self, head: ndarray, relative: ndarray) -> ndarray:
-        return super().inflow(head, relative) + (self.stored(head) - self._before).sum(axis=0) / self._duration
+        return (
+            super().inflow(head, relative)
+            + (self.stored(head) - self._before).sum(axis=0) / self._duration
+        )
 
     @override
     def round_off(self, head: ndarray, relative: ndarray) -> ndarray:
@@ -82,13 +111,19 @@ class StoringFlow(DarcyFlow):
     def tangent(self, head: ndarray, relative: ndarray, slope: ndarray) -> csr_matrix:
         pressed = (head > self.elevation)[self.dofs]
         capacity = self._storage * pressed - self._range * self.filled(head, self._laws)[1]
-        return (super().tangent(head, relative, slope) + diags(self.gathered(capacity) / self._duration)).tocsr()
+        return (
+            super().tangent(head, relative, slope) + diags(self.gathered(capacity) / self._duration)
+        ).tocsr()
 
     @override
-    def moved(self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> ndarray:
+    def moved(
+        self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]
+    ) -> ndarray:
         new, suction, size = head + change, self.elevation - head, np.zeros(len(head))
         ranges, pressed = self.span(1.0)
-        flat = (pressed + self._duration * self.saturated.diagonal()) / np.where(ranges > 0.0, ranges, 1.0)
+        flat = (pressed + self._duration * self.saturated.diagonal()) / np.where(
+            ranges > 0.0, ranges, 1.0
+        )
         for part, law in laws:
             at = np.unique(self.dofs[part])
             size[self.dofs[part]] = self._size[part]
@@ -98,4 +133,7 @@ class StoringFlow(DarcyFlow):
 
     @override
     def scale(self, head: ndarray, inflow: ndarray) -> float:
-        return float(np.linalg.norm(inflow) + np.linalg.norm(self.stored(head) - self._before) / self._duration)
+        return float(
+            np.linalg.norm(inflow)
+            + np.linalg.norm(self.stored(head) - self._before) / self._duration
+        )

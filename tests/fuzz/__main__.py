@@ -1,4 +1,6 @@
-"""``python -m tests.fuzz --scenes 500 --seed 1``, or ``--scene 1000042`` for a single one; ``--calls``: wrong calls."""
+"""``python -m tests.fuzz --scenes 500 --seed 1``, or ``--scene 1000042`` for a single one;
+``--calls``: wrong calls.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ def main() -> int:
     parser.add_argument("--scenes", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--scene", type=int, help="seed of a single scene")
-    parser.add_argument("--calls", action="store_true", help="wrong calls of public functions, 2 minutes")
+    parser.add_argument(
+        "--calls", action="store_true", help="wrong calls of public functions, 2 minutes"
+    )
     given, began = parser.parse_args(), time.process_time()
     if given.calls:
         return calls.main(seed=given.seed)

@@ -1,4 +1,6 @@
-"""Arches of dry blocks under a horizontal acceleration: the limit is that of a linear programme of corner forces."""
+"""Arches of dry blocks under a horizontal acceleration: the limit is that of a linear programme of
+corner forces.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,17 @@ _STIFF = 1000.0
 
 def arch(seed: int, rng: np.random.Generator) -> Case:
     """Semicircular arch of five to seven blocks, or a flatter one; a thin one falls."""
-    n, thickness, mu = int(rng.integers(5, 8)), float(rng.choice([rng.uniform(0.02, 0.06), rng.uniform(0.2, 0.4)])), 0.9
+    n, thickness, mu = (
+        int(rng.integers(5, 8)),
+        float(rng.choice([rng.uniform(0.02, 0.06), rng.uniform(0.2, 0.4)])),
+        0.9,
+    )
     half = float(rng.uniform(0.38, 0.5) * np.pi)
-    return Case(seed, f"arch of {n} blocks, t/R {thickness:.2f}, mu {mu:.2f}, half angle {np.degrees(half):.0f}",
-                partial(accelerated, n, thickness, mu, half))  # fmt: skip
+    return Case(
+        seed,
+        f"arch of {n} blocks, t/R {thickness:.2f}, mu {mu:.2f}, half angle {np.degrees(half):.0f}",
+        partial(accelerated, n, thickness, mu, half),
+    )
 
 
 def accelerated(n: int, thickness: float, mu: float, half: float) -> Iterator[Check]:
@@ -33,32 +42,54 @@ def accelerated(n: int, thickness: float, mu: float, half: float) -> Iterator[Ch
     inner, outer = (1 - 0.5 * thickness) * rays, (1 + 0.5 * thickness) * rays
     exact = _limit(inner, outer, mu)
     flat = MeshQuad.init_tensor(np.array([0.0, 1.0]), np.linspace(0, 1, 3)).with_boundaries(
-        {"left": lambda x: x[0] < 1e-9, "right": lambda x: x[0] > 1 - 1e-9})  # fmt: skip
+        {"left": lambda x: x[0] < 1e-9, "right": lambda x: x[0] > 1 - 1e-9}
+    )
     (u, v), bodies = flat.p, {}
     for k in range(n):
-        corners = ((1 - u) * (1 - v), inner, 0), (u * (1 - v), inner, 1), ((1 - u) * v, outer, 0), (u * v, outer, 1)
+        corners = (
+            ((1 - u) * (1 - v), inner, 0),
+            (u * (1 - v), inner, 1),
+            ((1 - u) * v, outer, 0),
+            (u * v, outer, 1),
+        )
         p = sum(w * side[:, k + i, None] for w, side, i in corners)
         bodies[f"b{k}"] = MeshQuad(p, flat.t, _boundaries=flat.boundaries)
     basis = Basis(sc.join_bodies(bodies), ElementVector(ElementQuad1()), intorder=2)
     sides = {f"b{k}:left": f"b{k - 1}:right" for k in range(1, n)}
-    sides |= {"b0:left": sc.rigid.line(2 * rays[:, 0], 0.2 * rays[:, 0]),
-              f"b{n - 1}:right": sc.rigid.line(0.2 * rays[:, -1], 2 * rays[:, -1])}  # fmt: skip
-    forms: dict[str, sc.Form] = {"blocks": sc.SolidForm(basis, sc.LinearElastic(1e6, 0.2), unit_weight=1.0)}
+    sides |= {
+        "b0:left": sc.rigid.line(2 * rays[:, 0], 0.2 * rays[:, 0]),
+        f"b{n - 1}:right": sc.rigid.line(0.2 * rays[:, -1], 2 * rays[:, -1]),
+    }
+    forms: dict[str, sc.Form] = {
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(1e6, 0.2), unit_weight=1.0)
+    }
     for slave, master in sides.items():
-        forms[slave] = sc.ContactPair(basis, slave, master, sc.Coulomb(mu), "nodal", penalty=_STIFF * 1e6)
+        forms[slave] = sc.ContactPair(
+            basis, slave, master, sc.Coulomb(mu), "nodal", penalty=_STIFF * 1e6
+        )
     model = sc.Model(forms)
     if exact is None:
         yield Check("stands", float(model.is_stable()), 0.0)
         return
-    found = model.limit_load(sc.weight(basis, 1.0, direction=(1.0, 0.0)), step=0.1 * exact,
-                             start=model.run([sc.Stage("weight")], progress=False), progress=False)  # fmt: skip
-    slides = abs(_limit(inner, outer, 1.5 * mu) / exact - 1.0) > 1e-6  # the programme's joints open as they slide
+    found = model.limit_load(
+        sc.weight(basis, 1.0, direction=(1.0, 0.0)),
+        step=0.1 * exact,
+        start=model.run([sc.Stage("weight")], progress=False),
+        progress=False,
+    )
+    slides = (
+        abs(_limit(inner, outer, 1.5 * mu) / exact - 1.0) > 1e-6
+    )  # the programme's joints open as they slide
     if found.stop.shows_limit and not slides:
-        yield Check("acceleration", apart(found.multiplier, exact), 0.02)  # hinges of elastic blocks move inwards
+        yield Check(
+            "acceleration", apart(found.multiplier, exact), 0.02
+        )  # hinges of elastic blocks move inwards
 
 
 def _limit(inner: ndarray, outer: ndarray, mu: float) -> float | None:
-    """Largest acceleration over gravity of rigid blocks; None where they fall under their weight."""
+    """Largest acceleration over gravity of rigid blocks; None where they fall under their
+    weight.
+    """
     n = inner.shape[1] - 1
     A, b = np.zeros((3 * n, 4 * (n + 1) + 1)), np.zeros(3 * n)
     for j in range(n + 1):
@@ -76,7 +107,10 @@ def _limit(inner: ndarray, outer: ndarray, mu: float) -> float | None:
         corners = np.stack((inner[:, k], inner[:, k + 1], outer[:, k + 1], outer[:, k]))
         after = np.roll(corners, -1, axis=0)
         cross = corners[:, 0] * after[:, 1] - corners[:, 1] * after[:, 0]
-        area, centre = 0.5 * cross.sum(), ((corners + after) * cross[:, None]).sum(axis=0) / (3 * cross.sum())
+        area, centre = (
+            0.5 * cross.sum(),
+            ((corners + after) * cross[:, None]).sum(axis=0) / (3 * cross.sum()),
+        )
         area = abs(area)
         b[3 * k : 3 * k + 3] = area * np.array([0.0, 1.0, centre[0]])
         A[3 * k : 3 * k + 3, -1] = area * np.array([1.0, 0.0, -centre[1]])

@@ -45,7 +45,11 @@ class Case:
     def findings(self) -> Iterator[Finding]:
         """Findings of the analysis; those of the case itself belong to no stage."""
         for found in self.look():
-            yield found if isinstance(found, Finding) else Finding(found.oracle, "", *map(float, found[1:]))
+            yield (
+                found
+                if isinstance(found, Finding)
+                else Finding(found.oracle, "", *map(float, found[1:]))
+            )
 
 
 @dataclass(frozen=True)

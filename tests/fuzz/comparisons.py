@@ -19,12 +19,15 @@ from .model import HEIGHT, Model, build
 from .oracles import Finding
 from .scenes import STRAIN, Scene
 
-#: Displacements of two analyses with residuals of 1e-10, relative to the largest: that times the condition of scenes
-#: whose bodies differ in stiffness by up to 1e3, and whose penalties are ten times stiffer than the bodies.
+#: Displacements of two analyses with residuals of 1e-10, relative to the largest: that times the
+#: condition of scenes whose bodies differ in stiffness by up to 1e3, and whose penalties are ten
+#: times stiffer than the bodies.
 SAME = 1e-5
-#: ... whose multipliers may be those of one more round: ten times the tolerance of the augmented method.
+#: ... whose multipliers may be those of one more round: ten times the tolerance of the augmented
+#: method.
 AUGMENTED = 1e-3
-#: What the augmented method says where nodes are left to the penalty, and more than its tolerance remains.
+#: What the augmented method says where nodes are left to the penalty, and more than its tolerance
+#: remains.
 LEFT = "leave an error"
 
 
@@ -36,10 +39,12 @@ def tolerance(scene: Scene) -> float:
 def of_result(
     scene: Scene, model: Model, result: Result, name: str, remarks: Sequence[str] = ()
 ) -> Iterator[Finding]:
-    """The findings of one comparison; none where it says nothing, or the other analysis gives up and says so.
+    """The findings of one comparison; none where it says nothing, or the other analysis gives up
+    and says so.
 
-    Nor are there any where one of the two says that its multipliers do not reach their tolerance, or where brittle
-    bonds broke: there are several equilibria then, and last bits tell which point goes first.
+    Nor are there any where one of the two says that its multipliers do not reach their tolerance,
+    or where brittle bonds broke: there are several equilibria then, and last bits tell which point
+    goes first.
     """
     if any(_broken(stage) for stage in result):
         return
@@ -58,17 +63,25 @@ def of_result(
 
 def _broken(stage: StageResult) -> bool:
     """Whether a point has lost its bond, of a law that has one."""
-    states = {name: state for name, state in stage.states.items() if isinstance(state, ContactState)}
+    states = {
+        name: state for name, state in stage.states.items() if isinstance(state, ContactState)
+    }
     pairs = [(stage.forms[name].law, state) for name, state in states.items()]
-    return any(isinstance(law, sc.Coulomb) and (law.adhesion > 0.0 or law.tension > 0.0) and bool(state.internal.any())
-               for law, state in pairs)  # fmt: skip
+    return any(
+        isinstance(law, sc.Coulomb)
+        and (law.adhesion > 0.0 or law.tension > 0.0)
+        and bool(state.internal.any())
+        for law, state in pairs
+    )
 
 
 Pairs = list[tuple[StageResult, np.ndarray]]
 
 
 def _same_increments(one: Result, other: Result) -> Iterator[tuple[StageResult, StageResult]]:
-    """Stages up to the first one of which one analysis took other increments: friction follows another path there."""
+    """Stages up to the first one of which one analysis took other increments: friction follows
+    another path there.
+    """
     for a, b in zip(one, other):
         if len(a.iterations) != len(b.iterations):
             return
@@ -87,12 +100,17 @@ def _mirror(scene: Scene, model: Model, result: Result) -> Pairs:
     if any(_at_joints(pair) for pair in model.forms.values() if isinstance(pair, sc.ContactPair)):
         return []
     if scene.quadrature == "segments" and scene.dim == 3:
-        return []  # pieces are cut into triangles from their first corner, which is another one in the mirror
-    return _in_frame(mirrored(scene.dim, 1 if scene.kind == "axisymmetric" else 0))(scene, model, result)
+        # pieces are cut into triangles from their first corner, which is another one in the mirror
+        return []
+    return _in_frame(mirrored(scene.dim, 1 if scene.kind == "axisymmetric" else 0))(
+        scene, model, result
+    )
 
 
 def _at_joints(pair: sc.ContactPair) -> bool:
-    """Whether points face joints of the master: they belong to the facet before, which is another in the mirror."""
+    """Whether points face joints of the master: they belong to the facet before, which is another
+    in the mirror.
+    """
     return pair.master.shape.dim == 1 and bool((np.abs(pair.initial_state().position) > 0.99).any())
 
 
@@ -128,15 +146,21 @@ def _split(scene: Scene, model: Model, result: Result) -> Pairs:
     first = model.stages[0]
     x = None if first.prescribed is None else 0.5 * first.prescribed
     once = model.run([replace(first, increments=2)])[-1]
-    both = model.run([replace(first, name="half", load=0.5 * first.load, prescribed=x, increments=1),
-                      replace(first, increments=1)])  # fmt: skip
+    both = model.run(
+        [
+            replace(first, name="half", load=0.5 * first.load, prescribed=x, increments=1),
+            replace(first, increments=1),
+        ]
+    )
     if any(len(stage.iterations) != 1 for stage in both) or len(once.iterations) != 2:
         return []
     return [(once, both[-1].x)]
 
 
 def _path(scene: Scene, model: Model, result: Result) -> Pairs:
-    """Without friction and yielding the way does not matter: the first stage in three increments, or in one."""
+    """Without friction and yielding the way does not matter: the first stage in three increments,
+    or in one.
+    """
     if not (scene.frictionless and scene.elastic and not scene.bonded and scene.built != "cap"):
         return []
     first = model.stages[0]
@@ -151,6 +175,12 @@ def _nothing(scene: Scene, model: Model, result: Result) -> Pairs:
 
 
 COMPARISONS = {
-    "mirror": _mirror, "rotation": _rotation, "shift": _shift, "units": _units, "saved": _saved, "split": _split,
-    "path": _path, "nothing": _nothing,
-}  # fmt: skip
+    "mirror": _mirror,
+    "rotation": _rotation,
+    "shift": _shift,
+    "units": _units,
+    "saved": _saved,
+    "split": _split,
+    "path": _path,
+    "nothing": _nothing,
+}

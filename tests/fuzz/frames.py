@@ -36,7 +36,9 @@ class Frame:
         return self.length * self._turned(x, self.matrix)
 
     def forces(self, f: ndarray, power: int) -> ndarray:
-        """Nodal forces (N,) of the scene in the frame; they are stresses times a power of the length."""
+        """Nodal forces (N,) of the scene in the frame; they are stresses times a power of the
+        length.
+        """
         return self.stress * self.length**power * self._turned(f, self.matrix)
 
     def back(self, x: ndarray) -> ndarray:
@@ -59,7 +61,9 @@ def mirrored(dim: int, axis: int) -> Frame:
 
 
 def turned(dim: int, angle: float) -> Frame:
-    """Turned in the plane of the first two coordinates, in space in that of the last two as well."""
+    """Turned in the plane of the first two coordinates, in space in that of the last two as
+    well.
+    """
     c, s = np.cos(angle), np.sin(angle)
     matrix = np.eye(dim)
     matrix[:2, :2] = [[c, -s], [s, c]]

@@ -12,9 +12,14 @@ from .scenes import Scene, draw
 
 #: Of 25 scenes, those that are not pressed blocks; 40 of a thousand are joints with bounds.
 OTHERS: tuple[Callable[[int, np.random.Generator], Case], ...] = (
-    arches.arch, *(blocks.stack,) * 2, *(wet.wet,) * 2, *(staged.staged,) * 2, *(bars.bars,) * 2, *(own.own,) * 2,
+    arches.arch,
+    *(blocks.stack,) * 2,
+    *(wet.wet,) * 2,
+    *(staged.staged,) * 2,
+    *(bars.bars,) * 2,
+    *(own.own,) * 2,
     joints.joints,
-)  # fmt: skip
+)
 OF = 25
 
 

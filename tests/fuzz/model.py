@@ -35,8 +35,12 @@ from .scenes import STRAIN, Scene
 HEIGHT, MODULUS = 0.6, 1e4
 #: Weight of a body's volume, small beside what the path does.
 WEIGHT = 0.1 * STRAIN * MODULUS
-_PLANE = {"Q1": (MeshQuad, ElementQuad1), "Q2": (MeshQuad, ElementQuad2),
-          "P1": (MeshTri, ElementTriP1), "P2": (MeshTri, ElementTriP2)}  # fmt: skip
+_PLANE = {
+    "Q1": (MeshQuad, ElementQuad1),
+    "Q2": (MeshQuad, ElementQuad2),
+    "P1": (MeshTri, ElementTriP1),
+    "P2": (MeshTri, ElementTriP2),
+}
 _SPACE = {"Q1": (MeshHex, ElementHex1), "P1": (MeshTet, ElementTetP1)}
 
 
@@ -72,15 +76,20 @@ def build(scene: Scene, frame: Frame) -> Model:
     return Model(forms, _stages(scene, drawn, frame), held, frame)
 
 
-# -- meshes -------------------------------------------------------------------------------------------------------
+# -- meshes
+# -------------------------------------------------------------------------------------------------------
 
 
 def _mesh(scene: Scene) -> Mesh:
     """The bodies, apart: y, or z, is up, and the interface is near zero."""
     axial = scene.kind == "axisymmetric"
     left, right = (0.0, 1.5) if axial else (-0.4, 1.4)
-    bodies = {} if scene.rigid else {"base": _body(scene, scene.lower, (left, right), -HEIGHT, 2, True)}
-    bodies["block"] = _body(scene, scene.upper, (0.0, 1.0), scene.fit, 1 if scene.dim == 3 else 2, False)
+    bodies = (
+        {} if scene.rigid else {"base": _body(scene, scene.lower, (left, right), -HEIGHT, 2, True)}
+    )
+    bodies["block"] = _body(
+        scene, scene.upper, (0.0, 1.0), scene.fit, 1 if scene.dim == 3 else 2, False
+    )
     if scene.built == "cap":
         bodies["cap"] = _grid(scene, scene.upper + 1, (0.0, 1.0), scene.fit + HEIGHT, 1)
     mesh = sc.join_bodies(bodies)
@@ -88,11 +97,15 @@ def _mesh(scene: Scene) -> Mesh:
         middle = mesh.p[:, mesh.t].mean(axis=1)
         base = np.isin(np.arange(mesh.nelements), mesh.subdomains["base"])
         pit = base & (middle[0] > 0.9) & (middle[1] < -0.5 * HEIGHT)
-        mesh = mesh.with_subdomains({"pit": np.flatnonzero(pit), "rest": np.flatnonzero(base & ~pit)})
+        mesh = mesh.with_subdomains(
+            {"pit": np.flatnonzero(pit), "rest": np.flatnonzero(base & ~pit)}
+        )
     return mesh
 
 
-def _body(scene: Scene, n: int, ends: tuple[float, float], bottom: float, layers: int, low: bool) -> Mesh:
+def _body(
+    scene: Scene, n: int, ends: tuple[float, float], bottom: float, layers: int, low: bool
+) -> Mesh:
     """A block whose upper, or lower, side is the interface."""
     mesh = _grid(scene, n, ends, bottom, layers)
     share = (mesh.p[-1] - bottom) / HEIGHT
@@ -110,10 +123,14 @@ def interface(scene: Scene, p: ndarray) -> ndarray:
 
 def _grid(scene: Scene, n: int, ends: tuple[float, float], bottom: float, layers: int) -> Mesh:
     """A tensor grid with named sides."""
-    lines = [np.linspace(*ends, n + 1)] * (scene.dim - 1) + [np.linspace(bottom, bottom + HEIGHT, layers + 1)]
+    lines = [np.linspace(*ends, n + 1)] * (scene.dim - 1) + [
+        np.linspace(bottom, bottom + HEIGHT, layers + 1)
+    ]
     mesh = (_SPACE if scene.dim == 3 else _PLANE)[scene.element][0].init_tensor(*lines)
     sides = {"bottom": bottom, "top": bottom + HEIGHT}
-    return mesh.with_boundaries({name: lambda p, z=z: np.isclose(p[-1], z) for name, z in sides.items()})
+    return mesh.with_boundaries(
+        {name: lambda p, z=z: np.isclose(p[-1], z) for name, z in sides.items()}
+    )
 
 
 def _in_frame(mesh: Mesh, frame: Frame) -> Mesh:
@@ -125,7 +142,8 @@ def _basis(scene: Scene, mesh: Mesh) -> Basis:
     return Basis(mesh, ElementVector(element()), intorder=4 if scene.element in ("Q2", "P2") else 2)
 
 
-# -- forms --------------------------------------------------------------------------------------------------------
+# -- forms
+# --------------------------------------------------------------------------------------------------------
 
 
 def _solids(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
@@ -133,11 +151,17 @@ def _solids(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
     stiff = sc.LinearElastic(E=scene.stiffer * MODULUS * frame.stress, nu=0.25)
     soil = _soil(scene, frame)
     parts = {"base": soil, "block": stiff, "cap": stiff, "pit": soil, "rest": soil}
-    there = [name for name in basis.mesh.subdomains if name in parts and not (name == "base" and scene.built == "pit")]
+    there = [
+        name
+        for name in basis.mesh.subdomains
+        if name in parts and not (name == "base" and scene.built == "pit")
+    ]
     return {name: solid(basis.with_elements(name), parts[name]) for name in there}
 
 
-def _soil(scene: Scene, frame: Frame) -> sc.LinearElastic | sc.MohrCoulomb | sc.Tresca | sc.DruckerPrager:
+def _soil(
+    scene: Scene, frame: Frame
+) -> sc.LinearElastic | sc.MohrCoulomb | sc.Tresca | sc.DruckerPrager:
     """The base's material; its strength is near what the path asks for."""
     E, nu, c = MODULUS * frame.stress, 0.3, 0.3 * STRAIN * MODULUS * frame.stress
     if scene.soil == "MohrCoulomb":
@@ -151,12 +175,20 @@ def _soil(scene: Scene, frame: Frame) -> sc.LinearElastic | sc.MohrCoulomb | sc.
 
 def _contact(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
     strength = STRAIN * MODULUS * frame.stress
-    law = sc.Tied() if scene.law is None else sc.Coulomb(scene.law[0], *(strength * v for v in scene.law[1:]))
+    law = (
+        sc.Tied()
+        if scene.law is None
+        else sc.Coulomb(scene.law[0], *(strength * v for v in scene.law[1:]))
+    )
     options = {
-        "quadrature": scene.quadrature, "initial": scene.initial, "smoothing": scene.smoothing,
+        "quadrature": scene.quadrature,
+        "initial": scene.initial,
+        "smoothing": scene.smoothing,
         "enforcement": sc.AugmentedLagrangian() if scene.augmented else None,
-        "penalty": None if scene.penalty is None else scene.penalty * MODULUS * frame.stress / (HEIGHT * frame.length),
-    }  # fmt: skip
+        "penalty": None
+        if scene.penalty is None
+        else scene.penalty * MODULUS * frame.stress / (HEIGHT * frame.length),
+    }
     names = ("base:top", "block:bottom") if scene.swapped else ("block:bottom", "base:top")
     if scene.both_ways:
         forms = dict(sc.ContactPair.two_pass(basis, *names, law, **options))
@@ -164,7 +196,9 @@ def _contact(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
         master = _floor(scene, frame) if scene.rigid else names[1]
         forms = {"joint": sc.ContactPair(basis, names[0], master, law, **options)}
     if scene.built == "cap":
-        forms["seat"] = sc.ContactPair(basis, "cap:bottom", "block:top", sc.Coulomb(0.5), scene.quadrature)
+        forms["seat"] = sc.ContactPair(
+            basis, "cap:bottom", "block:top", sc.Coulomb(0.5), scene.quadrature
+        )
     return forms
 
 
@@ -176,7 +210,8 @@ def _floor(scene: Scene, frame: Frame):
     return sc.rigid.polyline((points[:, ::-1] if mirror else points).T)
 
 
-# -- stages -------------------------------------------------------------------------------------------------------
+# -- stages
+# -------------------------------------------------------------------------------------------------------
 
 
 def _stages(scene: Scene, drawn: Basis, frame: Frame) -> list[sc.Stage]:

@@ -35,8 +35,8 @@ class Finding(NamedTuple):
 
 #: Round-off of what is computed twice in the same way.
 SAME = 1e-9
-#: Share of a facet by which a point may lie beyond its end: it keeps the facet that it had up to a share of
-#: .01, and surfaces go on beyond their rim for a share of .05.
+#: Share of a facet by which a point may lie beyond its end: it keeps the facet that it had up to a
+#: share of .01, and surfaces go on beyond their rim for a share of .05.
 _BEYOND = 0.06
 #: Residual of forces that are assembled again: ten times what Newton's method was asked for.
 BALANCE = 1e-9
@@ -53,20 +53,32 @@ def of_stage(scene: Scene, model: Model, result: Result, k: int) -> Iterator[Fin
 Errors = Iterator[tuple[float, float]]
 
 
-def equilibrium(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
+def equilibrium(
+    scene: Scene, model: Model, stage: StageResult, before: StageResult | None
+) -> Errors:
     """Forces that are assembled again from the accepted states balance."""
     forces = [form.assemble(stage.x, stage.states[name]) for name, form in stage.forms.items()]
     left = stage.load - sum(answer.force for answer in forces)
-    there = [form.basis.element_dofs.ravel() for form in stage.forms.values() if isinstance(form, sc.SolidForm)]
-    # a stage that stops while a body is dug out goes on releasing it, at nodes of that body alone, too
+    there = [
+        form.basis.element_dofs.ravel()
+        for form in stage.forms.values()
+        if isinstance(form, sc.SolidForm)
+    ]
+    # a stage that stops while a body is dug out goes on releasing it, at nodes of that body alone,
+    # too
     left[np.union1d(model.fixed, np.setdiff1d(np.arange(len(left)), np.concatenate(there)))] = 0.0
     largest = max(np.linalg.norm(stage.load), *(np.linalg.norm(answer.force) for answer in forces))
     # contact says how much its coordinates' round-off leaves
-    yield np.linalg.norm(left) / largest, BALANCE + sum(answer.round_off for answer in forces) / largest
+    yield (
+        np.linalg.norm(left) / largest,
+        BALANCE + sum(answer.round_off for answer in forces) / largest,
+    )
 
 
 def stresses(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
-    """Internal forces are the integral of the stresses over the gradients of scikit-fem's shape functions."""
+    """Internal forces are the integral of the stresses over the gradients of scikit-fem's shape
+    functions.
+    """
     for name, form in stage.forms.items():
         if isinstance(form, sc.SolidForm) and not scene.b_bar:
             force = form.assemble(stage.x, stage.states[name]).force
@@ -76,7 +88,9 @@ def stresses(scene: Scene, model: Model, stage: StageResult, before: StageResult
 
 def _internal(scene: Scene, form: sc.SolidForm, stress: ndarray) -> ndarray:
     basis, dim = form.basis, scene.dim
-    places = [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]
+    places = (
+        [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]
+    )
     rows = [0, 1, 3] if dim == 2 else range(6)
     sigma = np.zeros((dim, dim, *stress.shape[1:]))
     for (i, j), row in zip(places, rows, strict=True):
@@ -85,7 +99,9 @@ def _internal(scene: Scene, form: sc.SolidForm, stress: ndarray) -> ndarray:
     force = np.zeros(basis.N)
     for b in range(basis.Nbfun):
         shape = basis.basis[b][0]
-        density = np.einsum("ijeq,ijeq->eq", sigma, np.broadcast_to(np.asarray(shape.grad), sigma.shape))
+        density = np.einsum(
+            "ijeq,ijeq->eq", sigma, np.broadcast_to(np.asarray(shape.grad), sigma.shape)
+        )
         if radius is not None:
             density = density * radius + stress[2] * np.asarray(shape)[0]
         np.add.at(force, basis.element_dofs[b], (density * basis.dx).sum(axis=1))
@@ -93,7 +109,9 @@ def _internal(scene: Scene, form: sc.SolidForm, stress: ndarray) -> ndarray:
 
 
 def action(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
-    """Forces of contact between two bodies have no resultant, and no moment where the bodies are."""
+    """Forces of contact between two bodies have no resultant, and no moment where the bodies
+    are.
+    """
     for name, pair in _pairs(stage):
         if (pair.facets.dofs < 0).any():
             continue  # a rigid obstacle's share is not among the forces
@@ -107,7 +125,9 @@ def action(scene: Scene, model: Model, stage: StageResult, before: StageResult |
 
 
 def _places(n: int, pair: sc.ContactPair, x: ndarray, dim: int) -> ndarray:
-    """Where the nodes of both surfaces are, from the middle of the slave, (n / dim, dim); others at zero."""
+    """Where the nodes of both surfaces are, from the middle of the slave, (n / dim, dim); others at
+    zero.
+    """
     places, middle = np.zeros((n // dim, dim)), pair.slave.nodes.mean(axis=0)
     for surface in (pair.slave, pair.facets):
         at = surface.dofs[:, 0] // dim
@@ -123,15 +143,24 @@ def friction(scene: Scene, model: Model, stage: StageResult, before: StageResult
         state = stage.states[name]
         shear = np.linalg.norm(state.traction[1:], axis=0)
         broken = (state.internal[0] if len(state.internal) else 0.0) != 0.0
-        bears = np.where(broken, 0.0, pair.law.adhesion) + pair.law.mu * np.maximum(-state.traction[0], 0.0)
-        closed, largest = state.status != Status.OPEN, np.abs(state.traction).max(initial=0.0) or 1.0
+        bears = np.where(broken, 0.0, pair.law.adhesion) + pair.law.mu * np.maximum(
+            -state.traction[0], 0.0
+        )
+        closed, largest = (
+            state.status != Status.OPEN,
+            np.abs(state.traction).max(initial=0.0) or 1.0,
+        )
         yield (shear - bears)[closed].max(initial=0.0) / largest, SAME
         sliding = state.status == Status.SLIP
         yield np.abs(shear - bears)[sliding].max(initial=0.0) / largest, SAME
 
 
-def complementarity(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
-    """Open points carry nothing; closed ones carry no more tension than they may; nothing is deep inside."""
+def complementarity(
+    scene: Scene, model: Model, stage: StageResult, before: StageResult | None
+) -> Errors:
+    """Open points carry nothing; closed ones carry no more tension than they may; nothing is deep
+    inside.
+    """
     for name, pair in _pairs(stage):
         state = stage.states[name]
         is_open = state.status == Status.OPEN
@@ -139,7 +168,11 @@ def complementarity(scene: Scene, model: Model, stage: StageResult, before: Stag
         yield np.abs(state.traction[:, is_open]).max(initial=0.0) / largest, 0.0
         if isinstance(pair.law, sc.Coulomb):
             yield (state.traction[0] - pair.law.tension)[~is_open].max(initial=0.0) / largest, SAME
-            near = is_open & np.isfinite(state.gap) & (state.gap > -pair.interface.depth(pair.points(state)))
+            near = (
+                is_open
+                & np.isfinite(state.gap)
+                & (state.gap > -pair.interface.depth(pair.points(state)))
+            )
             closing = pair.points(state).at(state.multiplier[0]) / pair.penalties(state)[0]
             inside = (state.clearance - closing - state.gap)[near].max(initial=0.0)
             yield inside / (HEIGHT * model.frame.length), 1e-9  # beyond the coordinates' round-off
@@ -159,7 +192,8 @@ def closest(scene: Scene, model: Model, stage: StageResult, before: StageResult 
         nearest, beyond = (distance(points, corners, by) for by in (0.0, _BEYOND))
         gap, closed = np.abs(state.gap), state.status != Status.OPEN
         error = np.maximum(gap - nearest, beyond - gap)[closed].max(initial=0.0)
-        # at joints that turn by less than a degree it keeps its facet though the next one is nearer, by this
+        # at joints that turn by less than a degree it keeps its facet though the next one is
+        # nearer, by this
         yield error / pair.facets.size.max(), 0.01 * np.sin(np.radians(1.0))
 
 
@@ -172,9 +206,14 @@ def _distance(points: ndarray, corners: ndarray, beyond: float) -> ndarray:
 
 
 def _distance_in_space(points: ndarray, corners: ndarray, beyond: float) -> ndarray:
-    """The same of triangles and bilinear facets: places around the best one so far are tried, ever closer to it."""
+    """The same of triangles and bilinear facets: places around the best one so far are tried, ever
+    closer to it.
+    """
     step = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * 2), axis=-1).reshape(-1, 2) / 4
-    best, size = np.full((len(points), len(corners), 2), 1 / 3 if corners.shape[1] == 3 else 0.5), 1.0
+    best, size = (
+        np.full((len(points), len(corners), 2), 1 / 3 if corners.shape[1] == 3 else 0.5),
+        1.0,
+    )
     for _ in range(40):
         u = np.clip(best[:, :, None] + size * step, -beyond, 1.0 + beyond)
         if corners.shape[1] == 3:  # back onto the third side
@@ -183,9 +222,18 @@ def _distance_in_space(points: ndarray, corners: ndarray, beyond: float) -> ndar
             shapes = np.stack((1 - u.sum(axis=-1), u[..., 0], u[..., 1]), axis=-1)
         else:
             low, high = 1 - u, u
-            shapes = np.stack((low[..., 0] * low[..., 1], high[..., 0] * low[..., 1], high[..., 0] * high[..., 1],
-                               low[..., 0] * high[..., 1]), axis=-1)
-        distance = np.linalg.norm(points[:, None, None] - np.einsum("nfsk,fkc->nfsc", shapes, corners), axis=-1)
+            shapes = np.stack(
+                (
+                    low[..., 0] * low[..., 1],
+                    high[..., 0] * low[..., 1],
+                    high[..., 0] * high[..., 1],
+                    low[..., 0] * high[..., 1],
+                ),
+                axis=-1,
+            )
+        distance = np.linalg.norm(
+            points[:, None, None] - np.einsum("nfsk,fkc->nfsc", shapes, corners), axis=-1
+        )
         at = distance.argmin(axis=-1)[..., None, None]
         best, size = np.take_along_axis(u, at, axis=2)[:, :, 0], 0.6 * size
     return distance.min(axis=(1, 2))
@@ -200,30 +248,45 @@ def yielding(scene: Scene, model: Model, stage: StageResult, before: StageResult
             stress = stage.states[name].stress[:, region.elements]
             beyond = _beyond(region.material)
             if beyond is not None:
-                yield beyond(stress).max() / np.abs(stress).max(), 1e-8  # of the return to an apex or an edge
+                yield (
+                    beyond(stress).max() / np.abs(stress).max(),
+                    1e-8,
+                )  # of the return to an apex or an edge
 
 
 def _beyond(material: object) -> Callable[[ndarray], ndarray] | None:
     """Yield function, in stresses."""
+
     def principal(stress: ndarray) -> ndarray:
         sigma = np.zeros((*stress.shape[1:], 3, 3))
-        for i, j, row in ((0, 0, 0), (1, 1, 1), (2, 2, 2), (0, 1, 3), (1, 2, 4), (0, 2, 5))[: len(stress)]:
+        for i, j, row in ((0, 0, 0), (1, 1, 1), (2, 2, 2), (0, 1, 3), (1, 2, 4), (0, 2, 5))[
+            : len(stress)
+        ]:
             sigma[..., i, j] = sigma[..., j, i] = stress[row]
         return np.linalg.eigvalsh(sigma)
 
     if isinstance(material, sc.MohrCoulomb):
         phi = np.radians(material.phi)
-        return lambda s: ((p := principal(s))[..., 2] - p[..., 0] + (p[..., 2] + p[..., 0]) * np.sin(phi)
-                          - 2.0 * material.c * np.cos(phi))  # fmt: skip
+        return lambda s: (
+            (p := principal(s))[..., 2]
+            - p[..., 0]
+            + (p[..., 2] + p[..., 0]) * np.sin(phi)
+            - 2.0 * material.c * np.cos(phi)
+        )
     if isinstance(material, sc.Tresca):
         return lambda s: (p := principal(s))[..., 2] - p[..., 0] - 2.0 * material.c
     if isinstance(material, sc.DruckerPrager):
-        return lambda s: ((np.sqrt(0.5 * (principal(s - s[:3].mean(axis=0) * _unit(s)) ** 2).sum(axis=-1)))
-                          + material.alpha * s[:3].sum(axis=0) - material.k)  # fmt: skip
+        return lambda s: (
+            (np.sqrt(0.5 * (principal(s - s[:3].mean(axis=0) * _unit(s)) ** 2).sum(axis=-1)))
+            + material.alpha * s[:3].sum(axis=0)
+            - material.k
+        )
     return None
 
 
-def dissipation(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
+def dissipation(
+    scene: Scene, model: Model, stage: StageResult, before: StageResult | None
+) -> Errors:
     """Plastic strain does work on the stress; a step of one increment tells."""
     if before is None or len(stage.iterations) != 1 or stage.fraction < 1.0:
         return

@@ -10,7 +10,15 @@ import numpy as np
 from numpy import ndarray
 from scipy.optimize import root
 from scipy.sparse import csr_matrix
-from skfem import Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementVector, FacetBasis, MeshQuad
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementQuad1,
+    ElementQuad2,
+    ElementVector,
+    FacetBasis,
+    MeshQuad,
+)
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
@@ -22,7 +30,9 @@ E, NU, SIZE = 1e4, 0.3, 20.0
 
 
 class Cushion(sc.Form):
-    """Supports whose force grows with the cube of the displacement, with the largest one as their state."""
+    """Supports whose force grows with the cube of the displacement, with the largest one as their
+    state.
+    """
 
     symmetric = True
 
@@ -37,7 +47,9 @@ class Cushion(sc.Form):
         force[self.dofs] = self.linear * u + self.cubic * u**3
         slope[self.dofs] = self.linear + 3 * self.cubic * u**2
         at = np.arange(self.size)
-        return sc.Response(force, lambda: np.maximum(state, abs(u)), lambda: csr_matrix((slope, (at, at))))
+        return sc.Response(
+            force, lambda: np.maximum(state, abs(u)), lambda: csr_matrix((slope, (at, at)))
+        )
 
 
 class Average(sc.Form):
@@ -84,7 +96,10 @@ class Stiffening(sc.Material):
     nu: float
 
     def elasticity(self, ncomp: int) -> ndarray:
-        mu, lam = 0.5 * self.E / (1 + self.nu), self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
+        mu, lam = (
+            0.5 * self.E / (1 + self.nu),
+            self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu)),
+        )
         D = np.zeros((ncomp, ncomp))
         D[:3, :3] = lam
         return D + np.diag([2 * mu] * 3 + [mu] * (ncomp - 3))
@@ -102,7 +117,10 @@ def own(seed: int, rng: np.random.Generator) -> Case:
 
 
 def _block(rng: np.random.Generator) -> Basis:
-    x, y = np.linspace(0, rng.uniform(1, 3), int(rng.integers(2, 7))), np.linspace(0, 1, int(rng.integers(2, 5)))
+    x, y = (
+        np.linspace(0, rng.uniform(1, 3), int(rng.integers(2, 7))),
+        np.linspace(0, 1, int(rng.integers(2, 5))),
+    )
     element = ElementQuad2() if rng.random() < 0.4 else ElementQuad1()
     return Basis(MeshQuad.init_tensor(x, y).with_defaults(), ElementVector(element), intorder=4)
 
@@ -112,19 +130,26 @@ def _elastic(basis: Basis) -> csr_matrix:
 
 
 def _loads(rng: np.random.Generator, basis: Basis) -> list[ndarray]:
-    return [SIZE * sc.traction(basis, "top", rng.uniform(-1, 1, 2)) + sc.weight(basis, rng.uniform(0, 20))
-            for _ in range(3)]  # fmt: skip
+    return [
+        SIZE * sc.traction(basis, "top", rng.uniform(-1, 1, 2))
+        + sc.weight(basis, rng.uniform(0, 20))
+        for _ in range(3)
+    ]
 
 
 def matrix(rng: np.random.Generator) -> Iterator[Check]:
-    """Subgrade of scikit-fem below the block, as a matrix form and as a class that derives from nothing."""
+    """Subgrade of scikit-fem below the block, as a matrix form and as a class that derives from
+    nothing.
+    """
     basis, k = _block(rng), E * 10 ** rng.uniform(-1, 1, 2)
     below = FacetBasis(basis.mesh, basis.elem, facets="bottom", intorder=4)
     K = BilinearForm(lambda u, v, w: k[0] * u[0] * v[0] + k[1] * u[1] * v[1]).assemble(below)
     form = sc.MatrixForm(K) if rng.random() < 0.5 else Duck(K)
     loads = _loads(rng, basis)
-    model = sc.Model({"block": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "subgrade": form},
-                     newton=sc.Newton(tolerance=1e-11))  # fmt: skip
+    model = sc.Model(
+        {"block": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "subgrade": form},
+        newton=sc.Newton(tolerance=1e-11),
+    )
     result = model.run([sc.Stage(str(i), load) for i, load in enumerate(loads)], progress=False)
     for stage, load in zip(result, loads):
         exact = np.linalg.solve((K + _elastic(basis)).toarray(), load)
@@ -137,13 +162,19 @@ def cushion(rng: np.random.Generator) -> Iterator[Check]:
     bottom = basis.get_dofs("bottom").all()
     form = Cushion(bottom, basis.N, 0.1 * E, E * 10 ** rng.uniform(1, 5))
     K, loads = _elastic(basis), _loads(rng, basis)
-    model = sc.Model({"block": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "cushion": form},
-                     newton=sc.Newton(tolerance=1e-11))  # fmt: skip
+    model = sc.Model(
+        {"block": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "cushion": form},
+        newton=sc.Newton(tolerance=1e-11),
+    )
     result = model.run([sc.Stage(str(i), load) for i, load in enumerate(loads)], progress=False)
     largest = np.zeros(len(bottom))
     for stage, load in zip(result, loads):
-        found = root(lambda x, f=load: K @ x + form.assemble(x, bottom).force - f, 0.9 * stage.x,
-                     jac=lambda x: K.toarray() + form.assemble(x, bottom).stiffness.toarray(), tol=1e-12)  # fmt: skip
+        found = root(
+            lambda x, f=load: K @ x + form.assemble(x, bottom).force - f,
+            0.9 * stage.x,
+            jac=lambda x: K.toarray() + form.assemble(x, bottom).stiffness.toarray(),
+            tol=1e-12,
+        )
         yield Check("cushion", float(np.abs(stage.x - found.x).max() / np.abs(found.x).max()), 1e-7)
         largest = np.maximum(largest, np.abs(stage.x[bottom]))
         if len(stage.iterations) == 1:
@@ -154,15 +185,21 @@ def average(rng: np.random.Generator) -> Iterator[Check]:
     """Mean displacement of the top, held by a multiplier: it, and the force that does so."""
     basis, value = _block(rng), float(rng.uniform(-0.01, 0.01))
     top = basis.get_dofs("top").all("u^2")
-    model = sc.Model({"block": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "mean": Average(basis, top, value)},
-                     basis.get_dofs("bottom").all())  # fmt: skip
+    model = sc.Model(
+        {"block": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "mean": Average(basis, top, value)},
+        basis.get_dofs("bottom").all(),
+    )
     load = np.append(sc.weight(basis, 20.0), 0.0)
     stage = model.run([sc.Stage("held", load)], progress=False)["held"]
     x, force = stage.x[: basis.N], np.zeros(basis.N)
     force[top] = stage.x[basis.N] / len(top)
-    left = (_elastic(basis) @ x + force - load[: basis.N])[np.setdiff1d(np.arange(basis.N), model.fixed)]
+    left = (_elastic(basis) @ x + force - load[: basis.N])[
+        np.setdiff1d(np.arange(basis.N), model.fixed)
+    ]
     yield Check("mean", float(abs(x[top].mean() - value) / abs(value)), 1e-8)
-    yield Check("held", float(np.abs(left).max() / max(np.abs(force).max(), np.abs(load).max())), 1e-7)
+    yield Check(
+        "held", float(np.abs(left).max() / max(np.abs(force).max(), np.abs(load).max())), 1e-7
+    )
 
 
 def material(rng: np.random.Generator) -> Iterator[Check]:
@@ -172,6 +209,8 @@ def material(rng: np.random.Generator) -> Iterator[Check]:
     for law in (sc.LinearElastic(E, NU), Stiffening(E, NU)):
         solid = sc.SolidForm(basis, law, coordinates=coordinates)
         stages = [sc.Stage(str(i), np.asarray(load)) for i, load in enumerate(loads)]
-        found.append(sc.Model({"block": solid}, basis.get_dofs("bottom").all()).run(stages, progress=False))
+        found.append(
+            sc.Model({"block": solid}, basis.get_dofs("bottom").all()).run(stages, progress=False)
+        )
     for one, other in zip(*found):
         yield Check("material", float(np.abs(one.x - other.x).max() / np.abs(one.x).max()), 1e-7)

@@ -10,15 +10,24 @@ from .trial import Trial
 
 
 def table(trials: Sequence[Trial]) -> str:
-    """A line for every oracle: how often it was asked, what it found, and its worst figure over the tolerance."""
+    """A line for every oracle: how often it was asked, what it found, and its worst figure over the
+    tolerance.
+    """
     lines = [f"{'oracle':16}{'asked':>7}{'violated':>10}{'silent':>8}{'worst':>10}  scene"]
     named = [*(oracle.__name__ for oracle in ORACLES), *COMPARISONS]
     named += sorted({finding.oracle for trial in trials for finding in trial.findings} - set(named))
     for name in named:
-        found = [(finding, trial) for trial in trials for finding in trial.findings if finding.oracle == name]
+        found = [
+            (finding, trial)
+            for trial in trials
+            for finding in trial.findings
+            if finding.oracle == name
+        ]
         wrong = [(finding, trial) for finding, trial in found if not finding.holds]
         silent = sum(not trial.remarks for _, trial in wrong)
-        worst, where = max(((_share(f.error, f.tolerance), t.scene.seed) for f, t in found), default=(0.0, ""))
+        worst, where = max(
+            ((_share(f.error, f.tolerance), t.scene.seed) for f, t in found), default=(0.0, "")
+        )
         lines.append(f"{name:16}{len(found):7d}{len(wrong):10d}{silent:8d}{worst:10.1e}  {where}")
     gave_up, crashed = sum(t.gave_up for t in trials), [t for t in trials if t.crash]
     lines.append(f"{len(trials)} scenes: {gave_up} gave up and said so, {len(crashed)} crashed")

@@ -76,7 +76,9 @@ def _of_case(case: Case) -> Trial:
             failure = ""
         except sc.NotConverged as error:
             failure = str(error)
-    return Trial(case, tuple(findings), _told(caught) + ((failure,) if failure else ()), bool(failure))
+    return Trial(
+        case, tuple(findings), _told(caught) + ((failure,) if failure else ()), bool(failure)
+    )
 
 
 def _of_scene(scene: Scene, comparisons: int) -> Trial:
@@ -90,11 +92,21 @@ def _of_scene(scene: Scene, comparisons: int) -> Trial:
             result, failure = error.result, str(error)
     remarks = _told(caught)
     reached = Result(tuple(stage for stage in result if stage.fraction > 0.0))
-    findings = [finding for k in range(len(reached)) for finding in of_stage(scene, model, reached, k)]
-    chosen = np.random.default_rng(scene.seed).permutation(list(COMPARISONS))[:comparisons] if not failure else ()
-    findings += [finding for name in chosen for finding in of_result(scene, model, result, name, remarks)]
+    findings = [
+        finding for k in range(len(reached)) for finding in of_stage(scene, model, reached, k)
+    ]
+    chosen = (
+        np.random.default_rng(scene.seed).permutation(list(COMPARISONS))[:comparisons]
+        if not failure
+        else ()
+    )
+    findings += [
+        finding for name in chosen for finding in of_result(scene, model, result, name, remarks)
+    ]
     return Trial(scene, tuple(findings), remarks + ((failure,) if failure else ()), bool(failure))
 
 
 def _told(caught: list[warnings.WarningMessage]) -> tuple[str, ...]:
-    return tuple(str(warning.message) for warning in caught if warning.category is sc.AnalysisWarning)
+    return tuple(
+        str(warning.message) for warning in caught if warning.category is sc.AnalysisWarning
+    )

@@ -1,4 +1,6 @@
-"""Ground with water: seepage, water at rest, consolidation and undrained compression, with their closed forms."""
+"""Ground with water: seepage, water at rest, consolidation and undrained compression, with their
+closed forms.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,12 @@ import skfem_contact as sc
 from .cases import Case, Check, Setting, apart, of_run
 
 WATER = 10.0
-_ELEMENTS = {"Q1": (MeshQuad, ElementQuad1), "Q2": (MeshQuad, ElementQuad2),
-             "P1": (MeshTri, ElementTriP1), "P2": (MeshTri, ElementTriP2)}  # fmt: skip
+_ELEMENTS = {
+    "Q1": (MeshQuad, ElementQuad1),
+    "Q2": (MeshQuad, ElementQuad2),
+    "P1": (MeshTri, ElementTriP1),
+    "P2": (MeshTri, ElementTriP2),
+}
 
 
 def wet(seed: int, rng: np.random.Generator) -> Case:
@@ -41,8 +47,12 @@ def _layers(rng: np.random.Generator, kind: str, parts: int) -> tuple[Basis, nda
     y = np.concatenate(([0.0], *(np.linspace(a, b, n + 1)[1:] for a, b in pairwise(levels))))
     mesh, element = _ELEMENTS[kind]
     mesh = mesh.init_tensor(np.linspace(1.0, 2.0, int(rng.integers(2, 4))), y).with_defaults()
-    mesh = mesh.with_subdomains({str(i): lambda x, a=a, b=b: (x[1] > a) & (x[1] < b)
-                                 for i, (a, b) in enumerate(pairwise(levels))})  # fmt: skip
+    mesh = mesh.with_subdomains(
+        {
+            str(i): lambda x, a=a, b=b: (x[1] > a) & (x[1] < b)
+            for i, (a, b) in enumerate(pairwise(levels))
+        }
+    )
     return Basis(mesh, ElementVector(element()), intorder=4), levels
 
 
@@ -54,8 +64,13 @@ def seepage(rng: np.random.Generator) -> Iterator[Check]:
     if rng.random() < 0.5:
         bottom = top + rng.uniform(0.1, 2.0)  # upwards
     axial = bool(rng.random() < 0.4)
-    flow = sc.water.seepage(basis, {str(i): float(one) for i, one in enumerate(k)}, {"top": top, "bottom": bottom},
-                            unit_weight=WATER, coordinates="axisymmetric" if axial else "plane")  # fmt: skip
+    flow = sc.water.seepage(
+        basis,
+        {str(i): float(one) for i, one in enumerate(k)},
+        {"top": top, "bottom": bottom},
+        unit_weight=WATER,
+        coordinates="axisymmetric" if axial else "plane",
+    )
     velocity = (top - bottom) / np.sum(np.diff(levels) / k)
     area = 1.5 if axial else 1.0
     yield Check("discharge", apart(flow.discharge("top"), velocity * area), 1e-7)
@@ -66,36 +81,57 @@ def seepage(rng: np.random.Generator) -> Iterator[Check]:
     yield Check("heads", float(np.abs(flow.head[: len(y)] - exact).max() / abs(top - bottom)), 1e-6)
     pressure = np.maximum(WATER * (exact - y), 0.0)
     if (exact > y).all():
-        yield Check("pressure", float(np.abs(flow.pressure[: len(y)] - pressure).max() / pressure.max()), 1e-6)
+        yield Check(
+            "pressure",
+            float(np.abs(flow.pressure[: len(y)] - pressure).max() / pressure.max()),
+            1e-6,
+        )
 
 
 def at_rest(rng: np.random.Generator) -> Iterator[Check]:
-    """Level ground under a water level in or above it: effective stresses of the weights less the pressure."""
+    """Level ground under a water level in or above it: effective stresses of the weights less the
+    pressure.
+    """
     basis, levels = _layers(rng, str(rng.choice(["Q2", "P2"])), int(rng.integers(1, 4)))
     gamma = rng.uniform(16, 22, len(levels) - 1)
     level = float(rng.choice([rng.choice(levels), levels[-1] + rng.uniform(0.0, 4.0)]))
     elastic = rng.random() < 0.5
-    laws = {str(i): sc.LinearElastic(1e4 * (i + 1), 0.3) if elastic else sc.MohrCoulomb(1e4, 0.3, 5.0, 30.0)
-            for i in range(len(gamma))}  # fmt: skip
+    laws = {
+        str(i): sc.LinearElastic(1e4 * (i + 1), 0.3)
+        if elastic
+        else sc.MohrCoulomb(1e4, 0.3, 5.0, 30.0)
+        for i in range(len(gamma))
+    }
     weights = {str(i): float(g) for i, g in enumerate(gamma)}
-    model = sc.Model({"ground": sc.SolidForm(basis, laws, unit_weight=weights)}, sc.box_supports(basis),
-                     water_unit_weight=WATER)  # fmt: skip
+    model = sc.Model(
+        {"ground": sc.SolidForm(basis, laws, unit_weight=weights)},
+        sc.box_supports(basis),
+        water_unit_weight=WATER,
+    )
     above = WATER * max(level - float(levels[-1]), 0.0)
     if rng.random() < 0.5:
         begun = model.run([sc.Stage("at rest", water=level)], progress=False)
     else:
         begun = model.k0_state(K0=0.5, water=level, surcharge=above)
     y = np.asarray(model.forms["ground"].basis.global_coordinates())[1]  # elements region by region
-    total = np.interp(y, levels, np.concatenate((np.cumsum((gamma * np.diff(levels))[::-1])[::-1], [0.0])))
+    total = np.interp(
+        y, levels, np.concatenate((np.cumsum((gamma * np.diff(levels))[::-1])[::-1], [0.0]))
+    )
     exact = -(total + above - WATER * np.maximum(level - y, 0.0))
     found = begun[-1].states["ground"].stress[1]
     yield Check("effective", float(np.abs(found - exact).max() / np.abs(exact).max()), 1e-6)
     same = model.run([sc.Stage("same")], start=begun, progress=False)[-1]
-    yield Check("kept", float(np.abs(same.states["ground"].stress[1] - found).max() / np.abs(exact).max()), 1e-6)
+    yield Check(
+        "kept",
+        float(np.abs(same.states["ground"].stress[1] - found).max() / np.abs(exact).max()),
+        1e-6,
+    )
 
 
 def afloat(rng: np.random.Generator) -> Iterator[Check]:
-    """Hills under water, and a block on them: reactions are the weights less those of the water displaced."""
+    """Hills under water, and a block on them: reactions are the weights less those of the water
+    displaced.
+    """
     x = np.linspace(0, 4, int(rng.integers(5, 12)))
     flat = MeshQuad.init_tensor(x, np.linspace(0, 1, 4)).with_defaults()
     hill = 1.0 + rng.uniform(0, 0.5) * np.sin(rng.uniform(0.5, 3) * flat.p[0])
@@ -104,24 +140,40 @@ def afloat(rng: np.random.Generator) -> Iterator[Check]:
     gamma, level = float(rng.uniform(12, 25)), float(hill.max() + rng.uniform(0.1, 5.0))
     form = sc.SolidForm(basis, sc.LinearElastic(1e4, 0.3), unit_weight=gamma)
     held = basis.get_dofs("hill:bottom").all()
-    model = sc.Model({"hill": form}, held, water_unit_weight=WATER, newton=sc.Newton(tolerance=1e-10))
-    result = model.run([sc.Stage("dry"), sc.Stage("flooded", water=level), sc.Stage("drained", water=False)],
-                       progress=False)  # fmt: skip
+    model = sc.Model(
+        {"hill": form}, held, water_unit_weight=WATER, newton=sc.Newton(tolerance=1e-10)
+    )
+    result = model.run(
+        [sc.Stage("dry"), sc.Stage("flooded", water=level), sc.Stage("drained", water=False)],
+        progress=False,
+    )
     yield from of_run(model, result, Setting())
     area = basis.dx.sum()
     dry, flooded, drained = (stage.reactions()[held].reshape(-1, 2).sum(axis=0) for stage in result)
     yield Check("weight", float(np.abs(dry - (0, gamma * area)).max() / (gamma * area)), 1e-9)
-    yield Check("buoyancy", float(np.abs(flooded - (0, (gamma - WATER) * area)).max() / (gamma * area)), 1e-8)
+    yield Check(
+        "buoyancy",
+        float(np.abs(flooded - (0, (gamma - WATER) * area)).max() / (gamma * area)),
+        1e-8,
+    )
     yield Check("drained", float(np.abs(drained - dry).max() / (gamma * area)), 1e-8)
 
 
 def consolidation(rng: np.random.Generator) -> Iterator[Check]:
-    """Column that drains at its top, or both ways: pressures just after the load, Terzaghi's settlement, the end."""
+    """Column that drains at its top, or both ways: pressures just after the load, Terzaghi's
+    settlement, the end.
+    """
     kind, height = str(rng.choice(["Q2", "P2", "Q1"])), float(rng.uniform(0.5, 3.0))
     mesh, element = _ELEMENTS[kind]
-    mesh = mesh.init_tensor(np.array([0.0, 0.1 * height]), np.linspace(0, height, 13)).with_defaults()
+    mesh = mesh.init_tensor(
+        np.array([0.0, 0.1 * height]), np.linspace(0, height, 13)
+    ).with_defaults()
     basis = Basis(mesh, ElementVector(element()), intorder=4)
-    modulus, k, nu = float(10 ** rng.uniform(3, 5)), float(10 ** rng.uniform(-6, -3)), float(rng.uniform(0, 0.35))
+    modulus, k, nu = (
+        float(10 ** rng.uniform(3, 5)),
+        float(10 ** rng.uniform(-6, -3)),
+        float(rng.uniform(0, 0.35)),
+    )
     E = modulus * (1 + nu) * (1 - 2 * nu) / (1 - nu)
     water = sc.PoreWater(basis, permeability=k, unit_weight=WATER)
     both = bool(rng.random() < 0.4)
@@ -131,11 +183,17 @@ def consolidation(rng: np.random.Generator) -> Iterator[Check]:
     q, way = 10.0, height / (2 if both else 1)
     c, T = k * modulus / WATER, float(rng.uniform(0.05, 1.0))
     load, ramp = sc.traction(basis, "top", (0.0, -q)), 0.008 if both else 0.002
-    stages = [sc.Stage("load", load, duration=ramp * way**2 / c), sc.Stage("wait", load, duration=T * way**2 / c),
-              sc.Stage("end", load, duration=20 * way**2 / c)]  # fmt: skip
+    stages = [
+        sc.Stage("load", load, duration=ramp * way**2 / c),
+        sc.Stage("wait", load, duration=T * way**2 / c),
+        sc.Stage("end", load, duration=20 * way**2 / c),
+    ]
     result = model.run(stages, progress=False)
     top = basis.get_dofs("top").all("u^2")
-    settled = [-float(result[name].x[top].mean()) * modulus / (q * height) for name in ("load", "wait", "end")]
+    settled = [
+        -float(result[name].x[top].mean()) * modulus / (q * height)
+        for name in ("load", "wait", "end")
+    ]
     M = np.pi / 2 * (2 * np.arange(200) + 1)
     exact = 1.0 - np.sum(2 / M**2 * np.exp(-(M**2) * (T + ramp / 2)))
     yield Check("degree", abs(settled[1] - exact), 0.01)  # 13 nodes, time error of a per cent
@@ -146,12 +204,18 @@ def consolidation(rng: np.random.Generator) -> Iterator[Check]:
 
 
 def undrained(rng: np.random.Generator) -> Iterator[Check]:
-    """Confined compression of undrained soil: the load is shared by water and soil as their moduli are."""
+    """Confined compression of undrained soil: the load is shared by water and soil as their moduli
+    are.
+    """
     kind = str(rng.choice(list(_ELEMENTS)))
     mesh, element = _ELEMENTS[kind]
     mesh = mesh.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 1, 4)).with_defaults()
     basis = Basis(mesh, ElementVector(element()), intorder=4)
-    E, nu, ratio = float(10 ** rng.uniform(3, 5)), float(rng.uniform(0.1, 0.35)), float(10 ** rng.uniform(-1, 2))
+    E, nu, ratio = (
+        float(10 ** rng.uniform(3, 5)),
+        float(rng.uniform(0.1, 0.35)),
+        float(10 ** rng.uniform(-1, 2)),
+    )
     modulus, axial = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), bool(rng.random() < 0.4)
     soil = sc.LinearElastic(E, nu) if rng.random() < 0.5 else sc.MohrCoulomb(E, nu, 50.0, 30.0)
     law = sc.Undrained(soil, bulk_modulus_water=ratio * modulus)

@@ -1,7 +1,8 @@
-"""Upper bounds of the factor of safety of layered clay (phi = 0): a circle, and three blocks on a broken line.
+"""Upper bounds of the factor of safety of layered clay (phi = 0): a circle, and three blocks on a
+broken line.
 
-Any mechanism bounds the factor from above: the work that the clay's strength dissipates over that of the weight.
-Strength is a function of places (2, n); slopes go down to the right.
+Any mechanism bounds the factor from above: the work that the clay's strength dissipates over that
+of the weight. Strength is a function of places (2, n); slopes go down to the right.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ def _resistance(line: ndarray, strength: Strength) -> float:
     return float(strength((line[:, 1:] + line[:, :-1]) / 2) @ np.linalg.norm(np.diff(line), axis=0))
 
 
-def circle(centre: tuple[float, float], radius: float, surface: ndarray, gamma: float, strength: Strength) -> float:
+def circle(
+    centre: tuple[float, float], radius: float, surface: ndarray, gamma: float, strength: Strength
+) -> float:
     """Bound by rotation of what lies above a circle and below the centre.
 
     Parameters
@@ -36,7 +39,11 @@ def circle(centre: tuple[float, float], radius: float, surface: ndarray, gamma: 
         Undrained strength.
     """
     x = centre[0] + radius * np.linspace(-1, 1, _POINTS + 1)
-    depth = np.interp(x, *surface.T) - centre[1] + np.sqrt(np.maximum(radius**2 - (x - centre[0]) ** 2, 0.0))
+    depth = (
+        np.interp(x, *surface.T)
+        - centre[1]
+        + np.sqrt(np.maximum(radius**2 - (x - centre[0]) ** 2, 0.0))
+    )
     inside = (depth > 0) & (np.interp(x, *surface.T) < centre[1])
     moment = gamma * ((centre[0] - x) * depth)[inside].sum() * (x[1] - x[0])
     ends = x[inside][[0, -1]] - centre[0]
@@ -45,13 +52,16 @@ def circle(centre: tuple[float, float], radius: float, surface: ndarray, gamma: 
     return radius * _resistance(arc, strength) / moment
 
 
-def blocks(base: ndarray, tops: tuple[float, float], surface: ndarray, gamma: float, strength: Strength) -> float:
+def blocks(
+    base: ndarray, tops: tuple[float, float], surface: ndarray, gamma: float, strength: Strength
+) -> float:
     """Bound by three blocks that slide on the parts of a broken line.
 
     Parameters
     ----------
     base
-        The four points of the line from left to right, (4, 2), the first and the last on the surface.
+        The four points of the line from left to right, (4, 2), the first and the last on the
+        surface.
     tops
         Where the joints between the blocks, which start at the inner points, reach the surface.
     surface, gamma, strength
@@ -67,7 +77,10 @@ def blocks(base: ndarray, tops: tuple[float, float], surface: ndarray, gamma: fl
     slides = [(base[k], base[k + 1], velocities[k]) for k in range(3)]
     slides += [(base[k + 1], heads[k], velocities[k + 1] - velocities[k]) for k in range(2)]
     share = np.linspace(0, 1, _POINTS + 1)[:, None]
-    dissipated = sum(_resistance((a + share * (b - a)).T, strength) * np.linalg.norm(jump) for a, b, jump in slides)
+    dissipated = sum(
+        _resistance((a + share * (b - a)).T, strength) * np.linalg.norm(jump)
+        for a, b, jump in slides
+    )
     ends = np.vstack((base[:1], heads, base[3:]))
     work = 0.0
     for k in range(3):

@@ -1,4 +1,6 @@
-"""Round bodies in round holes without friction: press fit, disc in a ring, pin in a plate.  Plane strain."""
+"""Round bodies in round holes without friction: press fit, disc in a ring, pin in a plate.  Plane
+strain.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +9,20 @@ from oracles.rings import michell
 
 
 def press_fit(interference, a, b, c, inner, outer):
-    """Lame: pressure between the ring ``a < r < b`` and the ring ``b < r < c``; materials are (E, nu)."""
+    """Lame: pressure between the ring ``a < r < b`` and the ring ``b < r < c``; materials are (E,
+    nu).
+    """
     (E1, nu1), (E2, nu2) = ((E / (1 - nu**2), nu / (1 - nu)) for E, nu in (inner, outer))
     within, around = (b**2 + a**2) / (b**2 - a**2), (c**2 + b**2) / (c**2 - b**2)
     return interference / (b * ((around + nu2) / E2 + (within - nu1) / E1))
 
 
 def disc_in_ring(n, b, c, E, nu, pressure):
-    """Amplitudes (contact pressure, u_r at b, u_r at c) under the pressure cos(n theta) on a ring ``b < r < c``.
+    """Amplitudes (contact pressure, u_r at b, u_r at c) under the pressure cos(n theta) on a ring
+    ``b < r < c``.
 
-    The disc within it is of the same material, the interface smooth and closed.  By Michell's potentials, n = 0 or 2.
+    The disc within it is of the same material, the interface smooth and closed.  By Michell's
+    potentials, n = 0 or 2.
     """
     elastic = E / (2 * (1 + nu)), 3 - 4 * nu
     at_b, at_c = michell(n, b, *elastic), michell(n, c, *elastic)
@@ -33,6 +39,8 @@ def disc_in_ring(n, b, c, E, nu, pressure):
 
 
 def persson_load(degrees):
-    """Persson: load Q over E* dR on a pin in a hole, both of one material, that touch within an angle to each side."""
+    """Persson: load Q over E* dR on a pin in a hole, both of one material, that touch within an
+    angle to each side.
+    """
     b = np.tan(np.radians(degrees) / 2) ** 2
     return 2 * np.pi * b * (b + 1) / (2 - np.log(b + 1) - 2 * b**2)

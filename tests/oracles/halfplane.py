@@ -1,8 +1,10 @@
-"""Exact fields of an elastic half-plane ``y <= 0`` under tractions on its surface, by Muskhelishvili's potentials.
+"""Exact fields of an elastic half-plane ``y <= 0`` under tractions on its surface, by
+Muskhelishvili's potentials.
 
-Plane strain, stresses positive in tension.  On ``y = 0`` the body is pressed: sigma_yy = -p(x), sigma_xy = 0.  All
-displacements contain the same arbitrary rigid shift.  Prescribed on the edges of a finite box they make the problem
-of the half-plane one of the box, without any error of truncation.
+Plane strain, stresses positive in tension.  On ``y = 0`` the body is pressed: sigma_yy = -p(x),
+sigma_xy = 0.  All displacements contain the same arbitrary rigid shift.  Prescribed on the edges of
+a finite box they make the problem of the half-plane one of the box, without any error of
+truncation.
 """
 
 from __future__ import annotations
@@ -70,7 +72,9 @@ def line_loads(t, force):
         return lambda z: function(t - np.asarray(z)[..., None]) @ c
 
     return Potential(
-        summed(lambda d: 1 / d), summed(lambda d: 1 / d**2), summed(lambda d: -np.log(d.astype(complex)))
+        summed(lambda d: 1 / d),
+        summed(lambda d: 1 / d**2),
+        summed(lambda d: -np.log(d.astype(complex))),
     )
 
 
@@ -81,7 +85,9 @@ def quadrature(pressure, *ends):
     """
     t, w = np.polynomial.legendre.leggauss(8)
     t, w = 0.5 * (t + 1), 0.5 * w
-    graded = np.concatenate(([0.0], 0.5 ** np.arange(40, 0, -1.0)))  # to 1e-12 of half of the length
+    graded = np.concatenate(
+        ([0.0], 0.5 ** np.arange(40, 0, -1.0))
+    )  # to 1e-12 of half of the length
     places, weights = [], []
     for a, b in pairwise(ends):
         for start, length in ((a, 0.5 * (b - a)), (b, 0.5 * (a - b))):
@@ -104,7 +110,9 @@ def hertz(force, radius, modulus):
 
 
 def rounded_punch(b, a, radius, modulus):
-    """Schtaerman: flat for |x| < b, parabolic beyond, in contact for |x| < a; the force and p(x)."""
+    """Schtaerman: flat for |x| < b, parabolic beyond, in contact for |x| < a; the force and
+    p(x).
+    """
     f0 = np.arcsin(b / a)
     D = np.pi - 2 * f0 - np.sin(2 * f0)
     force = modulus * a**2 * D / (4 * radius)

@@ -10,7 +10,9 @@ PAIRS = tuple(itertools.permutations(range(3), 2))
 
 
 def pyramid_planes(sine: float) -> np.ndarray:
-    """Normals (6, 3) of the Mohr-Coulomb pyramid for sin(phi), or its flow directions for sin(psi)."""
+    """Normals (6, 3) of the Mohr-Coulomb pyramid for sin(phi), or its flow directions for
+    sin(psi).
+    """
     unit = np.eye(3)
     return np.array([(1 + sine) * unit[i] - (1 - sine) * unit[j] for i, j in PAIRS])
 
@@ -18,8 +20,8 @@ def pyramid_planes(sine: float) -> np.ndarray:
 def koiter_return(trial, stiffness, normals, flows, limits):
     """Stresses that satisfy Koiter's conditions for the planes ``normals @ stress <= limits``.
 
-    Of all sets of up to three active planes the one is taken whose multipliers and yield functions violate
-    the conditions least.
+    Of all sets of up to three active planes the one is taken whose multipliers and yield functions
+    violate the conditions least.
 
     Parameters
     ----------
@@ -48,18 +50,24 @@ def koiter_return(trial, stiffness, normals, flows, limits):
             multipliers = np.linalg.solve(matrix, (trial @ normals[planes].T - limits[planes]).T).T
             candidate = trial - multipliers @ drops
             worst = np.maximum(
-                (candidate @ normals.T - limits).max(axis=1), -(multipliers * np.diag(matrix)).min(axis=1)
+                (candidate @ normals.T - limits).max(axis=1),
+                -(multipliers * np.diag(matrix)).min(axis=1),
             )
             better = worst < violation * (1 - 1e-9) - 1e-14 * np.abs(trial).max(axis=1)
             better &= violation > 1e-13 * np.abs(trial).max(axis=1)
-            stress[better], violation[better], active[better] = candidate[better], worst[better], count
+            stress[better], violation[better], active[better] = (
+                candidate[better],
+                worst[better],
+                count,
+            )
     return stress, violation, active
 
 
 def pyramid_return(trial, lam, mu, sin_phi, sin_psi, strength, tension=None):
     """Stresses on the Mohr-Coulomb pyramid, with a tension cut-off below its apex or without.
 
-    Without cut-off and with psi < phi some trial stresses satisfy no set of planes; these belong to the apex.
+    Without cut-off and with psi < phi some trial stresses satisfy no set of planes; these belong to
+    the apex.
 
     Returns
     -------

@@ -1,7 +1,8 @@
 """Mohr-Coulomb return mapping in exact arithmetic, and closed forms of element tests.
 
-Tension positive. A yield function is ``f_ij = (1 + sin phi) s_i - (1 - sin phi) s_j - strength`` with
-``strength = 2 c cos phi``, for every ordered pair of principal stresses; its flow direction has psi for phi.
+Tension positive. A yield function is ``f_ij = (1 + sin phi) s_i - (1 - sin phi) s_j - strength``
+with ``strength = 2 c cos phi``, for every ordered pair of principal stresses; its flow direction
+has psi for phi.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ def rational_return(trial, lam, mu, sin_phi, sin_psi, strength):
             (a, b), (c, d) = matrix
             det = a * d - b * c
             multipliers = [(d * right[0] - b * right[1]) / det, (a * right[1] - c * right[0]) / det]
-        stress = [t - sum(m * drop[k] for m, drop in zip(multipliers, drops)) for k, t in enumerate(trial)]
+        stress = [
+            t - sum(m * drop[k] for m, drop in zip(multipliers, drops)) for k, t in enumerate(trial)
+        ]
         if min(multipliers) >= 0 and max(excess(stress, *pair) for pair in PAIRS) <= 0:
             return stress
     return [Fraction(strength, 2) / sin_phi] * 3
@@ -47,14 +50,18 @@ def triaxial_strength(c, phi, cell):
 
 
 def simple_shear_strength(c, phi, psi, pressure):
-    """Shear stress of plastic flow on a plane without extension under a normal pressure (Davis 1968)."""
+    """Shear stress of plastic flow on a plane without extension under a normal pressure (Davis
+    1968).
+    """
     phi, psi = math.radians(phi), math.radians(psi)
     cohesive, frictional = c * math.cos(phi), pressure * math.sin(phi)
     return (cohesive + frictional) * math.cos(psi) / (1 - math.sin(phi) * math.sin(psi))
 
 
 def deviatoric_radius(c, phi, pressure, lode):
-    """sqrt(J2) on the surface at a mean pressure; Lode angle in degrees, 30 in triaxial compression."""
+    """sqrt(J2) on the surface at a mean pressure; Lode angle in degrees, 30 in triaxial
+    compression.
+    """
     phi, lode = math.radians(phi), np.radians(lode)
     frictional = c * math.cos(phi) + pressure * math.sin(phi)
     return frictional / (np.cos(lode) - np.sin(lode) * math.sin(phi) / math.sqrt(3))

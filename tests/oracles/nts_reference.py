@@ -1,8 +1,8 @@
 """Node-to-segment contact of one node and one straight segment, written apart from the package.
 
 The unknowns are ordered ``[xs, ys, x2, y2, x1, y1]`` and the segment is
-``rho(xi) = (1 - xi)/2 x2 + (1 + xi)/2 x1``, so that xi = -1 at x2; the normal is on the left of the way from
-x2 to x1. Everything is written with analytic functions of the coordinates: a derivative is
+``rho(xi) = (1 - xi)/2 x2 + (1 + xi)/2 x1``, so that xi = -1 at x2; the normal is on the left of the
+way from x2 to x1. Everything is written with analytic functions of the coordinates: a derivative is
 ``Im f(x + i h) / h``, exact to round-off, with the status (open, stick, slip) frozen.
 """
 
@@ -18,9 +18,11 @@ CASES = {
     "slip": {"eps_n": 1e4, "eps_t": 5e4, "mu": 0.3, "traction": 2.0, "xi_n": -0.70},
 }
 PRINTED = {
-    "frictionless": "-44.0097799511 -293.3985330073 35.0141378877 233.4275859183 8.9956420634 59.970947089",
+    "frictionless": "-44.0097799511 -293.3985330073 35.0141378877 233.4275859183 8.9956420634 "
+    "59.970947089",
     "stick": "-36.8092909535 -294.478606357 29.317125077 234.4981525098 7.4921658766 59.9804538471",
-    "slip": "44.0097799511 -306.6014669927 -34.6267657415 246.5143082598 -9.3830142096 60.0871587329",
+    "slip": "44.0097799511 -306.6014669927 -34.6267657415 246.5143082598 -9.3830142096 "
+    "60.0871587329",
 }
 
 

@@ -1,7 +1,9 @@
-"""A thick elastic ring in an infinite elastic ground under a biaxial far field, by Michell's harmonics.
+"""A thick elastic ring in an infinite elastic ground under a biaxial far field, by Michell's
+harmonics.
 
-Plane strain, tension positive; theta anticlockwise from the horizontal axis (springline), r outward.  For the
-harmonic n: sigma_rr, sigma_tt, u_r ~ cos(n theta) and sigma_rt, u_t ~ sin(n theta); here n = 0 and n = 2.
+Plane strain, tension positive; theta anticlockwise from the horizontal axis (springline), r
+outward.  For the harmonic n: sigma_rr, sigma_tt, u_r ~ cos(n theta) and sigma_rt, u_t ~ sin(n
+theta); here n = 0 and n = 2.
 """
 
 from __future__ import annotations
@@ -32,10 +34,11 @@ def michell(n, r, shear, kappa):
 
 @dataclass(frozen=True)
 class RingInGround:
-    """Ring ``a < r < b``, its inner face free, in ground that is loaded at infinity once the ring is in.
+    """Ring ``a < r < b``, its inner face free, in ground that is loaded at infinity once the ring
+    is in.
 
-    ``vertical`` and ``horizontal`` are the pressures at infinity; ``slip`` is a smooth interface, without it
-    ring and ground are bonded.
+    ``vertical`` and ``horizontal`` are the pressures at infinity; ``slip`` is a smooth interface,
+    without it ring and ground are bonded.
     """
 
     a: float
@@ -56,14 +59,21 @@ class RingInGround:
     def coefficients(self, n):
         """Factors of the potentials in the ring and in the ground, the far field included."""
         a, b = self.a, self.b
-        mean, half = -0.5 * (self.vertical + self.horizontal), 0.5 * (self.vertical - self.horizontal)
+        mean, half = (
+            -0.5 * (self.vertical + self.horizontal),
+            0.5 * (self.vertical - self.horizontal),
+        )
         far = np.array([0, mean / 2]) if n == 0 else np.array([-half / 2, 0, 0, 0])
         decaying = [0] if n == 0 else [2, 3]
         at_a, at_b = michell(n, a, *self.elastic(True)), michell(n, b, *self.elastic(True))
         whole = michell(n, b, *self.elastic(False))
         ground, loaded = whole[:, decaying], whole @ far
         none, nothing = np.zeros(ground.shape[1]), np.zeros(at_b.shape[1])
-        rows = [(at_a[0], none, 0), (at_b[0], -ground[0], loaded[0]), (at_b[3], -ground[3], loaded[3])]
+        rows = [
+            (at_a[0], none, 0),
+            (at_b[0], -ground[0], loaded[0]),
+            (at_b[3], -ground[3], loaded[3]),
+        ]
         if n:
             rows.append((at_a[2], none, 0))
             if self.slip:
@@ -77,12 +87,16 @@ class RingInGround:
         return found[: at_b.shape[1]], ground_factors
 
     def field(self, r, theta, ring):
-        """Stresses and displacements (srr, stt, srt, ur, ut) at points of the ring or of the ground."""
+        """Stresses and displacements (srr, stt, srt, ur, ut) at points of the ring or of the
+        ground.
+        """
         r, theta = np.broadcast_arrays(np.asarray(r, float), theta)
         total = np.zeros((5, *r.shape))
         for n in (0, 2):
             factors = self.coefficients(n)[0 if ring else 1]
-            amplitude = np.stack([michell(n, q, *self.elastic(ring)) @ factors for q in r.ravel()], axis=1)
+            amplitude = np.stack(
+                [michell(n, q, *self.elastic(ring)) @ factors for q in r.ravel()], axis=1
+            )
             cos, sin = np.cos(n * theta), np.sin(n * theta)
             wave = np.array([cos, cos, sin, cos, sin])
             total += amplitude.reshape(total.shape) * wave
@@ -94,7 +108,9 @@ class RingInGround:
         return -stress[0], stress[2]
 
     def section_forces(self, theta):
-        """Normal force (tension positive) and moment (positive: outer fibres in tension), by quadrature."""
+        """Normal force (tension positive) and moment (positive: outer fibres in tension), by
+        quadrature.
+        """
         t, w = np.polynomial.legendre.leggauss(20)
         middle, half = 0.5 * (self.a + self.b), 0.5 * (self.b - self.a)
         hoop = self.field(middle + half * t[:, None], np.asarray(theta)[None], ring=True)[1]

@@ -1,7 +1,7 @@
 """Smooth strip footing on clay whose strength rises with depth, by slip lines.
 
-With the angle t of the major stress from the surface and the mean stress p, along the lines at t - 45 and t + 45
-degrees dp - 2 c dt + rho dx = 0 and dp + 2 c dt - rho dx = 0.
+With the angle t of the major stress from the surface and the mean stress p, along the lines at t -
+45 and t + 45 degrees dp - 2 c dt + rho dx = 0 and dp + 2 c dt - rho dx = 0.
 E. H. Davis, J. R. Booker, Geotechnique 23 (1973) 551-563.
 """
 
@@ -13,12 +13,16 @@ _Node = tuple[float, float, float, float]  # x, depth, mean stress, angle
 
 
 def _crossing(one: _Node, other: _Node, c0: float, rho: float) -> _Node:
-    """Return the node where the first line through one node meets the second line through another."""
+    """Return the node where the first line through one node meets the second line through
+    another.
+    """
     (x, z, p, t), (X, Z, P, T) = one, other
     xn, zn, tn, pn = x, z, 0.5 * (t + T), p
     for _ in range(60):
         a, b = 0.5 * (t + tn) - np.pi / 4, 0.5 * (T + tn) + np.pi / 4
-        length = np.linalg.solve([[np.cos(a), -np.cos(b)], [np.sin(a), -np.sin(b)]], [X - x, Z - z])[0]
+        length = np.linalg.solve(
+            [[np.cos(a), -np.cos(b)], [np.sin(a), -np.sin(b)]], [X - x, Z - z]
+        )[0]
         before, (xn, zn) = (xn, zn), (x + length * np.cos(a), z + length * np.sin(a))
         c, C = c0 + 0.5 * rho * (z + zn), c0 + 0.5 * rho * (Z + zn)
         left, right = p - 2 * c * t - rho * (xn - x), P + 2 * C * T + rho * (xn - X)
@@ -30,7 +34,9 @@ def _crossing(one: _Node, other: _Node, c0: float, rho: float) -> _Node:
 
 
 def _contact(length: float, c0: float, rho: float, n: int) -> np.ndarray:
-    """Return distances from the edge and pressures under the footing, for a passive zone of a length, (n + 1, 2)."""
+    """Return distances from the edge and pressures under the footing, for a passive zone of a
+    length, (n + 1, 2).
+    """
     angles = np.linspace(0, np.pi / 2, n + 1)
     before = [(0.0, 0.0, c0 * (1 + 2 * t), t) for t in angles]
     found = [(0.0, c0 * (2 + np.pi))]

@@ -1,4 +1,6 @@
-"""Bodies for the stress tests: blocks above each other, in the plane and in space, and what their contact carries."""
+"""Bodies for the stress tests: blocks above each other, in the plane and in space, and what their
+contact carries.
+"""
 
 from __future__ import annotations
 
@@ -12,20 +14,28 @@ from skfem_contact.contact.penalty import choose_penalties
 
 #: The order of the residual that is left: far below the tolerances of the tests.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)
-#: What is called after every analysis with all that it was given, and its result: nothing, unless a test asks for it.
+#: What is called after every analysis with all that it was given, and its result: nothing, unless a
+#: test asks for it.
 afterwards: list = []
 #: Elements along the lower and the upper block, by the number of dimensions.
 _ELEMENTS = {2: (4, 5), 3: (2, 3)}
 
 
 def blocks(
-    n_lower: int | None = None, n_upper: int | None = None, gap: float = 0.0, overhang: float = 0.5,
-    element: str = "Q1", mapped=None, dim: int = 2,
-) -> Basis:  # fmt: skip
+    n_lower: int | None = None,
+    n_upper: int | None = None,
+    gap: float = 0.0,
+    overhang: float = 0.5,
+    element: str = "Q1",
+    mapped=None,
+    dim: int = 2,
+) -> Basis:
     """A unit block, "upper", above a wider one of height 1, "lower", whose top is at height 0."""
     meshes = {}
-    for name, n, ends, bottom in (("lower", n_lower or _ELEMENTS[dim][0], (-overhang, 1 + overhang), -1.0),
-                                  ("upper", n_upper or _ELEMENTS[dim][1], (0.0, 1.0), gap)):  # fmt: skip
+    for name, n, ends, bottom in (
+        ("lower", n_lower or _ELEMENTS[dim][0], (-overhang, 1 + overhang), -1.0),
+        ("upper", n_upper or _ELEMENTS[dim][1], (0.0, 1.0), gap),
+    ):
         x = np.linspace(*ends, n + 1)
         height = np.linspace(bottom, bottom + 1, (n if dim == 2 else 2) + 1)
         mesh = grid(element, x, height) if dim == 2 else space.block(element, x, x, height)
@@ -33,7 +43,9 @@ def blocks(
     return vector_basis(sc.join_bodies(meshes), element, intorder=2 if element == "Q1" else None)
 
 
-def in_contact(basis: Basis, law=None, quadrature="nodal", E=(1e3, 1e3), nu: float = 0.3, **options) -> dict:
+def in_contact(
+    basis: Basis, law=None, quadrature="nodal", E=(1e3, 1e3), nu: float = 0.3, **options
+) -> dict:
     """The forms of two blocks."""
     materials = {"lower": sc.LinearElastic(E=E[0], nu=nu), "upper": sc.LinearElastic(E=E[1], nu=nu)}
     law = sc.Coulomb(0.3) if law is None else law
@@ -45,7 +57,11 @@ def in_contact(basis: Basis, law=None, quadrature="nodal", E=(1e3, 1e3), nu: flo
 
 def vector(basis: Basis, along_and_up) -> np.ndarray:
     """Components (dim,) of a vector (2,) in the plane of the first and the last axis."""
-    return np.array(along_and_up) if basis.mesh.dim() == 2 else np.array([along_and_up[0], 0.0, along_and_up[1]])
+    return (
+        np.array(along_and_up)
+        if basis.mesh.dim() == 2
+        else np.array([along_and_up[0], 0.0, along_and_up[1]])
+    )
 
 
 def displaced(basis: Basis, boundary: str, shift) -> np.ndarray:
@@ -69,8 +85,12 @@ def held(basis: Basis, *boundaries: str) -> np.ndarray:
 def guided(basis: Basis, *boundaries: str) -> np.ndarray:
     """Layout of columns that can move only upwards, and all of boundaries."""
     sides = [("left", "right"), ("front", "back")][: basis.mesh.dim() - 1]
-    across = [basis.get_dofs({f"{body}:{side}" for body in ("lower", "upper") for side in pair}).all(f"u^{k}")
-              for k, pair in enumerate(sides, 1)]  # fmt: skip
+    across = [
+        basis.get_dofs({f"{body}:{side}" for body in ("lower", "upper") for side in pair}).all(
+            f"u^{k}"
+        )
+        for k, pair in enumerate(sides, 1)
+    ]
     return np.unique(np.concatenate((*across, held(basis, *boundaries))))
 
 

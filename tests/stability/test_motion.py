@@ -1,4 +1,6 @@
-"""Long ways, fast reversals, overlaps, large and tiny steps; facets that a point cannot settle between."""
+"""Long ways, fast reversals, overlaps, large and tiny steps; facets that a point cannot settle
+between.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,16 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import arcs, body_along, facing, grid, moved_rigidly, traction, unknowns_of, vector_basis
+from helpers import (
+    arcs,
+    body_along,
+    facing,
+    grid,
+    moved_rigidly,
+    traction,
+    unknowns_of,
+    vector_basis,
+)
 from setups import along_and_up, blocks, displaced, force_on, guided, in_contact, run
 
 import skfem_contact as sc
@@ -24,7 +35,10 @@ QUADRATURES = ["nodal", 2, "segments"]
 
 def along(basis, path):
     """Stages that lead the upper block's top along positions."""
-    return [sc.Stage(f"{k}", basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
+    return [
+        sc.Stage(f"{k}", basis.zeros(), displaced(basis, "upper:top", at))
+        for k, at in enumerate(path)
+    ]
 
 
 def quiet(forms, stages, fixed, **options):
@@ -36,20 +50,29 @@ def quiet(forms, stages, fixed, **options):
 
 def waved(mesh, height, number):
     """The mesh on a wave."""
-    return replace(mesh, doflocs=mesh.doflocs + np.stack((0 * mesh.doflocs[0], height * np.sin(number * mesh.p[0]))))
+    return replace(
+        mesh,
+        doflocs=mesh.doflocs + np.stack((0 * mesh.doflocs[0], height * np.sin(number * mesh.p[0]))),
+    )
 
 
 def dissipation(forms, result):
-    """Work of the friction on the way of the stick points, of every point in every step, (n_steps - 1, n)."""
+    """Work of the friction on the way of the stick points, of every point in every step, (n_steps -
+    1, n).
+    """
     states = [stage.states["joint"] for stage in result]
     way = np.diff([arcs(forms["joint"], state.stick) for state in states], axis=0)
     way = np.where(np.isnan(way), 0.0, way)
     return way * np.array([state.traction[1] for state in states[1:]])
 
 
-@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)])
+@pytest.mark.parametrize(
+    ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
+)
 def test_off_the_edge_and_back(dim, quadrature):
-    """[X] Cases S13, D6: slid off the end of the base and back: nothing holds it there, and it is held again."""
+    """[X] Cases S13, D6: slid off the end of the base and back: nothing holds it there, and it is
+    held again.
+    """
     basis = blocks(n_lower={2: 6, 3: 3}[dim], overhang=0.25, dim=dim)
     forms = in_contact(basis, sc.Coulomb(0.2), quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
@@ -67,13 +90,19 @@ def test_off_the_edge_and_back(dim, quadrature):
     assert (np.diff(leaving[way[:11] > 0.3]) <= 1e-9).all()
 
 
-@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)])
+@pytest.mark.parametrize(
+    ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
+)
 def test_fast_reversal(dim, quadrature):
-    """[X] To and fro over more than an element in each step: mu N against each way, and no energy gained."""
+    """[X] To and fro over more than an element in each step: mu N against each way, and no energy
+    gained.
+    """
     basis = blocks(n_lower={2: 7, 3: 3}[dim], dim=dim)
     forms = in_contact(basis, sc.Coulomb(0.3), quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    result = quiet(forms, along(basis, [(0.0, -0.005), *[((-1) ** k * 0.25, -0.005) for k in range(6)]]), fixed)
+    result = quiet(
+        forms, along(basis, [(0.0, -0.005), *[((-1) ** k * 0.25, -0.005) for k in range(6)]]), fixed
+    )
     for k, stage in enumerate(list(result)[1:]):
         x, y = along_and_up(forms, stage)
         assert x * (-1) ** k < 0  # against the motion
@@ -83,12 +112,16 @@ def test_fast_reversal(dim, quadrature):
 
 
 def test_random_walk():
-    """[X] Case S14: 1,000 random steps of one contact: never outside the cone, never a gain of energy."""
+    """[X] Case S14: 1,000 random steps of one contact: never outside the cone, never a gain of
+    energy.
+    """
     rng = np.random.default_rng(5)
     floor = np.stack((np.linspace(-3, 3, 13), np.zeros(13)), axis=1)
     roof = np.array([[0.4, 0.0], [-0.4, 0.0]])
     basis = facing(body_along(roof), body_along(floor))
-    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.4), 2, penalty=(1e4, 3e3))
+    pair = sc.ContactPair(
+        basis, "slave:face", "master:face", sc.Coulomb(0.4), 2, penalty=(1e4, 3e3)
+    )
     dofs, state, place = unknowns_of(basis, "slave"), pair.initial_state(), 0.0
     stored = []
     for _ in range(1000):
@@ -100,13 +133,17 @@ def test_random_walk():
         assert (np.abs(new.traction[1]) <= 0.4 * np.abs(new.traction[0]) * (1 + 1e-12)).all()
         gained = -new.traction[1] * (arcs(pair, new.stick) - arcs(pair, state.stick))
         assert gained[closed].max(initial=0.0) <= 1e-14
-        stored.append(0.5 * (new.traction[1]**2).max() / 3e3)
+        stored.append(0.5 * (new.traction[1] ** 2).max() / 3e3)
         state = new
-    assert max(stored) <= 0.5 * (0.4 * 1e4 * 2e-3) ** 2 / 3e3 * (1 + 1e-9)  # the elastic slip is bounded by the cone
+    assert max(stored) <= 0.5 * (0.4 * 1e4 * 2e-3) ** 2 / 3e3 * (
+        1 + 1e-9
+    )  # the elastic slip is bounded by the cone
 
 
 def test_stress_free_carousel():
-    """[X] Case S19: everything turned by 90 degrees in 90 steps: forces as before, and slip remains zero."""
+    """[X] Case S19: everything turned by 90 degrees in 90 steps: forces as before, and slip remains
+    zero.
+    """
     rng = np.random.default_rng(7)
     floor = np.stack((np.linspace(-1, 1, 6), np.zeros(6)), axis=1)
     basis = facing(body_along(floor[1:-1][::-1] + np.array([0.03, -1e-3])), body_along(floor))
@@ -127,7 +164,9 @@ def test_stress_free_carousel():
 @pytest.mark.parametrize("share", [1e-3, 0.1, 0.5, 0.6])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_overlap(share, quadrature, dim):
-    """[X] Case S11: two guided columns that overlap by up to 60 % of an element; sudden and ramped are the same."""
+    """[X] Case S11: two guided columns that overlap by up to 60 % of an element; sudden and ramped
+    are the same.
+    """
     forces = []
     for initial in ("as meshed", "ramped"):
         basis = blocks(overhang=0.0, gap=-share * 0.2, dim=dim)
@@ -144,27 +183,34 @@ def test_overlap(share, quadrature, dim):
 
 @pytest.mark.parametrize("law", [sc.Coulomb(), sc.Coulomb(0.3)], ids=repr)
 def test_one_step_or_many(law):
-    """[X] Case S9: without friction the result of one step is that of 500 to 1e-6; with friction to 1 %."""
+    """[X] Case S9: without friction the result of one step is that of 500 to 1e-6; with friction to
+    1 %.
+    """
     results = []
     for increments in (1, 500):
         basis = blocks(4, 3)
         forms = in_contact(basis, law, 2)
         fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-        stage = sc.Stage("press", basis.zeros(), displaced(basis, "upper:top", (0.0, -0.01)), increments)
+        stage = sc.Stage(
+            "press", basis.zeros(), displaced(basis, "upper:top", (0.0, -0.01)), increments
+        )
         results.append(quiet(forms, [stage], fixed, newton=sc.Newton(tolerance=1e-9))["press"])
     one, many = results
     assert len(many.iterations) == 500 and sum(many.iterations) <= 510  # extrapolated
     rel = 1e-6 if law.mu == 0 else 1e-2
     np.testing.assert_allclose(one.x, many.x, atol=rel * np.abs(many.x).max())
-    np.testing.assert_allclose(one.states["joint"].traction[0], many.states["joint"].traction[0], rtol=max(rel, 1e-6))
+    np.testing.assert_allclose(
+        one.states["joint"].traction[0], many.states["joint"].traction[0], rtol=max(rel, 1e-6)
+    )
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_deep_overlap_on_the_way(quadrature):
-    """[X] A parabola pressed by two and a half elements in one step: Newton's iterations do not chatter.
+    """[X] A parabola pressed by two and a half elements in one step: Newton's iterations do not
+    chatter.
 
-    On their way the bodies overlap by as much; such tractions, several times the modulus, would turn the facets in
-    the exact tangent.  With it alone three to five increments were needed.
+    On their way the bodies overlap by as much; such tractions, several times the modulus, would
+    turn the facets in the exact tangent.  With it alone three to five increments were needed.
     """
     n = 80
     arch = grid("Q1", np.linspace(-1, 1, n + 1), np.linspace(0, 1, 11))
@@ -183,14 +229,19 @@ def test_mirrored_start_up(quadrature):
     """[X] Case S17: stabilisation prefers no side: the mirrored block lands as the mirror image."""
     results = []
     for sign in (1, -1):
-        # no node of the slave at a joint of the master, where left and right are a matter of definition
-        basis = blocks(gap=0.3, n_lower=5, overhang=0.33, mapped=lambda m, s=sign: _mirrored(m) if s < 0 else m)
+        # no node of the slave at a joint of the master, where left and right are a matter of
+        # definition
+        basis = blocks(
+            gap=0.3, n_lower=5, overhang=0.33, mapped=lambda m, s=sign: _mirrored(m) if s < 0 else m
+        )
         forms = in_contact(basis, quadrature=quadrature)
         load = traction(basis, "upper:top", (0.4 * sign, -5.0))
         stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
         places = basis.doflocs[:, ::2] * [[sign], [1]]
         order = np.lexsort(places.round(9))
-        results.append((stage.x.reshape(-1, 2)[order] * [sign, 1], force_on(forms, stage) * [sign, 1]))
+        results.append(
+            (stage.x.reshape(-1, 2)[order] * [sign, 1], force_on(forms, stage) * [sign, 1])
+        )
     np.testing.assert_allclose(results[1][0], results[0][0], atol=1e-9)
     np.testing.assert_allclose(results[1][1], results[0][1], atol=1e-9)
 
@@ -210,7 +261,9 @@ def kinked():
 
 @pytest.mark.parametrize("shape", [0, 1], ids=["roof", "groove"])
 def test_locked_point_keeps_its_facet(shape):
-    """[X] Locked, a point within a quarter of a facet from the joint stays on the one it had; else on the nearest."""
+    """[X] Locked, a point within a quarter of a facet from the joint stays on the one it had; else
+    on the nearest.
+    """
     surface = kinked()[shape]
     points = np.array([[0.05, -0.03], [-0.05, -0.03], [0.6, -0.3], [-0.6, -0.3]])
     depth = np.full(4, np.inf)
@@ -232,13 +285,18 @@ class Harder(sc.ContactPair):
 
 
 def test_equilibria_of_regularised_forms_alone_are_refused():
-    """[X] An equilibrium of a regularised pair that is none of the pair as given is no answer; the reason is named."""
+    """[X] An equilibrium of a regularised pair that is none of the pair as given is no answer; the
+    reason is named.
+    """
     groove = kinked()[1]
     line = np.array([[0.03, 0.02], [-0.03, 0.02]])
     basis = facing(body_along(line), body_along(line - [0.0, 3.0]))
     body = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
     harder, given = (
-        {"body": body, "joint": kind(basis, "slave:face", groove, sc.Coulomb(0.3), "nodal", penalty)}
+        {
+            "body": body,
+            "joint": kind(basis, "slave:face", groove, sc.Coulomb(0.3), "nodal", penalty),
+        }
         for kind, penalty in ((Harder, 2e4), (sc.ContactPair, 1e4))
     )
     x = basis.zeros()
@@ -248,18 +306,26 @@ def test_equilibria_of_regularised_forms_alone_are_refused():
     found = Equilibrium(x, {name: answer.state for name, answer in answers.items()}, (1.0, 0.0))
     load = sum(answer.force for answer in answers.values())
     system = System(given, Layout.of(basis.doflocs, ()), np.zeros(0, int), None)
-    check(system, system.with_forms(given), found, accepted, load, sc.Newton())  # nothing is easier than given
-    with pytest.raises(sc.NotConverged, match=r"does not last, .*joint: the penalty was another one"):
+    check(
+        system, system.with_forms(given), found, accepted, load, sc.Newton()
+    )  # nothing is easier than given
+    with pytest.raises(
+        sc.NotConverged, match=r"does not last, .*joint: the penalty was another one"
+    ):
         check(system, system.with_forms(harder), found, accepted, load, sc.Newton())
 
 
 def test_point_that_changes_its_facet():
-    """[X] A wave of quadratic facets slid over another: increments in which points change between facets."""
+    """[X] A wave of quadratic facets slid over another: increments in which points change between
+    facets.
+    """
     meshes = {
         "lower": grid("P2", np.linspace(0, 1, 10), np.linspace(-1, 0, 4)),
         "upper": grid("P2", np.linspace(0, 1, 3), np.linspace(0, 1, 4)),
     }
-    basis = vector_basis(sc.join_bodies({name: waved(mesh, 0.08, 6) for name, mesh in meshes.items()}), "P2")
+    basis = vector_basis(
+        sc.join_bodies({name: waved(mesh, 0.08, 6) for name, mesh in meshes.items()}), "P2"
+    )
     forms = in_contact(basis, sc.Coulomb(0.2), 2, E=(1e3, 1e4))
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     path = [(0.0, -0.005), (0.2, -0.01), (-0.2, -0.01)]
@@ -272,11 +338,15 @@ def test_point_that_changes_its_facet():
         forces = [form.assemble(stage.x, stage.states[name]).force for name, form in forms.items()]
         assert np.linalg.norm(np.sum(forces, axis=0)[free]) <= 1e-7 * np.linalg.norm(forces[0])
         assert (np.abs(joint.traction[1]) <= 0.2 * np.abs(joint.traction[0]) * (1 + 1e-8)).all()
-        np.testing.assert_allclose(force_on(forms, stage), -force_on(forms, stage, "lower"), atol=1e-9)
+        np.testing.assert_allclose(
+            force_on(forms, stage), -force_on(forms, stage, "lower"), atol=1e-9
+        )
 
 
 def test_dissipation_over_facets():
-    """[X] Case S14 with bodies: a block drawn over a wave dissipates at every point and in every step."""
+    """[X] Case S14 with bodies: a block drawn over a wave dissipates at every point and in every
+    step.
+    """
     basis = blocks(n_lower=9, mapped=lambda mesh: waved(mesh, 0.02, 4))
     forms = in_contact(basis, sc.Coulomb(0.3), 2)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()

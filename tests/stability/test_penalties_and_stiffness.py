@@ -21,13 +21,19 @@ RATIOS = [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6]
 
 
 def column(quadrature, ratio: float, dim: int = 2, **options):
-    """Two columns of one width, guided at their sides and pressed together by 0.01; penalty and force."""
+    """Two columns of one width, guided at their sides and pressed together by 0.01; penalty and
+    force.
+    """
     basis = blocks(overhang=0.0, dim=dim)
-    forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=ratio * 1e3 / 0.2, **options)
+    forms = in_contact(
+        basis, sc.Coulomb(), quadrature, nu=0.0, penalty=ratio * 1e3 / 0.2, **options
+    )
     fixed = guided(basis, "lower:bottom", "upper:top")
     target = displaced(basis, "upper:top", (0.0, -0.01))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sc.AnalysisWarning)  # soft penalties are warned of, which is tested elsewhere
+        warnings.simplefilter(
+            "ignore", sc.AnalysisWarning
+        )  # soft penalties are warned of, which is tested elsewhere
         stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
     return forms, stage
 
@@ -35,25 +41,35 @@ def column(quadrature, ratio: float, dim: int = 2, **options):
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_columns_and_penalty_in_series(ratio, dim):
-    """[X] Cases A1, S1: the force is that of three springs in series, for penalties of 1e-3 to 1e6 times E/h."""
+    """[X] Cases A1, S1: the force is that of three springs in series, for penalties of 1e-3 to 1e6
+    times E/h.
+    """
     forms, stage = column("segments", ratio, dim)
     exact = 0.01 / (1 / 1e3 + 1 / 1e3 + 1 / (ratio * 1e3 / 0.2))
-    # what is left of digits: the gap, 1e-16 of lengths of order one, over the penetration, 5 over the penalty
+    # what is left of digits: the gap, 1e-16 of lengths of order one, over the penetration, 5 over
+    # the penalty
     assert force_on(forms, stage)[-1] == pytest.approx(exact, rel=1e-9 + 1e-15 * ratio * 1e3)
     assert len(stage.iterations) == 1 and stage.iterations[0] <= 5
 
 
-@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)])
+@pytest.mark.parametrize(
+    ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
+)
 def test_augmented_result_does_not_depend_on_the_penalty(dim, quadrature):
     """[X] From any start the force comes within the method's tolerance of the exact one, 5."""
     for ratio in RATIOS:
         forms, stage = column(quadrature, ratio, dim, enforcement=sc.AugmentedLagrangian())
-        # nodes of one column against facets of another carry a uniform pressure to some per cent only
-        assert force_on(forms, stage)[-1] == pytest.approx(5.0, rel=1e-3 if quadrature == "segments" else 0.02)
+        # nodes of one column against facets of another carry a uniform pressure to some per cent
+        # only
+        assert force_on(forms, stage)[-1] == pytest.approx(
+            5.0, rel=1e-3 if quadrature == "segments" else 0.02
+        )
 
 
 def test_stick_that_cycles(caplog):
-    """[X] Case S1 with friction: where Newton jumps over the stick, it begins softly; the answer is exact."""
+    """[X] Case S1 with friction: where Newton jumps over the stick, it begins softly; the answer is
+    exact.
+    """
     forces = []
     for ratio in (1e3, 1e4, 1e6):
         basis = blocks()
@@ -67,22 +83,29 @@ def test_stick_that_cycles(caplog):
         assert (np.abs(joint.traction[1]) <= 0.3 * np.abs(joint.traction[0]) * (1 + 1e-8)).all()
         forces.append(force_on(forms, result)[1])
     assert "chatter between stick and slip: a soft stick begins with" in caplog.text
-    # the penalty gives way like a layer of 0.2 / ratio beside columns of 2; friction's memory changes less
+    # the penalty gives way like a layer of 0.2 / ratio beside columns of 2; friction's memory
+    # changes less
     np.testing.assert_allclose(forces, forces[-1], rtol=0.1 / 1e3 * 3)
 
 
 @pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, 2)])
 @pytest.mark.parametrize("ratio", [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6])
 def test_tangential_penalty(ratio, dim, quadrature):
-    """[X] Case S2: from 1e-3 to 1e6 times the normal one, the block slides at T = mu N; no increment is cut."""
+    """[X] Case S2: from 1e-3 to 1e6 times the normal one, the block slides at T = mu N; no
+    increment is cut.
+    """
     basis = blocks(dim=dim)
     forms = in_contact(basis, quadrature=quadrature)
     normal = choose_penalties(forms)["joint"].penalty[0]
     forms["joint"] = forms["joint"].with_penalty(normal, ratio * normal)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    # a stick of 1e-3 times the penalty gives way by mu p / eps_T, about 0.3: that far it must be dragged
+    # a stick of 1e-3 times the penalty gives way by mu p / eps_T, about 0.3: that far it must be
+    # dragged
     path = [(0.0, -0.005), (0.02, -0.005), (0.05 if ratio > 1e-2 else 0.4, -0.005)]
-    stages = [sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
+    stages = [
+        sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at))
+        for k, at in enumerate(path)
+    ]
     result = run(forms, stages, fixed, newton=sc.Newton(max_iterations=40))
     assert [len(stage.iterations) for stage in result] == [1, 1, 1]
     stage = result[-1]
@@ -94,9 +117,11 @@ def test_tangential_penalty(ratio, dim, quadrature):
 
 
 def test_soft_stick_repeats_the_tractions(rng):
-    """[X] Case S2: a soft stick whose shifted slips stand for some tractions has those where they are in equilibrium.
+    """[X] Case S2: a soft stick whose shifted slips stand for some tractions has those where they
+    are in equilibrium.
 
-    At the hard stick's displacements the forces are equal; from there on the stick gives way a hundred times as much.
+    At the hard stick's displacements the forces are equal; from there on the stick gives way a
+    hundred times as much.
     """
     basis = blocks()
     pair = choose_penalties(in_contact(basis, quadrature=2))["joint"]
@@ -126,7 +151,9 @@ def test_soft_stick_repeats_the_tractions(rng):
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("E", [(1e3, 1e9), (1e9, 1e3)], ids=["hard on soft", "soft on hard"])
 def test_stiffness_contrast(E, quadrature, dim):
-    """[X] A million times stiffer is rigid: the soft body carries the load, the hard one moves as a whole."""
+    """[X] A million times stiffer is rigid: the soft body carries the load, the hard one moves as a
+    whole.
+    """
     basis = blocks(dim=dim)
     forms = in_contact(basis, quadrature=quadrature, E=E)
     load = loaded(basis, "upper:top", (0.0, -5.0))
@@ -148,9 +175,14 @@ def test_friction(mu, quadrature):
     forms = in_contact(basis, sc.Coulomb(mu), quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     path = [(0.0, -0.01), (0.1, -0.01), (0.2, -0.01)]
-    stages = [sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
+    stages = [
+        sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at))
+        for k, at in enumerate(path)
+    ]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sc.AnalysisWarning)  # an edge that digs in penetrates by some per cent
+        warnings.simplefilter(
+            "ignore", sc.AnalysisWarning
+        )  # an edge that digs in penetrates by some per cent
         stage = run(forms, stages, fixed, newton=sc.Newton(max_iterations=40))[-1]
     x, y = force_on(forms, stage)
     joint = stage.states["joint"]
@@ -164,7 +196,9 @@ def test_friction(mu, quadrature):
 
 
 def test_limits_of_friction():
-    """[X] Case S23: mu = 1e-12 is no friction; mu = 1e6 is a bond, as long as everything is pressed."""
+    """[X] Case S23: mu = 1e-12 is no friction; mu = 1e6 is a bond, as long as everything is
+    pressed.
+    """
     results = {}
     for law in (sc.Coulomb(), sc.Coulomb(1e-12), sc.Coulomb(1e6), sc.Tied()):
         basis = blocks(n_lower=7)
@@ -180,7 +214,9 @@ def test_limits_of_friction():
     assert np.abs(none - tied).max() > 1e-4
 
 
-@pytest.mark.parametrize(("dim", "stress", "length"), [(2, 1.0, 1e3), (2, 1e6, 1.0), (2, 1e6, 1e3), (3, 1e6, 1e3)])
+@pytest.mark.parametrize(
+    ("dim", "stress", "length"), [(2, 1.0, 1e3), (2, 1e6, 1.0), (2, 1e6, 1e3), (3, 1e6, 1e3)]
+)
 def test_units_of_a_body_that_contact_alone_holds(dim, stress, length):
     """[X] Case S3: the start-up with springs too has no absolute measure; 1e-8 in other units."""
     results = []
@@ -189,7 +225,13 @@ def test_units_of_a_body_that_contact_alone_holds(dim, stress, length):
         forms = in_contact(basis, quadrature=2, E=(s * 1e3, s * 1e3))
         load = loaded(basis, "upper:top", (0.3 * s, -5.0 * s))
         stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
-        results.append((stage.x / m, stage.states["joint"].traction[0] / s, stage.states["joint"].status))
-    np.testing.assert_allclose(results[1][0], results[0][0], atol=1e-8 * np.abs(results[0][0]).max())
-    np.testing.assert_allclose(results[1][1], results[0][1], atol=1e-8 * np.abs(results[0][1]).max())
+        results.append(
+            (stage.x / m, stage.states["joint"].traction[0] / s, stage.states["joint"].status)
+        )
+    np.testing.assert_allclose(
+        results[1][0], results[0][0], atol=1e-8 * np.abs(results[0][0]).max()
+    )
+    np.testing.assert_allclose(
+        results[1][1], results[0][1], atol=1e-8 * np.abs(results[0][1]).max()
+    )
     assert np.array_equal(results[1][2], results[0][2])

@@ -1,7 +1,9 @@
-"""Plane cases of the stress tests once more in space, as slices one element thick: the same displacements to 1e-8.
+"""Plane cases of the stress tests once more in space, as slices one element thick: the same
+displacements to 1e-8.
 
-Left out are rules that sample a slice otherwise: "segments" where points stick and slip within a piece, and Gauss
-points where the master's facets are shorter than the slave's, which are divided by the sides of squares.
+Left out are rules that sample a slice otherwise: "segments" where points stick and slip within a
+piece, and Gauss points where the master's facets are shorter than the slave's, which are divided by
+the sides of squares.
 """
 
 from __future__ import annotations
@@ -19,7 +21,10 @@ import test_startup as startup
 CASES = [
     *((penalties.test_tangential_penalty, given) for given in ((1.0, 2, "nodal"), (1e2, 2, 2))),
     *((penalties.test_friction, (mu, rule)) for mu in (0.3, 2.0) for rule in ("nodal", 2)),
-    *((penalties.test_stiffness_contrast, ((1e3, 1e9), rule, 2)) for rule in ("nodal", 2, "segments")),
+    *(
+        (penalties.test_stiffness_contrast, ((1e3, 1e9), rule, 2))
+        for rule in ("nodal", 2, "segments")
+    ),
     (penalties.test_limits_of_friction, ()),
     (motion.test_off_the_edge_and_back, (2, 2)),
     (motion.test_fast_reversal, (2, "nodal")),
@@ -37,7 +42,9 @@ CASES = [
 
 
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
-@pytest.mark.parametrize(("case", "given"), CASES, ids=lambda value: getattr(value, "__name__", None))
+@pytest.mark.parametrize(
+    ("case", "given"), CASES, ids=lambda value: getattr(value, "__name__", None)
+)
 def test_plane_case_as_a_slice(case, given, monkeypatch):
     """Every analysis of a plane test is run again as a slice."""
     seen = []
@@ -48,6 +55,12 @@ def test_plane_case_as_a_slice(case, given, monkeypatch):
         seen.append(len(result))
 
     monkeypatch.setattr(setups, "afterwards", [again])
-    case(*(np.random.default_rng(value) if case is meshes.test_distorted_elements and k == 3 else value
-           for k, value in enumerate(given)))  # fmt: skip
+    case(
+        *(
+            np.random.default_rng(value)
+            if case is meshes.test_distorted_elements and k == 3
+            else value
+            for k, value in enumerate(given)
+        )
+    )
     assert seen

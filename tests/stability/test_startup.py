@@ -1,4 +1,6 @@
-"""Bodies that contact alone holds, gaps to close, contact that opens completely and closes again."""
+"""Bodies that contact alone holds, gaps to close, contact that opens completely and closes
+again.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ H = 0.2  # size of the upper block's elements
 @pytest.mark.parametrize("gap", [1e-6, 0.5, 10.0])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 def test_block_held_by_contact_alone(gap, quadrature, dim, caplog):
-    """[X] Case S10: a gap of up to ten elements closes; the block then stands as one that touched from the start."""
+    """[X] Case S10: a gap of up to ten elements closes; the block then stands as one that touched
+    from the start.
+    """
     results = []
     for initial in (gap * H, 0.0):
         basis = blocks(gap=initial, dim=dim)
@@ -35,29 +39,43 @@ def test_block_held_by_contact_alone(gap, quadrature, dim, caplog):
         results.append((basis, stage))
     (_, far), (basis, near) = results
     dofs = unknowns_of(basis, "upper")
-    # nodes of the slave lie at joints of the master; to which side of one a node falls depends on the way there
+    # nodes of the slave lie at joints of the master; to which side of one a node falls depends on
+    # the way there
     np.testing.assert_allclose(far.x[dofs] + vector(basis, [0, gap * H]), near.x[dofs], atol=2e-5)
     if quadrature != "segments":  # whose cuts may differ
-        np.testing.assert_allclose(far.states["joint"].traction[0], near.states["joint"].traction[0], rtol=5e-3)
+        np.testing.assert_allclose(
+            far.states["joint"].traction[0], near.states["joint"].traction[0], rtol=5e-3
+        )
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("gap", [0.05, 2.0])
 def test_no_trace_of_the_springs(gap, mu):
-    """[X] Cases A1, S10: a column without supports falls on a stop: R = F and u = F/eps + g, to 1e-9."""
+    """[X] Cases A1, S10: a column without supports falls on a stop: R = F and u = F/eps + g, to
+    1e-9.
+    """
     modulus, F, eps = 1000.0, 100.0, 1e5
     basis = vector_basis(grid("Q1", np.linspace(0, 1, 4), np.linspace(0, 1, 5)), "Q1", intorder=2)
     forms = {
         "column": sc.SolidForm(basis, sc.LinearElastic(E=modulus, nu=0.0)),
         "stop": sc.ContactPair(
-            basis, "bottom", sc.rigid.line((-1, -gap), (2, -gap)), sc.Coulomb(mu), "nodal", penalty=eps
+            basis,
+            "bottom",
+            sc.rigid.line((-1, -gap), (2, -gap)),
+            sc.Coulomb(mu),
+            "nodal",
+            penalty=eps,
         ),
     }
     guided = basis.get_dofs({"left", "right"}).all("u^1")
     result = run(forms, [sc.Stage("load", traction(basis, "top", (0.0, -F)))], guided)["load"]
     np.testing.assert_allclose(-result.states["stop"].traction[0], F, rtol=1e-9)
-    np.testing.assert_allclose(-result.x[basis.get_dofs("bottom").all("u^2")], gap + F / eps, rtol=1e-9)
-    np.testing.assert_allclose(-result.x[basis.get_dofs("top").all("u^2")], gap + F / eps + F / modulus, rtol=1e-9)
+    np.testing.assert_allclose(
+        -result.x[basis.get_dofs("bottom").all("u^2")], gap + F / eps, rtol=1e-9
+    )
+    np.testing.assert_allclose(
+        -result.x[basis.get_dofs("top").all("u^2")], gap + F / eps + F / modulus, rtol=1e-9
+    )
 
 
 def test_ring_falls_into_a_groove():
@@ -77,11 +95,19 @@ def test_ring_falls_into_a_groove():
     joint = result.tractions("skin")
     for side in (-1, 1):
         at = np.sign(joint.x) == side
-        normal, along = (joint.weight * joint.pressure)[at].sum(), (joint.weight * joint.shear)[at].sum()
+        normal, along = (
+            (joint.weight * joint.pressure)[at].sum(),
+            (joint.weight * joint.shear)[at].sum(),
+        )
         # the force on either side leans against the normal by friction, at most 0.1 of it
         assert abs(along) <= 0.1 * normal * (1 + 1e-9)
         assert normal / np.sqrt(2) == pytest.approx(-weight.sum() / 2, rel=0.11)
-    total = -choose_penalties(forms)["skin"].assemble(result.x, result.states["skin"]).force.reshape(-1, 2).sum(0)
+    total = (
+        -choose_penalties(forms)["skin"]
+        .assemble(result.x, result.states["skin"])
+        .force.reshape(-1, 2)
+        .sum(0)
+    )
     np.testing.assert_allclose(total, [0.0, -weight.sum()], atol=1e-8 * abs(weight.sum()))
 
 
@@ -94,7 +120,13 @@ def test_ring_falls_into_a_groove():
         (0.0, sc.Coulomb(0.3), (2.0, -5.0)),
         (0.3, sc.Coulomb(0.3), (2.0, -5.0)),
     ],
-    ids=["nothing holds it sideways", "pulled off", "pulled away", "pushed off", "pushed beyond friction"],
+    ids=[
+        "nothing holds it sideways",
+        "pulled off",
+        "pulled away",
+        "pushed off",
+        "pushed beyond friction",
+    ],
 )
 @pytest.mark.filterwarnings("ignore:.*no slave point found")
 def test_what_contact_cannot_hold(gap, law, pull):
@@ -102,7 +134,9 @@ def test_what_contact_cannot_hold(gap, law, pull):
     cannot_hold(gap, law, pull, 2)
 
 
-@pytest.mark.parametrize("pull", [(0.0, -5.0), (0.0, 5.0)], ids=["nothing holds it sideways", "pulled off"])
+@pytest.mark.parametrize(
+    "pull", [(0.0, -5.0), (0.0, 5.0)], ids=["nothing holds it sideways", "pulled off"]
+)
 def test_what_contact_cannot_hold_in_space(pull):
     """[X] The same in space."""
     cannot_hold(0.0, sc.Coulomb(), pull, 3)
@@ -115,14 +149,21 @@ def cannot_hold(gap, law, pull, dim):
     load = loaded(basis, "upper:top", pull)
     with pytest.raises(sc.NotConverged, match=r"singular|collapse|no equilibrium") as error:
         # no more iterations than any that succeeds needs: the increment is cut ten times
-        run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all(), newton=sc.Newton(max_iterations=8))
+        run(
+            forms,
+            [sc.Stage("press", load)],
+            basis.get_dofs("lower:bottom").all(),
+            newton=sc.Newton(max_iterations=8),
+        )
     assert error.value.result["press"].fraction < 1.0
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 @pytest.mark.parametrize("elements", [0.3, 10.0])
 def test_gap_closed_by_displacement(quadrature, elements):
-    """[X] Stress-free descent is equilibrium as soon as its forces are round-off; then the block is pressed."""
+    """[X] Stress-free descent is equilibrium as soon as its forces are round-off; then the block is
+    pressed.
+    """
     forces = []
     for gap in (elements * H, 0.0):
         basis = blocks(gap=gap)
@@ -137,18 +178,23 @@ def test_gap_closed_by_displacement(quadrature, elements):
             result = run(forms, stages, fixed)
         if gap > 0:
             assert np.abs(result["almost"].states["blocks"].stress).max() < 1e-9
-            # a second one removes forces that round-off of the linear solver leaves, more than those of the assembly
+            # a second one removes forces that round-off of the linear solver leaves, more than
+            # those of the assembly
             assert result["almost"].iterations in ((1,), (2,))
         forces.append(force_on(forms, result["press"])[1])
     assert forces[0] == pytest.approx(forces[1], rel=1e-3)  # sides of joints, as above
 
 
 def test_bodies_do_not_fly_through_each_other():
-    """[X] A displacement of two elements beyond the surface is cut until contact is felt; never open below it."""
+    """[X] A displacement of two elements beyond the surface is cut until contact is felt; never
+    open below it.
+    """
     basis = blocks(gap=0.3)
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    side = traction(basis, "lower:left", (1e-3, 0.0))  # a force that the empty increment would be in balance with
+    side = traction(
+        basis, "lower:left", (1e-3, 0.0)
+    )  # a force that the empty increment would be in balance with
     target = displaced(basis, "upper:top", (0.0, -0.9))
     with pytest.warns(sc.AnalysisWarning, match="penetrates by"):
         result = run(forms, [sc.Stage("press", side, target)], fixed)["press"]
@@ -164,8 +210,12 @@ def test_slave_that_is_deep_in_the_master_is_warned_of(dim, n):
     basis = blocks(gap=-0.6, n_lower={2: 4, 3: 4}[dim], dim=dim)
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    with pytest.warns(sc.AnalysisWarning, match=rf"{n} of {n} points of 'upper:bottom' lie deeper .* up to 0.6"):
-        result = run(forms, [sc.Stage("rest", loaded(basis, "upper:left", (1.0, 0.0)))], fixed)["rest"]
+    with pytest.warns(
+        sc.AnalysisWarning, match=rf"{n} of {n} points of 'upper:bottom' lie deeper .* up to 0.6"
+    ):
+        result = run(forms, [sc.Stage("rest", loaded(basis, "upper:left", (1.0, 0.0)))], fixed)[
+            "rest"
+        ]
     assert (result.states["joint"].status == Status.OPEN).all()
 
 
@@ -186,7 +236,10 @@ def test_contact_with_nothing_opposite_is_warned_of():
     basis = blocks(mapped=lambda mesh: mesh if mesh.p[0].min() < 0 else mesh.translated((9.0, 0.0)))
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    with pytest.warns(sc.AnalysisWarning, match="found a master within reach: nothing of 'lower:top' lies opposite"):
+    with pytest.warns(
+        sc.AnalysisWarning,
+        match="found a master within reach: nothing of 'lower:top' lies opposite",
+    ):
         run(forms, [sc.Stage("pull", traction(basis, "upper:left", (1.0, 0.0)))], fixed)
 
 
@@ -195,23 +248,33 @@ def test_a_body_that_falls_beside_its_support_is_explained():
     basis = blocks(mapped=lambda mesh: mesh if mesh.p[0].min() < 0 else mesh.translated((9.0, 0.0)))
     fixed = np.append(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:top").all("u^1"))
     message = "stage 'fall', joint: no slave point found a master within reach: nothing of 'lower:top' lies opposite"
-    with pytest.warns(sc.AnalysisWarning, match=message), pytest.raises(sc.NotConverged, match="singular"):
+    with (
+        pytest.warns(sc.AnalysisWarning, match=message),
+        pytest.raises(sc.NotConverged, match="singular"),
+    ):
         run(in_contact(basis), [sc.Stage("fall", traction(basis, "upper:top", (0.0, -1.0)))], fixed)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 def test_opens_completely_and_closes_again(quadrature, dim):
-    """[X] Case S15: lifted off and set down at another place: no force between, and no memory of friction."""
+    """[X] Case S15: lifted off and set down at another place: no force between, and no memory of
+    friction.
+    """
     basis = blocks(n_lower={2: 7, 3: 3}[dim], dim=dim)
     forms = in_contact(basis, quadrature=quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     path = [(0.0, -0.01), (0.1, -0.01), (0.1, 0.02), (0.02, 0.02), (0.02, -0.01)]
-    stages = [sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
+    stages = [
+        sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at))
+        for k, at in enumerate(path)
+    ]
     with pytest.warns(sc.AnalysisWarning, match="no slave point found a master"):
         result = run(forms, stages, fixed)
     forces = np.array([along_and_up(forms, stage) for stage in result])
-    assert forces[1, 0] == pytest.approx(-0.3 * forces[1, 1], rel=1e-2)  # slides; the surface is bent a little
+    assert forces[1, 0] == pytest.approx(
+        -0.3 * forces[1, 1], rel=1e-2
+    )  # slides; the surface is bent a little
     for k in (2, 3):
         assert not forces[k].any() and np.abs(result[k].states["blocks"].stress).max() < 1e-9
     # set down without sliding: as at the beginning, but for the place
@@ -221,7 +284,9 @@ def test_opens_completely_and_closes_again(quadrature, dim):
 
 
 def test_pressure_that_comes_and_goes():
-    """[X] Case S15: under loads from zero to full each maximum is like the first, and friction within its cone."""
+    """[X] Case S15: under loads from zero to full each maximum is like the first, and friction
+    within its cone.
+    """
     basis = blocks()
     forms = in_contact(basis, quadrature=2)
     top = traction(basis, "upper:top", (0.0, -5.0))
@@ -232,7 +297,9 @@ def test_pressure_that_comes_and_goes():
     first = result["full 0"].states["joint"]
     for stage in result:
         joint = stage.states["joint"]
-        assert (np.abs(joint.traction[1]) <= 0.3 * np.abs(joint.traction[0]) * (1 + 1e-9) + 1e-9).all()
+        assert (
+            np.abs(joint.traction[1]) <= 0.3 * np.abs(joint.traction[0]) * (1 + 1e-9) + 1e-9
+        ).all()
         if stage.name.startswith("full"):
             # friction shakes down in a cycle
             np.testing.assert_allclose(joint.traction[0], first.traction[0], rtol=5e-3)

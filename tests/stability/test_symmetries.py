@@ -1,4 +1,6 @@
-"""What must not matter: the side, the direction, the numbering, the units, another run, a break on the way."""
+"""What must not matter: the side, the direction, the numbering, the units, another run, a break on
+the way.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,13 @@ def dragged(forms, basis, path=PATH, turned=None, start=None):
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     first = 0 if start is None else len(start)
     stages = [
-        sc.Stage(str(first + k), basis.zeros(), displaced(basis, "upper:top", turned @ at)) for k, at in enumerate(path)
+        sc.Stage(str(first + k), basis.zeros(), displaced(basis, "upper:top", turned @ at))
+        for k, at in enumerate(path)
     ]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sc.AnalysisWarning)  # an edge that digs in penetrates by some per cent
+        warnings.simplefilter(
+            "ignore", sc.AnalysisWarning
+        )  # an edge that digs in penetrates by some per cent
         return run(forms, stages, fixed, start=start)
 
 
@@ -44,7 +49,9 @@ def mirrored(mesh):
 
 
 def renumbered(mesh):
-    """The mesh with its nodes and elements in another order, and other first nodes of the elements."""
+    """The mesh with its nodes and elements in another order, and other first nodes of the
+    elements.
+    """
     rng = np.random.default_rng(11)
     new, order = rng.permutation(mesh.p.shape[1]), rng.permutation(mesh.nelements)
     p = np.empty_like(mesh.p)
@@ -66,8 +73,8 @@ def renumbered(mesh):
 def test_mirror(quadrature, smoothing, matching):
     """[X] Case S17: the mirrored model gives the mirrored result, to 1e-10 of the displacements.
 
-    Nodes that face joints of the master need a smoothed one for that: the facet before the joint takes them, which is
-    another one in the mirror.
+    Nodes that face joints of the master need a smoothed one for that: the facet before the joint
+    takes them, which is another one in the mirror.
     """
     moved = []
     for sign in (1.0, -1.0):
@@ -80,7 +87,9 @@ def test_mirror(quadrature, smoothing, matching):
 
 
 def test_price_of_a_choice_at_joints():
-    """[X] Case S17: nodes that match the master's break the symmetry by less than half the turn of a joint."""
+    """[X] Case S17: nodes that match the master's break the symmetry by less than half the turn of
+    a joint.
+    """
     moved = []
     for sign in (1.0, -1.0):
         basis = blocks(n_lower=11, overhang=0.6, mapped=mirrored if sign < 0 else None)
@@ -88,14 +97,17 @@ def test_price_of_a_choice_at_joints():
         result = dragged(forms, basis, PATH[:1])
         moved.append(by_place(basis, result[0].x, (sign, 1.0)))
     difference = np.abs(moved[0] - moved[1]).max() / np.abs(moved[0]).max()
-    # the corners dig in by 0.005 over an element of 0.2: 0.025 is the turn, which leans the force by a half of it
+    # the corners dig in by 0.005 over an element of 0.2: 0.025 is the turn, which leans the force
+    # by a half of it
     assert 1e-6 < difference < 0.0125
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("n_lower", [7, 10])
 def test_turned_by_37_degrees(quadrature, n_lower):
-    """[X] Case S18: the model turned by 37 degrees gives the turned result, to 1e-9; nodes at joints included."""
+    """[X] Case S18: the model turned by 37 degrees gives the turned result, to 1e-9; nodes at
+    joints included.
+    """
     turned = rotation(37)
     moved = []
     for matrix in (np.eye(2), turned):
@@ -116,7 +128,9 @@ def _turned_blocks(n_lower, matrix):
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_renumbered(quadrature):
-    """[X] Case S18: the order of nodes and elements changes nothing but round-off, 1e-9; nodes at joints included."""
+    """[X] Case S18: the order of nodes and elements changes nothing but round-off, 1e-9; nodes at
+    joints included.
+    """
     moved = []
     for mapped in (None, renumbered):
         basis = blocks(n_lower=7, overhang=0.2, mapped=mapped)
@@ -125,15 +139,27 @@ def test_renumbered(quadrature):
     assert np.abs(np.subtract(*moved)).max() <= 1e-9 * np.abs(moved[0]).max()
 
 
-@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "augmented"])
-@pytest.mark.parametrize(("dim", "stress", "length", "quadrature"), [
-    *((2, *units, rule) for units in [(1e-3, 1e3), (1e6, 1e-3)] for rule in QUADRATURES), (3, 1e6, 1e-3, 2)], ids=str)
+@pytest.mark.parametrize(
+    "enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "augmented"]
+)
+@pytest.mark.parametrize(
+    ("dim", "stress", "length", "quadrature"),
+    [
+        *((2, *units, rule) for units in [(1e-3, 1e3), (1e6, 1e-3)] for rule in QUADRATURES),
+        (3, 1e6, 1e-3, 2),
+    ],
+    ids=str,
+)
 def test_units(dim, stress, length, quadrature, enforcement):
-    """[X] Case S3: in GPa and mm as in MPa and m, and in Pa and km: the same to 1e-8, friction's history included."""
+    """[X] Case S3: in GPa and mm as in MPa and m, and in Pa and km: the same to 1e-8, friction's
+    history included.
+    """
     results = []
     for s, m in ((1.0, 1.0), (stress, length)):
         basis = blocks(mapped=lambda mesh, m=m: mesh.scaled(m), dim=dim)
-        forms = in_contact(basis, quadrature=quadrature, E=(1e3 * s, 2e3 * s), enforcement=enforcement)
+        forms = in_contact(
+            basis, quadrature=quadrature, E=(1e3 * s, 2e3 * s), enforcement=enforcement
+        )
         result = dragged(forms, basis, [(x * m, y * m) for x, y in PATH])
         joint = result[-1].states["joint"]
         results.append((result[-1].x / m, joint.traction[0] / s, joint.traction[1] / s))
@@ -142,7 +168,9 @@ def test_units(dim, stress, length, quadrature, enforcement):
         np.testing.assert_allclose(other, one, atol=1e-8 * np.abs(one).max())
 
 
-@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)])
+@pytest.mark.parametrize(
+    ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
+)
 def test_two_runs(dim, quadrature):
     """[X] Case S24: the same analysis twice is the same, bit by bit."""
     results = []
@@ -157,7 +185,9 @@ def test_two_runs(dim, quadrature):
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_interrupted(quadrature, dim):
-    """[X] Case S25: written to a file half-way, read and continued: the same, friction's memory included."""
+    """[X] Case S25: written to a file half-way, read and continued: the same, friction's memory
+    included.
+    """
     basis = blocks(n_lower={2: 7, 3: 3}[dim], dim=dim)
     forms = in_contact(basis, quadrature=quadrature)
     whole = dragged(forms, basis)
@@ -167,4 +197,6 @@ def test_interrupted(quadrature, dim):
     np.testing.assert_allclose(continued[-1].x, whole[-1].x, atol=1e-14)
     for name in ("stick_point", "traction", "status"):
         one, other = (getattr(result[-1].states["joint"], name) for result in (continued, whole))
-        np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-13 if dim == 2 else 1e-11)  # tractions of 8
+        np.testing.assert_allclose(
+            one, other, rtol=1e-10, atol=1e-13 if dim == 2 else 1e-11
+        )  # tractions of 8

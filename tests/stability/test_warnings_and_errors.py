@@ -1,4 +1,6 @@
-"""What is refused before the analysis, and what is warned of after it: nothing is silently wrong (case S16)."""
+"""What is refused before the analysis, and what is warned of after it: nothing is silently wrong
+(case S16).
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,10 @@ def with_node(value):
 
 def squeezed(degenerate):
     """An analysis of a triangle whose third corner lies on, or beyond, the opposite side."""
-    mesh = MeshTri(np.array([[0.0, 1.0, 0.5, 0.5], [0.0, 0.0, degenerate, -1.0]]), np.array([[0, 1, 2], [0, 3, 1]]).T)
+    mesh = MeshTri(
+        np.array([[0.0, 1.0, 0.5, 0.5], [0.0, 0.0, degenerate, -1.0]]),
+        np.array([[0, 1, 2], [0, 3, 1]]).T,
+    )
     basis = vector_basis(mesh, "P1")
     form = sc.SolidForm(basis, ELASTIC)
     return run({"body": form}, [sc.Stage("rest", basis.zeros())], np.arange(4))
@@ -63,19 +68,42 @@ def squeezed(degenerate):
 
 #: What is done, and what the error says.
 REFUSED = {
-    "negative friction": (lambda: sc.Coulomb(-0.1), r"mu must be a non-negative number, .* not -0\.1"),
+    "negative friction": (
+        lambda: sc.Coulomb(-0.1),
+        r"mu must be a non-negative number, .* not -0\.1",
+    ),
     "friction NaN": (lambda: sc.Coulomb(np.nan), "mu must be a finite number"),
-    "negative adhesion": (lambda: sc.Coulomb(0.3, adhesion=-1.0), "adhesion must be a non-negative"),
-    "alpha too large": (lambda: in_contact(blocks(), smoothing=0.51), r"alpha must lie in \(0, 0\.5\], not 0\.51"),
+    "negative adhesion": (
+        lambda: sc.Coulomb(0.3, adhesion=-1.0),
+        "adhesion must be a non-negative",
+    ),
+    "alpha too large": (
+        lambda: in_contact(blocks(), smoothing=0.51),
+        r"alpha must lie in \(0, 0\.5\], not 0\.51",
+    ),
     "alpha zero": (lambda: in_contact(blocks(), smoothing=0.0), "alpha must lie in"),
-    "alpha NaN": (lambda: in_contact(blocks(), smoothing=np.nan), "smoothing must be a finite number"),
+    "alpha NaN": (
+        lambda: in_contact(blocks(), smoothing=np.nan),
+        "smoothing must be a finite number",
+    ),
     "penalty zero": (lambda: in_contact(blocks(), penalty=0.0), "penalties must be positive"),
-    "penalty NaN": (lambda: in_contact(blocks(), penalty=np.nan), "penalty must be a finite number"),
+    "penalty NaN": (
+        lambda: in_contact(blocks(), penalty=np.nan),
+        "penalty must be a finite number",
+    ),
     "half a point": (lambda: in_contact(blocks(), quadrature=2.5), "quadrature must be one of"),
-    "master is slave": (lambda: sc.ContactPair(blocks(), "upper:top", "upper:top", sc.Coulomb()), "share nodes"),
-    "no such boundary": (lambda: sc.ContactPair(blocks(), "uper:top", "lower:top", sc.Coulomb()), "existing: .*upper"),
-    "element without nodes": (lambda: sc.SolidForm(Basis(MeshTri(), ElementVector(ElementTriCR())), ELASTIC),
-                              "unsupported element .*ElementTriCR.*supported are"),
+    "master is slave": (
+        lambda: sc.ContactPair(blocks(), "upper:top", "upper:top", sc.Coulomb()),
+        "share nodes",
+    ),
+    "no such boundary": (
+        lambda: sc.ContactPair(blocks(), "uper:top", "lower:top", sc.Coulomb()),
+        "existing: .*upper",
+    ),
+    "element without nodes": (
+        lambda: sc.SolidForm(Basis(MeshTri(), ElementVector(ElementTriCR())), ELASTIC),
+        "unsupported element .*ElementTriCR.*supported are",
+    ),
     "stiffness negative": (lambda: sc.LinearElastic(E=-1.0, nu=0.3), "E must be positive"),
     "incompressible": (lambda: sc.LinearElastic(E=1.0, nu=0.5), "nu must lie between"),
     "load NaN": (lambda: with_load(np.nan), "the load holds NaN"),
@@ -84,10 +112,12 @@ REFUSED = {
     "node infinite": (lambda: with_node(np.inf), r"infinite|finite"),
     "flat element": (lambda: squeezed(0.0), "flat elements, 1 in all: element 0"),
     "inverted element": (lambda: squeezed(-0.5), "elements folded over their neighbours"),
-}  # fmt: skip
+}
 
 
-@pytest.mark.filterwarnings("ignore:.*divide:RuntimeWarning")  # the basis of a flat element, before we see it
+@pytest.mark.filterwarnings(
+    "ignore:.*divide:RuntimeWarning"
+)  # the basis of a flat element, before we see it
 @pytest.mark.parametrize("name", REFUSED)
 def test_refused(name):
     """[X] Case S16: one ValueError that says what is wrong with it."""
@@ -98,20 +128,27 @@ def test_refused(name):
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_no_master_within_reach(quadrature):
-    """[X] Case S16: empty after the first step, contact is warned of with its gap; contact that closes is not."""
+    """[X] Case S16: empty after the first step, contact is warned of with its gap; contact that
+    closes is not.
+    """
     basis = blocks(gap=0.02)
     forms = in_contact(basis, quadrature=quadrature)
     stages, fixed = pressed(basis, -0.005)
     _, remarks = remarks_of(forms, stages, fixed)
     assert len(remarks) == 1
-    assert "stage 'press', joint: no slave point found a master within reach: gap is 0.015" in remarks[0]
+    assert (
+        "stage 'press', joint: no slave point found a master within reach: gap is 0.015"
+        in remarks[0]
+    )
     stages, fixed = pressed(basis, -0.021)
     assert remarks_of(forms, stages, fixed)[1] == []
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_penalty_that_is_too_soft(quadrature):
-    """[X] Case A1: a penalty of E/h / 100 lets the columns sink in by more than they give way: a warning."""
+    """[X] Case A1: a penalty of E/h / 100 lets the columns sink in by more than they give way: a
+    warning.
+    """
     basis = blocks(overhang=0.0)
     penalty = 0.01 * 1e3 / 0.2
     forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=penalty)
@@ -129,7 +166,9 @@ def test_penalty_that_is_too_soft(quadrature):
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("decade", range(0, 13, 2))
 def test_penalty_from_soft_to_round_off(decade, quadrature, request):
-    """[X] Case S1: 1 to 1e12 times E/h: three springs in series, then round-off, which is warned of beforehand."""
+    """[X] Case S1: 1 to 1e12 times E/h: three springs in series, then round-off, which is warned of
+    beforehand.
+    """
     penalty = 10.0**decade * 1e3 / 0.2
     basis = blocks(overhang=0.0)
     forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=penalty)
@@ -145,10 +184,13 @@ def test_penalty_from_soft_to_round_off(decade, quadrature, request):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
         force = force_on(forms, result["press"])[1]
-    # nodes and Gauss points carry a uniform pressure to 2 % only; where round-off is warned of, it costs a thousandth
+    # nodes and Gauss points carry a uniform pressure to 2 % only; where round-off is warned of, it
+    # costs a thousandth
     rel = 0.02 if quadrature != "segments" else 1e-4 if decade < 10 else 2e-3
     if decade >= 10 and request.config.getoption("--jitter", default=None) is not None:
-        rel += penalty * 0.01 * NOISE / 5.0  # noise of displacements of 0.01 is that of the penetration; the force is 5
+        rel += (
+            penalty * 0.01 * NOISE / 5.0
+        )  # noise of displacements of 0.01 is that of the penetration; the force is 5
     assert force == pytest.approx(0.01 / (2 / 1e3 + 1 / penalty), rel=rel)
 
 
@@ -156,17 +198,23 @@ def test_penalty_that_round_off_hides():
     """[X] Case S1: at 1e12 E/h the user hears of it before the analysis, whatever comes of that."""
     basis = blocks()
     forms = in_contact(basis, penalty=1e12 * 1e3 / 0.2)
-    with pytest.warns(sc.AnalysisWarning, match=r"'upper:bottom' on 'lower:top': the penalty, 5e\+15, is .* times"):
+    with pytest.warns(
+        sc.AnalysisWarning, match=r"'upper:bottom' on 'lower:top': the penalty, 5e\+15, is .* times"
+    ):
         choose_penalties(forms)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         choose_penalties(in_contact(basis, penalty=1e6 * 1e3 / 0.2))
         # the augmented method chooses its own
-        choose_penalties(in_contact(basis, penalty=1e12 * 1e3 / 0.2, enforcement=sc.AugmentedLagrangian()))
+        choose_penalties(
+            in_contact(basis, penalty=1e12 * 1e3 / 0.2, enforcement=sc.AugmentedLagrangian())
+        )
 
 
 def test_isolated_element():
-    """[X] Case S8: an element that nothing holds is a body of its own, which the message names with its place."""
+    """[X] Case S8: an element that nothing holds is a body of its own, which the message names with
+    its place.
+    """
     mesh = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     p = np.hstack((mesh.p, [[3.0, 4.0, 4.0, 3.0], [0.0, 0.0, 1.0, 1.0]]))
     t = np.hstack((mesh.t, [[9], [10], [11], [12]]))
@@ -179,27 +227,42 @@ def test_isolated_element():
 
 @pytest.mark.parametrize("angle", [1.0, 0.1])
 def test_sharp_triangles(angle):
-    """[X] Case S8: triangles with an angle of a degree and less beside the interface carry a uniform pressure."""
+    """[X] Case S8: triangles with an angle of a degree and less beside the interface carry a
+    uniform pressure.
+    """
     flat = np.tan(np.radians(angle))
-    base = MeshTri(np.array([[0, 1, 0.5, 0, 1.0], [0, 0, -flat / 2, -1, -1]]),
-                   np.array([[0, 2, 1], [0, 3, 2], [2, 3, 4], [2, 4, 1]]).T)  # fmt: skip
+    base = MeshTri(
+        np.array([[0, 1, 0.5, 0, 1.0], [0, 0, -flat / 2, -1, -1]]),
+        np.array([[0, 2, 1], [0, 3, 2], [2, 3, 4], [2, 4, 1]]).T,
+    )
     roof = MeshTri(base.p * [[1], [-1]], base.t[[0, 2, 1]])
-    sides = {"left": lambda x: np.isclose(x[0], 0), "face": lambda x: np.isclose(x[1], 0, atol=1e-12)}
+    sides = {
+        "left": lambda x: np.isclose(x[0], 0),
+        "face": lambda x: np.isclose(x[1], 0, atol=1e-12),
+    }
     sides |= {"far": lambda x: np.isclose(np.abs(x[1]), 1)}
     bodies = {"lower": base.with_boundaries(sides), "upper": roof.with_boundaries(sides)}
     basis = vector_basis(sc.join_bodies(bodies), "P1")
     forms = {
         "blocks": sc.SolidForm(basis, ELASTIC),
-        "joint": sc.ContactPair(basis, "upper:face", "lower:face", sc.Coulomb(), quadrature="nodal", penalty=1e5),
+        "joint": sc.ContactPair(
+            basis, "upper:face", "lower:face", sc.Coulomb(), quadrature="nodal", penalty=1e5
+        ),
     }
-    fixed = np.union1d(basis.get_dofs("lower:far").all(), basis.get_dofs({"lower:left", "upper:left"}).all("u^1"))
-    stage = run(forms, [sc.Stage("press", traction(basis, "upper:far", (0.0, -5.0)))], fixed)["press"]
+    fixed = np.union1d(
+        basis.get_dofs("lower:far").all(), basis.get_dofs({"lower:left", "upper:left"}).all("u^1")
+    )
+    stage = run(forms, [sc.Stage("press", traction(basis, "upper:far", (0.0, -5.0)))], fixed)[
+        "press"
+    ]
     np.testing.assert_allclose(stage.states["joint"].traction[0], -5.0, rtol=1e-6)
     np.testing.assert_allclose(stage.states["blocks"].stress[1], -5.0, rtol=1e-6)
 
 
 def test_remarks_are_given_once():
-    """A penalty that is too soft in every stage is warned of once, for the stage with the deepest penetration."""
+    """A penalty that is too soft in every stage is warned of once, for the stage with the deepest
+    penetration.
+    """
     basis = blocks()
     forms = in_contact(basis, penalty=1e3)
     _, fixed = pressed(basis)
@@ -214,11 +277,14 @@ def test_remarks_are_given_once():
 
 @pytest.mark.parametrize("ratio", [1e4, 1e10])
 def test_stick_that_round_off_hides(ratio):
-    """[X] Case S2: at 1e10 times E/h the shear of sticking points is round-off, 5 % here, and the user is warned."""
+    """[X] Case S2: at 1e10 times E/h the shear of sticking points is round-off, 5 % here, and the
+    user is warned.
+    """
     basis = blocks()
     _, fixed = pressed(basis)
     stages = [
-        sc.Stage(f"{way:g}", basis.zeros(), displaced(basis, "upper:top", (way, -0.01))) for way in (0.0, 0.001, 0.002)
+        sc.Stage(f"{way:g}", basis.zeros(), displaced(basis, "upper:top", (way, -0.01)))
+        for way in (0.0, 0.001, 0.002)
     ]
     forms = in_contact(basis, penalty=ratio * 1e3 / 0.2)
     result, remarks = remarks_of(forms, stages, fixed, newton=sc.Newton())
