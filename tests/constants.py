@@ -3,7 +3,7 @@ counted again.
 
 Run from the root of the repository; it prints the table of docs/theory/constants.md::
 
-    python tests/constants.py > docs/theory/constants.md
+    python -m tests.constants > docs/theory/constants.md
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from helpers import grid, traction, vector_basis
-from test_iteration_baseline import SCENES as RECORD
-from test_iteration_baseline import ring
 
 import skfem_contact as sc
 from skfem_contact.results import Result
+from tests.nonlinear.test_iterations_on_record import SCENES as RECORD
+from tests.nonlinear.test_iterations_on_record import ring
+from tests.tools.helpers import grid, traction, vector_basis
 
 ROOMS = ("nonlinear", "contact", "collapse", "solvers")
 NAME = re.compile(r"_?[A-Z][A-Z_0-9]*$")

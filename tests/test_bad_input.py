@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, run_stages, unknowns_of, vector_basis
 from skfem import (
     Basis,
     ElementHex0,
@@ -32,6 +31,7 @@ from skfem import (
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from tests.tools.helpers import grid, run_stages, unknowns_of, vector_basis
 
 ELASTIC = sc.LinearElastic(E=1.0, nu=0.3)
 

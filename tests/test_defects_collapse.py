@@ -9,7 +9,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import analysis, grid
 from skfem import (
     Basis,
     ElementQuad1,
@@ -23,6 +22,7 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.contact.interface import ContactState
+from tests.tools.helpers import analysis, grid
 
 
 def supported(mesh):

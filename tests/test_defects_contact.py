@@ -9,13 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import space
-from helpers import grid, traction, unknowns_of, vector_basis
 from skfem import Basis, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.results import StageResult
+from tests.tools import space
+from tests.tools.helpers import grid, traction, unknowns_of, vector_basis
 
 
 def kinked_blocks(phase: float, mu: float):

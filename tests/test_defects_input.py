@@ -14,10 +14,10 @@ from zlib import crc32
 import numpy as np
 import pytest
 import threadpoolctl
-from helpers import grid, run_stages, vector_basis
 from scipy.sparse import csr_matrix
 
 import skfem_contact as sc
+from tests.tools.helpers import grid, run_stages, vector_basis
 
 SQUARE = """$MeshFormat
 2.2 0 8

@@ -10,10 +10,10 @@ from copy import copy
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
 from scipy.sparse import coo_matrix, csr_matrix
 
 import skfem_contact as sc
+from tests.tools.helpers import grid, vector_basis
 
 QUIET = {"progress": False}
 THICK = 0.2

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import grid, resultant, vector_basis
 from skfem import Basis, ElementHex1, ElementQuad1, ElementVector, MeshHex, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.loads import Domain
+from tests.tools.helpers import grid, resultant, vector_basis
 
 
 @pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2"])

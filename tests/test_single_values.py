@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import mutate
 import numpy as np
 import pytest
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status, resisting
+from tests import mutate
 
 #: Exact up to the round-off of a few operations.
 EXACT = {"rtol": 1e-12, "atol": 1e-12}

@@ -6,12 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fuzz import joints
-from fuzz.blocks import Stack
-from fuzz.frames import as_drawn
-from fuzz.kinds import drawn
-from fuzz.model import build
-from helpers import PlainLaw, grid, vector_basis
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import spsolve
 from skfem import (
@@ -28,6 +22,12 @@ from skfem import (
 import skfem_contact as sc
 from skfem_contact.collapse.mechanism import as_collapse
 from skfem_contact.solvers.superlu import SuperLU
+from tests.fuzz import joints
+from tests.fuzz.blocks import Stack
+from tests.fuzz.frames import as_drawn
+from tests.fuzz.kinds import drawn
+from tests.fuzz.model import build
+from tests.tools.helpers import PlainLaw, grid, vector_basis
 
 QUIET = {"progress": False}
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)

@@ -9,13 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fuzz import joints
-from fuzz.blocks import Stack
-from helpers import analysis
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.limit_analysis import certify, search
+from tests.fuzz import joints
+from tests.fuzz.blocks import Stack
+from tests.tools.helpers import analysis
 
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
 

@@ -6,10 +6,10 @@ import time
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
 from skfem import MeshTri
 
 import skfem_contact as sc
+from tests.tools.helpers import grid, vector_basis
 
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
 

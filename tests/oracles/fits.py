@@ -5,7 +5,8 @@ strain.
 from __future__ import annotations
 
 import numpy as np
-from oracles.rings import michell
+
+from tests.oracles.rings import michell
 
 
 def press_fit(interference, a, b, c, inner, outer):

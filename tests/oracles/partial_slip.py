@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy import ndarray
-from oracles.halfplane import Potential, elliptic
+
+from tests.oracles.halfplane import Potential, elliptic
 
 
 @dataclass(frozen=True)

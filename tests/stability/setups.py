@@ -5,12 +5,12 @@ contact carries.
 from __future__ import annotations
 
 import numpy as np
-import space
-from helpers import grid, run_stages, traction, unknowns_of, vector_basis
 from skfem import Basis
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
+from tests.tools import space
+from tests.tools.helpers import grid, run_stages, traction, unknowns_of, vector_basis
 
 #: The order of the residual that is left: far below the tolerances of the tests.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)

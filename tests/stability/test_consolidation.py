@@ -8,10 +8,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import vector_basis
 from skfem import MeshQuad, MeshTri
 
 import skfem_contact as sc
+from tests.tools.helpers import vector_basis
 
 pytestmark = pytest.mark.filterwarnings("ignore:stage")
 ELEMENTS = {"P2": MeshTri, "Q2": MeshQuad, "Q1": MeshQuad, "P1": MeshTri}

@@ -7,14 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import space
-from helpers import distorted, grid, traction, vector_basis
-from setups import blocks, displaced, force_on, guided, held, in_contact, loaded, run, vector
 from skfem import MeshHex, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import neighbours
 from skfem_contact.contact.search import project
+from tests.stability.setups import (
+    blocks,
+    displaced,
+    force_on,
+    guided,
+    held,
+    in_contact,
+    loaded,
+    run,
+    vector,
+)
+from tests.tools import space
+from tests.tools.helpers import distorted, grid, traction, vector_basis
 
 QUADRATURES = ["nodal", 2, "segments"]
 

@@ -10,7 +10,24 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import (
+
+import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.contact.search import project
+from skfem_contact.layout import Layout
+from skfem_contact.nonlinear.increment import check
+from skfem_contact.nonlinear.system import Equilibrium, System
+from tests.stability.setups import (
+    along_and_up,
+    blocks,
+    displaced,
+    force_on,
+    guided,
+    in_contact,
+    run,
+)
+from tests.tools.helpers import (
     arcs,
     body_along,
     facing,
@@ -20,15 +37,6 @@ from helpers import (
     unknowns_of,
     vector_basis,
 )
-from setups import along_and_up, blocks, displaced, force_on, guided, in_contact, run
-
-import skfem_contact as sc
-from skfem_contact.contact.laws import Status
-from skfem_contact.contact.penalty import choose_penalties
-from skfem_contact.contact.search import project
-from skfem_contact.layout import Layout
-from skfem_contact.nonlinear.increment import check
-from skfem_contact.nonlinear.system import Equilibrium, System
 
 QUADRATURES = ["nodal", 2, "segments"]
 

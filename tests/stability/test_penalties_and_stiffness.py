@@ -8,13 +8,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import unknowns_of
-from setups import along_and_up, blocks, displaced, force_on, guided, held, in_contact, loaded, run
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.errors import Failure
+from tests.stability.setups import (
+    along_and_up,
+    blocks,
+    displaced,
+    force_on,
+    guided,
+    held,
+    in_contact,
+    loaded,
+    run,
+)
+from tests.tools.helpers import unknowns_of
 
 QUADRATURES = ["nodal", 2, "segments"]
 RATIOS = [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6]

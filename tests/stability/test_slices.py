@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import setups
-import space
-import test_meshes as meshes
-import test_motion as motion
-import test_penalties_and_stiffness as penalties
-import test_startup as startup
+
+from tests.stability import setups
+from tests.stability import test_meshes as meshes
+from tests.stability import test_motion as motion
+from tests.stability import test_penalties_and_stiffness as penalties
+from tests.stability import test_startup as startup
+from tests.tools import space
 
 #: Functions of plane tests, and what they are asked for.
 CASES = [

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact.laboratory import PathStep, isotropic, oedometer, simple_shear, triaxial
+from tests.tools.helpers import grid, vector_basis
 
 M, PHI, EXTENSION = 1.2, 30.0, 0.75
 QUIET = {"progress": False}

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, rotation, vector_basis
 
 import skfem_contact as sc
+from tests.tools.helpers import grid, rotation, vector_basis
 
 QUIET = {"progress": False}
 

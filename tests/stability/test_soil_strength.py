@@ -9,16 +9,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import analysis, grid, rotation, traction, vector_basis
-from infinite_slope import BETA, DEPTH, GAMMA, infinite_slope
-from oracles import slopes
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementTriP2, ElementVector
-from slope_meshes import held, reduced_slope, slope_mesh
 
 import skfem_contact as sc
 from skfem_contact.collapse.result import CollapseResult
 from skfem_contact.results import Result
+from tests.oracles import slopes
+from tests.tools.helpers import analysis, grid, rotation, traction, vector_basis
+from tests.tools.infinite_slope import BETA, DEPTH, GAMMA, infinite_slope
+from tests.tools.slope_meshes import held, reduced_slope, slope_mesh
 
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0}
 

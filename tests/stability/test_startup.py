@@ -9,12 +9,22 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import body_along, grid, traction, unknowns_of, vector_basis
-from setups import along_and_up, blocks, displaced, force_on, held, in_contact, loaded, run, vector
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from tests.stability.setups import (
+    along_and_up,
+    blocks,
+    displaced,
+    force_on,
+    held,
+    in_contact,
+    loaded,
+    run,
+    vector,
+)
+from tests.tools.helpers import body_along, grid, traction, unknowns_of, vector_basis
 
 H = 0.2  # size of the upper block's elements
 

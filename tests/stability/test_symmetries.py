@@ -9,12 +9,12 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import rotation
-from setups import blocks, displaced, in_contact, run
 from skfem import MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
+from tests.stability.setups import blocks, displaced, in_contact, run
+from tests.tools.helpers import rotation
 
 QUADRATURES = ["nodal", 2, "segments"]
 #: Pressed, dragged to the right, and half of the way back.

@@ -8,10 +8,10 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from helpers import vector_basis
 from skfem import MeshTri
 
 import skfem_contact as sc
+from tests.tools.helpers import vector_basis
 
 QUIET = {"progress": False}
 DEEP = 4.0

@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, traction, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run
 from skfem import Basis, ElementTriCR, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
+from tests.stability.setups import blocks, displaced, force_on, in_contact, run
+from tests.tools.helpers import grid, traction, vector_basis
 
 #: Relative noise of `tests/jitter.py`, 45 times round-off.
 NOISE = 1e-14

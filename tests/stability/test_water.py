@@ -9,10 +9,10 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from helpers import distorted
 from skfem import Basis, ElementQuad1, ElementTriP1, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from tests.tools.helpers import distorted
 
 ELEMENTS = {MeshTri: ElementTriP1, MeshQuad: ElementQuad1}
 

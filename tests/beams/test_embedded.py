@@ -1,0 +1,310 @@
+"""Embedded beams: skin, foot, pull-out, rows, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementHexS2,
+    ElementTriP2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshQuad2,
+    MeshTri,
+    MeshTri2,
+)
+
+import skfem_contact as sc
+from tests.tools.helpers import vector_basis
+
+QUIET = {"progress": False}
+ELASTIC = sc.LinearElastic(E=3e4, nu=0.3)
+
+
+def ground(n=2) -> Basis:
+    mesh = MeshTri.init_tensor(
+        np.linspace(-15.3, 15, 6 * n + 1), np.linspace(-20, 0, 5 * n + 1)
+    ).with_defaults()
+    return Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+
+
+def pile(basis, T_max=20.0, F_max=60.0, **settings):
+    """Pile of 10 m: model and load vector of a unit force down on its head."""
+    beam = sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=1e5, EA=3e6, GA=1e6)
+    skin = sc.Embedded(basis, beam, T_max, F_max, **settings)
+    forms = {"soil": sc.SolidForm(basis, ELASTIC), "pile": beam, "skin": skin}
+    model = sc.Model(forms, sc.box_supports(basis))
+    return model, model.forms["pile"].load((0.0, -1.0), at=(0.0, 0.0))
+
+
+def test_skin_then_foot():
+    """[X] The limit is that of the skin, 10 m of 20, and of the foot, 60: 260 on any mesh."""
+    for n in (2, 3):
+        model, load = pile(ground(n))
+        found = model.limit_load(load, step=50.0, **QUIET)
+        assert found.multiplier == pytest.approx(
+            260.0, rel=1e-4
+        )  # 2e-5 measured, of the search's tolerance
+        assert found.stop.kind == "plateau"
+
+
+def test_balance_and_settlement():
+    """[X] Skin and foot carry the load, within their resistances; settlements grow faster than the
+    load.
+    """
+    model, load = pile(ground(), T_max=lambda s: 10.0 + 2.0 * s)
+    result = model.run([sc.Stage("100", 100.0 * load), sc.Stage("180", 180.0 * load)], **QUIET)
+    head = model.forms["pile"].numbers((0.0, 0.0))[1]
+    for stage, force in zip(result, (100.0, 180.0), strict=True):
+        state, form = stage.states["skin"], model.forms["skin"]
+        weights = np.diff(np.linspace(0.0, 10.0, 11))[:, None] * np.array([5.0, 8.0, 5.0]) / 18.0
+        assert -(weights.ravel() @ state.skin) - state.foot[0] == pytest.approx(force, rel=1e-6)
+        assert (np.abs(state.skin) <= form.T_max * (1.0 + 1e-12)).all() and -60.0 <= state.foot[
+            0
+        ] <= 0.0
+        forces = stage.section_forces("pile")
+        assert forces.N[0] == pytest.approx(
+            -force, rel=5e-3
+        )  # the skin is taken as uniform in an element: 0.35 %
+    assert result["180"].x[head] < 1.8 * result["100"].x[head] < 0.0
+    np.testing.assert_allclose(form.T_max, 10.0 + 2.0 * form.positions)
+
+
+def test_row():
+    """[X] Members 2.5 apart carry 2.5 times as much each: the same forces per metre, the same
+    displacements.
+    """
+    one, load = pile(ground(), stiffness=1e5)
+    alone = one.run([sc.Stage("load", 50.0 * load)], **QUIET)["load"]
+    beam = sc.Beam(
+        None, np.linspace((0, 0), (0, -10), 11), EI=2.5e5, EA=7.5e6, GA=2.5e6, spacing=2.5
+    )
+    forms = {
+        "soil": sc.SolidForm(ground(), ELASTIC),
+        "pile": beam,
+        "skin": sc.Embedded(ground(), beam, 50.0, 150.0, stiffness=2.5e5),
+    }
+    model = sc.Model(forms, sc.box_supports(ground()))
+    stage = model.run(
+        [sc.Stage("load", model.forms["pile"].load((0.0, -50.0), at=(0.0, 0.0)))], **QUIET
+    )["load"]
+    np.testing.assert_allclose(stage.x, alone.x, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        stage.states["skin"].skin, 2.5 * alone.states["skin"].skin, rtol=1e-6
+    )
+
+
+def test_nail_is_pulled_out():
+    """[X] T_max times the length, along any direction."""
+    basis = ground()
+    for end in ((5.4, -8.0), (4.0, -11.0)):
+        way = np.array(end) - (0.4, -8.0)
+        nail = sc.Beam(None, np.linspace((0.4, -8.0), end, 7), EI=10.0, EA=1e5, GA=1e3)
+        forms = {
+            "soil": sc.SolidForm(basis, ELASTIC),
+            "nail": nail,
+            "skin": sc.Embedded(basis, nail, T_max=15.0),
+        }
+        model = sc.Model(forms, sc.box_supports(basis), newton=sc.Newton(tolerance=1e-8))
+        length = np.linalg.norm(way)
+        pull = model.forms["nail"].load(-way / length, at=(0.4, -8.0))
+        assert model.limit_load(pull, step=20.0, **QUIET).multiplier == pytest.approx(
+            15.0 * length, rel=1e-5
+        )
+
+
+def test_tangent_and_reset():
+    """The tangent is the derivative, of points that stick and slip; displacements counted anew
+    change nothing.
+    """
+    model, load = pile(ground())
+    form = model.forms["skin"]
+    rng = np.random.default_rng(0)
+    for size in (1e-7, 1e-2):
+        x = size * rng.standard_normal(model.layout.size)
+        sc.testing.check_form(
+            form, x, form.initial_state(), tolerance=1e-4
+        )  # a share of 1e-6 is left where points slip
+    result = model.run([sc.Stage("load", 200.0 * load)], **QUIET)
+    again = model.run([sc.Stage("null", 200.0 * load)], start=result.reset(), **QUIET)["null"]
+    assert np.abs(again.x).max() < 1e-6 * np.abs(result["load"].x).max()
+    np.testing.assert_allclose(
+        again.states["skin"].skin, result["load"].states["skin"].skin, rtol=1e-6, atol=1e-6
+    )
+
+
+def test_saved_and_resumed(tmp_path):
+    """A second stage after loading the file is that of one run, to round-off."""
+    model, load = pile(ground())
+    stages = [sc.Stage("100", 100.0 * load), sc.Stage("220", 220.0 * load)]
+    whole = model.run(stages, **QUIET)
+    model.run(stages[:1], **QUIET).save(tmp_path / "pile")
+    resumed = model.run(stages[1:], start=sc.load_result(tmp_path / "pile", model), **QUIET)
+    np.testing.assert_allclose(resumed["220"].x, whole["220"].x, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda b, beam: sc.Embedded(b, sc.Beam(None, [(0, -19), (0, -21)], 1.0, 1.0), 5.0),
+            r"leaves the mesh at \(0, -2",
+        ),
+        (lambda b, beam: sc.Embedded(b, beam, -1.0), "T_max must be a skin resistance"),
+        (lambda b, beam: sc.Embedded(b, beam, lambda s: s[:2]), "T_max"),
+        (lambda b, beam: sc.Embedded(b, beam, 1.0, -2.0), "F_max must not be negative"),
+        (lambda b, beam: sc.Embedded(b, beam, 1.0, stiffness=0.0), "stiffness must be"),
+        (lambda b, beam: sc.Embedded(b, sc.Beam(b, "top", 1.0, 1.0), 1.0), "is bonded"),
+    ],
+)
+def test_bad_input(make, message):
+    with pytest.raises(ValueError, match=message):
+        make(ground(1), sc.Beam(None, [(0.0, -1.0), (0.0, -5.0)], EI=1.0, EA=1.0))
+
+
+def test_without_ground_and_in_bounds():
+    """No solid, and bounds: both are refused by name."""
+    basis = ground(1)
+    beam = sc.Beam(None, [(0.0, -1.0), (0.0, -5.0)], EI=1.0, EA=1.0)
+    with pytest.raises(ValueError, match="needs ground"):
+        sc.Model({"beam": beam, "skin": sc.Embedded(basis, beam, 5.0)})
+    model, _ = pile(basis)
+    with pytest.raises(ValueError, match="no bounds with"):
+        model.bounds(weight=20.0)
+
+
+def in_space(side, fraction, pushed=False, T_max=1e6, F_max=1e6):
+    """A quarter of a pile of 20 m and radius 0.4 m in elements of `side` beside it, settling or
+    pushed along x.
+    """
+    away = side * np.array([0, 1, 2, 3, 4.6, 7.2, 11.3, 17.8])
+    x = np.append(away[away < 40], 50.0)
+    z = np.concatenate(
+        (-50 + 30 * np.linspace(0, 1, 5) ** 0.6, -20 + 20 * np.linspace(0, 1, 9)[1:])
+    )
+    mesh = MeshHex.init_tensor(x, x, z).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=4)
+    area, depth = np.pi * 0.4**2 * fraction, np.linspace(0, -20, 21)
+    line = np.column_stack((0 * depth, 0 * depth, depth))
+    E = 1e7 - 1e4
+    beam = sc.Beam(
+        None, line, EI=E * area * 0.04, EA=E * area, GA=4e6 * area, GJ=0.8 * E * area * 0.04
+    )
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "pile": beam,
+        "skin": sc.Embedded(basis, beam, T_max, F_max, radius=0.4),
+    }
+    sides = [
+        basis.get_dofs(lambda x, c=c: np.isclose(abs(x[c]), 50.0)).all(f"u^{c + 1}") for c in (0, 1)
+    ]
+    planes = (
+        ["u^2", "u^3"] if pushed else ["u^1"],
+        ["u^2"],
+    )  # a push is the opposite on the other side of its plane
+    cut = [
+        basis.get_dofs(lambda x, c=c: np.isclose(x[c], 0.0)).all(names)
+        for c, names in enumerate(planes)
+    ]
+    names = ["u^2", "theta^1", "theta^3"] + (["u^3"] if pushed else ["u^1", "theta^2"])
+    held = [dof for point in beam.points for dof in beam.dofs(point, names)]
+    model = sc.Model(
+        forms, [basis.get_dofs(lambda x: np.isclose(x[2], -50.0)).all(), *sides, *cut, *held]
+    )
+    return model, model.forms["pile"]
+
+
+def test_pile_in_space_settles_like_a_solid_one():
+    """[X] A solid pile of 1000 kN in a fine axisymmetric mesh settles by 9.32 mm: within 5 % in
+    coarse elements.
+    """
+    found = []
+    for side in (3.2, 1.6):
+        model, form = in_space(side, 0.25)
+        stage = model.run(
+            [sc.Stage("load", form.load((0.0, 0.0, -250.0), (0.0, 0.0, 0.0)))], **QUIET
+        )["load"]
+        found.append(-1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[2]])
+        assert form.line_forces(stage.states["pile"])[3].min() == pytest.approx(-250.0, rel=0.01)
+    assert found == pytest.approx([9.32, 9.32], rel=0.05)
+    assert found[0] == pytest.approx(found[1], rel=0.015)
+
+
+def test_pile_in_space_bends_like_a_solid_one():
+    """[X] A solid pile under 100 kN at its head, in 54,000 dofs, moves by 4.74 mm; a quarter bears
+    a quarter.
+    """
+    model, form = in_space(1.6, 0.25, pushed=True)
+    stage = model.run([sc.Stage("push", form.load((25.0, 0.0, 0.0), (0.0, 0.0, 0.0)))], **QUIET)[
+        "push"
+    ]
+    assert 1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[0]] == pytest.approx(4.74, rel=0.05)
+
+
+def test_limit_of_a_pile_in_space():
+    """[X] A quarter of a pile: 20 m of skin with 10 kN/m and the foot with 30 kN."""
+    model, form = in_space(3.2, 0.25, T_max=10.0, F_max=30.0)
+    found = model.limit_load(form.load((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)), step=50.0, **QUIET)
+    assert found.multiplier == pytest.approx(230.0, rel=1e-3)
+
+
+def test_bad_piles_in_space():
+    mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 2.0, 3)]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=4)
+    nail = sc.Beam(None, [[1.0, 1.0, 2.0], [1.0, 1.0, 0.5]], EI=1.0, EA=1.0)
+    long = sc.Beam(None, [[1.0, 1.0, 2.0], [1.0, 1.0, -0.5]], EI=1.0, EA=1.0)
+    with pytest.raises(ValueError, match="has a radius, not None"):
+        sc.Embedded(basis, nail, T_max=1.0)
+    with pytest.raises(ValueError, match=r"leaves the mesh at \(1, 1, -"):
+        sc.Embedded(basis, long, T_max=1.0, radius=0.1)
+    with pytest.raises(ValueError, match=r"has a radius, not 0\.1"):
+        sc.Embedded(
+            ground(),
+            sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=1e5, EA=3e6),
+            T_max=1.0,
+            radius=0.1,
+        )
+
+
+@pytest.mark.parametrize("kind", ["Tri", "Quad"])
+def test_nail_in_a_mesh_of_second_order(kind):
+    """[N] Elements whose sides have nodes in the middle, as Gmsh writes them, move a nail as linear
+    ones do.
+    """
+    linear, second, element = {
+        "Tri": (MeshTri, MeshTri2, "P2"),
+        "Quad": (MeshQuad, MeshQuad2, "Q2"),
+    }[kind]
+    mesh = linear.init_tensor(np.linspace(0.0, 6.0, 7), np.linspace(0.0, 3.0, 4))
+    heads = []
+    for own in (mesh, second.from_mesh(mesh)):
+        basis = vector_basis(own.with_defaults(), element, intorder=4)
+        nail = sc.Beam(None, np.linspace((0.3, 1.6), (4.3, 2.1), 5), EI=10.0, EA=1e4)
+        forms = {
+            "soil": sc.SolidForm(basis, sc.LinearElastic(E=3e4, nu=0.3)),
+            "nail": nail,
+            "skin": sc.Embedded(basis, nail, T_max=15.0),
+        }
+        model = sc.Model(forms, basis.get_dofs("bottom").all())
+        stage = model.run(
+            [sc.Stage("pull", model.forms["nail"].load((-5.0, 0.0), (0.3, 1.6)))], **QUIET
+        )["pull"]
+        heads.append(stage.x[model.forms["nail"].numbers((0.3, 1.6))])
+    np.testing.assert_allclose(heads[1], heads[0], rtol=1e-8)
+
+
+def test_pile_softer_than_the_ground_is_refused():
+    mesh = MeshHex.init_tensor(*(np.linspace(0.0, 4.0, 5),) * 3).with_defaults()
+    basis = vector_basis(mesh, "S2", intorder=4)
+    pile = sc.Beam(None, np.linspace((2.0, 2.0, 4.0), (2.0, 2.0, 1.0), 4), EI=1.0, EA=1e3)
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "pile": pile,
+        "skin": sc.Embedded(basis, pile, T_max=1.0, radius=0.25),
+    }
+    with pytest.raises(
+        ValueError, match=r"EA=1000 of the embedded beam is less than that of the ground .* 1963"
+    ):
+        sc.Model(forms, basis.get_dofs("bottom").all())

@@ -1,0 +1,183 @@
+"""Limit loads by indirect continuation: closed forms, curves and bad input."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementQuad2,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshQuad,
+    MeshQuad2,
+)
+
+import skfem_contact as sc
+from skfem_contact.collapse import continuation
+from skfem_contact.collapse.result import SearchResult, Stop
+from tests.tools.helpers import analysis
+
+
+def column(phi=0.0, psi=0.0, n=2):
+    """A square (c = 10) that can spread, under pressure on its top."""
+    basis = Basis(MeshQuad().refined(n).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    form = sc.SolidForm(
+        basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=phi, psi=psi), strain="b_bar"
+    )
+    fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+    top = FacetBasis(basis.mesh, basis.elem, facets="top")
+    return {"soil": form}, fixed, LinearForm(lambda v, w: -v[1]).assemble(top)
+
+
+@pytest.mark.parametrize(("phi", "psi"), [(0.0, 0.0), (30.0, 30.0), (30.0, 0.0)])
+def test_column(phi, psi):
+    """G8 [X]: q = 2 c tan(45 + phi/2); uniform stress, so that the residual's tolerance is the only
+    error.
+    """
+    exact = 20.0 * np.tan(np.radians(45.0 + phi / 2))
+    result = analysis("limit_load", *column(phi, psi), progress=False)
+    assert result.multiplier == pytest.approx(exact, rel=1e-3)
+    assert np.all(np.diff(result.curve[:, 0]) > 0)
+
+
+def test_loads_scale():
+    """[X] Ten times the reference load, a tenth of the multiplier."""
+    forms, fixed, load = column(30.0, 30.0)
+    one, ten = (
+        sc.Model(forms, fixed).limit_load(load, progress=False),
+        sc.Model(forms, fixed).limit_load(10 * load, progress=False),
+    )
+    assert ten.multiplier == pytest.approx(
+        0.1 * one.multiplier, rel=5e-3
+    )  # both brackets are so wide
+
+
+def test_start_keeps_its_load():
+    """[X] What is carried already is missing at the end."""
+    forms, fixed, load = column()
+    start = sc.Model(forms, fixed).run([sc.Stage("half", 10.0 * load)], progress=False)
+    result = sc.Model(forms, fixed).limit_load(load, start=start, progress=False)
+    assert result.multiplier == pytest.approx(10.0, rel=1e-3)  # tolerance of the residual
+    np.testing.assert_allclose(result.load, 20.0 * load, rtol=1e-3, atol=1e-9)
+
+
+def test_collapse_of_a_thick_cylinder():
+    """[X] Radii 1 and 4, c = 10, phi = 30: the whole wall yields at 26.324437; to 0.5 %."""
+    flat = MeshQuad2.from_mesh(
+        MeshQuad.init_tensor(4.0 ** np.linspace(0, 1, 7), np.linspace(0, np.pi / 2, 4))
+    )
+    r, angle = flat.doflocs
+    mesh = MeshQuad2(np.array([r * np.cos(angle), r * np.sin(angle)]), flat.t).with_boundaries(
+        {
+            "inner": lambda p: np.hypot(*p) < 1.05,
+            "x": lambda p: p[1] < 1e-9,
+            "y": lambda p: p[0] < 1e-9,
+        }
+    )
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=5)
+    side = FacetBasis(mesh, basis.elem, facets="inner", intorder=6)
+    load = LinearForm(lambda v, w: -(w.n[0] * v[0] + w.n[1] * v[1])).assemble(side)
+    fixed = np.hstack([basis.get_dofs("x").all("u^2"), basis.get_dofs("y").all("u^1")])
+    for psi in (30.0, 0.0):
+        form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0, psi=psi))
+        result = sc.Model({"soil": form}, fixed).limit_load(load, step=10.0, progress=False)
+        assert result.multiplier == pytest.approx(26.324437, rel=5e-3)
+        assert result.iterations <= 30
+
+
+def footing(element, strain, intorder, triangles):
+    """A smooth footing of half width 1 on c = 1, phi = 0."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 6, 19), np.linspace(-3, 0, 10))
+    mesh = mesh.to_meshtri(style="x") if triangles else mesh
+    mesh = mesh.with_boundaries(
+        {
+            "footing": lambda p: (p[1] > -1e-9) & (p[0] < 1 + 1e-9),
+            "bottom": lambda p: p[1] < -3 + 1e-9,
+            "sides": lambda p: (p[0] < 1e-9) | (p[0] > 6 - 1e-9),
+        }
+    )
+    basis = Basis(mesh, ElementVector(element), intorder=intorder)
+    form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=0.0), strain=strain)
+    fixed = np.hstack([basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
+    facets = FacetBasis(mesh, basis.elem, facets="footing", intorder=4)
+    return {"soil": form}, fixed, LinearForm(lambda v, w: -v[1]).assemble(facets)
+
+
+def test_footing_locks_with_full_integration_only():
+    """G1 [X]: N_c = 5.1416; coarse meshes read up to 15 % more, and full integration never reaches
+    a plateau.
+    """
+    p2 = analysis("limit_load", *footing(ElementTriP2(), "full", 2, True), progress=False)
+    b_bar = analysis("limit_load", *footing(ElementQuad1(), "b_bar", 2, False), progress=False)
+    for result in (p2, b_bar):
+        assert 2 + np.pi < result.multiplier < 1.15 * (2 + np.pi)
+    with pytest.warns(
+        sc.AnalysisWarning,
+        match="no collapse was shown: .* max_value: there is no collapse below 30",
+    ):
+        locked = analysis(
+            "limit_load", *footing(ElementQuad1(), "full", 2, False), max_value=30.0, progress=False
+        )
+    assert locked.multiplier > 30.0
+    assert locked.stop.kind == "max_value"
+
+
+def test_curve_is_followed_beyond_its_plateau():
+    """[X] Tresca: the load stays what it is while the footing sinks, and from there no more can be
+    carried.
+    """
+    problem = footing(ElementTriP2(), "full", 2, True)
+    usual = analysis("limit_load", *problem, progress=False)
+    far = 4.0 * usual.curve[-1, 2]
+    long = analysis("limit_load", *problem, min_displacement=far, progress=False)
+    assert usual.curve[-1, 2] < far <= long.curve[-1, 2]
+    # the tolerance of a plateau, 0.5 %, here and below
+    assert long.multiplier == pytest.approx(usual.multiplier, rel=0.005)
+    more = analysis("limit_load", *problem, start=long.end, step=0.1, progress=False)
+    assert abs(more.multiplier) < 0.005 * long.multiplier
+
+
+def test_result_prints_its_steps():
+    """One line a step."""
+    result = analysis("limit_load", *column(), progress=False)
+    assert str(result).count("equilibrium") == len(result.curve)
+    assert result.mechanism.shape == result.x.shape
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"tolerance": 0.0}, "positive"),
+        ({"step": 0.0}, "positive"),
+        ({"max_step": 0.0}, "positive"),
+    ],
+)
+def test_bad_settings(settings, message):
+    with pytest.raises(ValueError, match=message):
+        analysis("limit_load", *column(), **settings)
+
+
+def test_no_load():
+    forms, fixed, load = column()
+    with pytest.raises(ValueError, match="zero"):
+        sc.Model(forms, fixed).limit_load(0.0 * load)
+
+
+@pytest.mark.parametrize(
+    ("slides", "second", "ends"),
+    [(True, "plateau", "plateau"), (True, "peak", "stall"), (False, "plateau", "stall")],
+)
+def test_a_search_that_stalls_tries_again_with_resistance(monkeypatch, slides, second, ends):
+    """Once, where anything slides; an end that shows no limit does not replace the first one."""
+    tried = [SearchResult([], Stop(kind, "")) for kind in ("stall", second)]
+    monkeypatch.setattr(continuation, "_follow", lambda *given, **settings: tried.pop(0))
+    branch = SimpleNamespace(search="step", beside_contact=False, resist=lambda: slides)
+    found = continuation.follow(branch, np.zeros(1), [], sc.Newton(), 0.01, None)
+    assert found.stop.kind == ends
+    assert len(tried) == (0 if slides else 1)

@@ -1,0 +1,80 @@
+"""Every example of the first three chapters runs, passes its own checks and ends with its
+figures.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import runpy
+import shutil
+import sys
+from pathlib import Path
+
+import matplotlib
+import matplotlib.pyplot as plt
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CHAPTERS = ("1_first_steps", "1_short_scripts", "2_contact", "3_geotechnics")
+SCRIPTS = [
+    path for chapter in CHAPTERS for path in sorted((ROOT / "examples" / chapter).glob("plot_*.py"))
+]
+#: Folder of a built gallery, which has run the examples with their checks: its pages hold what they
+#: printed.
+GALLERY = os.environ.get("BUILT_GALLERY")
+KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
+
+
+@pytest.fixture(autouse=True)
+def bounds_beside() -> None:
+    """Keep the bounds that searches compute unasked."""
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_example_runs_and_ends_with_its_figures(
+    script: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The last line is one JSON object that names the case and holds at least one row of
+    figures.
+    """
+    output = _printed_in_gallery(script) if GALLERY else _run(script, tmp_path, monkeypatch, capsys)
+    figures = json.loads(output.splitlines()[-1])
+    assert figures["case"]
+    assert figures["rows"]
+    for row in figures["rows"]:
+        assert set(row) >= KEYS
+        assert row["error"] is None or 0.0 <= row["error"] < math.inf
+
+
+def _printed_in_gallery(script: Path) -> str:
+    """Return the figures on the page of an example, which holds no warning of numpy."""
+    page = (ROOT / str(GALLERY) / script.parent.name / f"{script.stem}.rst").read_text(
+        encoding="utf-8"
+    )
+    assert "RuntimeWarning: " not in page
+    return "\n".join(
+        line.strip() for line in page.splitlines() if line.lstrip().startswith('{"case": ')
+    )
+
+
+def _run(
+    script: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> str:
+    """Run an example as a script in a folder of its own; return what it prints."""
+    matplotlib.use("Agg")
+    monkeypatch.chdir(folder)
+    for given in (*script.parent.glob("*.msh"), *script.parent.glob("*.dxf")):
+        shutil.copy(given, folder)
+    monkeypatch.syspath_prepend(script.parent)  # as for a script that is run
+    monkeypatch.setattr(sys, "argv", [str(script)])
+    monkeypatch.setattr(plt, "show", lambda: None)
+    try:
+        runpy.run_path(str(script), run_name="__main__")
+    finally:
+        plt.close("all")
+    return capsys.readouterr().out

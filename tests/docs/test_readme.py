@@ -1,0 +1,57 @@
+"""The Python code of the README and the user guide runs as it is printed."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "docs" / "index.md",
+    *sorted((ROOT / "docs" / "guide").glob("*.md")),
+]
+CODE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture(autouse=True)
+def bounds_beside() -> None:
+    """Keep the bounds that searches compute unasked."""
+
+
+def python_code(page: Path) -> str:
+    """The Python blocks of a page in one script."""
+    return "\n".join(CODE.findall(page.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if python_code(p)], ids=lambda page: page.stem)
+def test_code_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Blocks of a page build on each other; they may write files into the folder they run in."""
+    if "sc.section" in python_code(page):
+        pytest.importorskip(
+            "gmsh", reason="gmsh or a system library is missing", exc_type=(ImportError, OSError)
+        )
+    matplotlib.use("Agg")
+    monkeypatch.setenv("PYVISTA_OFF_SCREEN", "true")
+    monkeypatch.chdir(tmp_path)
+    script = tmp_path / f"{page.stem}.py"
+    script.write_text(python_code(page), encoding="utf-8")
+    runpy.run_path(str(script), run_name="__main__")
+
+
+def test_first_plot_is_short() -> None:
+    """Both blocks of the README reach a picture in at most 15 lines."""
+    for block in CODE.findall((ROOT / "README.md").read_text(encoding="utf-8")):
+        lines = [line for line in block.splitlines() if line.strip()]
+        assert ".contour(" in lines[-1] and len(lines) <= 15
+
+
+def test_links_of_readme_lead_somewhere() -> None:
+    """Links and pictures with a path are files of the repository."""
+    links = re.findall(r"\]\(([^)]+)\)", (ROOT / "README.md").read_text(encoding="utf-8"))
+    missing = [link for link in links if "://" not in link and not (ROOT / link).exists()]
+    assert not missing
