@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
-from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+)
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
@@ -140,3 +148,92 @@ def test_end_with_contact_is_a_start(enforcement: sc.AugmentedLagrangian | None)
     assert (
         0.5 * end.x[top].mean() > back.x[top].mean() > end.x[top].mean()
     )  # sunk, and up by what is elastic
+
+
+def test_joints_are_reduced_like_all_other_strength():
+    """[X] A block on an incline of 1 : 4 with mu = 0.4 slides at 1.6."""
+    base = MeshQuad.init_tensor(np.linspace(0, 4, 13), np.linspace(-1, 0, 4)).with_defaults()
+    block = MeshQuad.init_tensor(np.linspace(1.5, 2.5, 5), np.linspace(0, 0.5, 3)).with_defaults()
+    basis = Basis(
+        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2
+    )
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=20.0, phi=30.0, psi=30.0)
+    forms = {
+        "base": sc.SolidForm(basis.with_elements("base"), soil, "b_bar"),
+        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e6, nu=0.2)),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "base:top", sc.Coulomb(mu=0.4), quadrature=2
+        ),
+    }
+    angle = np.arctan(0.25)
+    down = sc.weight(basis, {"base": 0.0, "block": 20.0}, direction=(np.sin(angle), -np.cos(angle)))
+    found = sc.Model(forms, basis.get_dofs("base:bottom").all()).strength_reduction(
+        down, progress=False
+    )
+    assert found.reduced == ("base.all", "joint")
+    assert found.factor == pytest.approx(1.6, abs=0.01)  # tol
+
+
+@cache
+def wall(stiffness, law):
+    """Factor of a vertical cut of clay, 4 m, beside a slender wall that stands in the ground."""
+    x = np.concatenate((np.linspace(-8, 0, 7), [0.4], 0.4 + np.linspace(0, 6, 6)[1:]))
+    flat = MeshQuad.init_tensor(x, np.linspace(-6, 4, 11))
+    middle = flat.p[:, flat.t].mean(axis=1)
+    mesh = flat.restrict(np.flatnonzero((middle[0] < 0.4) | (middle[1] < 0))).to_meshtri(style="x")
+
+    def in_wall(p):
+        return (p[0] > 0) & (p[0] < 0.4) & (p[1] > -3)
+
+    faces = {
+        "left": lambda p: np.isclose(p[0], 0.0) & (p[1] > -3),
+        "tip": lambda p: np.isclose(p[1], -3) & (p[0] > 0) & (p[0] < 0.4),
+        "right": lambda p: np.isclose(p[0], 0.4) & (p[1] > -3) & (p[1] < 0),
+    }
+    mesh = mesh.with_boundaries(
+        faces
+        | {
+            "bottom": lambda p: p[1] < -6 + 1e-9,
+            "sides": lambda p: (p[0] < -8 + 1e-9) | (p[0] > 6.4 - 1e-9),
+        },
+        boundaries_only=False,
+    )
+    mesh = mesh.with_subdomains({"wall": in_wall, "clay": lambda p: ~in_wall(p)})
+    mesh = sc.join_bodies(mesh, bodies={"ground": "clay", "wall": "wall"})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    forms = {
+        "ground": sc.SolidForm(
+            basis.with_elements("ground"), sc.Tresca(E=stiffness * 1e4, nu=0.3, c=25.0)
+        ),
+        "wall": sc.SolidForm(
+            basis.with_elements("wall"), sc.LinearElastic(E=stiffness * 2e7, nu=0.2)
+        ),
+    }
+    for face in faces:
+        penalty = stiffness * 1e5, stiffness * 1e4
+        forms[face] = sc.ContactPair(
+            basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty
+        )
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
+    return sc.Model(forms, fixed).strength_reduction(
+        sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tolerance=0.01, progress=False
+    )
+
+
+FRICTION = sc.Coulomb(mu=0.3)
+
+
+def test_factor_with_contact_does_not_depend_on_stiffness():
+    """[X] Collapse loads are rigid-plastic: one factor over 2,500-fold moduli and penalties, to
+    within `tol`.
+    """
+    factors = [wall(stiffness, FRICTION).factor for stiffness in (0.02, 1.0, 50.0)]
+    assert max(factors) - min(factors) <= 0.01
+
+
+def test_weaker_joint_does_not_raise_the_factor():
+    """[X] Friction after bond, no friction after friction; all curves end within a quarter of
+    0.01.
+    """
+    bonded, rough, smooth = (wall(1.0, law).factor for law in (sc.Tied(), FRICTION, sc.Coulomb()))
+    assert smooth <= rough + 0.0025 <= bonded + 0.005

@@ -223,9 +223,10 @@ def patch(element: str, quadrature, swapped: bool = False, apart: float = 0.0, *
     """
     n, m = {"Q2": (2, 3), "S2": (2, 3), "P1": (3, 4), "P2": (2, 3)}.get(element, (4, 6))
     lower, upper = (np.linspace(0, 1, k + 1) for k in (n, m))
-    skew = lambda p: (
-        0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])
-    )
+
+    def skew(p):
+        return 0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])
+
     mesh = sc.join_bodies(
         {
             "lower": space.block(element, lower, lower, lower),

@@ -202,9 +202,10 @@ def test_pieces_cover_both_surfaces(element):
     are.
     """
     lines = [np.linspace(0, 1, n + 1) for n in (4, 6)]
-    skew = lambda p: (
-        0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])
-    )
+
+    def skew(p):
+        return 0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])
+
     lower = space.block(element, lines[0], lines[0], [-1, 0])
     upper = space.moved(space.block(element, lines[1], lines[1], [0, 1]), skew)
     master = Surface.from_boundary(vector_basis(lower, element), "top")

@@ -10,7 +10,9 @@ from copy import copy
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
-from skfem import BilinearForm
+from skfem import (
+    BilinearForm,
+)
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
@@ -481,3 +483,30 @@ def test_an_own_recovery():
     assert abs(result["pull"].x[0] - 1.3) < 1e-8  # linear once it is taut: no trace of the damper
     with pytest.raises(sc.NotConverged):
         sc.Model({"rope": BareRope()}).run([stage], **QUIET)
+
+
+class Held(sc.Form):
+    """A spring without `rebased`, as a user writes it first."""
+
+    def __init__(self, n, dofs, stiffness):
+        self.size, self.K = (
+            n,
+            csr_matrix((np.full(len(dofs), stiffness), (dofs, dofs)), shape=(n, n)),
+        )
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ x, lambda: state, lambda: self.K)
+
+
+def test_reset_of_an_own_form():
+    """A form whose force would change when displacements are reset is refused by name."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 1, 5), np.linspace(0, 1, 5)), "Q1", intorder=2)
+    forms = {
+        "body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)),
+        "spring": Held(basis.N, basis.get_dofs("bottom").all("u^2"), 100.0),
+    }
+    result = sc.Model(forms, basis.get_dofs().all("u^1")).run(
+        [sc.Stage("weight", sc.weight(basis, 20.0))], **QUIET
+    )
+    with pytest.raises(ValueError, match=r"force of 'spring' changes .* rebased"):
+        result.reset()

@@ -6,7 +6,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementQuad2, ElementTetP1, ElementTriP2, ElementVector, MeshQuad, MeshTet
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementQuad2,
+    ElementTetP1,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+    MeshTet,
+)
 
 import skfem_contact as sc
 from skfem_contact.results import Result
@@ -223,3 +232,29 @@ def test_displacements_of_a_limit_load():
         footing.load((0.0, -1.0), at=(LEVER, 0.0)), step=20.0, progress=False
     )
     assert found.curve[-1, 2] == pytest.approx(np.abs(found.end.x[: basis.N]).max(), rel=1e-12)
+
+
+QUIET = {"progress": False}
+
+
+def test_two_rigid_boundaries():
+    """[X] Two equal footings share no dofs: the loaded one stays straight."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 17), np.linspace(0, 2, 9)).with_boundaries(
+        {
+            "bottom": lambda x: x[1] < 1e-9,
+            "left footing": lambda x: (x[1] > 2 - 1e-9) & (x[0] < 1 + 1e-9),
+            "right footing": lambda x: (x[1] > 2 - 1e-9) & (x[0] > 3 - 1e-9),
+        }
+    )
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    left, right = (sc.RigidBoundary(basis, f"{side} footing") for side in ("left", "right"))
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+        "left": left,
+        "right": right,
+    }
+    stage = sc.Stage("load", left.load((0.0, -10.0), at=(0.5, 2.0)))
+    x = sc.Model(forms, basis.get_dofs("bottom").all()).run([stage], **QUIET)["load"].x
+    dofs = basis.get_dofs("left footing").all("u^2")
+    at, down = basis.doflocs[0, dofs], x[dofs]
+    assert np.abs(down - np.polyval(np.polyfit(at, down, 1), at)).max() < 1e-9 * np.abs(down).max()

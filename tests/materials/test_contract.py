@@ -12,6 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from skfem import (
+    Basis,
+    ElementQuad2,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+    MeshTri,
+)
 
 import skfem_contact as sc
 from skfem_contact import plot
@@ -363,3 +371,56 @@ def test_materials_are_asked():
                 ) or (node.func.id == "isinstance" and classes & kinds):
                     wrong.append(f"{path.name}:{node.lineno}")
     assert not wrong
+
+
+class Remembers(sc.LinearElastic):
+    """An elastic law that remembers the largest strain."""
+
+    internal = (sc.Internal("largest strain"),)
+
+    def update(self, strain_increment, stress, internal):
+        new = super().update(strain_increment, stress, internal[:0])
+        return new._replace(internal=internal + np.abs(strain_increment[1:2]))
+
+
+def test_figures_of_own_laws():
+    """A law that does not define its strength shows none, and an elastic law with memory has no
+    point that yields.
+    """
+    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    for law, push in (
+        (PlainLaw(sc.Tresca(E=1e3, nu=0.3, c=10.0)), -19.9),
+        (Remembers(E=1e3, nu=0.3), -1.0),
+    ):
+        model = sc.Model({"body": sc.SolidForm(basis, law)}, fixed)
+        stage = model.run([sc.Stage("press", model.traction("top", (0.0, push)))], **QUIET)["press"]
+        assert "yielded" not in stage.summary["body"]
+        mobilised = stage.field("mobilised") if isinstance(law, Remembers) else np.zeros(1)
+        assert not mobilised.any()  # an elastic body mobilises nothing
+        if isinstance(law, PlainLaw):
+            assert not np.isfinite(stage.field("mobilised")).any()
+
+
+class Own:
+    """Linear elasticity by the documented calls alone."""
+
+    law = sc.LinearElastic(E=1e4, nu=0.3)
+
+    def elasticity(self, ncomp):
+        return self.law.elasticity(ncomp)
+
+    def update(self, strain_increment, stress, internal):
+        return self.law.update(strain_increment, stress, internal)
+
+
+def test_gravity_with_an_own_material():
+    """[X] Elastic ground with Poisson's ratio K0 / (1 + K0) has this ratio of stresses, whoever
+    wrote the law.
+    """
+    basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad2()), intorder=4)
+    model = sc.Model(
+        {"ground": sc.SolidForm(basis, Own(), unit_weight=20.0)}, sc.box_supports(basis)
+    )
+    stress = model.gravity_state(K0=0.5)["initial"].states["ground"].stress
+    np.testing.assert_allclose((stress[0] / stress[1]).mean(), 0.5, rtol=1e-6)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from skfem import Basis, FacetBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
+import skfem_contact as sc
 from skfem_contact import join_bodies
 from skfem_contact.mesh import load_mesh
 
@@ -202,3 +203,47 @@ def test_gmsh_meshes_that_are_not_supported(tmp_path):
         load_mesh(disc_in_plate(path, 4.1, mixed=True))
     with pytest.raises(ValueError, match=r"\d+ quad8; .*SecondOrderIncomplete = 0"):
         load_mesh(disc_in_plate(path, 4.1, 2, True, SecondOrderIncomplete=1))
+
+
+SQUARE = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+$EndNodes
+$Elements
+2
+1 2 2 1 1 1 2 3
+2 2 2 1 1 1 3 4
+$EndElements
+"""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda s: "".join(
+                f"{a} {b} 0 {c}\n"
+                if len(p := line.split()) == 4
+                and line[0] in "1234"
+                and (a := p[0], b := p[1], c := p[2])
+                else line + "\n"
+                for line in s.splitlines()
+            ),
+            "x-y plane",
+        ),
+        (lambda s: s.replace("1 3 4\n", "1 3 9\n"), "out of bounds"),
+        (lambda s: s.replace("2 1 0 0", "2 nan 0 0"), "not finite"),
+    ],
+)
+def test_meshes_that_would_be_flattened_or_wrong(tmp_path, change, message):
+    """The file is named."""
+    file = tmp_path / "some.msh"
+    file.write_text(change(SQUARE))
+    with pytest.raises(ValueError, match=rf"some.msh: .*{message}"):
+        sc.load_mesh(file)

@@ -1,11 +1,19 @@
 """Threads: how many a large factor has."""
 
+from __future__ import annotations
+
 import os
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
+import threadpoolctl
+from scipy.sparse import csr_matrix
 
+import skfem_contact as sc
 from skfem_contact.solvers.threads import allowed, single_threaded
+from tests.tools.helpers import grid, vector_basis
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
@@ -51,7 +59,7 @@ def test_one_number_for_all_phases(monkeypatch):
     """
     pytest.importorskip("pypardiso")
     import numpy as np
-    from scipy.sparse import csr_matrix, diags_array
+    from scipy.sparse import diags_array
 
     from skfem_contact.solvers import pardiso
 
@@ -76,3 +84,31 @@ def test_one_number_for_all_phases(monkeypatch):
         assert np.abs(A @ x * float(first) - 1.0).max() < 1e-12  # round-off
     assert len(given) >= 3 and set(given) == {min(2, CORES)}
     assert limit(0) == before
+
+
+def ground():
+    basis = vector_basis(grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 2, 5)), "Q1", intorder=2)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))}
+    return basis, forms, sc.weight(basis, 20.0), basis.get_dofs("bottom").all()
+
+
+def test_threads_are_given_back():
+    """Runs side by side leave the number of threads as it was."""
+
+    def threads():
+        return [
+            pool["num_threads"]
+            for pool in threadpoolctl.threadpool_info()
+            if pool["user_api"] == "blas"
+        ]
+
+    def job(n):
+        _, forms, load, fixed = ground()
+        return sc.Model(forms, fixed).run([sc.Stage("weight", load)], progress=False)
+
+    job(0)
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        before = threads()
+        with ThreadPoolExecutor(3) as pool:
+            list(pool.map(job, range(9)))
+        assert threads() == before

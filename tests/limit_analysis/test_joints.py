@@ -1,23 +1,33 @@
-"""Trials of bounds from outside: bad input, open joints, loads that nothing bears, soil without
-tension.
-"""
+"""Bounds of bodies with joints between them."""
 
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+from skfem import (
+    Basis,
+    ElementTriP2,
+    ElementVector,
+    MeshTri,
+)
 
 import skfem_contact as sc
-from skfem_contact.limit_analysis import certify, search
+from skfem_contact.solvers.superlu import SuperLU
 from tests.fuzz import joints
 from tests.fuzz.blocks import Stack
-from tests.tools.helpers import analysis
 
-SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_bounds_of_a_smooth_joint_without_pardiso(rigid, monkeypatch):
+    """Blocks on a slope that nothing holds without friction: no safe estimate, and no failure of
+    the factor.
+    """
+    monkeypatch.setattr("skfem_contact.limit_analysis.elements.as_engine", SuperLU)
+    drawn = Stack(1.25, (0.42,), (0.57,), float(np.radians(24.5)), "nodal")
+    for name, value, tolerance in joints.bounds(drawn, True, "given", rigid):
+        assert value <= tolerance, name
 
 
 def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
@@ -34,45 +44,6 @@ def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.n
     if law is not None:
         forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
     return forms, basis.get_dofs("base:bottom").all()
-
-
-def column(material) -> tuple[dict, np.ndarray]:
-    """A square that can spread between its base and a smooth left side."""
-    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
-    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
-    return {"ground": sc.SolidForm(basis, material)}, fixed
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"seismic": np.nan}, "seismic"),
-        ({"water": lambda x: np.nan * x[0]}, "water must be finite"),
-        ({"submerged": "right"}, "give `water`"),
-    ],
-)
-def test_bad_input_is_named(given: dict, message: str) -> None:
-    """Values that are not finite, and boundaries under water without water: one error that names
-    the argument.
-    """
-    with pytest.raises(ValueError, match=message):
-        analysis("bounds", *column(SOIL), weight=20.0, elements=100, progress=False, **given)
-
-
-def test_rigid_body_in_the_air() -> None:
-    """A rigid body that nothing holds is refused before the iteration."""
-    forms, fixed = blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
-    with pytest.raises(ValueError, match="can move freely"):
-        sc.Model(forms, fixed).bounds(weight=20.0, gap=0.2, elements=100, progress=False)
-
-
-def test_loads_that_nothing_bears_are_no_proof_of_safety() -> None:
-    """[X] A column pulled beyond its apex c cot(phi) collapses at every factor."""
-    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=1.0, phi=30.0, psi=30.0)
-    with pytest.raises(ValueError, match="at any strength the loads exceed"):
-        analysis(
-            "bounds", *column(soil), tractions={"top": (0.0, 10.0)}, elements=200, progress=False
-        )
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-4, 1e-3, 4e-3])
@@ -142,44 +113,6 @@ def test_a_rigid_block_on_soil(c: float) -> None:
     assert sum(one.iterations for one in found.history[:2]) < 40
 
 
-def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    """[X] Above the largest multiplier of a mesh no stress in equilibrium is admissible: it proves
-    nothing.
-    """
-    given = []
-    monkeypatch.setattr(
-        search, "prove_lower", lambda *args: given.append(args) or certify.prove_lower(*args)
-    )
-    forms, fixed = blocks(0.0, SOIL, SOIL, sc.Coulomb(mu=0.5, adhesion=2.5))
-    loads = {
-        "weight": {"block": 25.0},
-        "tractions": {"block:left": (1.0, 0.0)},
-        "live": "block:left",
-    }
-    sc.Model(forms, fixed).bounds(**loads, gap=0.9, elements=100, progress=False)
-    program, found, live = given[0]
-    assert certify.prove_lower(program, found, live).value == pytest.approx(found.theta, rel=1e-12)
-    assert (
-        certify.prove_lower(program, replace(found, theta=1.005 * found.theta), live).value
-        == -np.inf
-    )
-
-
-def test_a_multiple_of_stresses_is_no_more_than_admissible() -> None:
-    """[X] Cohesive soil that can spread carries 2 c; without fixed loads the stresses may be
-    multiplied as a whole.
-    """
-    found = analysis(
-        "bounds",
-        *column(sc.Tresca(1e3, 0.3, c=10.0)),
-        tractions={"top": (0.0, -1.0)},
-        live="top",
-        elements=200,
-        progress=False,
-    )
-    assert 19.99 < found.lower <= 20.0 * (1 + 1e-12)
-
-
 def test_a_foot_beside_a_support() -> None:
     """Velocities without jumps cannot leave a support: where contact ends at one, it is named."""
     ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 5)).with_defaults()
@@ -206,60 +139,6 @@ def test_a_foot_beside_a_support() -> None:
             elements=150,
             progress=False,
         )
-
-
-@pytest.mark.parametrize("c", [1.0, 0.1, 0.0])
-def test_passive_earth_pressure(c: float) -> None:
-    """[X] Rankine's passive earth pressure on a smooth wall, K_p gamma h / 2 + 2 c sqrt(K_p); sand
-    has no lower one.
-    """
-    expected = 3.0 * 20.0 / 2.0 + 2.0 * c * np.sqrt(3.0)
-    ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 5)).with_defaults()
-    wall = MeshTri.init_tensor(np.linspace(-0.3, 0, 2), np.linspace(-1, 0, 5)).with_defaults()
-    basis = Basis(
-        sc.join_bodies({"ground": ground, "wall": wall}), ElementVector(ElementTriP2()), intorder=2
-    )
-    soil = sc.MohrCoulomb(1e5, 0.3, c=c, phi=30.0, psi=30.0)
-    forms = {
-        "ground": sc.SolidForm(basis.with_elements("ground"), soil),
-        "wall": sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(1e7, 0.2)),
-        "joint": sc.ContactPair(basis, "wall:right", "ground:left", sc.Coulomb(mu=0.0)),
-    }
-    fixed = [
-        basis.get_dofs({"ground:bottom", "wall:bottom"}).all("u^2"),
-        basis.get_dofs("ground:right").all("u^1"),
-    ]
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        found = sc.Model(forms, fixed).bounds(
-            weight={"ground": 20.0},
-            tractions={"wall:left": (1.0, 0.0)},
-            live="wall:left",
-            gap=0.05,
-            elements=300,
-            progress=False,
-        )
-    assert expected * (1 - 1e-12) <= found.upper < 1.001 * expected
-    if c:
-        assert 0.999 * expected < found.lower <= expected * (1 + 1e-12)
-    else:
-        assert found.lower == -np.inf and "give it a small cohesion" in str(told[-1].message)
-
-
-def test_soil_without_tension() -> None:
-    """The missing lower bound is explained by the missing tension."""
-    mesh = MeshTri.init_tensor(np.linspace(-2, 0, 3), np.linspace(0, 2, 3)).with_boundaries(
-        {"base": lambda x: x[1] < 1e-9, "sides": lambda x: x[0] < -2 + 1e-9}
-    )
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
-    soil = sc.SolidForm(basis, sc.MohrCoulomb(1e5, 0.3, c=32.0, phi=10.0, psi=10.0, tension=0.0))
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        found = sc.Model({"soil": soil}, fixed).bounds(
-            weight=20.0, gap=0.1, elements=60, progress=False
-        )
-    assert found.lower > 1.0 or any("a small tension" in str(one.message) for one in told)
 
 
 def test_joints_that_open_as_they_slip() -> None:
@@ -309,23 +188,6 @@ def test_joints_that_open_as_they_slip() -> None:
     )
 
 
-def test_bounds_take_the_earthquake_of_the_model() -> None:
-    """[X] A model's horizontal acceleration is that of its bounds; gravity in another direction is
-    refused.
-    """
-    mesh = MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 2, 5)).with_defaults()
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    soil = sc.SolidForm(
-        basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=20.0, psi=20.0), unit_weight=20.0
-    )
-    bottom = basis.get_dofs("bottom").all()
-    shaken = sc.Model({"soil": soil}, bottom, seismic=0.3).bounds(elements=100, gap=0.5)
-    asked = sc.Model({"soil": soil}, bottom).bounds(elements=100, gap=0.5, seismic=0.3)
-    assert (shaken.lower, shaken.upper) == (asked.lower, asked.upper)
-    with pytest.raises(ValueError, match="rotate the mesh"):
-        sc.Model({"soil": soil}, bottom, gravity=(0.6, -0.8)).bounds()
-
-
 def test_joints_without_adhesion_have_no_safe_bound():
     """[X] Two blocks on a slope slide at mu / tan(9.7 degrees) = 2.28: bounds, though smooth joints
     resist nothing.
@@ -363,24 +225,3 @@ def test_a_wall_that_is_much_stronger_than_clay() -> None:
     assert "much stronger than the rest would be rigid, and bounds closer: wall" in str(
         caught[-1].message
     )
-
-
-def test_a_bank_that_needs_six_times_its_strength() -> None:
-    """[X] A bank of 4 m on a smooth base, c = .5, phi = 30 degrees: at most .1812, the factor of a
-    wedge.
-    """
-    basis = Basis(
-        MeshTri.init_tensor(np.linspace(0, 8, 17), np.linspace(0, 4, 9)).with_defaults(),
-        ElementVector(ElementTriP2()),
-        intorder=2,
-    )
-    soil = sc.SolidForm(
-        basis, sc.MohrCoulomb(E=2e4, nu=0.3, c=0.5, phi=30.0, psi=30.0), unit_weight=18.0
-    )
-    model = sc.Model(
-        {"soil": soil}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("right").all("u^1")]
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sc.AnalysisWarning)  # the gap
-        found = model.bounds(elements=300, progress=False)
-    assert 0.13 < found.lower < found.upper < 0.1812

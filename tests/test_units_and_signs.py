@@ -1,8 +1,8 @@
-"""Input that nearly fits: what is refused by name, and what is told."""
+"""Values in wrong units or with wrong signs: what is refused by name, and what is told."""
 
 from __future__ import annotations
 
-import time
+import warnings
 
 import numpy as np
 import pytest
@@ -11,81 +11,18 @@ from skfem import MeshTri
 import skfem_contact as sc
 from tests.tools.helpers import grid, vector_basis
 
+
+def test_angles_in_radians():
+    with pytest.warns(sc.AnalysisWarning, match=r"phi is 0.5236: angles are given in degrees"):
+        sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=np.radians(30))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert (
+            sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0).reduced(50.0).phi < 1.0
+        )  # derived, and meant
+
+
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
-
-
-def halves(right: float = 1.0):
-    """Basis of two bodies, "l" and "r", of which the second begins at an abscissa."""
-    side = np.linspace(0.0, 1.0, 3)
-    mesh = sc.join_bodies({"l": grid("Q1", side, side), "r": grid("Q1", right + side, side)})
-    return vector_basis(mesh, "Q1", intorder=2)
-
-
-def test_subdomain_without_weight():
-    basis = halves()
-    with pytest.raises(
-        ValueError, match=r"4 elements of the subdomains \['r'\] have no unit weight"
-    ):
-        sc.SolidForm(basis, ELASTIC, unit_weight={"l": 20.0})
-    left = sc.SolidForm(
-        basis.with_elements("l"), ELASTIC, unit_weight={"l": 20.0}
-    )  # weight of all that it has
-    assert left.own_weight(np.array([0.0, -1.0])).sum() == pytest.approx(-20.0)
-    model = sc.Model({"both": sc.SolidForm(basis, ELASTIC)}, basis.get_dofs("l:bottom").all())
-    with pytest.warns(sc.AnalysisWarning, match=r"4 elements .* of 'both' are weightless") as told:
-        model.weight({"l": 20.0})
-    assert told[0].filename == __file__
-    model.weight({"l": 20.0, "r": 0.0})
-    assert len(told) == 1
-
-
-def test_pair_of_another_mesh_is_named():
-    basis, other = halves(), vector_basis(halves().mesh, "Q2")
-    joint = sc.ContactPair(other, "l:right", "r:left", sc.Tied())
-    with pytest.raises(ValueError, match=r"different bases.*<ContactPair l:right on r:left"):
-        sc.Model(
-            {"both": sc.SolidForm(basis, ELASTIC), "joint": joint}, basis.get_dofs("l:bottom").all()
-        )
-
-
-def test_many_stages_begin_at_once():
-    """The checks of ten times as many stages take ten times as long, not a hundred times."""
-    basis = halves()
-    model = sc.Model(
-        {"both": sc.SolidForm(basis, ELASTIC)}, [basis.get_dofs(f"{k}:bottom").all() for k in "lr"]
-    )
-
-    def stop(stage):
-        raise KeyboardInterrupt
-
-    def seconds(n):
-        stages = [sc.Stage(f"{k}", basis.zeros()) for k in range(n)]
-        began = time.process_time()
-        with pytest.raises(KeyboardInterrupt):
-            model.run(stages, on_increment=stop, progress=False)
-        return time.process_time() - began
-
-    seconds(1)
-    assert seconds(20_000) < 30.0 * seconds(2_000)
-
-
-def test_file_of_elements_in_another_order(tmp_path):
-    """States follow the order of the materials: a file is refused where another one would exchange
-    them.
-    """
-    basis = halves()
-
-    def model(names):
-        solid = sc.SolidForm(basis, dict.fromkeys(names, ELASTIC), unit_weight=20.0)
-        return sc.Model({"soil": solid}, basis.get_dofs({"l:bottom", "r:bottom"}).all())
-
-    model("lr").run([sc.Stage("weight")]).save(tmp_path / "weight.npz")
-    assert sc.load_result(tmp_path / "weight.npz", model("lr"))["weight"].residual < 1e-12
-    with pytest.raises(
-        ValueError,
-        match="'soil' has another mesh, or another order of the elements, which follow its",
-    ):
-        sc.load_result(tmp_path / "weight.npz", model("rl"))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,196 @@
+"""The augmented Lagrangian: its multipliers, and stages without load."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementVector,
+    MeshQuad,
+)
+
+import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from tests.tools.helpers import grid, vector_basis
+
+
+@pytest.mark.parametrize("augmented", [False, True])
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_an_interference_that_is_resolved_does_not_come_back(quadrature, augmented: bool) -> None:
+    """[X] After displacements are counted anew, a stage without load moves nothing: the fit was
+    made before.
+    """
+    bodies = {
+        "low": grid("Q1", np.linspace(-0.5, 1.5, 7), [-1.0, -0.5, 0.0]),
+        "up": grid("Q1", np.linspace(0, 1, 6), [-0.01, 0.5, 1.0]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    enforcement = sc.AugmentedLagrangian() if augmented else None
+    options = {"quadrature": quadrature, "enforcement": enforcement, "initial": "ramped"}
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(0.3), **options),
+    }
+    fixed, none = basis.get_dofs({"low:bottom", "up:top"}).all(), basis.zeros()
+    fit = sc.Model(forms, fixed).run([sc.Stage("fit", none)], progress=False)
+    start = fit.reset()
+    new = sc.Model(forms, fixed).run(
+        [sc.Stage("nothing", none, none)], start=start, progress=False
+    )["nothing"]
+    # the strain of the fit, 1 %, is gone from the places where contact acts: this turns and moves
+    # its forces
+    assert np.abs(new.x).max() < 0.01 * np.abs(fit["fit"].x).max()
+
+
+AUGMENTED = sc.AugmentedLagrangian()
+
+
+def inclined(n_base: int, n_block: int, stiffer: float):
+    """A block on a base along a slope of 1 : 10, pressed and dragged to either side by its top."""
+
+    def body(x, bottom, low):
+        mesh = grid("Q1", x, bottom + np.linspace(0.0, 0.6, 3))
+        share = (mesh.p[1] - bottom) / 0.6
+        up = (share if low else 1 - share) * 0.1 * mesh.p[0]
+        return replace(mesh, doflocs=mesh.p + np.stack((0 * up, up)))
+
+    bodies = {
+        "base": body(np.linspace(-0.3, 1.3, n_base + 1), -0.6, True),
+        "block": body(np.linspace(0, 1, n_block + 1), 0.0, False),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=4)
+    soft, stiff = sc.LinearElastic(E=1e4, nu=0.3), sc.LinearElastic(E=1e4 * stiffer, nu=0.3)
+    solid = sc.SolidForm(basis, {"base": soft, "block": stiff})
+    top, dragged = basis.get_dofs("block:top"), []
+    for along in (0.004, -0.004):
+        dragged.append(basis.zeros())
+        dragged[-1][top.all("u^1")], dragged[-1][top.all("u^2")] = along, -0.01
+    return basis, solid, dragged, np.union1d(basis.get_dofs("base:bottom").all(), top.all())
+
+
+@pytest.mark.parametrize("passes", [1, 2])
+@pytest.mark.parametrize(("meshes", "stiffer"), [((3, 5), 2e4), ((7, 4), 1.0)])
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_null_stage_moves_nothing(meshes, stiffer: float, passes: int) -> None:
+    """[X] What multipliers leave at the end of a stage is not taken up again where nothing
+    changes.
+    """
+    basis, solid, (there, back), fixed = inclined(*meshes, stiffer)
+    names, rule = ("block:bottom", "base:top"), {"quadrature": 2, "enforcement": AUGMENTED}
+    pairs = {"joint": sc.ContactPair(basis, *names, sc.Coulomb(0.3), **rule)}
+    if passes == 2:
+        pairs = dict(sc.ContactPair.two_pass(basis, *names, sc.Coulomb(0.3), **rule))
+    stages = [
+        sc.Stage(name, basis.zeros(), x)
+        for name, x in (("there", there), ("back", back), ("again", back))
+    ]
+    result = sc.Model({"solid": solid, **pairs}, fixed).run(stages, progress=False)
+    # twice the tolerance of Newton's method, which may improve what it has accepted
+    np.testing.assert_allclose(result[2].x, result[1].x, atol=2e-8 * np.abs(back).max())
+
+
+@pytest.mark.parametrize("quadrature", [2, "segments"])
+def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
+    """[X] 7 elements of a stiff block tied to 3 of a soft cap: the penalty's tractions within 1 %,
+    no 30 rounds.
+    """
+    bodies = {
+        "block": grid("Q1", np.linspace(0, 1, 8), np.linspace(0, 0.6, 3)),
+        "cap": grid("Q1", np.linspace(0, 1, 4), np.linspace(0.6, 1.2, 2)),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    materials = {"block": sc.LinearElastic(E=1.4e5, nu=0.1), "cap": sc.LinearElastic(E=1e4, nu=0.3)}
+    top, down, forces = basis.get_dofs("cap:top"), basis.zeros(), []
+    down[top.all("u^2")] = -0.016
+    fixed = np.union1d(basis.get_dofs("block:bottom").all(), top.all())
+    for rule in ({"enforcement": AUGMENTED}, {"penalty": 1e7}):
+        forms = {
+            "solid": sc.SolidForm(basis, materials, strain="b_bar"),
+            "tie": sc.ContactPair(basis, "block:top", "cap:bottom", sc.Tied(), quadrature, **rule),
+        }
+        stage = sc.Model(forms, fixed).run(
+            [sc.Stage("press", basis.zeros(), down)], progress=False
+        )["press"]
+        assert len(stage.iterations) == 1
+        assert stage.iterations[0] <= 40  # measured 20 to 26
+        forces.append(stage.report("tie").force[1])
+    assert forces[0] == pytest.approx(forces[1], rel=0.01)
+
+
+def test_errors_of_multipliers_at_nodes_that_stick():
+    """[X] Shear whose best multipliers act at a node beside points that slide counts for nothing.
+
+    The facets are 3 and 1 long; points of the second slide, so that three quarters of the middle
+    node stick.
+    """
+    mesh = MeshQuad.init_tensor(np.array([0.0, 3.0, 4.0]), np.array([0.0, 1.0])).with_defaults()
+    basis = Basis(sc.join_bodies({"block": mesh}), ElementVector(ElementQuad1()))
+    pair = sc.ContactPair(
+        basis,
+        "block:bottom",
+        sc.rigid.line((-9.0, 0.0), (9.0, 0.0)),
+        sc.Coulomb(0.5),
+        2,
+        penalty=100.0,
+        enforcement=sc.AugmentedLagrangian(),
+    )
+    state = pair.initial_state()
+    points, penalties = pair.points(state), (100.0, 100.0)
+    nodal = np.isclose(pair.slave.nodes[:, 0], 3.0) * 1.0
+    traction = np.stack((np.full(4, -1.0), points.at(nodal)))
+    stick = np.where(
+        points.positions(pair.slave.nodes)[:, 0] < 3.0, int(Status.STICK), int(Status.SLIP)
+    )
+    both = [
+        vars(state)
+        | {
+            "traction": traction,
+            "multiplier": np.stack((-np.ones(3), np.zeros(3))),
+            "status": status,
+        }
+        for status in (stick, np.full(4, int(Status.STICK)))
+    ]
+    error = [pair.enforcement.error(type(state)(**one), points, penalties, 100.0) for one in both]
+    assert error[0] < 1e-6 and error[1] == pytest.approx(
+        1.0, rel=1e-3
+    )  # the little mass of _INDIFFERENT
+
+
+def test_multipliers_do_not_pull():
+    """[X] Pressures of 1 and 0 at two points of a facet: the best line would pull at its end, by
+    (3**.5 - 1) / 2.
+    """
+    basis = Basis(
+        sc.join_bodies({"block": MeshQuad().with_defaults()}), ElementVector(ElementQuad1())
+    )
+    pair = sc.ContactPair(
+        basis,
+        "block:bottom",
+        sc.rigid.line((-9.0, 0.0), (9.0, 0.0)),
+        sc.Coulomb(0.0),
+        2,
+        penalty=100.0,
+        enforcement=sc.AugmentedLagrangian(),
+    )
+    state = pair.initial_state()
+    points = pair.points(state)
+    traction = np.stack(
+        (np.where(points.positions(pair.slave.nodes)[:, 0] < 0.5, -1.0, 0.0), np.zeros(2))
+    )
+    given = vars(state) | {
+        "traction": traction,
+        "multiplier": np.zeros((2, 2)),
+        "status": np.ones(2, int),
+    }
+    moves = np.ones((2, 2), dtype=bool)
+    found = type(state)(**given)
+    after, _, _ = pair.enforcement._corrected(
+        found, np.zeros((2, 2)), points, (100.0, 100.0), 100.0, moves
+    )
+    np.testing.assert_allclose(
+        np.sort(after[0]), [-0.5 * (1 + np.sqrt(3.0)), 0.0], rtol=1e-3, atol=1e-12
+    )

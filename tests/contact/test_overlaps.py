@@ -1,0 +1,155 @@
+"""Facets that overlap in the mesh, and nodes at joints of the master."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from skfem import FacetBasis, LinearForm, MeshQuad
+
+import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import StageResult
+from tests.tools import space
+from tests.tools.helpers import grid, vector_basis
+
+AUGMENTED = sc.AugmentedLagrangian()
+
+
+def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
+    """A stage, and what is warned of of it."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = sc.Model(forms, fixed).run([stage], progress=False)
+    return result[0], "; ".join(str(warning.message) for warning in caught)
+
+
+def annulus(inner: float, outer: float, n: int, layers: int):
+    """A ring of straight facets; "inner" and "outer" are its faces."""
+    radii, angles = np.linspace(inner, outer, layers + 1), 2 * np.pi * np.arange(n) / n
+    p = np.array([np.outer(radii, f(angles)).ravel() for f in (np.cos, np.sin)])
+    i, j = (k.ravel() for k in np.indices((layers, n)))
+    t = np.array([i * n + j, (i + 1) * n + j, (i + 1) * n + (j + 1) % n, i * n + (j + 1) % n])
+    middle = 0.5 * (inner + outer)
+    faces = {"inner": lambda x: np.hypot(*x) < middle, "outer": lambda x: np.hypot(*x) > middle}
+    return MeshQuad(p, t).with_boundaries(faces)
+
+
+def fitted(disc: int, ring: int, *rule, **options):
+    """A ring pressed onto a disc: mean pressure over Lame's, torque over the sum of all pressure,
+    what is warned of.
+    """
+    a, b, c, pressure = 0.3, 1.0, 1.5, 10.0
+    mesh = sc.join_bodies({"disc": annulus(a, b, disc, 5), "ring": annulus(b, c, ring, 4)})
+    basis = vector_basis(mesh, "Q1", intorder=4)
+    pair = sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options)
+    forms = choose_penalties(
+        {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25)), "joint": pair}
+    )
+    load = LinearForm(lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(*w.x))
+    load = load.assemble(FacetBasis(mesh, basis.elem, facets="ring:outer", intorder=4))
+    held = [
+        basis.nodal_dofs[component, np.argmin(np.hypot(mesh.p[0] - x, mesh.p[1] - y))]
+        for r in (a, c)
+        for x, y, component in ((r, 0, 1), (0, r, 0), (-r, 0, 1))
+    ]
+    stage, remarks = remarked(forms, sc.Stage("press", load), np.array(held))
+    x, y = basis.doflocs[:, 0::2] + stage.x.reshape(-1, 2).T
+    force = forms["joint"].assemble(stage.x, stage.states["joint"]).force.reshape(-1, 2)
+    on = np.unique(mesh.t[:, mesh.subdomains["ring"]])
+    joint = forms["joint"].points(stage.states["joint"]).weight * -stage.states["joint"].traction[0]
+    length = forms["joint"].slave.area.sum()
+    exact = pressure * c**2 / (c**2 - a**2) * (1 - a**2 / b**2)
+    return (
+        joint.sum() / length / exact,
+        (x * force[:, 1] - y * force[:, 0])[on].sum() / joint.sum(),
+        remarks,
+    )
+
+
+@pytest.mark.parametrize("rule", [2, "segments"])
+@pytest.mark.parametrize(("disc", "ring"), [(128, 100), (100, 128)])
+def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -> None:
+    """[X] Facets of round meshes that do not match overlap by more than the load presses; adjusted
+    they do not.
+    """
+    mean, _, remarks = fitted(disc, ring, rule)
+    assert mean > 3.0 and "overlap" in remarks
+    mean, _, remarks = fitted(disc, ring, rule, initial="adjusted")
+    assert mean == pytest.approx(
+        1.0, abs=0.01
+    )  # polygons of 100 sides, elements of 1/4; measured -0.5 %
+    assert "overlap" not in remarks
+
+
+def test_a_pressure_at_the_start_is_no_overlap() -> None:
+    """[X] Ground at rest beside a wall, facet on facet: its pressure grows along each of them, and
+    nothing overlaps.
+    """
+    depths = np.linspace(0, 4, 4)
+    bodies = {"soil": grid("Q1", np.linspace(0, 4, 4), depths), "wall": grid("Q1", [4, 5], depths)}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    joint = sc.ContactPair(basis, "soil:right", "wall:left", sc.Coulomb(), penalty=5e3)
+    forms, load = {"ground": ground, "joint": joint}, sc.weight(basis, 20.0)
+    fixed = np.append(
+        basis.get_dofs({"soil:bottom", "wall:bottom", "wall:right"}).all(), sc.box_supports(basis)
+    )
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=20.0, K0=0.5)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sc.Model(forms, fixed).run([sc.Stage("more", 1.01 * load)], start=start, progress=False)
+    assert "overlap" not in "; ".join(str(warning.message) for warning in caught)
+
+
+@pytest.mark.parametrize("n", [40, 128])
+def test_nodes_at_joints_are_warned_of(n: int) -> None:
+    """[X] Nodes that face joints belong to the facet before: a torque without friction, of
+    sin(pi/n): a warning.
+    """
+    _, torque, remarks = fitted(n, n, "nodal")
+    assert abs(torque) == pytest.approx(np.sin(np.pi / n), rel=0.01)
+    assert f"{abs(np.sin(np.pi / n)):.1%} of their pressure acts along the surface" in remarks
+    for rule in (
+        {"quadrature": "nodal", "smoothing": 0.1, "initial": "adjusted"},
+        {},
+        {"enforcement": AUGMENTED},
+    ):
+        _, torque, remarks = fitted(n, n, **rule)
+        assert abs(torque) < 1e-10 and "torque" not in remarks  # round-off
+
+
+def fitted_in_space(disc: int, ring: int, *rule, **options) -> str:
+    """Warnings of a slice of the ring on the disc."""
+    a, b, c, pressure = 0.3, 1.0, 1.5, 10.0
+    mesh = sc.join_bodies(
+        {"disc": space.sliced(annulus(a, b, disc, 2)), "ring": space.sliced(annulus(b, c, ring, 2))}
+    )
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25), "full"),
+        "joint": sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options),
+    }
+    load = LinearForm(
+        lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(w.x[0], w.x[1])
+    )
+    load = load.assemble(FacetBasis(mesh, basis.elem, facets="ring:outer", intorder=4))
+    held = [
+        basis.nodal_dofs[component, np.hypot(mesh.p[0] - x, mesh.p[1] - y) < 1e-9]
+        for r in (a, c)
+        for x, y, component in ((r, 0, 1), (0, r, 0), (-r, 0, 1))
+    ]
+    return remarked(forms, sc.Stage("press", load), np.concatenate((basis.nodal_dofs[2], *held)))[1]
+
+
+def test_facets_in_space_are_warned_of() -> None:
+    """[X] In space as in the plane: facets that overlap, and nodes at joints, which belong to one
+    of two facets.
+    """
+    assert "do not match overlap" in fitted_in_space(64, 50, 2)
+    assert "overlap" not in fitted_in_space(64, 50, 2, initial="adjusted")
+    remarks = fitted_in_space(40, 40, "nodal")
+    assert f"{np.sin(np.pi / 40):.1%} of their pressure acts along the surface" in remarks
+    assert "smoothing" not in remarks
+    assert "torque" not in fitted_in_space(40, 40)

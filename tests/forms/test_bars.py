@@ -1,0 +1,63 @@
+"""Bars and struts that are prestressed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementVector,
+    MeshQuad,
+)
+
+import skfem_contact as sc
+
+
+@pytest.mark.parametrize("force", [30.0, 100.0])
+def test_strut_that_is_prestressed_against_a_wall(force):
+    """[X] A prestressed strut keeps its force; the wall slides in sand, and 25 iterations are
+    enough.
+    """
+    across = np.concatenate((np.linspace(0, 6, 9), [6.25], 6.5 + 18 * np.linspace(0, 1, 13) ** 2))
+    mesh = MeshQuad.init_tensor(across, np.linspace(0, 16, 33)).with_subdomains(
+        {
+            "concrete": lambda x: (x[0] > 6) & (x[0] < 6.5) & (x[1] > 6),
+            "lift": lambda x: (x[0] < 6) & (x[1] > 14),
+        }
+    )
+    rest = np.setdiff1d(np.arange(mesh.nelements), np.concatenate(list(mesh.subdomains.values())))
+    mesh = sc.join_bodies(
+        mesh.with_subdomains({"soil": rest}),
+        bodies={"ground": ["soil", "lift"], "wall": "concrete"},
+    )
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    sand, skin = sc.MohrCoulomb(E=4e4, nu=0.3, c=2.0, phi=30.0), sc.Coulomb(mu=0.36)
+    laws = {"soil": sand, "lift": sand, "wall": sc.LinearElastic(E=3e7, nu=0.2)}
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), law, "b_bar", unit_weight=20.0)
+        for name, law in laws.items()
+    }
+    forms |= {
+        f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "wall|ground", skin, quadrature=2)
+        for name in ("soil", "lift")
+    }
+    strut = forms["strut"] = sc.Bar(
+        basis, (6.0, 15.0), (0.0, 15.0), EA=2e5, part="wall", fixed_end=True
+    )
+    model = sc.Model(forms, sc.box_supports(basis))
+    stages = [
+        sc.Stage("wall", sc.weight(basis, {"wall": 5.0}), deactivate=("strut",)),
+        sc.Stage(
+            "dug", sc.weight(basis, {"wall": 5.0}), deactivate=("lift", "lift|wall"), increments=4
+        ),
+        sc.Stage(
+            "jacked",
+            sc.weight(basis, {"wall": 5.0}),
+            activate=("strut",),
+            change={"strut": strut.prestressed(-force)},
+        ),
+    ]
+    last = model.run(stages, start=model.k0_state(K0=0.5), progress=False)["jacked"]
+    assert last.states["strut"].force[0] == -force
+    assert sum(last.iterations) <= 25

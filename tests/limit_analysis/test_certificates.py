@@ -1,0 +1,85 @@
+"""Certificates refuse stresses that are no proof."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+
+import skfem_contact as sc
+from skfem_contact.limit_analysis import certify, search
+from tests.tools.helpers import analysis
+
+SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
+
+
+def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
+    """A block of 4 m above a base that is held, with a joint or without."""
+    base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
+    block = MeshTri.init_tensor(np.linspace(2, 6, 6), np.linspace(gap, 1 + gap, 2)).with_defaults()
+    basis = Basis(
+        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2
+    )
+    forms = {
+        "base": sc.SolidForm(basis.with_elements("base"), lower),
+        "block": sc.SolidForm(basis.with_elements("block"), upper),
+    }
+    if law is not None:
+        forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
+    return forms, basis.get_dofs("base:bottom").all()
+
+
+def column(material) -> tuple[dict, np.ndarray]:
+    """A square that can spread between its base and a smooth left side."""
+    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    return {"ground": sc.SolidForm(basis, material)}, fixed
+
+
+def test_loads_that_nothing_bears_are_no_proof_of_safety() -> None:
+    """[X] A column pulled beyond its apex c cot(phi) collapses at every factor."""
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=1.0, phi=30.0, psi=30.0)
+    with pytest.raises(ValueError, match="at any strength the loads exceed"):
+        analysis(
+            "bounds", *column(soil), tractions={"top": (0.0, 10.0)}, elements=200, progress=False
+        )
+
+
+def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """[X] Above the largest multiplier of a mesh no stress in equilibrium is admissible: it proves
+    nothing.
+    """
+    given = []
+    monkeypatch.setattr(
+        search, "prove_lower", lambda *args: given.append(args) or certify.prove_lower(*args)
+    )
+    forms, fixed = blocks(0.0, SOIL, SOIL, sc.Coulomb(mu=0.5, adhesion=2.5))
+    loads = {
+        "weight": {"block": 25.0},
+        "tractions": {"block:left": (1.0, 0.0)},
+        "live": "block:left",
+    }
+    sc.Model(forms, fixed).bounds(**loads, gap=0.9, elements=100, progress=False)
+    program, found, live = given[0]
+    assert certify.prove_lower(program, found, live).value == pytest.approx(found.theta, rel=1e-12)
+    assert (
+        certify.prove_lower(program, replace(found, theta=1.005 * found.theta), live).value
+        == -np.inf
+    )
+
+
+def test_a_multiple_of_stresses_is_no_more_than_admissible() -> None:
+    """[X] Cohesive soil that can spread carries 2 c; without fixed loads the stresses may be
+    multiplied as a whole.
+    """
+    found = analysis(
+        "bounds",
+        *column(sc.Tresca(1e3, 0.3, c=10.0)),
+        tractions={"top": (0.0, -1.0)},
+        live="top",
+        elements=200,
+        progress=False,
+    )
+    assert 19.99 < found.lower <= 20.0 * (1 + 1e-12)

@@ -1,0 +1,58 @@
+"""Input of bounds that is refused, and bodies that nothing holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+
+import skfem_contact as sc
+from tests.tools.helpers import analysis
+
+SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
+
+
+def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
+    """A block of 4 m above a base that is held, with a joint or without."""
+    base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
+    block = MeshTri.init_tensor(np.linspace(2, 6, 6), np.linspace(gap, 1 + gap, 2)).with_defaults()
+    basis = Basis(
+        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2
+    )
+    forms = {
+        "base": sc.SolidForm(basis.with_elements("base"), lower),
+        "block": sc.SolidForm(basis.with_elements("block"), upper),
+    }
+    if law is not None:
+        forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
+    return forms, basis.get_dofs("base:bottom").all()
+
+
+def column(material) -> tuple[dict, np.ndarray]:
+    """A square that can spread between its base and a smooth left side."""
+    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    return {"ground": sc.SolidForm(basis, material)}, fixed
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"seismic": np.nan}, "seismic"),
+        ({"water": lambda x: np.nan * x[0]}, "water must be finite"),
+        ({"submerged": "right"}, "give `water`"),
+    ],
+)
+def test_bad_input_is_named(given: dict, message: str) -> None:
+    """Values that are not finite, and boundaries under water without water: one error that names
+    the argument.
+    """
+    with pytest.raises(ValueError, match=message):
+        analysis("bounds", *column(SOIL), weight=20.0, elements=100, progress=False, **given)
+
+
+def test_rigid_body_in_the_air() -> None:
+    """A rigid body that nothing holds is refused before the iteration."""
+    forms, fixed = blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
+    with pytest.raises(ValueError, match="can move freely"):
+        sc.Model(forms, fixed).bounds(weight=20.0, gap=0.2, elements=100, progress=False)

@@ -1,0 +1,33 @@
+"""Tractions on a boundary."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import skfem_contact as sc
+from skfem_contact.loads import Domain
+from tests.tools.helpers import grid, resultant, vector_basis
+
+
+def test_traction_has_the_resultant_of_its_forces():
+    """[X] A triangle of pressure on a side: half of its peak, at a third of the height."""
+    basis = vector_basis(grid("Q2", [0, 1, 2], [0, 1, 3]), "Q2")
+    load = sc.traction(basis, "right", lambda x: (-10.0 * (3.0 - x[1]), 0.0 * x[1]))
+    np.testing.assert_allclose(
+        resultant(basis, basis.zeros(), load), (-45.0, 0.0, 45.0), atol=1e-12
+    )
+    ring = sc.traction(Domain(basis, "axisymmetric"), "top", (0.0, -1.0))
+    np.testing.assert_allclose(ring.sum(), -2.0)  # the integral of the radius from 0 to 2
+
+
+@pytest.mark.parametrize(
+    "force, message",
+    [((1.0,), "must have 2 finite components"), ((1.0, np.nan), "each a finite number")],
+)
+def test_wrong_forces_are_refused(force, message):
+    basis = vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1")
+    with pytest.raises(ValueError, match=message):
+        sc.traction(basis, "top", force)
+    with pytest.raises(ValueError, match="no boundary 'roof'; existing: bottom, left, right, top"):
+        sc.traction(basis, "roof", (0.0, 1.0))

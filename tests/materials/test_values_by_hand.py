@@ -1,0 +1,69 @@
+"""Strengths and stiffnesses of materials against numbers computed by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import skfem_contact as sc
+
+#: Exact up to the round-off of a few operations.
+EXACT = {"rtol": 1e-12, "atol": 1e-12}
+
+
+def test_strengths_of_mohr_coulomb():
+    """[X] c = 10, phi = 30: tension of 17.32; stresses -20, -35, -60 mobilise 20 of 8.66 + 20; s_u
+    at 40 is 28.66.
+    """
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0)
+    stress = np.array([-20.0, -60.0, -35.0, 0.0])[:, None, None]
+    used, there = soil.mobilised(stress, np.zeros((0, 1, 1)))
+    root = np.sqrt(3.0)
+    np.testing.assert_allclose(soil.tensile_strength, 10.0 * root, **EXACT)
+    np.testing.assert_allclose([used.item(), there.item()], [20.0, 5.0 * root + 20.0], **EXACT)
+    np.testing.assert_allclose(
+        soil.undrained_strength(np.full(1, 40.0), np.zeros((0, 1))), 5.0 * root + 20.0, **EXACT
+    )
+    reduced = soil.reduced(2.0)
+    np.testing.assert_allclose(
+        [reduced.c, np.tan(np.radians(reduced.phi))], [5.0, 0.5 / root], **EXACT
+    )
+
+
+def test_strengths_of_cones():
+    """[X] Drucker-Prager by its definition and in plane strain; von Mises; all reduced."""
+    cone, stress = (
+        sc.DruckerPrager(1e4, 0.3, k=8.0, alpha=0.2, beta=0.1),
+        np.array([-20.0, -60.0, -40.0, 0.0]),
+    )
+    used, there = cone.mobilised(stress[:, None, None], np.zeros((0, 1, 1)))
+    np.testing.assert_allclose([used.item(), there.item()], [20.0, 8.0 + 0.2 * 120.0], **EXACT)
+    half = cone.reduced(2.0)
+    np.testing.assert_allclose([half.k, half.alpha], [4.0, 0.1], **EXACT)
+    plane = sc.DruckerPrager.plane_strain(1e4, 0.3, c=10.0, phi=30.0, psi=30.0)
+    np.testing.assert_allclose(
+        [plane.k, plane.alpha], [30.0 / np.sqrt(13.0), 1 / np.sqrt(39.0)], **EXACT
+    )
+    np.testing.assert_allclose(
+        sc.VonMises(1e4, 0.3, strength=30.0).reduced(1.5).strength, 20.0, **EXACT
+    )
+
+
+def test_elasticity():
+    """[X] E = 10, nu = 0.25: both of Lame's parameters are 4."""
+    D = np.full((3, 3), 4.0) + 8.0 * np.eye(3)
+    for ncomp in (4, 6):
+        found = sc.LinearElastic(10.0, 0.25).elasticity(ncomp)
+        np.testing.assert_allclose(found[:3, :3], D, **EXACT)
+        np.testing.assert_allclose(found[3:, 3:], 4.0 * np.eye(ncomp - 3), **EXACT)
+
+
+def test_undrained_pressure():
+    """[X] The water resists the volume strain of -0.01 with 99; the soil, E = 3 and nu = 0, with
+    1.
+    """
+    clay = sc.Undrained(sc.LinearElastic(E=3.0, nu=0.0), bulk_modulus_water=99.0)
+    found = clay.update(
+        np.array([[-0.01], [0.0], [0.0], [0.0]]), np.zeros((4, 1)), np.zeros((1, 1))
+    )
+    np.testing.assert_allclose(found.internal[-1], 0.99, **EXACT)
+    np.testing.assert_allclose(found.stress[:, 0], [-1.02, -0.99, -0.99, 0.0], **EXACT)

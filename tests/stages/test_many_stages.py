@@ -1,0 +1,41 @@
+"""Runs of many stages begin at once."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+import skfem_contact as sc
+from tests.tools.helpers import grid, vector_basis
+
+ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
+
+
+def halves(right: float = 1.0):
+    """Basis of two bodies, "l" and "r", of which the second begins at an abscissa."""
+    side = np.linspace(0.0, 1.0, 3)
+    mesh = sc.join_bodies({"l": grid("Q1", side, side), "r": grid("Q1", right + side, side)})
+    return vector_basis(mesh, "Q1", intorder=2)
+
+
+def test_many_stages_begin_at_once():
+    """The checks of ten times as many stages take ten times as long, not a hundred times."""
+    basis = halves()
+    model = sc.Model(
+        {"both": sc.SolidForm(basis, ELASTIC)}, [basis.get_dofs(f"{k}:bottom").all() for k in "lr"]
+    )
+
+    def stop(stage):
+        raise KeyboardInterrupt
+
+    def seconds(n):
+        stages = [sc.Stage(f"{k}", basis.zeros()) for k in range(n)]
+        began = time.process_time()
+        with pytest.raises(KeyboardInterrupt):
+            model.run(stages, on_increment=stop, progress=False)
+        return time.process_time() - began
+
+    seconds(1)
+    assert seconds(20_000) < 30.0 * seconds(2_000)

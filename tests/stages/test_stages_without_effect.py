@@ -1,0 +1,45 @@
+"""Stages and loads that change nothing are remarked on."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import skfem_contact as sc
+from tests.tools.helpers import grid, vector_basis
+
+
+def ground():
+    basis = vector_basis(grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 2, 5)), "Q1", intorder=2)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))}
+    return basis, forms, sc.weight(basis, 20.0), basis.get_dofs("bottom").all()
+
+
+def test_stages_that_change_nothing():
+    _, forms, load, fixed = ground()
+    none = np.zeros(0, int)
+    with pytest.warns(
+        sc.AnalysisWarning,
+        match="stage 'strut', the stage: `fixed` holds what is supported already",
+    ):
+        stages = [
+            sc.Stage("weight", load),
+            sc.Stage("strut", 0.5 * load, fixed=np.append(fixed, none)),
+        ]
+        sc.Model(forms, fixed).run(stages, progress=False)
+    with pytest.warns(sc.AnalysisWarning, match="stage 'b', the stage: it changes nothing"):
+        sc.Model(forms, fixed).run([sc.Stage("a", load), sc.Stage("b", load)], progress=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sc.Model(forms, fixed).run([sc.Stage("a", load), sc.Stage("b", 2.0 * load)], progress=False)
+
+
+def test_water_that_presses_on_nothing():
+    basis, *_ = ground()
+    basis.mesh.boundaries["nowhere"] = np.zeros(0, int)
+    with pytest.raises(ValueError, match=r"boundaries \['nowhere'\]: they are empty"):
+        sc.water_load(basis, sc.hydrostatic(1.0, unit_weight=10.0), ["nowhere"])
+    with pytest.warns(sc.AnalysisWarning, match="there is no water"):
+        sc.water_load(basis, sc.hydrostatic(-5.0, unit_weight=10.0), ["top"])

@@ -1,0 +1,35 @@
+"""Rollers of a box."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementHex1, ElementVector, MeshHex
+
+import skfem_contact as sc
+from tests.tools.helpers import grid, vector_basis
+
+
+@pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2"])
+def test_rollers_are_those_of_the_boundaries(element):
+    basis = vector_basis(grid(element, [0, 1, 3], [-2, 0, 1]), element)
+    sides = basis.get_dofs({"left", "right"}).all("u^1")
+    np.testing.assert_array_equal(
+        sc.box_supports(basis), np.union1d(basis.get_dofs("bottom").all(), sides)
+    )
+    np.testing.assert_array_equal(
+        sc.box_supports(basis, base="rollers"),
+        np.union1d(basis.get_dofs("bottom").all("u^2"), sides),
+    )
+    with pytest.raises(ValueError, match="base must be one of 'fixed', 'rollers'"):
+        sc.box_supports(basis, base="free")
+
+
+def test_rollers_of_a_part_and_in_space():
+    plate = grid("Q1", [0, 1, 2], [0, 1])
+    basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((0.0, 1.0))}), "Q1")
+    upper = sc.box_supports(basis, part="b")
+    assert (basis.doflocs[1, upper] >= 1.0).all() and len(upper) == 3 * 2 + 2
+    cube = Basis(MeshHex().refined(1), ElementVector(ElementHex1()))
+    held = sc.box_supports(cube)  # 9 nodes of the base, 6 + 6 others on each pair of sides
+    assert len(held) == 9 * 3 + 2 * 12

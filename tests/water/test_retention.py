@@ -1,0 +1,24 @@
+"""Retention curves at single suctions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import skfem_contact as sc
+
+#: Exact up to the round-off of a few operations.
+EXACT = {"rtol": 1e-12, "atol": 1e-12}
+
+
+def test_retention():
+    """[X] Ramp in the middle, at a quarter and at its end; van Genuchten with m = 1/2 and alpha s =
+    1: S = 1/sqrt 2.
+    """
+    ramp = sc.water.Ramp(width=0.5, least=0.1)
+    k, slope = ramp.relative(np.array([0.0, 0.25, 0.6]), np.full(3, 2.0))
+    np.testing.assert_allclose(
+        k, [0.55, 0.1 + 0.9 * 0.15625, 0.1], **EXACT
+    )  # s**2 (3 - 2 s) at s = 1/2, 1/4, 0
+    np.testing.assert_allclose(slope, [-1.35, -0.9 * 6 * 0.1875, 0.0], **EXACT)
+    k, _ = sc.water.VanGenuchten(alpha=2.0, n=2.0, least=1e-9).relative(np.array([0.5]), np.ones(1))
+    np.testing.assert_allclose(k, [2**-0.25 * (1 - np.sqrt(0.5)) ** 2], rtol=1e-8)
