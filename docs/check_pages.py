@@ -32,20 +32,26 @@ for (const e of document.querySelectorAll('main *')) {
   const box = e.getBoundingClientRect();
   if (box.width && box.right > wide + 1) {
     let p = e.parentElement, inside = false;
-    for (; p && !inside; p = p.parentElement) inside = /auto|scroll|hidden/.test(getComputedStyle(p).overflowX);
+    for (; p && !inside; p = p.parentElement)
+      inside = /auto|scroll|hidden/.test(getComputedStyle(p).overflowX);
     if (!inside) out.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right));
   }
 }
-const cut = [...document.querySelectorAll('main :is(p, li, td, th, dd, pre, figure, figcaption)')].filter(e =>
-  /hidden|clip/.test(getComputedStyle(e).overflowX) && e.clientWidth && e.scrollWidth > e.clientWidth + 1);
-const bar = [...document.querySelectorAll('header :is(.nav-link, .search-button, .search-button-field)')]
-  .map(e => e.getBoundingClientRect()).filter(box => box.width).map(box => Math.round(box.top + box.height / 2));
+const blocks = 'main :is(p, li, td, th, dd, pre, figure, figcaption)';
+const cut = [...document.querySelectorAll(blocks)].filter(e =>
+  /hidden|clip/.test(getComputedStyle(e).overflowX) && e.clientWidth
+  && e.scrollWidth > e.clientWidth + 1);
+const links = 'header :is(.nav-link, .search-button, .search-button-field)';
+const bar = [...document.querySelectorAll(links)]
+  .map(e => e.getBoundingClientRect()).filter(box => box.width)
+  .map(box => Math.round(box.top + box.height / 2));
 return {
   rows: Math.max(...bar) - Math.min(...bar) > 16 ? bar : [],
   cut: cut.map(e => e.tagName + '.' + e.className + ' ' + e.textContent.trim().slice(0, 40)),
-  overflow: document.documentElement.scrollWidth > wide + 1 ? ['page ' + document.documentElement.scrollWidth, ...out]
-    : out,
-  pictures: [...document.images].filter(i => i.loading !== 'lazy' && !(i.complete && i.naturalWidth)).map(i => i.src),
+  overflow: document.documentElement.scrollWidth > wide + 1
+    ? ['page ' + document.documentElement.scrollWidth, ...out] : out,
+  pictures: [...document.images]
+    .filter(i => i.loading !== 'lazy' && !(i.complete && i.naturalWidth)).map(i => i.src),
   links: [...document.querySelectorAll('a[href]')].map(a => a.href),
   ids: [...document.querySelectorAll('[id]')].map(e => e.id),
   requests: performance.getEntriesByType('resource').map(r => r.name)};

@@ -201,23 +201,23 @@ def row(
 
 HEAD = """# Numbers that steer convergence
 
-The table lists how the iterations of small analyses change when a number is halved or doubled. The analyses take these
-iterations with the numbers as they are:
+The table lists how the iterations of small analyses change when a number is halved or doubled.
+The analyses take these iterations with the numbers as they are:
 
 | analysis | iterations |
 |---|---|
 {counts}
 
-A dash means no change. In these analyses the numbers change the cost only. The exception is the share of an
-interference that a step leaves: doubled it is one, and the analysis fails. The analysis with the hard penalty
-alternates between states: 13 iterations fewer are one attempt fewer. [Newton's method](newton.md) and
-[contact](contact.md) explain the numbers.
+A dash means no change. In these analyses the numbers change the cost only. The exception is the
+share of an interference that a step leaves: doubled it is one, and the analysis fails. The
+analysis with the hard penalty alternates between states: 13 iterations fewer are one attempt
+fewer. [Newton's method](newton.md) and [contact](contact.md) explain the numbers.
 """
 REST = """
 ## Numbers without influence here
 
-These numbers bound round-off, end attempts that fail, or choose a method by size. Halved and doubled they change no
-iteration in these analyses.
+These numbers bound round-off, end attempts that fail, or choose a method by size. Halved and
+doubled they change no iteration in these analyses.
 
 | number | value |
 |---|---|

@@ -4,8 +4,8 @@
 
 A line is printed for every finding, and the exit status is 1 if there is one.  Code, mathematics,
 tables and the lines of doctests are not prose.  Four rules hold: a docstring begins with a noun of
-the field or, that of a function, with a verb in the imperative; a standard term stands before a
-private one; old names are gone; sentences are short.
+the field or a verb (ruff's rule D401 asks for the imperative in functions); a standard term stands
+before a private one; old names are gone; sentences are short.
 """
 
 from __future__ import annotations
@@ -25,53 +25,25 @@ LONGEST = 22.0  # mean number of words in the sentences of a page, or of a room 
 _RECORDS = ("CHANGELOG.md", "docs/changelog.md")
 _GENERATED = ("docs/_build", "docs/gallery", "docs/reference/generated")
 
-# No docstring begins with these; that of a function begins with one of the verbs.
 _NEVER_FIRST = """
-    what whether those that as where how which who whose why when is are was does do it its they them this these and but
-    or not never nothing everything one's same from with by on of at if so because while here there more less other own
-    twice some such
+    what whether those that as where how which who whose why when is are was does do it its they
+    them this these and but or not never nothing everything one's same from with by on of at if so
+    because while here there more less other own
 """
-_VERBS = """
-    abort accept accumulate activate adapt add adjust advance affix aggregate align allocate allow animate append apply
-    approximate arrange ascend ask assemble assign attach attempt average balance begin bind bisect block bound bracket
-    break bring broadcast build bundle cache calculate calibrate call cap carry cast catch certify change check choose
-    circumscribe clamp classify clean clear clip clone close cluster collapse collect colour combine compare compile
-    complete compose compress compute concatenate condense configure confirm connect consolidate construct continue
-    contract convert copy correct count couple cover create cross cut cycle damp deactivate decide declare decompose
-    decrease deduce define deform delegate delete demand denote derive describe detach detect determine diagnose
-    differentiate dilate discard discretise disconnect display dissect distinguish distribute divide dot double draw
-    drop eliminate embed enclose end enforce enlarge ensure enter enumerate equilibrate estimate evaluate examine
-    exclude execute exit expand explain export express extend extract extrapolate factor factorise feed fetch fill
-    filter find finish fit fix flag flatten flip flood fold follow forbid form format freeze gather generate
-    get give glue go group grow guard guess halve handle hide hold identify ignore import impose improve include
-    increase indicate infer inform initialise insert inspect integrate interpolate intersect introduce invert invoke
-    iterate join judge keep label launch lay leave lengthen let limit linearise link list load locate log look loop lump
-    make map march mark mask match maximise measure merge mesh minimise mirror mix modify move multiply name
-    narrow negate nest normalise note notify number obtain offer omit open operate optimise order orient orthogonalise
-    overlay overwrite pack pad paint pair parse partition pass perform permute perturb pick place plot populate
-    postpone predict prefer prefix prepare prescribe preserve press prevent print probe process produce progress
-    project prolong propagate propose protect provide prune pull push put query quit raise reach react read
-    rebase rebuild recalculate receive recognise recompute reconstruct record recover redistribute reduce refine
-    reflect refuse regularise reject relate relax release reload remember remove rename render renumber reorder repeat
-    replace report represent request require reset reshape resolve respond restart restore restrict resume retain
-    retrieve retry return reuse reverse rotate round run sample satisfy save scale scan scatter search select separate
-    set shift shorten show shrink signal simplify simulate skip slice slide smooth snap solve sort split
-    square stack start step stop store stretch strip subdivide substitute subtract suggest sum summarise supply
-    support suppress swap switch take tear test tie tighten time trace track transfer transform translate transpose
-    traverse treat triangulate trim truncate try turn undo unify unite unpack update use validate vary verify view
-    visit wait walk warn prove weigh widen withdraw wrap write yield zero
-"""
-NEVER_FIRST, VERBS = frozenset(_NEVER_FIRST.split()), frozenset(_VERBS.split())
+#: No docstring begins with these.
+NEVER_FIRST = frozenset(_NEVER_FIRST.split())
 
 #: Private terms and the standard ones.  Ordinary meanings of a word are left out by what stands
 #: beside it.
 WORDS = {
     r"unknowns|(?:an|the|each|every|first|free|per|of) unknown": "dofs",
     r"(?<!decimal )(?<!takes )(?<!take )(?<!took )(?<!takes its )places": "coordinates",
-    r"(?<!in )(?<!takes )(?<!take )(?<!taking )(?<!takes its )(?<!take its )(?<!took its )(?<!decimal )(?<!taken )"
+    r"(?<!in )(?<!takes )(?<!take )(?<!taking )(?<!takes its )(?<!take its )(?<!took its )"
+    r"(?<!decimal )(?<!taken )"
     r"(?<!to )(?<!one )place(?! the| a | it| them|holder)": "coordinates, position",
     r"behind the (?:displacements|dofs|unknowns)": "after the displacements",
-    r"(?:is|are|was|were|be|being|has been) (?:not )?there(?! (?:is|are|was|were|a|an|no|any|one)\b)|not there": "active, inactive",
+    r"(?:is|are|was|were|be|being|has been) (?:not )?there"
+    r"(?! (?:is|are|was|were|a|an|no|any|one)\b)|not there": "active, inactive",
     r"go(?:es|ing)? on(?: and on)?(?: otherwise)?|went on": "continues",
     r"answers?|answered|answering": "response, return value",
     r"tells?|told|telling": "reported",
@@ -226,28 +198,13 @@ def words_of(path: str, lines: list[Line]) -> Iterator[Finding]:
             yield Finding(path, number, match[0], f"say {then}")
 
 
-def first_word(path: str, line: int, text: str, node: ast.AST) -> Iterator[Finding]:
+def first_word(path: str, line: int, text: str) -> Iterator[Finding]:
     """Yield what is wrong with the beginning of a docstring."""
     summary = text.strip().split("\n\n")[0]
     word = re.sub(r"[^\w'-].*", "", summary.split()[0]) if summary else ""
-    function = isinstance(node, ast.FunctionDef) and not any(
-        re.search("property|setter|fixture", ast.unparse(decorator))
-        for decorator in node.decorator_list
-    )
-    if word.lower() in NEVER_FIRST:
-        yield Finding(
-            path,
-            line,
-            word or "(empty)",
-            "a docstring begins with a verb, or with a noun of the field",
-        )
-    elif function and (word.lower() not in VERBS or re.match(r"\w+ of\b", summary)):
-        yield Finding(
-            path,
-            line,
-            word or summary[:12],
-            "begin with a verb in the imperative (of the list VERBS)",
-        )
+    if not word or word.lower() in NEVER_FIRST:
+        advice = "a docstring begins with a verb, or with a noun of the field"
+        yield Finding(path, line, word or "(empty)", advice)
     if summary.rstrip().endswith("?"):
         yield Finding(path, line, "?", "a docstring is no question")
 
@@ -271,7 +228,7 @@ class Module:
             if isinstance(doc.value, str):
                 own.add(id(doc))
                 self.docstrings.append(prose_of_docstring(doc.value, doc.lineno))
-                self.findings += first_word(path, doc.lineno, doc.value, node)
+                self.findings += first_word(path, doc.lineno, doc.value)
         self.messages = list(self._messages(tree, own))
         self.comments = [
             [

@@ -58,7 +58,6 @@ def pair(basis=None, slave="b:bottom", master="a:top", law=None, **options):
 
 
 # -- surfaces
-# ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("names", [{"slave": "b:botom"}, {"master": "b:botom"}])
@@ -132,7 +131,6 @@ def test_slave_and_master_that_share_nodes(slave):
 
 
 # -- pairs
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -216,7 +214,6 @@ def test_no_solid_to_take_a_penalty_from():
 
 
 # -- elements, meshes and materials
-# -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -351,7 +348,6 @@ def test_bad_unit_weight_of_water(unit_weight):
 
 
 # -- analyses
-# ---------------------------------------------------------------------------------------------------
 
 
 def problem(mesh=None):

@@ -48,7 +48,8 @@ def test_import_needs_no_graphics() -> None:
     """Only skfem_contact.plot may import a graphics library: a solver runs on machines without
     one.
     """
-    code = "import sys, skfem_contact; print({'pyvista', 'vtk', 'matplotlib.pyplot'} & set(sys.modules))"
+    heavy = {"pyvista", "vtk", "matplotlib.pyplot"}
+    code = f"import sys, skfem_contact; print({heavy} & set(sys.modules))"
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )

@@ -34,7 +34,8 @@ FIGURES = re.compile(r'^ +\{"case": .*\}$\n?', re.MULTILINE)
 WARNING = re.compile(r"^( *)\S+\.py:\d+: (\w*Warning: .*)\n\1  .*\n", re.MULTILINE)
 #: Statements that collect figures, by their beginning.
 COLLECTS = re.compile(
-    r"(rows\b|(begin|cpu\w*|cpu, \w+) = |print\(json\.dumps|import json$|from time import process_time$)"
+    r"(rows\b|(begin|cpu\w*|cpu, \w+) = |print\(json\.dumps|import json$"
+    r"|from time import process_time$)"
 )
 
 #: Imports that go as well unless something that stays uses them, as it is written there.

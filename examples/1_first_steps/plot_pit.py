@@ -97,7 +97,6 @@ plot.stages(result, "ux", deformed=50.0)
 
 # %%
 # 6. What the wall bears
-# ----------------------
 #
 # Tables are text here; they also go to CSV, Markdown and data frames. The envelope holds the
 # largest and smallest section forces of all stages.

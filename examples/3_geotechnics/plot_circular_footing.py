@@ -83,7 +83,6 @@ def axisymmetric(kind):
 
 # %%
 # Settlement and pressure
-# -----------------------
 
 rows = []
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
@@ -114,7 +113,6 @@ plt.show()
 
 # %%
 # Under the rough disc
-# --------------------
 # The ground moves down with the disc, sideways, and up beside it.
 
 plot.cutaway(

@@ -69,7 +69,6 @@ def pull(soil, shaft, held, displacements):
 
 # %%
 # Rigid pile, elastic ground
-# --------------------------
 
 elastic = sc.LinearElastic(E=2e4, nu=0.3)
 steel = sc.LinearElastic(E=3e7, nu=0.2)
@@ -80,7 +79,6 @@ print(rigid[2]["10 mm"].report("shaft"))
 
 # %%
 # Concrete pile in sand
-# ---------------------
 
 sand = sc.MohrCoulomb(E=2e4, nu=0.3, c=1.0, phi=30.0, psi=0.0)
 displacements = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0]) * 1e-3
@@ -96,7 +94,6 @@ plt.show()
 
 # %%
 # Force along the pile
-# --------------------
 # The force at the head goes into the ground along the shaft, first near the head. What the pile
 # carried at rest is subtracted.
 
@@ -112,7 +109,6 @@ plt.show()
 
 # %%
 # The ground that is drawn along
-# ------------------------------
 
 plot.cutaway(
     result["8 mm"],

@@ -18,7 +18,6 @@ finer meshes; the default is two of them.
 
 # %%
 # Geometry and strength
-# ---------------------
 
 import json
 import sys

@@ -109,7 +109,6 @@ def _two_bodies(lower, upper, element: str) -> Basis:
 
 
 # -- patch test
-# ---------------------------------------------------------------------------------------------
 
 
 def patch(n: int, element: str = "Q1", slope: float = 0.0, stuck: bool = False) -> Problem:
@@ -171,7 +170,6 @@ def patch_errors(problem: Problem, x: ndarray) -> tuple[float, float]:
 
 
 # -- Hertz and Cattaneo-Mindlin
-# -----------------------------------------------------------------------------
 
 RADIUS, WIDTH, HEIGHT = 50.0, 20.0, 20.0
 APPROACH, SHIFT = 0.038, 0.0135  # the half-width of the contact becomes 1, the stick zone's 0.65

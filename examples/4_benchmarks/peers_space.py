@@ -67,7 +67,6 @@ def _bricks(problem: Problem) -> ndarray:
 
 
 # -- CalculiX
-# -----------------------------------------------------------------------------------------------
 
 
 def _calculix(problem: Problem, folder: Path) -> Run:
@@ -129,7 +128,6 @@ def _faces(problem: Problem, boundary: str) -> list[str]:
 
 
 # -- Kratos
-# -------------------------------------------------------------------------------------------------
 
 
 def _kratos(problem: Problem, folder: Path) -> Run:

@@ -98,7 +98,6 @@ def footing(m):
 
 # %%
 # What is skipped, and the switches
-# ---------------------------------
 
 
 def everywhere(self, *args, update=IsotropicPlasticity.update):

@@ -115,7 +115,6 @@ def factor(mesh, label, element=None, intorder=2, psi=20.0, strain="full", **set
 
 # %%
 # Three meshes, both flow rules, both methods
-# -------------------------------------------
 # P2 triangles with three integration points. The work of the weight is prescribed (continuation),
 # or trials are made at fixed factors (bracket). The curves for :math:`\psi = \phi` are followed
 # closer to their plateau, for the extrapolation to an infinitely fine mesh.
@@ -157,7 +156,6 @@ if FULL:
 
 # %%
 # Davis' associated soils instead of :math:`\psi = 0`
-# ---------------------------------------------------
 
 for flow in ("davis_a", "davis_b"):
     for mesh in meshes:
@@ -167,7 +165,6 @@ for row in rows:
 
 # %%
 # Other elements, and a sweep of settings
-# ---------------------------------------
 
 if FULL:
     for mesh in meshes[:2]:
@@ -218,7 +215,6 @@ if FULL:
 
 # %%
 # A peer on the same soil
-# -----------------------
 
 if PEERS:
     from xslope.fem import build_fem_data, solve_ssrm
@@ -274,7 +270,6 @@ if PEERS:
 
 # %%
 # The curve, the mechanism, and what they cost
-# --------------------------------------------
 # The curve of the factor over the work levels off; the displacement increment there is the
 # mechanism, and its shear strain the slip surface.
 

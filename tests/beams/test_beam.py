@@ -585,7 +585,6 @@ def test_built_in_deformed_ground(bonded):
 
 
 # -- bars between beams
-# --------------------------------------------------------------------------------------
 
 
 def test_strut_between_two_walls():

@@ -41,7 +41,6 @@ def nodal_gaps(pair: sc.ContactPair, state: ContactState) -> np.ndarray:
 
 
 # -- patch test
-# ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("slave", [UPPER, LOWER])
@@ -109,7 +108,6 @@ def test_a_uniform_stress_has_no_errors() -> None:
 
 
 # -- Hertz
-# --------------------------------------------------------------------------------------------------
 
 
 def test_the_exact_pressure_has_no_error() -> None:
@@ -161,7 +159,6 @@ def test_problem_is_the_peers() -> None:
 
 
 # -- augmented Lagrangian
-# -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
@@ -225,7 +222,6 @@ def test_a_start_out_of_proportion_is_brought_in() -> None:
 
 
 # -- Cattaneo and Mindlin
-# -----------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -279,7 +275,6 @@ def test_friction_is_never_exceeded(reversed_shift) -> None:
 
 
 # -- CalculiX
-# -----------------------------------------------------------------------------------------------
 
 
 def test_faces_of_the_bricks_lie_on_the_boundary() -> None:

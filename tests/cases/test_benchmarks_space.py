@@ -26,7 +26,6 @@ import skfem_contact as sc
 MU = 0.4
 
 # -- closed forms
-# -------------------------------------------------------------------------------------------
 
 
 def test_hertz_ellipse_of_a_ball_is_round():
@@ -95,7 +94,6 @@ def test_far_field_is_in_equilibrium():
 
 
 # -- partial slip
-# -------------------------------------------------------------------------------------------
 
 
 def test_partial_slip():
@@ -132,7 +130,6 @@ def test_partial_slip():
 
 
 # -- rigid indenters
-# ----------------------------------------------------------------------------------------
 
 
 def pressed(block, master, depth, force):
@@ -209,7 +206,6 @@ def test_torsion_with_slip():
 
 
 # -- peers
-# --------------------------------------------------------------------------------------------------
 
 
 def test_faces_of_the_bricks_lie_on_the_boundary():

@@ -242,7 +242,6 @@ def test_matching_interface(shape, element, quadrature):
 
 
 # -- friction
-# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])

@@ -47,7 +47,6 @@ def force_within(run: Indentation, width: float) -> float:
 
 
 # -- flat
-# ---------------------------------------------------------------------------------------------------
 
 
 def flat(element: str, n: int) -> tuple[Indentation, float]:
@@ -95,7 +94,6 @@ def test_flat_punch(element):
 
 
 # -- rounded
-# ------------------------------------------------------------------------------------------------
 
 
 def test_numbers_of_the_rounded_punch():
@@ -138,7 +136,6 @@ def test_rounded_punch(element, n, whole, inner):
 
 
 # -- wedge
-# --------------------------------------------------------------------------------------------------
 
 
 def indented(element: str, n: int, a: float) -> tuple[Indentation, float]:

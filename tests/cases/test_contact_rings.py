@@ -44,7 +44,6 @@ def symmetric(basis: Basis) -> np.ndarray:
 
 
 # -- press fit
-# ----------------------------------------------------------------------------------------------
 
 FIT = {
     "interference": 0.02,
@@ -130,7 +129,6 @@ def test_interference_of_meshes_that_do_not_match(element: str, n_inner: int, n_
 
 
 # -- disc in a ring
-# -----------------------------------------------------------------------------------------
 
 DISC, RING, E, NU = 0.6, 1.0, 1e9, 0.2
 #: The exact solution is that of small displacements: a thousandth of the pressures of the case.
@@ -246,7 +244,6 @@ def test_facets_and_smoothing():
 
 
 # -- pin in a plate
-# -----------------------------------------------------------------------------------------
 
 PERSSON = {
     15: (17.891629, 2.452894),

@@ -30,7 +30,6 @@ def support(forms: dict, stage: StageResult) -> tuple[np.ndarray, np.ndarray]:
 
 
 # -- C6: a block on a plane
-# ---------------------------------------------------------------------------------
 
 
 def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[StageResult]]:
@@ -154,7 +153,6 @@ def test_incline(angle: float, quadrature) -> None:
 
 
 # -- D6: off the edge of a table
-# ----------------------------------------------------------------------------
 
 BLOCK = "block"
 

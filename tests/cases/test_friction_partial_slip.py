@@ -89,7 +89,6 @@ def turned(mesh):
 
 
 # -- C1 and C2: there and back
-# ------------------------------------------------------------------------------
 
 PRESSED = PartialSlip(PEAK, A)
 WAY = [loaded(PEAK, A, MU, share * RATIO) for share in (0.25, 0.5, 0.75, 1.0)]
@@ -172,7 +171,6 @@ def test_opposite_force_has_the_opposite_traction(cycle) -> None:
 
 
 # -- C9: similar bodies
-# -------------------------------------------------------------------------------------
 
 
 def pressed(E_upper: float, quadrature, mu: float) -> Tractions:
@@ -198,7 +196,6 @@ def test_friction_plays_no_part_between_similar_bodies(quadrature) -> None:
 
 
 # -- S2: the tangential penalty
-# -----------------------------------------------------------------------------
 
 
 def shifted(ratio: float, **options) -> tuple[float, float]:
@@ -244,7 +241,6 @@ def test_augmented_shear_does_not_depend_on_the_penalty() -> None:
 
 
 # -- S24 and S25: the same again
-# ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])

@@ -14,7 +14,6 @@ from skfem_contact.contact.laws import Status
 from tests.tools.helpers import body_along, grid, unknowns_of, vector_basis
 
 # -- D1: a point on an arc
-# ----------------------------------------------------------------------------------
 
 FACETS, RADIUS, PENALTY = 36, 5.0, 1e6
 
@@ -119,7 +118,6 @@ def test_parked_at_a_vertex(shift: float, smoothing: float | None) -> None:
 
 
 # -- D5: a disc between plates
-# ------------------------------------------------------------------------------
 
 
 def disc(n: int):

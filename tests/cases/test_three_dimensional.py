@@ -73,7 +73,6 @@ def traction(basis: Basis, facets, force) -> np.ndarray:
 
 
 # -- kernels
-# ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -157,7 +156,6 @@ def test_weight_acts_downwards():
 
 
 # -- analyses
-# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -377,7 +375,6 @@ def test_bodies_taken_apart():
 
 
 # -- results
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_results_are_saved_and_resumed(tmp_path):
@@ -470,7 +467,6 @@ def test_section_forces_of_a_pile(element):
 
 
 # -- bad input
-# --------------------------------------------------------------------------------------------------------
 
 
 def test_other_plane_things():

@@ -114,7 +114,6 @@ def test_one_result_for_both_searches():
 
 
 # -- strength and flow belong to the material
-# --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("flow", ["given", "associated"])

@@ -346,7 +346,6 @@ def test_slave_that_goes_round_corners(element, law, rng):
 
 
 # -- slices of plane cases: one element thick, held in their plane
-# -------------------------------------------------
 
 
 @pytest.mark.parametrize(

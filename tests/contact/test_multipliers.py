@@ -26,7 +26,6 @@ def iterations(result) -> int:
 
 
 # -- accuracy
-# -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("slave", [UPPER, LOWER])
@@ -209,7 +208,6 @@ def test_augmented_multipliers_are_improved_at_equilibrium(enforcement, monkeypa
 
 
 # -- laws
-# -----------------------------------------------------------------------------------------------------
 
 
 def on_incline(mu: float, **options):
@@ -342,7 +340,6 @@ def test_supports_on_both_sides_of_a_node() -> None:
 
 
 # -- tangent, slice, files
-# ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
@@ -468,7 +465,6 @@ def test_reported_forces_balance_the_bodies(mu: float) -> None:
 
 
 # -- what it does not do
-# --------------------------------------------------------------------------------------
 
 
 def test_refusals() -> None:

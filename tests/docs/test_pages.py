@@ -84,22 +84,6 @@ def test_code_on_pages_imports_what_it_needs():
         assert used <= imported, script.stem
 
 
-def test_short_scripts_are_short():
-    """At most 40 lines on the page with the mesh, without comments and docstrings."""
-    long = {}
-    for script in (script for script in EXAMPLES if script.parent.name == "1_short_scripts"):
-        lines: set[int] = set()
-        for node in ast.walk(on_page(script)):
-            text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-            if isinstance(node, ast.FunctionDef | ast.ClassDef):
-                lines.add(node.lineno)
-            elif isinstance(node, ast.stmt) and not text:
-                lines |= set(range(node.lineno, node.end_lineno + 1))
-        if len(lines) > 40:
-            long[script.stem] = len(lines)
-    assert not long
-
-
 def test_warnings_lose_the_path_of_the_machine():
     """What was warned stays, where in the builder's folders does not."""
     source = [
@@ -111,7 +95,8 @@ def test_warnings_lose_the_path_of_the_machine():
 
 
 def test_code_fits_the_page():
-    long = f"found = strength_reduction(forms, fixed, load, {', '.join(f'option_{i}={i}' for i in range(8))})"
+    options = ", ".join(f"option_{i}={i}" for i in range(8))
+    long = f"found = strength_reduction(forms, fixed, load, {options})"
     assert max(map(len, gallery_output.narrow(long).split("\n"))) <= gallery_output.WIDTH
     assert gallery_output.narrow("x = 1") == "x = 1"
 

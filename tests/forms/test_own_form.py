@@ -175,7 +175,6 @@ def test_what_is_no_form():
 
 
 # -- bars
-# ---------------------------------------------------------------------------------------------------------
 
 
 SOFT = 0.1
@@ -312,7 +311,6 @@ def test_bad_input(make, message):
 
 
 # -- unknowns beyond the displacements, and time
-# --------------------------------------------------------------------
 
 
 class Rod(sc.Form):

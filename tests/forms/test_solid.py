@@ -376,7 +376,6 @@ def test_rotations_that_are_not_small_are_remarked_on(angle, warned):
 
 
 # -- elements that lock
-# ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2", "QuadS2"])

@@ -77,7 +77,6 @@ def build(scene: Scene, frame: Frame) -> Model:
 
 
 # -- meshes
-# -------------------------------------------------------------------------------------------------------
 
 
 def _mesh(scene: Scene) -> Mesh:
@@ -143,7 +142,6 @@ def _basis(scene: Scene, mesh: Mesh) -> Basis:
 
 
 # -- forms
-# --------------------------------------------------------------------------------------------------------
 
 
 def _solids(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
@@ -211,7 +209,6 @@ def _floor(scene: Scene, frame: Frame):
 
 
 # -- stages
-# -------------------------------------------------------------------------------------------------------
 
 
 def _stages(scene: Scene, drawn: Basis, frame: Frame) -> list[sc.Stage]:

@@ -48,7 +48,6 @@ def column(material, mesh=None, element=None) -> tuple[dict, np.ndarray]:
 
 
 # -- closed forms
-# -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -117,7 +116,6 @@ def test_water_and_acceleration() -> None:
 
 
 # -- contact
-# ------------------------------------------------------------------------------------------------
 
 
 def block(law, strength: bool, soil=None, elements: int = 600) -> Bounds:
@@ -178,7 +176,6 @@ def test_smooth_and_tied() -> None:
 
 
 # -- invariance
-# ---------------------------------------------------------------------------------------------
 
 
 def test_units_rotation_and_place() -> None:
@@ -232,7 +229,6 @@ def test_rotation() -> None:
 
 
 # -- damaged solutions
-# --------------------------------------------------------------------------------------
 
 
 def damaged(monkeypatch, change) -> Bounds:
@@ -342,7 +338,6 @@ class _Silent:
 
 
 # -- flow, elastic moduli, results
-# --------------------------------------------------------------------------
 
 
 def test_less_dilation() -> None:
@@ -397,7 +392,6 @@ def test_curved_sides_are_warned_of() -> None:
 
 
 # -- bad input
-# ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,6 @@ def quiet(search, *args, **given):
 
 
 # -- which loads a vector stands for
-# ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2(), ElementQuad2()])
@@ -132,7 +131,6 @@ def test_what_is_not_distributed_is_refused() -> None:
 
 
 # -- bounds beside a search
-# ---------------------------------------------------------------------------------
 
 
 def test_the_same_bounds_as_by_name() -> None:
@@ -310,7 +308,6 @@ def test_less_dilation() -> None:
 
 
 # -- without being asked
-# ------------------------------------------------------------------------------------
 
 
 def test_bounds_at_hand(monkeypatch) -> None:

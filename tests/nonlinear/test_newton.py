@@ -542,7 +542,6 @@ def test_far_from_the_origin():
 
 
 # -- the loop of the guide, where bodies lift off
-# -------------------------------------------------------------------
 
 
 def documented(*names):

@@ -24,13 +24,15 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
 soil = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=50., phi=0.), unit_weight=20.)
 model = sc.Model({"soil": soil}, basis.get_dofs("bottom").all())""",
-    """result = model.run([sc.Stage("weight", increments=3)], on_increment=plot.live("uy", seconds=0.))
+    """live = plot.live("uy", seconds=0.)
+result = model.run([sc.Stage("weight", increments=3)], on_increment=live)
 result""",
     "result.table()",
     """def stop(stage):
     if stage.name == "slow" and len(stage.iterations) == 2:
         os.kill(os.getpid(), signal.SIGINT)  # the button of a notebook
-model.run([sc.Stage("first"), sc.Stage("slow", model.traction("top", (0., -10.)), increments=5)], on_increment=stop)""",
+slow = sc.Stage("slow", model.traction("top", (0., -10.)), increments=5)
+model.run([sc.Stage("first"), slow], on_increment=stop)""",
     """kept = sys.last_value.result
 print([(stage.name, round(stage.fraction, 3), len(stage.iterations)) for stage in kept])""",
 )

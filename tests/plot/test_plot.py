@@ -60,7 +60,6 @@ def colored(image):
 
 
 # -- scales
-# -------------------------------------------------------------------------------------------------------
 
 
 def ones(values):
@@ -111,7 +110,6 @@ def test_constant_fields_have_a_scale():
 
 
 # -- contours
-# -----------------------------------------------------------------------------------------------------
 
 
 @needs_opengl
@@ -436,7 +434,8 @@ def test_missing_opengl_library_does_not_crash(tmp_path):
     draw.
     """
     code = (
-        "from tests.plot.test_plot import block; import skfem_contact.plot as plot; _, step = block(); "
+        "import skfem_contact.plot as plot; "
+        "from tests.plot.test_plot import block; _, step = block(); "
         f"print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) else 'no "
         f"picture')"
     )

@@ -189,7 +189,8 @@ RUN = """
             print("forty", flush=True)
             time.sleep(60.)
 
-    sc.Model(forms, fixed).run([sc.Stage("fill", load, increments=100)], on_increment=observe, progress=False)
+    stages = [sc.Stage("fill", load, increments=100)]
+    sc.Model(forms, fixed).run(stages, on_increment=observe, progress=False)
 """
 
 

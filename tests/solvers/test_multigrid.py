@@ -109,7 +109,6 @@ def levels(monkeypatch):
 
 
 # -- agreement
-# ------------------------------------------------------------------------------------------------------
 
 
 @needs_pyamg
@@ -362,7 +361,6 @@ def test_rigid_modes_meet_no_resistance():
 
 
 # -- failures
-# -------------------------------------------------------------------------------------------------------
 
 
 @needs_pyamg
@@ -459,7 +457,6 @@ def test_name_that_does_not_exist():
 
 
 # -- choice
-# ---------------------------------------------------------------------------------------------------------
 
 
 def chosen(forms, basis, fixed, solver=None):
@@ -531,7 +528,6 @@ def test_direct_solver_takes_over(monkeypatch, caplog):
 
 
 # -- contact in space
-# -----------------------------------------------------------------------------------------------
 
 
 def cubes(n: int = 5, mu: float = 0.0, ratio: float = 10.0):

@@ -53,7 +53,6 @@ def creeping(**changes):
 
 
 # -- histories and pressures
-# ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -112,7 +111,6 @@ def test_unloading_to_nothing_and_loading_again(law):
 
 
 # -- cycles
-# -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -154,7 +152,6 @@ def test_creep_does_not_care_how_often_a_stress_is_held():
 
 
 # -- bodies
-# -----------------------------------------------------------------------------------------------------------
 
 
 def footing(soil, length: float = 1.0, force: float = 1.0, n: int = 3):
@@ -214,7 +211,6 @@ def test_units(law, length, force):
 
 
 # -- what is told
-# -----------------------------------------------------------------------------------------------------
 
 
 def test_free_surface_without_cohesion_is_told():

@@ -236,7 +236,10 @@ def test_contact_that_is_empty_is_warned_of(gap, dim):
     basis = blocks(gap=gap, dim=dim)
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    message = rf"no slave point found a master within reach: gap is {gap:g} between 'upper:bottom' .*, smallest at \(\d"
+    message = (
+        rf"no slave point found a master within reach: gap is {gap:g} between 'upper:bottom' .*, "
+        r"smallest at \(\d"
+    )
     with pytest.warns(sc.AnalysisWarning, match=message):
         run(forms, [sc.Stage("pull", loaded(basis, "upper:left", (1e-3, 0.0)))], fixed)
 
@@ -257,7 +260,10 @@ def test_a_body_that_falls_beside_its_support_is_explained():
     """[X] Case S16: where an analysis fails, what contact did not find is part of the warning."""
     basis = blocks(mapped=lambda mesh: mesh if mesh.p[0].min() < 0 else mesh.translated((9.0, 0.0)))
     fixed = np.append(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:top").all("u^1"))
-    message = "stage 'fall', joint: no slave point found a master within reach: nothing of 'lower:top' lies opposite"
+    message = (
+        "stage 'fall', joint: no slave point found a master within reach: "
+        "nothing of 'lower:top' lies opposite"
+    )
     with (
         pytest.warns(sc.AnalysisWarning, match=message),
         pytest.raises(sc.NotConverged, match="singular"),

@@ -158,7 +158,10 @@ def test_penalty_that_is_too_soft(quadrature):
     # springs in series: 0.01 is shared between two columns of 1e3 each and the penalty
     share = 0.01 * (1 / penalty) / (2 / 1e3 + 1 / penalty) / 0.2
     assert forms["joint"].penetration(result[-1].states["joint"]) == pytest.approx(share, rel=0.05)
-    message = r"stage 'press', joint: the slave penetrates by (\S+)% of its segment .* penalty, 50, is too soft .*"
+    message = (
+        r"stage 'press', joint: the slave penetrates by (\S+)% of its segment .* "
+        r"penalty, 50, is too soft .*"
+    )
     found = re.fullmatch(message, *remarks)
     assert float(found[1]) == pytest.approx(100 * share, rel=0.05)
 

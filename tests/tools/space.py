@@ -74,7 +74,6 @@ def turned(basis: Basis, rotation: ndarray, x: ndarray) -> ndarray:
 
 
 # -- plane cases as slices: one element thick, held in their plane
-# -------------------------------------------------
 
 
 def sliced(mesh: Mesh, thickness: float = 0.3) -> MeshHex:

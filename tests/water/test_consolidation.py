@@ -71,7 +71,6 @@ def after(times, load, ramp: float = 0.25):
 
 
 # -- exact solutions
-# ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", ["P2", "Q2", "QuadS2", "Q1", "P1"])
@@ -190,7 +189,6 @@ def test_storage_of_the_water():
 
 
 # -- steps in time
-# --------------------------------------------------------------------------------------------------
 
 
 def test_order_in_time():
@@ -315,7 +313,6 @@ def test_beside_a_form_of_first_order():
 
 
 # -- form
-# -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", ["P2", "Q1"])
@@ -361,7 +358,6 @@ def test_saved_resumed_and_counted_anew(tmp_path):
 
 
 # -- construction
-# ---------------------------------------------------------------------------------------------------
 
 
 def test_levels_that_change():
@@ -620,7 +616,6 @@ def test_contact_carries_the_total_stress(soil):
 
 
 # -- what is warned of
-# -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,6 @@ def flow_through(
 
 
 # -- the dam
-# ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
@@ -193,7 +192,6 @@ def test_slope_of_the_relative_permeability(law):
 
 
 # -- layers, directions, wells
-# ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ELEMENTS, ids=lambda kind: kind.__name__)
@@ -298,7 +296,6 @@ def test_well(confined):
 
 
 # -- several bodies, parts of the ground
-# ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("matching", [True, False])

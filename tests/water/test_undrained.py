@@ -393,5 +393,8 @@ def test_friction_beside_undrained_ground(quick: bool, mu: float, told: bool) ->
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         model.run([sc.Stage("press", model.traction("cap:top", (0.0, -P0)))], progress=False)
-    text = "'press', joint: the ground beside it is undrained, with an excess pressure of 90 on average"
+    text = (
+        "'press', joint: the ground beside it is undrained, "
+        "with an excess pressure of 90 on average"
+    )
     assert any(text in str(w.message) for w in caught) == told

@@ -60,7 +60,6 @@ def lowered(
 
 
 # -- limits
-# ---------------------------------------------------------------------------------------------------------
 
 
 def test_rigid_ground_drains_by_richards() -> None:
@@ -164,7 +163,6 @@ def test_saturated_ground_is_that_of_pore_water(element: str, coordinates: str) 
 
 
 # -- equilibrium
-# ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("element", ["P2", "P1", "Q1"])
@@ -247,7 +245,6 @@ def test_suction_is_strength() -> None:
 
 
 # -- tangent, files and units
-# ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -321,7 +318,6 @@ def test_units() -> None:
 
 
 # -- bad input
-# ------------------------------------------------------------------------------------------------------
 
 
 class Negative(sc.water.Retention):
