@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 import struct
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -29,18 +29,36 @@ from ..versions import own_version
 
 #: Layout of saved arrays: another number for other states.
 _LAYOUT = 2
+#: Fields of a stage that are saved as text, by their keys in the head of a file. Older files lack
+#: some of them: these fields have their defaults.
+_TEXTS = {
+    "name": "name",
+    "iterations": "iterations",
+    "residual": "residual",
+    "fraction": "fraction",
+    "time": "time",
+    "summary": "summary",
+    "water": "water",
+    "water unit weight": "water_unit_weight",
+    "remarks": "remarks",
+    "seconds": "seconds",
+    "next_step": "next_step",
+}
+#: Fields of a stage that are vectors, (N,), and the keys of the vectors of the increment before.
+_VECTORS = ("x", "load", "unreleased")
+_BEFORE = ("x before", "load before")
 #: Parts of states that may hold NaN: memory of own laws, and of points of a slave that face no
 #: facet.
 _FREE = {"internal", "position", "stick_point", "gap", "clearance", "cuts"}
-#: First bytes of a file of records, and the length and checksum before each of them.
-_MAGIC, _PREFIX = b"skfem-contact records\n", struct.Struct("<QI")
+#: First bytes of a file of records.
+_MAGIC = b"skfem-contact records\n"
+#: Length and checksum before each record.
+_PREFIX = struct.Struct("<QI")
 
 
 @dataclass(frozen=True)
 class StageData:
-    """Data at the end of a stage or of an increment; :class:`~skfem_contact.results.StageResult`
-    documents them.
-    """
+    """Data at the end of a stage or increment, see :class:`~skfem_contact.results.StageResult`."""
 
     name: str
     x: ndarray
@@ -79,7 +97,7 @@ class Append:
     Parameters
     ----------
     file
-        Name of the file; records are appended to those that it holds.
+        Name of the file; new records follow the existing ones.
 
     Examples
     --------
@@ -115,9 +133,7 @@ class Append:
 
 
 def write(file: str | Path, stages: Iterable[StageData]) -> None:
-    """Write stages to one compressed archive, which replaces an older one of the same mode once it
-    is complete.
-    """
+    """Write stages to one compressed archive, which replaces an older one once it is complete."""
     path = Path(os.path.realpath(_with_end(file)))
     part = path.with_name(f"{path.stem}.{uuid4().hex}.npz")
     try:
@@ -134,26 +150,22 @@ def write(file: str | Path, stages: Iterable[StageData]) -> None:
 def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_Stage, ...]:
     """Read the stages of a file, made by a class of stages."""
     path = str(file) if Path(file).is_file() else _with_end(file)
-    given, layout = choose_penalties(getattr(forms, "forms", forms)), getattr(forms, "layout", None)
-    make = partial(make, layout=layout)
+    given = choose_penalties(getattr(forms, "forms", forms))
+    make = partial(make, layout=getattr(forms, "layout", None))
     try:
         with open(path, "rb") as stream:
             appended = stream.read(len(_MAGIC)) == _MAGIC
             records = _records(stream)[0] if appended else []
-        if appended:
-            return _grouped(
-                [
-                    stage
-                    for record in records
-                    for stage in _read_arrays(io.BytesIO(record), given, make)
-                ]
-            )
-        return tuple(_read_arrays(path, given, make))
+        if not appended:
+            return tuple(_read_arrays(path, given, make))
+        increments: list[_Stage] = []
+        for record in records:
+            increments += _read_arrays(io.BytesIO(record), given, make)
+        return _grouped(increments)
     except FileNotFoundError:
         raise
-    except (
-        Exception
-    ) as error:  # damage shows as errors of many kinds: of zip, zlib, json, memory or the system
+    except Exception as error:
+        # Damage shows as errors of many kinds: of zip, zlib, json, memory or the system.
         raise ValueError(f"{path} cannot be read as a result of these forms: {error}") from error
 
 
@@ -168,9 +180,12 @@ def _records(stream: BinaryIO) -> tuple[list[bytes], int]:
     while len(prefix := stream.read(_PREFIX.size)) == _PREFIX.size:
         length, checksum = _PREFIX.unpack(prefix)
         record = stream.read(min(length, size))
-        if len(record) < length or (crc32(record) != checksum and stream.tell() == size):
+        if len(record) < length:
             break
         if crc32(record) != checksum:
+            # The last record may be incomplete, the others are damaged.
+            if stream.tell() == size:
+                break
             raise ValueError(f"record {len(records)} is not what was written")
         records.append(record)
         end = stream.tell()
@@ -182,13 +197,12 @@ def _grouped(increments: list[_Stage]) -> tuple[_Stage, ...]:
     stages: dict[str, list[_Stage]] = {}
     for increment in increments:
         name = increment.name
-        if name in stages and (
-            name != next(reversed(stages)) or increment.fraction <= stages[name][-1].fraction
-        ):
-            names = list(
-                stages
-            )  # the stage was run again: the older one and those behind it do not count
-            stages = {key: stages[key] for key in names[: names.index(name)]}
+        names = list(stages)
+        if name in stages:
+            advances = increment.fraction > stages[name][-1].fraction
+            if name != names[-1] or not advances:
+                # The stage was run again: drop the older run and all stages behind it.
+                stages = {key: stages[key] for key in names[: names.index(name)]}
         stages.setdefault(name, []).append(increment)
     return tuple(replace(parts[-1], increments=tuple(parts)) for parts in stages.values())
 
@@ -207,39 +221,33 @@ def _write_arrays(stream: Any, stages: Iterable[StageData]) -> None:
 
 
 def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[str, Any]:
-    """Return what describes a stage, and add its arrays and those of its increments."""
-    arrays[f"{key}/x"], arrays[f"{key}/load"] = stage.x, stage.load
-    if stage.unreleased is not None:
-        arrays[f"{key}/unreleased"] = stage.unreleased
-    if (
-        stage.before is not None and "." not in key
-    ):  # those of kept increments are the increments before
-        arrays[f"{key}/x before"], arrays[f"{key}/load before"] = stage.before[:2]
-    arrays |= {f"{key}/placed of {name}": x for name, x in stage.placed.items()}
+    """Return the head of a stage, and add its arrays and those of its increments."""
+    # Collect the vectors; kept increments find theirs in the increments before.
+    vectors = {name: getattr(stage, name) for name in _VECTORS}
+    time_before = 0.0
+    if stage.before is not None:
+        *vectors_before, time_before = stage.before
+        if "." not in key:
+            vectors |= dict(zip(_BEFORE, vectors_before))
+    vectors |= {f"placed of {name}": x for name, x in stage.placed.items()}
+    arrays |= {f"{key}/{name}": x for name, x in vectors.items() if x is not None}
+
+    # Collect the parts of the states.
     for name, state in stage.states.items():
-        arrays |= {
-            f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()
-        }
-    return {
-        "name": stage.name,
-        "iterations": stage.iterations,
-        "residual": stage.residual,
-        "fraction": stage.fraction,
-        "time": stage.time,
+        for part, values in arrays_of(state).items():
+            arrays[f"{key}/{name}/{part}"] = np.asarray(values)
+
+    increments = [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]
+    texts = {text: getattr(stage, name) for text, name in _TEXTS.items()}
+    return texts | {
         "summary": dict(stage.summary),
+        "water": _in_words(stage.water),
         "forms": list(stage.states),
         "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()},
         "settings": {name: _settings(form) for name, form in stage.forms.items()},
-        "water": _in_words(stage.water),
-        "water unit weight": stage.water_unit_weight,
         "placed": list(stage.placed),
-        "remarks": stage.remarks,
-        "seconds": stage.seconds,
-        "next_step": stage.next_step,
-        "time before": stage.before[2] if stage.before else 0.0,
-        "increments": [
-            _described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)
-        ],
+        "time before": time_before,
+        "increments": increments,
     }
 
 
@@ -249,14 +257,15 @@ def _read_arrays(
     """Read the stages of an archive."""
     with np.load(source, allow_pickle=False) as data:
         head = json.loads(str(data["head"]))
-        layout, writer = (head["layout"], head["version"]) if "layout" in head else (0, "0.1.0")
-        if layout != _LAYOUT:
+        if head.get("layout") != _LAYOUT:
+            writer = head["version"] if "layout" in head else "0.1.0"
             raise ValueError(
                 f"version {writer} of this library wrote it, with another layout than that of "
                 f"{own_version()}: read it there, or compute it anew"
             )
         arrays = {key: data[key] for key in head["sums"]}
-    if damaged := [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]:
+    damaged = [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]
+    if damaged:
         raise ValueError(f"{damaged} are not what was written")
     return [_stage(arrays, str(i), stage, given, make) for i, stage in enumerate(head["stages"])]
 
@@ -268,91 +277,96 @@ def _stage(
     given: Mapping[str, Form],
     make: Callable[..., _Stage],
 ) -> _Stage:
-    """Make a stage of its description and arrays."""
+    """Make a stage of its head and arrays; the inverse of :func:`_described`."""
+    # Read the states of the given forms.
     if not set(head["forms"]) <= set(given):
         raise ValueError(f"it holds the forms {head['forms']}, not {list(given)}")
     forms = {name: given[name] for name in head["forms"]}
-    states: dict[str, Any] = {}
+    states = {}
     for name, form in forms.items():
-        both = zip(
-            head["meshes"].get(name, ()), _fingerprint(form), strict=False
-        )  # older files: without elements
-        if not all(np.isclose(a, b, rtol=1e-9, atol=0.0) for a, b in both):
-            raise ValueError(
-                f"'{name}' has another mesh, or another order of the elements, which follow its "
-                f"materials"
-            )
-        initial = form.initial_state()
-        keys = {part: f"{key}/{name}/{part}" for part in arrays_of(initial)}
-        parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
-        if set(parts) != set(arrays_of(initial)) or not form.fits(
-            states.setdefault(name, with_arrays(initial, parts))
-        ):
-            raise ValueError(
-                f"'{name}' is another form there: its mesh, its element or its settings differ"
-            )
-        if form.materials or form.law is not None:
-            _check_numbers(
-                f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k not in _FREE}
-            )
-    if (
-        others := [
-            name
-            for name, form in forms.items()
-            if not _alike(head.get("settings", {}).get(name), _settings(form))
-        ]
-    ) and "." not in key:
+        _check_mesh(name, form, head["meshes"].get(name, ()))
+        states[name] = _state(name, form, arrays, f"{key}/{name}")
+    if "." not in key:
+        _warn_of_other_settings(head, forms)
+
+    # Read the vectors and texts.
+    names = [name for name in (*_VECTORS, *_BEFORE) if f"{key}/{name}" in arrays]
+    vectors = {name: arrays[f"{key}/{name}"] for name in names}
+    placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
+    _check_vectors(head["name"], vectors | placed, forms)
+    before = [vectors.pop(name) for name in _BEFORE if name in vectors]
+    texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
+    for name in ("iterations", "remarks"):
+        texts[name] = tuple(texts.get(name, ()))
+
+    increments = [
+        _stage(arrays, f"{key}.{k}", part, given, make)
+        for k, part in enumerate(head.get("increments", ()))
+    ]
+    return make(
+        states=states,
+        forms=forms,
+        placed=placed,
+        before=(*before, head["time before"]) if before else None,
+        increments=tuple(increments),
+        **vectors,
+        **texts,
+    )
+
+
+def _check_mesh(name: str, form: Form, saved: Sequence[float]) -> None:
+    """Raise a ``ValueError`` where a form has another mesh than the saved one."""
+    # Files of older versions identify no elements.
+    both = zip(saved, _fingerprint(form), strict=False)
+    if not all(np.isclose(a, b, rtol=1e-9, atol=0.0) for a, b in both):
+        raise ValueError(
+            f"'{name}' has another mesh, or another order of the elements, which follow its "
+            f"materials"
+        )
+
+
+def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> Any:
+    """Make the state of a form of its arrays."""
+    initial = form.initial_state()
+    expected = arrays_of(initial)
+    parts = {part: arrays[f"{key}/{part}"] for part in expected if f"{key}/{part}" in arrays}
+    complete = len(parts) == len(expected)
+    state = with_arrays(initial, parts) if complete else None
+    if not complete or not form.fits(state):
+        raise ValueError(
+            f"'{name}' is another form there: its mesh, its element or its settings differ"
+        )
+    if form.materials or form.law is not None:
+        filled = {part: values for part, values in parts.items() if part not in _FREE}
+        _check_numbers(f"'{name}'", filled)
+    return state
+
+
+def _warn_of_other_settings(head: Mapping[str, Any], forms: Mapping[str, Form]) -> None:
+    """Warn where given forms have other materials or laws than the saved ones."""
+    saved = head.get("settings", {})
+    others = [name for name, form in forms.items() if not _alike(saved.get(name), _settings(form))]
+    if others:
         warn(
             f"stage '{head['name']}' was computed with other materials or laws of "
             f"{', '.join(map(repr, others))} than "
             "those given, with which mobilised strength is computed and runs continue: files hold "
             "states alone"
         )
-    vectors = {
-        part: arrays[f"{key}/{part}"]
-        for part in ("x", "load", "unreleased", "x before", "load before")
-        if f"{key}/{part}" in arrays
-    }
-    before = tuple(vectors[part] for part in ("x before", "load before") if part in vectors)
-    placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
-    _check_numbers("the stage", {**vectors, **placed})
-    shapes = {np.shape(values) for values in (*vectors.values(), *placed.values())}
+
+
+def _check_vectors(stage: str, vectors: Mapping[str, ndarray], forms: Mapping[str, Form]) -> None:
+    """Raise a ``ValueError`` where vectors of a stage differ in shape or are too short."""
+    _check_numbers("the stage", vectors)
+    shapes = {np.shape(values) for values in vectors.values()}
     x = vectors["x"]
-    if len(shapes) > 1 or x.ndim != 1 or any(len(x) < (form.size or 0) for form in forms.values()):
-        raise ValueError(
-            f"stage '{head['name']}' has displacements and loads of shapes {sorted(shapes)}"
-        )
-    increments = tuple(
-        _stage(arrays, f"{key}.{k}", part, given, make)
-        for k, part in enumerate(head.get("increments", ()))
-    )
-    return make(
-        head["name"],
-        x,
-        vectors["load"],
-        states,
-        tuple(head["iterations"]),
-        head["residual"],
-        head["fraction"],
-        head["summary"],
-        forms,
-        head.get("time", 0.0),
-        increments,
-        vectors.get("unreleased"),
-        water=head.get("water"),
-        water_unit_weight=head.get("water unit weight"),
-        placed=placed,
-        next_step=head.get("next_step", np.inf),
-        remarks=tuple(head.get("remarks", ())),
-        seconds=head.get("seconds", 0.0),
-        before=(*before, head["time before"]) if before else None,
-    )
+    least = max((form.size or 0 for form in forms.values()), default=0)
+    if len(shapes) > 1 or x.ndim != 1 or len(x) < least:
+        raise ValueError(f"stage '{stage}' has displacements and loads of shapes {sorted(shapes)}")
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
-    """Raise a ``ValueError`` where values are not finite numbers, or a contact point has no known
-    status.
-    """
+    """Raise a ``ValueError`` where values are not finite or no status of contact is known."""
     for part, values in arrays.items():
         kind = np.asarray(values).dtype.kind
         if kind not in "biuf" or not np.isfinite(values).all():
@@ -364,9 +378,7 @@ def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
 
 
 def _in_words(water: Any) -> Any:
-    """Return levels and pressures of water as lists; functions are not saved, but a text that
-    stages refuse.
-    """
+    """Return water as numbers and lists; functions are not saved, but a text that stages refuse."""
     try:
         return json.loads(json.dumps(water, default=np.ndarray.tolist))
     except TypeError:
@@ -382,18 +394,19 @@ def _checksum(values: Any) -> int:
 
 
 def _fingerprint(form: Form) -> list[float]:
-    """Return numbers that identify a mesh: nodes and elements, and means of their coordinates with
-    uneven weights.
-    """
-    coordinates = np.zeros((1, 0)) if form.basis is None else form.basis.doflocs
-    coordinates = coordinates if form.nodes is None else form.nodes[1]
-    found = _means(coordinates, 1.0 + np.arange(coordinates.shape[1]) % 7)
-    if form.nodes is not None or form.basis is None:
-        return found
-    centres = coordinates[:, form.basis.element_dofs].mean(axis=1)
-    return found + _means(
-        centres, np.sqrt(1.0 + np.arange(centres.shape[1]))
-    )  # none alike: regions may swap
+    """Return numbers that identify a mesh: numbers and weighted means of nodes and elements."""
+    if form.nodes is not None:
+        coordinates = form.nodes[1]
+    elif form.basis is not None:
+        coordinates = form.basis.doflocs
+    else:
+        coordinates = np.zeros((1, 0))
+    result = _means(coordinates, 1.0 + np.arange(coordinates.shape[1]) % 7)
+    if form.nodes is None and form.basis is not None:
+        # Give all elements different weights, so that swapped regions are noticed.
+        centres = coordinates[:, form.basis.element_dofs].mean(axis=1)
+        result += _means(centres, np.sqrt(1.0 + np.arange(centres.shape[1])))
+    return result
 
 
 def _settings(form: Form) -> list[float]:
@@ -403,31 +416,28 @@ def _settings(form: Form) -> list[float]:
 
 
 def _parameters(thing: Any) -> list[float]:
-    """Return the parameters of a material or law by its fields, behind a number of its kind;
-    functions have none.
-    """
-    found = [float(crc32(type(thing).__name__.encode()))]
-    for name in (part.name for part in fields(thing)) if is_dataclass(thing) else ():
-        value = getattr(thing, name)
+    """Return a number of the kind of a material or law and its parameters; functions have none."""
+    result = [float(crc32(type(thing).__name__.encode()))]
+    if not is_dataclass(thing):
+        return result
+    for part in fields(thing):
+        value = getattr(thing, part.name)
         if is_dataclass(value):
-            found += _parameters(value)
+            result += _parameters(value)
         elif isinstance(value, (int, float, ndarray)):
-            found += _means(
-                np.ravel(value)[None].astype(float), np.sqrt(1.0 + np.arange(np.size(value)))
-            )
-    return found
+            numbers = np.ravel(value)[None].astype(float)
+            result += _means(numbers, np.sqrt(1.0 + np.arange(np.size(value))))
+    return result
 
 
 def _alike(saved: list[float] | None, now: list[float]) -> bool:
     """Return True if numbers are the same, or older files have none."""
-    return saved is None or (
-        len(saved) == len(now) and np.allclose(saved, now, rtol=1e-9, atol=0.0, equal_nan=True)
-    )
+    if saved is None:
+        return True
+    return len(saved) == len(now) and np.allclose(saved, now, rtol=1e-9, atol=0.0, equal_nan=True)
 
 
 def _means(coordinates: ndarray, weights: ndarray) -> list[float]:
     """Return the number of points, (dim, n), and weighted means of their coordinates."""
-    return [
-        float(coordinates.shape[1]),
-        *(float(mean) for mean in coordinates @ weights / max(weights.sum(), 1.0)),
-    ]
+    means = coordinates @ weights / max(weights.sum(), 1.0)
+    return [float(coordinates.shape[1]), *means.tolist()]
