@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 import struct
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -279,13 +279,8 @@ def _stage(
 ) -> _Stage:
     """Make a stage of its head and arrays; the inverse of :func:`_described`."""
     # Read the states of the given forms.
-    if not set(head["forms"]) <= set(given):
-        raise ValueError(f"it holds the forms {head['forms']}, not {list(given)}")
-    forms = {name: given[name] for name in head["forms"]}
-    states = {}
-    for name, form in forms.items():
-        _check_mesh(name, form, head["meshes"].get(name, ()))
-        states[name] = _state(name, form, arrays, f"{key}/{name}")
+    states = _states(arrays, key, head, given)
+    forms = {name: given[name] for name in states}
     if "." not in key:
         _warn_of_other_settings(head, forms)
 
@@ -314,15 +309,24 @@ def _stage(
     )
 
 
-def _check_mesh(name: str, form: Form, saved: Sequence[float]) -> None:
-    """Raise a ``ValueError`` where a form has another mesh than the saved one."""
-    # Files of older versions identify no elements.
-    both = zip(saved, _fingerprint(form), strict=False)
-    if not all(np.isclose(a, b, rtol=1e-9, atol=0.0) for a, b in both):
-        raise ValueError(
-            f"'{name}' has another mesh, or another order of the elements, which follow its "
-            f"materials"
-        )
+def _states(
+    arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], given: Mapping[str, Form]
+) -> dict[str, Any]:
+    """Make the states of the forms of a stage, and check that they fit to the given forms."""
+    if not set(head["forms"]) <= set(given):
+        raise ValueError(f"it holds the forms {head['forms']}, not {list(given)}")
+    states = {}
+    for name in head["forms"]:
+        form = given[name]
+        # Compare the meshes; files of older versions identify no elements.
+        both = zip(head["meshes"].get(name, ()), _fingerprint(form), strict=False)
+        if not all(np.isclose(a, b, rtol=1e-9, atol=0.0) for a, b in both):
+            raise ValueError(
+                f"'{name}' has another mesh, or another order of the elements, which follow its "
+                f"materials"
+            )
+        states[name] = _state(name, form, arrays, f"{key}/{name}")
+    return states
 
 
 def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> Any:

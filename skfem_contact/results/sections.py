@@ -7,15 +7,16 @@ rises linearly over the length of one layer of elements about the cut. On a line
 resultant is the mean of the nodal forces on both sides; between two lines it interpolates. The
 resultants are in equilibrium with all loads and contact forces beyond, however coarse the mesh.
 Where the body is joined to more on one side, at the face of a wall or at the corner of a frame,
-elements beside the sections would do work in that motion. There the share jumps, from the nodes of
-the cut to those in front of it or behind it: the resultant is that of the nodal forces of the
-elements on the free side.
+elements outside the body would do work in this motion. At these sections the share jumps, from the
+nodes of the cut to the nodes in front of it or behind it: the resultant is the sum of the nodal
+forces of the elements on the free side.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -39,200 +40,226 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections | None
         raise ValueError(
             "a solid needs `sections`, such as Sections.line(...); only a beam has its own"
         )
-    if (dim := form.basis.mesh.dim()) != sections.center.shape[1]:
+    dim = form.basis.mesh.dim()
+    if dim != sections.center.shape[1]:
         raise ValueError(
             f"these sections have {sections.center.shape[1]} coordinates, the body has {dim}"
         )
-    back, front = (
-        _lines(form, sections)
-        if sections.curvature.any()
-        else np.zeros((2, len(sections.position)))
-    )
+    if not sections.curvature.any():
+        return _at(form, state, sections)
+    back, front = _lines(form, sections)
     if not (back < front).any():
         return _at(form, state, sections)
+
+    # Interpolate linearly between the lines of nodes behind and in front of each section.
+    behind = _at(form, state, sections.moved(back))
+    ahead = _at(form, state, sections.moved(front))
     share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
-    one, other = (_at(form, state, moved) for moved in map(sections.moved, (back, front)))
+    forces = {}
+    for name in behind.names:
+        forces[name] = (1.0 - share) * getattr(behind, name) + share * getattr(ahead, name)
     x, y = sections.center.T
-    return SectionForces(
-        sections.position,
-        x,
-        y,
-        **{
-            name: (1.0 - share) * getattr(one, name) + share * getattr(other, name)
-            for name in one.names
-        },
-    )
+    return SectionForces(sections.position, x, y, **forces)
 
 
 def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
     """Return the section forces at sections on lines of nodes.
 
-    A rigid motion across the axis of revolution stretches circles: hoop stresses are left out.
-    Forces by an angle are divided by the mean radius of the layer, that by equal stresses on the
-    cut over that by stresses 1 / r.  An equal stress in the plane of as much as the hoop stress
-    over r has the resultants of the hoop stress.
+    In axial symmetry a rigid motion across the axis of revolution stretches circles: hoop stresses
+    are left out. Forces per radian are divided by the mean radius of the layer,
+
+        r_mean = N(sigma = 1) / N(sigma = 1 / r) .
+
+    Equal stresses ``sigma_hoop / r`` in the plane have the resultants of the hoop stress.
     """
     if form.coordinates != "axisymmetric":
-        section, points, (forces,) = _cut(form, [state.stress], sections)
-        return _resultants(sections, section, points, forces)
-    hoop, equal, r = (
-        state.stress[2],
-        np.zeros_like(state.stress),
-        np.asarray(form.basis.global_coordinates())[0],
-    )
-    plane, equal[:2] = state.stress - hoop * np.eye(len(equal))[2][:, None, None], 1.0
-    section, points, parts = _cut(form, [plane, equal, equal / r, equal * hoop / r], sections)
-    found, turned, straight, around = (
-        _resultants(sections, section, points, part) for part in parts
-    )
-    pile = (
-        np.abs(np.column_stack((sections.center[:, 0] / r.max(), sections.axis[:, 0]))).max(axis=1)
-        < _ROUND_OFF
-    )
+        cut, (forces,) = _cut(form, [state.stress], sections)
+        return _resultants(sections, cut, forces)
+
+    # Cut the stresses in the plane, equal ones, equal ones over r, and the hoop stresses.
+    r = np.asarray(form.basis.global_coordinates())[0]
+    hoop = state.stress[2]
+    plane = state.stress - hoop * np.eye(len(state.stress))[2][:, None, None]
+    equal = np.zeros_like(state.stress)
+    equal[:2] = 1.0
+    cut, parts = _cut(form, [plane, equal, equal / r, equal * hoop / r], sections)
+    forces, turned, straight, around = (_resultants(sections, cut, part) for part in parts)
+
+    # A pile on the axis of revolution has its normal force per radian, and no bending.
+    across_axis = np.column_stack((sections.center[:, 0] / r.max(), sections.axis[:, 0]))
+    on_axis = np.abs(across_axis).max(axis=1) < _ROUND_OFF
     radius = straight.N / turned.N
-    width, across = np.where(pile, 1.0, radius), np.where(pile, 0.0, radius)
+    across = np.where(on_axis, 0.0, radius)
     return replace(
-        found,
-        N=width * found.N,
-        V=across * found.V,
-        M=across * found.M,
+        forces,
+        N=np.where(on_axis, 1.0, radius) * forces.N,
+        V=across * forces.V,
+        M=across * forces.M,
         N_hoop=around.N,
         M_hoop=around.M,
     )
 
 
 def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
-    """Return distances to the lines of nodes behind and in front of each cut, (n,); zero for a cut
-    on a line.
+    """Return distances to the lines of nodes behind and in front of each cut, (n,), or zero.
 
     Between lines the axis is a chord: a moment about the arc would miss the thrust times the
-    distance of both.
+    distance of both. The distances of a cut on a line are zero.
     """
-    section, _, _, s, inside = _layers(form, sections)
-    section, s = section[inside], s[inside]
-    ends = np.array((s.min(axis=1), s.max(axis=1)))
-    between = (
-        (np.abs(ends).min(axis=0) > _ROUND_OFF * np.ptp(ends, axis=0))
-        & (ends[0] < 0.0)
-        & (ends[1] > 0.0)
-    )
-    count = np.maximum(np.bincount(section[between], minlength=len(sections.position)), 1)
-    back, front = (
-        np.bincount(section[between], end[between], minlength=len(count)) / count for end in ends
-    )
+    layers = _layers(form, sections)
+    section = layers.section[layers.inside]
+    s = layers.s[layers.inside]
+    lowest = s.min(axis=1)
+    highest = s.max(axis=1)
+    off_lines = np.minimum(np.abs(lowest), np.abs(highest)) > _ROUND_OFF * (highest - lowest)
+    between = off_lines & (lowest < 0.0) & (highest > 0.0)
+    n = len(sections.position)
+    count = np.maximum(np.bincount(section[between], minlength=n), 1)
+    back = np.bincount(section[between], lowest[between], minlength=n) / count
+    front = np.bincount(section[between], highest[between], minlength=n) / count
     return back, front
 
 
-def _layers(
-    form: SolidForm, sections: Sections
-) -> tuple[ndarray, ndarray, ndarray, ndarray, ndarray]:
-    """Return sections, near elements, nodes (pairs, nodes), positions of nodes along the axis, and
-    masks.
+class _Layers(NamedTuple):
+    """Pairs of sections and elements near them; `inside` where the element is of the body."""
 
-    Masks are True for elements of the body that the sections cut.
-    """
-    nodes, dim = nodes_of(form.basis), len(form.basis.doflocs)
-    points = form.basis.doflocs[:, dim * nodes]
+    section: ndarray
+    element: ndarray
+    nodes: ndarray  # (pairs, nodes)
+    s: ndarray  # positions of the nodes along the axis, (pairs, nodes)
+    inside: ndarray
+
+    @property
+    def keys(self) -> ndarray:
+        """One number for each node of each section, (pairs, nodes)."""
+        return np.asarray(self.section[:, None] * (self.nodes.max() + 1) + self.nodes)
+
+
+class _Cut(NamedTuple):
+    """Pairs of sections and cut elements with the coordinates of the nodes, (pairs, nodes, dim)."""
+
+    section: ndarray
+    points: ndarray
+
+
+def _layers(form: SolidForm, sections: Sections) -> _Layers:
+    """Return the elements near sections."""
+    nodes = nodes_of(form.basis)
+    dim = len(form.basis.doflocs)
+    points = form.basis.doflocs[:, dim * nodes]  # (dim, n_elements, nodes)
     centroid = points.mean(axis=2).T
     largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
-    hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
-    section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
-    element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
+    near = sections.half_depth + 1.5 * largest
+    hits = cKDTree(centroid).query_ball_point(sections.center, near)
+    section = np.repeat(np.arange(len(hits)), [len(hit) for hit in hits])
+    element = np.concatenate([np.asarray(hit, dtype=int) for hit in hits])
     if not len(element):
         raise ValueError(
             f"the sections cut no element of the solid: it is not at "
             f"{format_point(sections.center[0])}"
         )
-    flat = np.repeat(section, nodes.shape[1])
-    s = sections.local(flat, points[:, element].reshape(dim, -1).T)[0].reshape(len(element), -1)
-    inside = np.abs(sections.local(section, centroid[element])[1]) <= sections.half_depth[section]
-    return section, element, nodes[element], s, inside
+    section_of_nodes = np.repeat(section, nodes.shape[1])
+    s, _ = sections.local(section_of_nodes, points[:, element].reshape(dim, -1).T)
+    _, offset = sections.local(section, centroid[element])
+    inside = np.abs(offset) <= sections.half_depth[section]
+    return _Layers(section, element, nodes[element], s.reshape(len(element), -1), inside)
 
 
 def _cut(
     form: SolidForm, stresses: Sequence[ndarray], sections: Sections
-) -> tuple[ndarray, ndarray, list[ndarray]]:
-    """Return sections and nodes, (pairs, nodes, dim), of cut elements, and forces by virtual
-    motions of each stress.
+) -> tuple[_Cut, list[ndarray]]:
+    """Return cut elements, and their nodal forces, (pairs, nodes, dim), of each stress.
+
+    The forces are multiplied by the share ``phi`` of the virtual motion at the nodes.
     """
-    n, dim = len(sections.position), len(form.basis.doflocs)
-    section, element, nodes, s, inside = _layers(form, sections)
-    length = np.ptp(s, axis=1)
-    crossing = (
-        inside & (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
-    )
+    # Scale positions by the mean length of the elements that each section crosses.
+    layers = _layers(form, sections)
+    section = layers.section
+    crossing, length = _crossing(layers)
+    n = len(sections.position)
     count = np.bincount(section[crossing], minlength=n)
     if not count.all():
-        at = sections.center[np.flatnonzero(count == 0)[0]]
+        missed = sections.center[np.flatnonzero(count == 0)[0]]
         raise ValueError(
             f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
-            f"{format_point(at)}"
+            f"{format_point(missed)}"
         )
     layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
-    phi, joined = _shares(section, nodes, s / layer[section, None], inside)
-    deformed, key = np.ptp(phi, axis=1) > 0.0, _node_keys(section, nodes)
-    active, beside = deformed & inside, deformed & ~inside
-    _report_what_continues(form, sections, section, element, key, active & joined[section], beside)
 
-    section, element, phi = section[active], element[active], phi[active]
-    points = form.basis.doflocs[:, dim * nodes[active]].transpose(1, 2, 0)
-    lowest, highest = np.full(n, 1.0), np.zeros(n)  # 0 and 1, but for the ends of the body
+    # Find the deformed elements of the body, and warn where the body continues outside.
+    phi, joined = _shares(layers, layers.s / layer[section, None])
+    deformed = np.ptp(phi, axis=1) > 0.0
+    active = deformed & layers.inside
+    _warn_of_continued(form, sections, layers, active & joined[section], deformed & ~layers.inside)
+
+    # Scale phi to 0 and 1 at the ends of the body, too.
+    section = section[active]
+    element = layers.element[active]
+    phi = phi[active]
+    lowest = np.full(n, 1.0)
+    highest = np.zeros(n)
     np.minimum.at(lowest, section, phi.min(axis=1))
     np.maximum.at(highest, section, phi.max(axis=1))
-    used, position = np.unique(element, return_inverse=True)
-    forces = (
-        form.element_forces(stress, used).reshape(points.shape[1], -1, len(used))
-        for stress in stresses
-    )
     share = phi / (highest - lowest)[section, None]
-    return (
-        section,
-        points,
-        [np.einsum("pn,ncp->pnc", share, force[:, :, position]) for force in forces],
-    )
+
+    # Multiply the nodal forces of the elements by the shares of their nodes.
+    dim = len(form.basis.doflocs)
+    points = form.basis.doflocs[:, dim * layers.nodes[active]].transpose(1, 2, 0)
+    used, position = np.unique(element, return_inverse=True)
+    parts = []
+    for stress in stresses:
+        force = form.element_forces(stress, used).reshape(points.shape[1], dim, len(used))
+        parts.append(np.einsum("pn,ncp->pnc", share, force[:, :, position]))
+    return _Cut(section, points), parts
 
 
-def _shares(
-    section: ndarray, nodes: ndarray, s: ndarray, inside: ndarray
-) -> tuple[ndarray, ndarray]:
-    """Return the share of the virtual motion at nodes, (pairs, nodes), and sections where other
-    elements do work.
+def _crossing(layers: _Layers) -> tuple[ndarray, ndarray]:
+    """Return True for elements of the body that the section meets, and lengths along the axis."""
+    lowest = layers.s.min(axis=1)
+    highest = layers.s.max(axis=1)
+    length = highest - lowest
+    meets = (lowest <= _ROUND_OFF * length) & (highest >= -_ROUND_OFF * length)
+    return layers.inside & meets, length
+
+
+def _shares(layers: _Layers, s: ndarray) -> tuple[ndarray, ndarray]:
+    """Return the share of the motion at nodes, (pairs, nodes), and sections with outside work.
+
+    Outside work is done by elements that are joined to the body but not of it.
     """
-    linear, *jumps = (
-        np.clip(s + 0.5, 0.0, 1.0),
-        np.where(s > _ROUND_OFF, 1.0, 0.0),
-        np.where(s < -_ROUND_OFF, 0.0, 1.0),
-    )
-    shares, key = linear, _node_keys(section, nodes)
-    left = _do_work(section, key, linear, inside)
-    for jump in jumps:
-        deforms = (
-            np.bincount(section, (np.ptp(jump, axis=1) > 0.0) & inside) > 0
-        )  # nothing lies beyond an end
-        free = left & deforms & ~_do_work(section, key, jump, inside)
-        shares = np.where(free[section, None], jump, shares)
-        left = left & ~free
-    return shares, left
+    shares = np.clip(s + 0.5, 0.0, 1.0)
+    remaining = _works_outside(layers, shares)
+    ahead = np.where(s > _ROUND_OFF, 1.0, 0.0)
+    behind = np.where(s < -_ROUND_OFF, 0.0, 1.0)
+    for jump in (ahead, behind):
+        # Beyond an end of the body a jump deforms no element.
+        inside = layers.section[(np.ptp(jump, axis=1) > 0.0) & layers.inside]
+        deforms = np.bincount(inside, minlength=len(remaining)) > 0
+        free = remaining & deforms & ~_works_outside(layers, jump)
+        shares = np.where(free[layers.section, None], jump, shares)
+        remaining = remaining & ~free
+    return shares, remaining
 
 
-def _report_what_continues(
-    form: SolidForm,
-    sections: Sections,
-    section: ndarray,
-    element: ndarray,
-    key: ndarray,
-    body: ndarray,
-    beside: ndarray,
+def _works_outside(layers: _Layers, phi: ndarray) -> ndarray:
+    """Return True for sections where elements joined to the body, but not of it, are deformed."""
+    keys = layers.keys
+    deformed = np.ptp(phi, axis=1) > 0.0
+    outside = deformed & ~layers.inside
+    joined = np.isin(keys[outside], keys[deformed & layers.inside]).any(axis=1)
+    section = layers.section[outside][joined]
+    return np.bincount(section, minlength=int(layers.section.max()) + 1) > 0
+
+
+def _warn_of_continued(
+    form: SolidForm, sections: Sections, layers: _Layers, body: ndarray, outside: ndarray
 ) -> None:
-    """Report sections where a region has elements beside those of the body, (pairs,), and nodes
-    with them.
-    """
-    region = np.repeat(
-        np.arange(len(form.regions)),
-        [len(range(form.basis.nelems)[r.elements]) for r in form.regions],
-    )
-    key = region[element][:, None] * (key.max() + 1) + key
-    continues = section[beside][np.isin(key[beside], key[body]).any(axis=1)]
+    """Warn of sections where a region of the body, (pairs,), has elements outside, (pairs,)."""
+    sizes = [len(range(form.basis.nelems)[region.elements]) for region in form.regions]
+    region = np.repeat(np.arange(len(sizes)), sizes)
+    keys = layers.keys
+    keys = region[layers.element][:, None] * (keys.max() + 1) + keys
+    continues = layers.section[outside][np.isin(keys[outside], keys[body]).any(axis=1)]
     if len(continues):
         first = continues.min()
         warn(
@@ -245,38 +272,34 @@ def _report_what_continues(
         )
 
 
-def _node_keys(section: ndarray, nodes: ndarray) -> ndarray:
-    """Return one number for each node of each section, (pairs, nodes)."""
-    return np.asarray(section[:, None] * (nodes.max() + 1) + nodes)
+def _resultants(sections: Sections, cut: _Cut, forces: ndarray) -> SectionForces:
+    """Return sums of nodal forces (pairs, nodes, dim) by section, with moments about the centres.
 
-
-def _do_work(section: ndarray, key: ndarray, phi: ndarray, inside: ndarray) -> ndarray:
-    """Return True for sections where elements beside the body, joined to its deformed ones, are
-    deformed.
+    N is the force along the axis t, V the force across it, T the moment about it, M the rest.
     """
-    deformed = np.ptp(phi, axis=1) > 0.0
-    beside = deformed & ~inside
-    joined = np.isin(key[beside], key[deformed & inside]).any(axis=1)
-    return np.bincount(section[beside][joined], minlength=int(section.max()) + 1) > 0
-
-
-def _resultants(
-    sections: Sections, section: ndarray, points: ndarray, forces: ndarray
-) -> SectionForces:
-    """Return sums of nodal forces (pairs, nodes, dim) by section, with moments about the
-    centres.
-    """
-    axis, arm = sections.axis, points - sections.center[section][:, None]
-    force = _by_section(section, forces.sum(axis=1), len(axis))
-    N, (x, y, *z) = dot(force, axis), sections.center.T
+    axis = sections.axis
+    n = len(axis)
+    arm = cut.points - sections.center[cut.section][:, None]
+    force = _by_section(cut.section, forces.sum(axis=1), n)
+    N = dot(force, axis)
+    x, y, *z = sections.center.T
     if not z:
-        clockwise = (arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]).sum(axis=1)
-        V, M = dot(force, sections.left), _by_section(section, clockwise, len(axis))
-        return SectionForces(sections.position, x, y, N, V, M)
-    moment = _by_section(section, np.cross(arm, forces).sum(axis=1), len(axis))
+        clockwise = arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]
+        M = _by_section(cut.section, clockwise.sum(axis=1), n)
+        return SectionForces(sections.position, x, y, N, V=dot(force, sections.left), M=M)
+    moment = _by_section(cut.section, np.cross(arm, forces).sum(axis=1), n)
     T = dot(moment, axis)
-    V, M = force - N[:, None] * axis, moment - T[:, None] * axis
-    return SectionForces(sections.position, x, y, N, V, M, z[0], T, axis)
+    return SectionForces(
+        sections.position,
+        x,
+        y,
+        N=N,
+        V=force - N[:, None] * axis,
+        M=moment - T[:, None] * axis,
+        z=z[0],
+        T=T,
+        axis=axis,
+    )
 
 
 def _by_section(section: ndarray, values: ndarray, n: int) -> ndarray:

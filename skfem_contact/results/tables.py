@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -32,8 +31,14 @@ _ZERO = 1e-12
 
 @dataclass(frozen=True)
 class Envelope:
-    """Smallest and largest section forces over stages, whose names are ``stages["M"]``, (2, n);
-    printed as a table.
+    """Smallest and largest section forces over stages; printed as a table.
+
+    Attributes
+    ----------
+    smallest, largest
+        Extreme section forces at each section.
+    stages
+        Names of the stages with the smallest and the largest values: ``stages["M"]``, shape (2, n).
     """
 
     smallest: SectionForces
@@ -49,35 +54,33 @@ class Envelope:
                 "results.Envelope.of({stage.name: stage.section_forces(...).towards((1, 0, 0)), "
                 "...})"
             )
-        names, first = np.array(list(forces)), next(iter(forces.values()))
-        values = {
-            key: np.array([getattr(part, key) for part in forces.values()]) for key in first.names
-        }
-        low, high = (
-            {key: v[at(v, axis=0), range(v.shape[1])] for key, v in values.items()}
-            for at in (np.argmin, np.argmax)
-        )
-        stages = {
-            key: names[np.array([v.argmin(axis=0), v.argmax(axis=0)])] for key, v in values.items()
-        }
-        return cls(replace(first, **low), replace(first, **high), stages)
+        names = np.array(list(forces))
+        first = next(iter(forces.values()))
+        sections = np.arange(len(first.position))
+        smallest, largest, stages = {}, {}, {}
+        for key in first.names:
+            values = np.array([getattr(part, key) for part in forces.values()])  # (n_stages, n)
+            lowest = values.argmin(axis=0)
+            highest = values.argmax(axis=0)
+            smallest[key] = values[lowest, sections]
+            largest[key] = values[highest, sections]
+            stages[key] = names[np.array([lowest, highest])]
+        return cls(replace(first, **smallest), replace(first, **largest), stages)
 
     def __str__(self) -> str:
-        both = enumerate((self.smallest, self.largest))
-        ends = [
-            (key, getattr(part, key), k) for key, (k, part) in product(self.smallest.names, both)
-        ]
-        return "\n".join(
-            f"{key} {v[i]:10.4g} at {self.smallest.position[i]:<8.4g} {self.stages[key][k, i]}"
-            for key, v, k in ends
-            for i in [v.argmax() if k else v.argmin()]
-        )
+        lines = []
+        for key in self.smallest.names:
+            low = getattr(self.smallest, key)
+            high = getattr(self.largest, key)
+            extremes = (low, low.argmin()), (high, high.argmax())
+            for (values, i), names in zip(extremes, self.stages[key], strict=True):
+                position = self.smallest.position[i]
+                lines.append(f"{key} {values[i]:10.4g} at {position:<8.4g} {names[i]}")
+        return "\n".join(lines)
 
 
 def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Table:
-    """Return the forces along a form as a table, see
-    :meth:`~skfem_contact.results.StageResult.table`.
-    """
+    """Return the table of a form, see :meth:`~skfem_contact.results.StageResult.table`."""
     form = look_up(name, stage.forms, f"form in stage '{stage.name}'")
     along = _along(form, stage.states[name], sections)
     if not along:
@@ -91,12 +94,12 @@ def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Ta
             f"`sections` of a "
             f"solid, or one of {others}"
         )
-    columns = {
-        f"{key} {axis}" if np.ndim(values) == 2 else key: part
-        for key, values in along.items()
-        if key != "axis"
-        for axis, part in zip("xyz", np.atleast_2d(np.transpose(values)))
-    }
+    columns = {}
+    for key, values in along.items():
+        if np.ndim(values) < 2:
+            columns[key] = values
+        elif key != "axis":
+            columns |= {f"{key} {axis}": part for axis, part in zip("xyz", values.T)}
     return Table.of(columns, f"{name}, {stage.name}")
 
 
@@ -107,32 +110,49 @@ def of_stages(
     searches: Mapping[str, Any],
 ) -> Table:
     """Return one row for each stage, see :meth:`~skfem_contact.results.Result.table`."""
-    there = {name: form for stage in stages for name, form in stage.forms.items()}
-    for name in (*names, *sections):
-        if look_up(name, there, "form").materials and name not in sections:
-            raise ValueError(
-                f"'{name}' is a {type(there[name]).__name__}: give sections={{'{name}': "
-                f"Sections.line()}}"
-            )
-    for name, found in searches.items():
-        look_up(name, {stage.name: stage for stage in stages}, "stage")
-        if getattr(found, "stop", None) is None:
-            raise ValueError(
-                f"searches are results of strength_reduction or limit_load, not {found!r}"
-            )
-    chosen = names or [name for name, form in there.items() if form.law is None]
+    forms = {name: form for stage in stages for name, form in stage.forms.items()}
+    _check_names(forms, stages, (*names, *sections), sections, searches)
+    chosen = dict.fromkeys(names or [name for name, form in forms.items() if form.law is None])
     rows = [
-        _row(
-            stage, [*chosen, *(name for name in sections if name not in chosen)], sections, searches
-        )
-        for stage in stages
+        _row(stage, [*(chosen | dict.fromkeys(sections))], sections, searches) for stage in stages
     ]
-    head = dict.fromkeys(key for row in rows for key in row)
-    nothing = [key for key in head if f"{key} at" in head and not any(row.get(key) for row in rows)]
-    head = {key: None for key in head if key.removesuffix(" at") not in nothing}
-    return Table.of(
-        {key: [row.get(key, "" if key.endswith(" at") else np.nan) for row in rows] for key in head}
-    )
+
+    return Table.of(_columns(rows))
+
+
+def _columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Return the columns of rows, without forces that are zero in all rows."""
+    titles = dict.fromkeys(key for row in rows for key in row)
+    columns = {}
+    for title in titles:
+        value = title.removesuffix(" at")
+        is_force = f"{value} at" in titles
+        if not is_force or any(row.get(value) for row in rows):
+            missing = "" if title.endswith(" at") else np.nan
+            columns[title] = [row.get(title, missing) for row in rows]
+    return columns
+
+
+def _check_names(
+    forms: Mapping[str, Form],
+    stages: Iterable[StageData],
+    names: Iterable[str],
+    sections: Mapping[str, Sections],
+    searches: Mapping[str, Any],
+) -> None:
+    """Refuse unknown forms, solids without sections, and searches from unknown stages."""
+    for name in names:
+        form = look_up(name, forms, "form")
+        if form.materials and name not in sections:
+            raise ValueError(
+                f"'{name}' is a {type(form).__name__}: give sections={{'{name}': Sections.line()}}"
+            )
+    for name, search in searches.items():
+        look_up(name, {stage.name: stage for stage in stages}, "stage")
+        if getattr(search, "stop", None) is None:
+            raise ValueError(
+                f"searches are results of strength_reduction or limit_load, not {search!r}"
+            )
 
 
 def _row(
@@ -141,56 +161,50 @@ def _row(
     sections: Mapping[str, Sections],
     searches: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Return the displacement, forces and the result of a search of a stage by the names of
-    columns.
-    """
+    """Return displacement, forces and result of a search of a stage by the names of columns."""
     row: dict[str, Any] = {"stage": stage.name}
     if stage.time:
         row["time"] = stage.time
-    if (moved := _moved(stage)) is not None:
+    moved = _moved(stage)
+    if moved is not None:
         row["displacement"], row["displacement at"] = _largest(*moved)
     for name in names:
         if name not in stage.states:
             continue
         along = _along(stage.forms[name], stage.states[name], sections.get(name))
-        points = (
-            np.column_stack([along[axis] for axis in "xyz" if axis in along])
-            if along
-            else np.zeros((0, 2))
-        )
-        for key in (key for key in _FORCES if key in along):
-            title = name if key == "force" else f"{name} {key}"
-            row[title], row[f"{title} at"] = _largest(along[key], points)
-    if stage.name in searches:
-        found = searches[stage.name]
-        row[found.what] = found.value if found.stop.shows_limit else f">= {found.value:.4g}"
+        for key in _FORCES:
+            if key in along:
+                points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
+                title = name if key == "force" else f"{name} {key}"
+                row[title], row[f"{title} at"] = _largest(along[key], points)
+    search = searches.get(stage.name)
+    if search is not None:
+        row[search.what] = search.value if search.stop.shows_limit else f">= {search.value:.4g}"
     return row
 
 
 def _along(form: Form, state: Any, sections: Sections | None) -> dict[str, ndarray]:
-    """Return coordinates and forces of a form by the names of columns, (n,) or (n, 3); empty where
-    it has none.
-    """
+    """Return coordinates and forces of a form by the names of columns, (n,) or (n, 3), or {}."""
+    if form.law is not None and sections is None:
+        return _contact_columns(vars(tractions(form, state)))  # type: ignore[arg-type]
+    forces: SectionForces | None = None
     if sections is not None:
         if not form.materials:
             raise ValueError(f"sections cut a SolidForm, not a {type(form).__name__}")
-        found: Any = section_forces(form, state, sections)  # type: ignore[arg-type]
-    elif form.law is not None:
-        found = tractions(form, state)  # type: ignore[arg-type]
+        forces = section_forces(form, state, sections)  # type: ignore[arg-type]
     elif along := form.line_forces(state):
-        found = SectionForces(*along)
-    else:
+        forces = SectionForces(*along)
+    if forces is None:
         return form.members(state)
-    values = {key: part for key, part in vars(found).items() if part is not None}
-    if form.law is None:
-        return values
-    plane = len(found.arc) > 0
-    status = np.array([str(kind.name).lower() for kind in Status])[found.status]
-    return {
-        key: status if key == "status" else values[key]
-        for key in _CONTACT
-        if key != ("z" if plane else "arc")
-    }
+    return {key: part for key, part in vars(forces).items() if part is not None}
+
+
+def _contact_columns(values: Mapping[str, ndarray]) -> dict[str, ndarray]:
+    """Return the columns of contact tractions: with the arc in the plane, with z in space."""
+    other_axis = "z" if len(values["arc"]) else "arc"
+    columns = {key: values[key] for key in _CONTACT if key != other_axis}
+    names = np.array([kind.name.lower() for kind in Status])
+    return columns | {"status": names[columns["status"]]}
 
 
 def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
@@ -198,30 +212,27 @@ def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
     if any(form.materials for form in solids_of(stage.forms).values()):
         basis = basis_of(stage)
         return nodal_field(stage, "u"), basis.doflocs[:, :: basis.mesh.dim()].T
-    lines = [
-        line
-        for name, state in stage.states.items()
-        if (line := stage.forms[name].line_points(stage.x, state)) is not None
-    ]
-    if not lines:
-        return None
-    points, values = zip(*lines)
-    return np.concatenate([part["displacement"] for part in values]), np.concatenate(points)
+    values, points = [], []
+    for name, state in stage.states.items():
+        line = stage.forms[name].line_points(stage.x, state)
+        if line is not None:
+            points.append(line[0])
+            values.append(line[1]["displacement"])
+    return (np.concatenate(values), np.concatenate(points)) if points else None
 
 
 def _largest(values: ndarray, points: ndarray) -> tuple[float, str]:
-    """Return the value of the largest magnitude, the length of a vector, and where it is."""
-    values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
-    at, where = located(np.abs(values), points)
-    return float(values[at]), where if values[at] else ""
+    """Return the value of the largest magnitude, the length of a vector, and its place."""
+    if values.ndim == 2:
+        values = np.linalg.norm(values, axis=1)
+    index, where = located(np.abs(values), points)
+    return float(values[index]), where if values[index] else ""
 
 
 def located(values: ndarray, points: ndarray) -> tuple[int, str]:
-    """Return the number of the largest value, the first of equal ones, and its coordinates as
-    text.
-    """
+    """Return the number of the largest value, the first of equal ones, and its coordinates."""
     known = np.where(np.isfinite(values), values, -np.inf)
-    at = int(np.argmax(known >= known.max() - _EQUAL * np.abs(known.max())))
-    return at, format_point(
-        np.where(np.abs(points[at]) < _ZERO * np.abs(points).max(), 0.0, points[at])
-    )
+    largest = known.max()
+    index = int(np.argmax(known >= largest - _EQUAL * np.abs(largest)))
+    is_zero = np.abs(points[index]) < _ZERO * np.abs(points).max()
+    return index, format_point(np.where(is_zero, 0.0, points[index]))
