@@ -347,7 +347,7 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
 
 
 def _warn_of_other_settings(head: Mapping[str, Any], forms: Mapping[str, Form]) -> None:
-    """Warn where given forms have other materials or laws than the saved ones."""
+    """Report given forms that have other materials or laws than the saved ones."""
     saved = head.get("settings", {})
     others = [name for name, form in forms.items() if not _alike(saved.get(name), _settings(form))]
     if others:

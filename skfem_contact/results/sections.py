@@ -73,8 +73,8 @@ def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces
     Equal stresses ``sigma_hoop / r`` in the plane have the resultants of the hoop stress.
     """
     if form.coordinates != "axisymmetric":
-        cut, (forces,) = _cut(form, [state.stress], sections)
-        return _resultants(sections, cut, forces)
+        cut, parts = _cut(form, [state.stress], sections)
+        return _resultants(sections, cut, parts[0])
 
     # Cut the stresses in the plane, equal ones, equal ones over r, and the hoop stresses.
     r = np.asarray(form.basis.global_coordinates())[0]
@@ -190,7 +190,7 @@ def _cut(
     phi, joined = _shares(layers, layers.s / layer[section, None])
     deformed = np.ptp(phi, axis=1) > 0.0
     active = deformed & layers.inside
-    _warn_of_continued(form, sections, layers, active & joined[section], deformed & ~layers.inside)
+    _report_continued(form, sections, layers, active & joined[section], deformed & ~layers.inside)
 
     # Scale phi to 0 and 1 at the ends of the body, too.
     section = section[active]
@@ -251,10 +251,10 @@ def _works_outside(layers: _Layers, phi: ndarray) -> ndarray:
     return np.bincount(section, minlength=int(layers.section.max()) + 1) > 0
 
 
-def _warn_of_continued(
+def _report_continued(
     form: SolidForm, sections: Sections, layers: _Layers, body: ndarray, outside: ndarray
 ) -> None:
-    """Warn of sections where a region of the body, (pairs,), has elements outside, (pairs,)."""
+    """Report sections where a region of the body, (pairs,), has elements outside, (pairs,)."""
     sizes = [len(range(form.basis.nelems)[region.elements]) for region in form.regions]
     region = np.repeat(np.arange(len(sizes)), sizes)
     keys = layers.keys

@@ -222,7 +222,7 @@ def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
 
 
 def _largest(values: ndarray, points: ndarray) -> tuple[float, str]:
-    """Return the value of the largest magnitude, the length of a vector, and its place."""
+    """Return the value of the largest magnitude, the length of a vector, and its coordinates."""
     if values.ndim == 2:
         values = np.linalg.norm(values, axis=1)
     index, where = located(np.abs(values), points)
