@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +36,16 @@ from .base import (
     as_parameters,
     require,
 )
-from .plastic import BLOCK, chosen
+from .local_newton import bracketed_root, take
+from .plastic import BLOCK
 from .spectral import deviator, square
 
 #: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of
 #: 1e-15.
 _ROUND_OFF = 1e-13
-#: Iterations: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections included.
-_MOST = 80
+#: Iterations: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections included. The
+#: last one changes 1 + y by this share.
+_MOST, _LAST = 80, 4e-15
 #: Change of ln(p) in an increment beyond which it is refused: the pressure changes by a factor of
 #: 5e8.
 _LARGEST = 20.0
@@ -68,8 +70,7 @@ class CamClayConstants(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class CamClay(Material):
-    r"""Modified Cam Clay: stiffness that grows with the pressure, compression, and flow to a
-    critical state.
+    r"""Modified Cam Clay: stiffness that grows with pressure, compression, and critical state.
 
     The logarithm of the specific volume falls with that of the mean effective stress p by ``kappa``
     inside the yield surface :math:`q^2 / M^2 + p (p - p_c) = 0` and by ``lambda_`` on it, without
@@ -79,9 +80,9 @@ class CamClay(Material):
     Parameters
     ----------
     kappa, lambda_ : float or ndarray
-        Swelling and compression index of ln(volume) on ln(p), 0 < kappa < lambda: those of void
-        ratio e on the common logarithm are larger by 2.3 (1 + e). Like all parameters a float or
-        one value an element.
+        Swelling and compression index of ln(volume) on ln(p), 0 < kappa < lambda: the indices of
+        void ratio e on the common logarithm are larger by 2.3 (1 + e). Like all parameters a float
+        or one value an element.
     M : float or ndarray
         Slope q / p of the critical state in triaxial compression, 6 sin(phi) / (3 - sin(phi)).
     nu : float or ndarray
@@ -129,38 +130,29 @@ class CamClay(Material):
     def __post_init__(self) -> None:
         as_parameters(self)
         for name in ("kappa", "M", "p_ref", "POP", "attraction"):
-            value, history = getattr(self, name), name in ("POP", "attraction")
-            require(
-                name,
-                value,
-                np.greater_equal(value, 0) if history else np.greater(value, 0),
-                "not be negative" if history else "be positive",
-            )
+            value = getattr(self, name)
+            if name in ("POP", "attraction"):
+                require(name, value, np.greater_equal(value, 0), "not be negative")
+            else:
+                require(name, value, np.greater(value, 0), "be positive")
         require("lambda_", self.lambda_, np.greater(self.lambda_, self.kappa), "exceed kappa")
-        require(
-            "nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5"
-        )
+        possible = np.greater(self.nu, -1) & np.less(self.nu, 0.5)
+        require("nu", self.nu, possible, "lie between -1 and 0.5")
         require("OCR", self.OCR, np.greater_equal(self.OCR, 1), "not be less than 1")
-        convex = np.greater_equal(self.extension, _LEAST_EXTENSION) & np.less_equal(
-            self.extension, 1
-        )
+        convex = np.greater_equal(self.extension, _LEAST_EXTENSION)
+        convex &= np.less_equal(self.extension, 1)
         require("extension", self.extension, convex, f"lie between {_LEAST_EXTENSION} and 1")
 
     def _constants(self, shape: tuple[int, ...]) -> CamClayConstants:
         """Return the constants at the points of a stress of a shape, flattened."""
-        k, shear = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu)
-        values = (
-            k,
-            shear * k,
-            1 / (self.lambda_ - self.kappa),
-            self.M,
-            self.extension,
-            self.attraction,
-        )
-        spread = (along_elements(value, shape) for value in values)
-        return CamClayConstants(
-            *(value.ravel() if isinstance(value, np.ndarray) else value for value in spread)
-        )
+        k = 1 / self.kappa
+        g = 1.5 * (1 - 2 * self.nu) / (1 + self.nu) * k
+        hardening = 1 / (self.lambda_ - self.kappa)
+        values = []
+        for value in (k, g, hardening, self.M, self.extension, self.attraction):
+            spread = along_elements(value, shape)
+            values.append(spread.ravel() if isinstance(spread, np.ndarray) else spread)
+        return CamClayConstants(*values)
 
     @override
     def elasticity(
@@ -168,7 +160,8 @@ class CamClay(Material):
     ) -> Array:
         if stress is None:
             p = np.asarray(self.p_ref + 0 * self.kappa + 0 * self.nu)
-            k, g = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu) / self.kappa
+            k = 1 / self.kappa
+            g = 1.5 * (1 - 2 * self.nu) / (1 + self.nu) / self.kappa
             return _elastic(p, np.zeros((ncomp, *p.shape)), k, g)
         c = self._constants(stress.shape)
         p, e, _ = elastic_strain(stress.reshape(ncomp, -1), c)
@@ -206,37 +199,39 @@ class CamClay(Material):
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         c = self._constants(stress.shape)
         p, e, E = elastic_strain(stress.reshape(len(stress), -1), c)
-        pair = np.sqrt(6 * E) * c.g * p, critical(e, E, c)[0] * p
-        return pair[0].reshape(stress.shape[1:]), pair[1].reshape(stress.shape[1:])
+        q = np.sqrt(6 * E) * c.g * p
+        limit = critical(e, E, c)[0] * p
+        return q.reshape(stress.shape[1:]), limit.reshape(stress.shape[1:])
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         return self._update(strain_increment, stress, internal, _plastic)
 
     def _update(
-        self, strain_increment: Array, stress: Array, internal: Array, rate: Callable[..., Rate]
+        self,
+        strain_increment: Array,
+        stress: Array,
+        internal: Array,
+        rate: Callable[..., Rate],
+        data: tuple[Array, ...] = (),
     ) -> Update:
-        """Update points whose plastic strain follows from the yield condition without it, in
-        blocks.
-        """
-        c = self._constants(stress.shape)
-        strain, flat, known = (
-            values.reshape(len(values), -1) for values in (strain_increment, stress, internal)
-        )
-        points = np.arange(flat.shape[1])
-
-        def block(at: slice) -> tuple[Array, Array, Callable[[], Array]]:
-            own = strain[:, at], flat[:, at], known[:, at], chosen(c, points[at])
-            return self._updated(*own, lambda *trial: rate(*trial, at))
-
-        starts = range(0, max(points.size, 1), BLOCK)
-        new, memory, tangents = zip(
-            *[block(slice(start, start + BLOCK)) for start in starts], strict=True
-        )
+        """Update points in blocks; ``rate`` returns their plastic strain from trial and data."""
+        increment = strain_increment.reshape(len(strain_increment), -1)
+        start = stress.reshape(len(stress), -1)
+        before = internal.reshape(len(internal), -1)
+        n = start.shape[1]
+        points = increment, start, before, self._constants(stress.shape), data
+        new = np.empty_like(start)
+        memory = np.empty((2, n))
+        tangents = []
+        for first in range(0, max(n, 1), BLOCK):
+            block = slice(first, first + BLOCK)
+            new[:, block], memory[:, block], tangent = self._updated(*take(points, block), rate)
+            tangents.append(tangent)
         return Update(
-            np.concatenate(new, axis=1).reshape(stress.shape),
-            np.concatenate(memory, axis=1).reshape(2, *stress.shape[1:]),
-            points,
+            new.reshape(stress.shape),
+            memory.reshape(2, *stress.shape[1:]),
+            np.arange(n),
             lambda: np.concatenate([tangent() for tangent in tangents]),
         )
 
@@ -246,75 +241,88 @@ class CamClay(Material):
         stress: Array,
         internal: Array,
         c: CamClayConstants,
+        data: tuple[Array, ...],
         rate: Callable[..., Rate],
     ) -> tuple[Array, Array, Callable[[], Array]]:
-        """Return stresses (ncomp, n), internal variables (2, n) and the tangent of a block of
-        points.
-        """
+        """Return stresses (ncomp, n), internal variables (2, n) and tangent of a block."""
+        # begin at any pressure where points without pressure keep their strain
         p0, e0, E0 = elastic_strain(stress, c)
-        strain, pc = -increment, internal[1]
-        if (none := p0 <= 0).any():
-            self._check_pressure(p0, none & strain.any(axis=0))
-            p0, pc = np.where(none, 1.0, p0), np.where(none, 1.0, pc)
-        volume, e = strain[:3].sum(axis=0), e0 + 0.5 * strain
+        strain = -increment
+        pc = internal[1]
+        unstressed = p0 <= 0
+        if unstressed.any():
+            self._check_pressure(p0, unstressed & strain.any(axis=0))
+            p0 = np.where(unstressed, 1.0, p0)
+            pc = np.where(unstressed, 1.0, pc)
+
+        # add the increment to the elastic strain
+        volume = strain[:3].sum(axis=0)
+        e = e0 + 0.5 * strain
         e[:3] += 0.5 * strain[:3] - volume / 3
         E = square(e)
         M, dM = critical(e, E, c)
-        c, growth = c._replace(M=M), c.k * (volume - c.g * E0)
-        flow = rate(np.log(p0 / pc) + growth, E, c)
-        y, x, D = flow.y, 1 / (1 + flow.y), volume_strain(flow.y, E, c)[0]
+        c = c._replace(M=M)
+
+        # solve for the plastic strain y; ln(p) changes by k dev - k g E_0 - k D + k g E x^2
+        growth = c.k * (volume - c.g * E0)
+        flow = rate(np.log(p0 / pc) + growth, E, c, *data)
+        y = flow.y
+        x = 1 / (1 + y)
+        D = volume_strain(y, E, c)[0]
         change = growth - c.k * D + c.k * c.g * E * x * x
         p = p0 * np.exp(np.clip(change, -_LARGEST, _LARGEST))
-        lost = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
-        if lost.any():
+        refused = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
+        if refused.any():
             raise IncrementTooLarge(
-                f"{self.label}: the mean stress changes from {p0[lost][0]:.3g} to {p[lost][0]:.3g} "
-                f"or further ({lost.sum()} of {p.size} points)"
+                f"{self.label}: the mean stress changes from {p0[refused][0]:.3g} to "
+                f"{p[refused][0]:.3g} or further ({refused.sum()} of {p.size} points)"
             )
+
+        # compute stress = -p (1 + 2 g x e), accumulated plastic strain and p_c
         new = -2 * c.g * p * x * e
         new[:3] += c.attraction - p
-        new[:, none] = stress[:, none]
+        new[:, unstressed] = stress[:, unstressed]
         strained = internal[0] + np.hypot(y * x * np.sqrt(2 * E / 3), D)
-        memory = np.stack((strained, np.where(none, internal[1], pc * np.exp(c.hardening * D))))
+        hardened = np.where(unstressed, internal[1], pc * np.exp(c.hardening * D))
 
         def tangent() -> Array:
-            self._check_pressure(np.where(none, 0.0, p0), none)
+            self._check_pressure(np.where(unstressed, 0.0, p0), unstressed)
             return _tangent(flow, e, p, E, dM, c)
 
-        return new, memory, tangent
+        return new, np.stack((strained, hardened)), tangent
 
 
 def elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Array]:
-    """Return the pressure, the deviator of the elastic strain with tensor shears, and its
-    square.
-    """
-    mean = stress[:3].mean(axis=0)
-    p = c.attraction - mean
+    """Return p, the deviator e of the elastic strain with tensor shears, and E = e:e."""
+    p = c.attraction - stress[:3].mean(axis=0)
     e = -stress / (2 * c.g * np.where(p > 0, p, 1.0))
     e[:3] -= e[:3].mean(axis=0)
     return p, e, square(e)
 
 
 def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
-    """Return the elastic moduli, (..., ncomp, ncomp), at pressures (...) and deviators (ncomp,
-    ...).
+    """Return the elastic moduli at pressures (...) and deviators (ncomp, ...).
+
+    Their form is p k (1 + 2 g e) (x) (1 + 2 g e) + 2 p g I_dev, (..., ncomp, ncomp).
     """
     ratio = 2 * g * e
     ratio[:3] += 1
     ratio = np.moveaxis(ratio, 0, -1)
+    dyad = ratio[..., :, None] * ratio[..., None, :]
     stiff, shear = np.broadcast_arrays(p * k, p * g)
-    return stiff[..., None, None] * ratio[..., :, None] * ratio[..., None, :] + 2 * shear[
-        ..., None, None
-    ] * deviator(len(e))
+    return stiff[..., None, None] * dyad + 2 * shear[..., None, None] * deviator(len(e))
 
 
 def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
-    """Return M at the Lode angle of a deviator, and its derivative by the strain, None if it is
-    constant.
+    """Return M at the Lode angle of a deviator, and dM / d strain, None where M is constant.
+
+    M = M_c (2 a / (1 + a - (1 - a) sin(3 theta)))^(1/4) with a = extension^4 and sin(3 theta) =
+    3 sqrt(6) det(e) / E^(3/2).
     """
     if np.all(c.extension == 1.0):
         return np.broadcast_to(np.asarray(c.M, dtype=float), E.shape), None
-    fourth = np.asarray(c.extension) ** 4
+
+    # compute det(e) from the minors of the deviator, its gradient
     xx, yy, zz, xy = e[:4]
     yz, zx = e[4:] if len(e) == 6 else (0 * xx, 0 * xx)
     minors = np.array(
@@ -327,22 +335,28 @@ def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | No
             xy * yz - yy * zx,
         ]
     )
-    third = xx * minors[0] + xy * minors[3] + zx * minors[5]
-    minors = minors[: len(e)]
+    determinant = xx * minors[0] + xy * minors[3] + zx * minors[5]
+
+    # compute M; isotropic strains, without a Lode angle, have the mean value
     directed = E > _ROUND
-    cube = np.where(directed, E, 1.0) ** 1.5
-    sine = np.where(directed, np.clip(3 * np.sqrt(6) * third / cube, -1, 1), 0.0)
-    base = 1 + fourth - (1 - fourth) * sine
-    M = c.M * (2 * fourth / base) ** 0.25
-    slope = np.where(directed, 0.25 * M * (1 - fourth) / base * 3 * np.sqrt(6) / cube, 0.0)
-    minors[:3] -= minors[:3].mean(axis=0)
-    return M, slope * (minors - 3 * third / np.where(directed, E, 1.0) * e)
+    square = np.where(directed, E, 1.0)
+    cube = square**1.5
+    sine = np.where(directed, np.clip(3 * np.sqrt(6) * determinant / cube, -1, 1), 0.0)
+    a = np.asarray(c.extension) ** 4
+    base = 1 + a - (1 - a) * sine
+    M = c.M * (2 * a / base) ** 0.25
+
+    # differentiate M by the deviator
+    slope = np.where(directed, 0.25 * M * (1 - a) / base * 3 * np.sqrt(6) / cube, 0.0)
+    gradient = minors[: len(e)]
+    gradient[:3] -= gradient[:3].mean(axis=0)
+    return M, slope * (gradient - 3 * determinant / square * e)
 
 
 class Rate(NamedTuple):
-    """Plastic strain y of an increment, and what it depends on.
+    """Plastic strain y of an increment, and the weights of the equation that it solves.
 
-    It solves an equation whose derivatives are those of the yield condition F and of the volume
+    The derivatives of this equation are the derivatives of the yield condition F and of the volume
     strain D times ``of_condition`` and ``of_volume``, and ``of_y`` and ``of_M`` by y and M.
     """
 
@@ -361,81 +375,86 @@ def volume_strain(y: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array
 
 
 def condition(y: Array, base: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array]:
-    """Return the yield condition F and its derivative."""
-    x, B, m2 = 1 / (1 + y), c.k + c.hardening, c.M**2
+    """Return the yield condition F and its derivative.
+
+    F = base - B D + k g E x^2 + ln(1 + h / M^2) with h = eta^2 = 6 g^2 E x^2.
+    """
+    x = 1 / (1 + y)
+    B = c.k + c.hardening
+    m2 = c.M**2
     square = E * x * x
     h = 6 * c.g**2 * square
-    rate = (m2 - h) / (6 * c.g) + 2 * y * c.g * square * x
     value = base - B * y * (m2 - h) / (6 * c.g) + c.k * c.g * square + np.log1p(h / m2)
+    rate = (m2 - h) / (6 * c.g) + 2 * y * c.g * square * x
     return value, -B * rate - 2 * c.k * c.g * square * x - 2 * h * x / (m2 + h)
 
 
-def _plastic(base: Array, E: Array, c: CamClayConstants, at: slice) -> Rate:
-    """Return the plastic strain that fulfils the yield condition."""
-    return Rate(_returned(base, E, c))
-
-
-def _returned(base: Array, E: Array, c: CamClayConstants) -> Array:
-    """Return the root y of the yield condition, zero in elastic points.
+def _plastic(base: Array, E: Array, c: CamClayConstants) -> Rate:
+    """Return the plastic strain y that fulfils the yield condition, zero in elastic points.
 
     Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0,
     y_M) if F(y_M) < 0: Newton's method without the bracket jumps between several roots there.
     """
+    # find the points outside of the yield surface
     y = np.zeros_like(E)
-    first = condition(y, base, E, c)[0]
-    points = np.flatnonzero(first > _ROUND_OFF * (1 + np.abs(base)))
-    base, E, c, first = base[points], E[points], chosen(c, points), first[points]
-    critical = np.maximum(np.sqrt(6 * E) * c.g / c.M - 1, 0.0)
-    beyond = condition(critical, base, E, c)[0] > 0
-    farthest = 6 * c.g / c.M**2 * (first / (c.k + c.hardening) + c.g * E / 4) * (1 + 1e-9) + 1e-12
-    low, high = (
-        np.where(beyond, critical, 0.0),
-        np.where(beyond, np.maximum(farthest, critical), critical),
-    )
-    at = low.copy()
-    for _ in range(_MOST):
-        if not points.size:
-            return y
-        value, slope = condition(at, base, E, c)
-        low, high = np.where(value > 0, at, low), np.where(value > 0, high, at)
-        step = at - value / slope
-        inside = (slope < 0) & (step >= low) & (step <= high)
-        new = np.where(inside, step, 0.5 * (low + high))
-        kept = np.flatnonzero(np.abs(new - at) > 4e-15 * (1 + new))
-        y[points] = new
-        if kept.size < points.size:
-            c, points = chosen(c, kept), points[kept]
-            base, E, low, high, new = (a[kept] for a in (base, E, low, high, new))
-        at = new
-    raise IncrementTooLarge(
-        f"the return to the yield surface of Cam Clay fails at {points.size} points"
-    )
+    excess = condition(y, base, E, c)[0]
+    points = np.flatnonzero(excess > _ROUND_OFF * (1 + np.abs(base)))
+    base, E, c, excess = take((base, E, c, excess), points)
+
+    # bracket the root: it lies beyond the critical state, or before it
+    at_critical = np.maximum(np.sqrt(6 * E) * c.g / c.M - 1, 0.0)
+    beyond = condition(at_critical, base, E, c)[0] > 0
+    farthest = 6 * c.g / c.M**2 * (excess / (c.k + c.hardening) + c.g * E / 4)
+    farthest = farthest * (1 + 1e-9) + 1e-12
+    low = np.where(beyond, at_critical, 0.0)
+    high = np.where(beyond, np.maximum(farthest, at_critical), at_critical)
+
+    def function(y: Array, *data: Any) -> tuple[Array, Array, Array]:
+        return *condition(y, *data), _LAST * (1 + y)
+
+    y[points], failed = bracketed_root(function, low, low, high, (base, E, c), _MOST)
+    if failed.size:
+        raise IncrementTooLarge(
+            f"the return to the yield surface of Cam Clay fails at {failed.size} points"
+        )
+    return Rate(y)
 
 
 def _tangent(
     flow: Rate, e: Array, p: Array, E: Array, dM: Array | None, c: CamClayConstants
 ) -> Array:
-    """Return d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev), shape (n, ncomp,
-    ncomp).
+    """Return the tangent, (n, ncomp, ncomp).
+
+    d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev)
     """
     y = flow.y
-    ncomp, x, k, g, B, M = len(e), 1 / (1 + y), c.k, c.g, c.k + c.hardening, c.M
-    h, D_y = 6 * g**2 * E * x * x, volume_strain(y, E, c)[1]
-    slope = (
-        flow.of_condition * condition(y, np.zeros_like(E), E, c)[1]
-        + flow.of_volume * D_y
-        + flow.of_y
-    )
-    one = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
-    dF = k * one + ((B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)) * 2 * e
+    k, g, _, M, *_ = c
+    B = k + c.hardening
+    x = 1 / (1 + y)
+    h = 6 * g**2 * E * x * x
+
+    # differentiate F and D by y and by the strain
+    F_y = condition(y, np.zeros_like(E), E, c)[1]
+    D_y = volume_strain(y, E, c)[1]
+    ncomp = len(e)
+    unit = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
+    dF = k * unit + ((B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)) * 2 * e
     dD = -y * g * x * x * 2 * e
     if dM is not None:
         dF += (-B * y * M / (3 * g) - 2 * h / (M * (M**2 + h))) * dM
         dD += y * M / (3 * g) * dM
-    dF = flow.of_condition * dF + flow.of_volume * dD + (0.0 if dM is None else flow.of_M * dM)
-    dy = np.where(y > 0, -dF / slope, 0.0)
+
+    # differentiate the equation that y solves
+    by_y = flow.of_condition * F_y + flow.of_volume * D_y + flow.of_y
+    by_strain = flow.of_condition * dF + flow.of_volume * dD
+    if dM is not None:
+        by_strain += flow.of_M * dM
+    dy = np.where(y > 0, -by_strain / by_y, 0.0)
     dx = -x * x * dy
-    change = k * (one - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)
-    result = (p * (one + 2 * g * x * e)).T[:, :, None] * change.T[:, None, :]
+
+    # collect the changes of the pressure and of the deviator
+    dlnp = k * (unit - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)
+    stress = p * (unit + 2 * g * x * e)
+    result = stress.T[:, :, None] * dlnp.T[:, None, :]
     result += (2 * g * p * e).T[:, :, None] * dx.T[:, None, :]
     return result + (2 * g * p * x)[:, None, None] * deviator(ncomp)

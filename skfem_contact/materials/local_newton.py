@@ -1,0 +1,101 @@
+"""Newton's method for the equations of many material points at once.
+
+Points are independent of each other. A point whose equations are solved leaves the iteration, and
+the arrays shrink: functions receive the data of the remaining points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .base import Array, Parameter
+
+Data = TypeVar("Data")
+
+
+def take(data: Data, points: NDArray[np.intp] | slice) -> Data:
+    """Return the data of some points: arrays (..., n), or tuples of them; numbers stay."""
+    result: Any = data
+    if isinstance(data, np.ndarray):
+        result = data[..., points]
+    elif isinstance(data, tuple):
+        values = [take(value, points) for value in data]
+        result = tuple(values) if type(data) is tuple else type(data)(*values)
+    return result
+
+
+def bracketed_root(
+    function: Callable[..., tuple[Array, Array, Parameter]],
+    start: Array,
+    low: Array,
+    high: Array,
+    data: tuple[Any, ...],
+    iterations: int,
+) -> tuple[Array, NDArray[np.intp]]:
+    """Return the roots x of f between bounds, f(low) > 0 > f(high), and the points without one.
+
+    Newton's method bisects where its step leaves the bounds or f does not fall. The call
+    ``function(x, *data)`` returns f, its slope, and the change of x that is the last one, (n,).
+    """
+    result = start.copy()
+    active = np.arange(start.size)
+    x = start
+    for _ in range(iterations):
+        if not active.size:
+            break
+        value, slope, last = function(x, *data)
+        low = np.where(value > 0, x, low)
+        high = np.where(value > 0, high, x)
+        newton = x - value / slope
+        inside = (slope < 0) & (newton >= low) & (newton <= high)
+        new = np.where(inside, newton, 0.5 * (low + high))
+        result[active] = new
+        remaining = np.flatnonzero(np.abs(new - x) > last)
+        x = new
+        if remaining.size < active.size:
+            active, x, low, high, data = take((active, x, low, high, data), remaining)
+    return result, active
+
+
+def damped_newton(
+    function: Callable[..., tuple[Array, Array]],
+    start: Array,
+    data: tuple[Any, ...],
+    last: float,
+    iterations: int,
+    halvings: int,
+) -> tuple[Array, NDArray[np.intp]]:
+    """Return the solutions x of systems, (m, n), from a start, and the points without one.
+
+    A step is halved until the residual falls, but not more than `halvings` times. The call
+    ``function(x, *data)`` returns the goal of Newton's step, (m, n), within the limits of x, and
+    the size of the residual at x, (n,). From a residual below `last` the step is the last one.
+    """
+    result = start.copy()
+    active = np.arange(start.shape[1])
+    x = base = start
+    step = np.zeros_like(start)
+    least = np.full(active.size, np.inf)
+    halved = np.zeros(active.size, int)
+    for _ in range(iterations):
+        if not active.size:
+            break
+        goal, error = function(x, *data)
+        falls = (error < least) | (halved >= halvings)
+        step = np.where(falls, goal - x, 0.5 * step)
+        base = np.where(falls, x, base)
+        halved = np.where(falls, 0, halved + 1)
+        least = np.where(falls, error, least)
+        x = base + step
+        remaining = np.flatnonzero(~(error < last))
+        if remaining.size < active.size:
+            result[:, active] = x
+            active, x, base, step, halved, least, data = take(
+                (active, x, base, step, halved, least, data), remaining
+            )
+    result[:, active] = x
+    return result, active
