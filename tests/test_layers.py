@@ -182,14 +182,11 @@ def test_materials_and_laws_are_asked_by_their_calls() -> None:
                 and node.func.id == "hasattr"
             ):
                 found[name] = ast.unparse(node)
-    # protocols; objects that derive from no base class; named tuples; water given as a seepage or
-    # otherwise
+    # protocols; objects that derive from no base class; named tuples
     allowed = {
         "checks",
         "forms.base",
         "forms.staged",
         "materials.base",
-        "results.at_rest",
-        "stages.loading",
     }
     assert set(found) <= allowed, found

@@ -14,8 +14,8 @@ from ..checks import look_up
 from ..forms.base import solids_of
 from ..forms.solid import SolidForm
 from ..layout import Layout
+from ..loads.water_at_rest import at_nodes
 from ..materials.spectral import largest_shear, principal_stresses
-from .at_rest import pressure_at_nodes
 from .files import StageData
 from .patch_recovery import recovered, region_mesh
 from .strength import mises, mobilised, plastic_strain, pore_pressure_at_nodes, total_stress
@@ -141,14 +141,14 @@ def _own(stage: StageData, there: Mapping[str, SolidForm]) -> ndarray:
             f"Seepage or "
             "a function of coordinates such as hydrostatic(level)"
         )
-    return np.concatenate(
-        [
-            pressure_at_nodes(
-                form, stage.water if name in stage.states else None, stage.water_unit_weight
-            )
-            for name, form in there.items()
-        ]
-    )
+    parts = []
+    for name, form in there.items():
+        mesh = region_mesh(form)
+        pressure = np.zeros(len(mesh.nodes))
+        if form.porous and name in stage.states and stage.water is not False:
+            pressure[mesh.cells] = at_nodes(form, stage.water, stage.water_unit_weight)
+        parts.append(pressure)
+    return np.concatenate(parts)
 
 
 def has_excess(stage: StageData) -> bool:

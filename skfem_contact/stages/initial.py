@@ -18,10 +18,10 @@ from ..errors import warn
 from ..forms.base import Form, internal_force, pairs_of
 from ..layout import linear_element, others
 from ..loads import by_element
+from ..loads.water_at_rest import as_pressure
 from ..materials import LinearElastic, Material
 from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
-from ..results.at_rest import as_pressure
 from ..results.result import Result
 from ..results.stage import StageResult
 from .activation import acts_on, check_contacts

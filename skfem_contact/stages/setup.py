@@ -19,13 +19,12 @@ from ..checks import is_number, unit_vector
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, FieldDofs, Layout, different, others
+from ..loads.water_at_rest import as_pressure, loads_at_rest
 from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..results.at_rest import as_pressure
 from ..results.files import StageData
 from ..solvers.choice import linear_solver
-from .loading import water_at_rest
 from .supports import check_supports
 
 #: Horizontal acceleration over that of gravity beyond which its unit cannot be meant.
@@ -207,9 +206,8 @@ class Setup:
                     f"rotate the "
                     "mesh, or give the water as a function of the coordinates"
                 )
-            for wet in water_at_rest(
-                solids_of(forms), forms.values(), water, self.water_unit_weight
-            ):
+            solids = solids_of(forms)
+            for wet in loads_at_rest(solids, forms.values(), water, self.water_unit_weight):
                 total[: len(wet)] += wet
         return total
 

@@ -1,0 +1,24 @@
+"""Loads: ordinary load vectors of scikit-fem, and water at rest."""
+
+from .vectors import (
+    Domain,
+    by_element,
+    hydrostatic,
+    traction,
+    weight,
+    weight_of_water,
+    weightless,
+)
+from .water_at_rest import Pressure, water_load
+
+__all__ = [
+    "Domain",
+    "Pressure",
+    "by_element",
+    "hydrostatic",
+    "traction",
+    "water_load",
+    "weight",
+    "weight_of_water",
+    "weightless",
+]
