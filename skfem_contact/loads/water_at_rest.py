@@ -336,7 +336,7 @@ def _bounding(mesh: Mesh, solids: Iterable[Any]) -> OrientedBoundary:
 
 
 def _warn_of_suction(pressure: Any, inside: ndarray) -> None:
-    """Warn of a user's function of coordinates that gives suction."""
+    """Report a user's function of coordinates that gives suction."""
     given = callable(pressure) and getattr(pressure, "__self__", None) is None
     if given and inside.min() < -_SUCTION * np.abs(inside).max():
         warn(
@@ -346,7 +346,7 @@ def _warn_of_suction(pressure: Any, inside: ndarray) -> None:
 
 
 def _check_slits(outside: FacetBasis, porous: ndarray, pressing: ndarray, beams: ndarray) -> None:
-    """Warn of slits without a beam whose sides have different pressures: nothing resists them."""
+    """Report slits without a beam whose sides have different pressures: nothing resists them."""
     sides = Sides(*(values[porous] for values in Sides.of(outside)))
     pressure = pressing[porous]
     distance = _SAME * sides.size.min(initial=np.inf)
@@ -371,7 +371,7 @@ def _check_slits(outside: FacetBasis, porous: ndarray, pressing: ndarray, beams:
 
 
 def _warn_of_flooding(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> None:
-    """Warn of surfaces under water without pressure on them."""
+    """Report surfaces under water without pressure on them."""
     # Find facets with porous ground below and none above.
     mesh = basis.mesh
     count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
