@@ -1,4 +1,4 @@
-"""Sections of structures in level ground, y = 0, from a few numbers each."""
+"""Sections of structures in level ground: pipes, tunnels, footings, walls and piles."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..checks import finite, positive
-from .earthworks import Layers, chosen, layers, merged
-from .outline import Outline, circle, rectangle
-from .section import Section
+from ...checks import finite, positive
+from ..outline import Outline, circle, rectangle
+from ..section import Section
+from .builder import Layers, chosen, in_layers
 
 
 def trench(
@@ -26,8 +26,7 @@ def trench(
     beyond: float | None = None,
     **more: Any,
 ) -> Section:
-    """Return a trench that is filled over a pipe or a box: areas ``"backfill"`` and ``"pipe"``, a
-    body.
+    """Return a filled trench with a pipe or a box: areas ``"backfill"`` and ``"pipe"``, a body.
 
     Parameters
     ----------
@@ -66,19 +65,20 @@ def trench(
         )
     else:
         radius = 0.5 * float(np.asarray(outer))
-        shell, inside = (circle((0.0, floor + radius), r) for r in (radius, radius - thickness))
-    areas = {
-        **layers((-right, right), 0.0, bottoms),
-        "backfill": rectangle((-half, half), (-depth, 0.0)),
-        "pipe": shell,
-    }
-    options: dict[str, Any] = {
-        "replace": ["backfill", "pipe"],
-        "bodies": "pipe",
-        "holes": {"inside": inside},
-        "sizes": {"pipe": max(2.0 * thickness, size / 10.0)},
-    }
-    return Section(areas, size, **merged(options, more))
+        centre = (0.0, floor + radius)
+        shell = circle(centre, radius)
+        inside = circle(centre, radius - thickness)
+    return in_layers(
+        (-right, right),
+        bottoms,
+        size=size,
+        more=more,
+        areas={"backfill": rectangle((-half, half), (-depth, 0.0)), "pipe": shell},
+        replace=["backfill", "pipe"],
+        bodies="pipe",
+        holes={"inside": inside},
+        sizes={"pipe": max(2.0 * thickness, size / 10.0)},
+    )
 
 
 def three_centres(
@@ -89,7 +89,7 @@ def three_centres(
     Parameters
     ----------
     crown, side
-        Radii of the crown and of the sides. That of the invert follows.
+        Radii of the crown and of the sides. The radius of the invert follows.
     angles
         Half of the angle of the crown, and angle of a side, in degrees.
     centre
@@ -107,12 +107,16 @@ def three_centres(
     total = first + second
     if not 0.0 < first < total < np.pi:
         raise ValueError(f"angles are positive and below 180 degrees together, not {angles!r}")
-    towards: list[ndarray] = [np.array([np.sin(a), np.cos(a)]) for a in (first, total)]
-    joint = np.asarray(centre) + crown * towards[0]
-    low = joint + side * (towards[1] - towards[0])
-    mirror = (2.0 * centre[0], 0.0)
+    # Right half: the arcs of crown and side meet in `upper`, the arcs of side and invert in `lower`
+    at_upper: ndarray = np.array([np.sin(first), np.cos(first)])
+    at_lower: ndarray = np.array([np.sin(total), np.cos(total)])
+    upper = np.asarray(centre) + crown * at_upper
+    lower = upper + side * (at_lower - at_upper)
+
+    # Mirror it about the middle, anticlockwise
     across = np.array([-1.0, 1.0])
-    points = [joint, across * joint + mirror, across * low + mirror, low]  # anticlockwise
+    mirror = (2.0 * centre[0], 0.0)
+    points = [upper, across * upper + mirror, across * lower + mirror, lower]
     turns = np.array([2.0 * first, second, 2.0 * (np.pi - total), second])
     return Outline(points, np.tan(turns / 4.0))
 
@@ -135,7 +139,7 @@ def tunnel(
     bottoms
         Layers, see :func:`layers`.
     size, fine
-        Size of elements, and that along the lining; by default a quarter of it.
+        Sizes of elements, and of elements along the lining; by default a quarter of the former.
     width
         Width of the ground, whose middle is at x = 0.
     more
@@ -148,12 +152,15 @@ def tunnel(
     <Section areas: clay; lifts: core; lines: lining>
     """
     right = 0.5 * positive(width, "width")
-    options: dict[str, Any] = {
-        "lifts": {"core": outline},
-        "lines": {"lining": outline},
-        "sizes": {"lining": chosen(fine, "fine", size / 4.0)},
-    }
-    return Section(layers((-right, right), 0.0, bottoms), size, **merged(options, more))
+    return in_layers(
+        (-right, right),
+        bottoms,
+        size=size,
+        more=more,
+        lifts={"core": outline},
+        lines={"lining": outline},
+        sizes={"lining": chosen(fine, "fine", size / 4.0)},
+    )
 
 
 def footing(
@@ -176,7 +183,7 @@ def footing(
     bottoms
         Layers, see :func:`layers`.
     size, fine
-        Size of elements, and that of the footing; by default a tenth of its width.
+        Sizes of elements, and of elements of the footing; by default a tenth of its width.
     depth
         Depth of its base below the surface.
     beyond
@@ -192,16 +199,17 @@ def footing(
     """
     half = 0.5 * positive(width, "width")
     right = half + chosen(beyond, "beyond", 3.0 * width)
-    areas = {
-        **layers((-right, right), 0.0, bottoms),
-        "footing": rectangle((-half, half), (-depth, positive(thickness, "thickness") - depth)),
-    }
-    options: dict[str, Any] = {
-        "bodies": "footing",
-        "replace": "footing",
-        "sizes": {"footing": chosen(fine, "fine", width / 10.0)},
-    }
-    return Section(areas, size, **merged(options, more))
+    top = positive(thickness, "thickness") - depth
+    return in_layers(
+        (-right, right),
+        bottoms,
+        size=size,
+        more=more,
+        areas={"footing": rectangle((-half, half), (-depth, top))},
+        bodies="footing",
+        replace="footing",
+        sizes={"footing": chosen(fine, "fine", width / 10.0)},
+    )
 
 
 def retaining_wall(
@@ -229,7 +237,7 @@ def retaining_wall(
     bottoms
         Layers, see :func:`layers`.
     size, fine
-        Size of elements, and that of the wall; by default the thickness of the stem.
+        Sizes of elements, and of elements of the wall; by default the thickness of the stem.
     stem, slab
         Thickness of the stem and of the slab.
     toe
@@ -247,8 +255,9 @@ def retaining_wall(
     >>> sc.section.retaining_wall(4., 3., {"sand": -6.}, size=2., stem=.4, slab=.5, toe=.6, depth=1.)
     <Section areas: sand, backfill, wall>
     """
-    heel, free = base - toe, chosen(beyond, "beyond", 3.0 * (height + depth))
-    left, right = -toe - free, heel + free
+    heel = base - toe
+    free = chosen(beyond, "beyond", 3.0 * (height + depth))
+    right = heel + free
     wall = [
         (-toe, -depth),
         (heel, -depth),
@@ -260,13 +269,16 @@ def retaining_wall(
         (-toe, slab - depth),
     ]
     filled = [(0.0, -depth), (right, -depth), (right, height), (0.0, height)]
-    areas = {**layers((left, right), 0.0, bottoms), "backfill": filled, "wall": wall}
-    options: dict[str, Any] = {
-        "bodies": "wall",
-        "replace": ["backfill", "wall"],
-        "sizes": {"wall": chosen(fine, "fine", stem)},
-    }
-    return Section(areas, size, **merged(options, more))
+    return in_layers(
+        (-toe - free, right),
+        bottoms,
+        size=size,
+        more=more,
+        areas={"backfill": filled, "wall": wall},
+        bodies="wall",
+        replace=["backfill", "wall"],
+        sizes={"wall": chosen(fine, "fine", stem)},
+    )
 
 
 def pile(
@@ -284,11 +296,11 @@ def pile(
     Parameters
     ----------
     diameter, length
-        Those of the pile.
+        Diameter and length of the pile.
     bottoms
         Layers, see :func:`layers`.
     size, fine
-        Size of elements, and that of the pile; by default half of its diameter.
+        Sizes of elements, and of elements of the pile; by default half of its diameter.
     radius
         Radius of the ground; by default the length of the pile.
     more
@@ -300,14 +312,14 @@ def pile(
     >>> sc.section.pile(.6, 10., {"clay": -15.}, size=3.).coordinates
     'axisymmetric'
     """
-    areas = {
-        **layers((0.0, chosen(radius, "radius", positive(length, "length"))), 0.0, bottoms),
-        "pile": rectangle((0.0, 0.5 * positive(diameter, "diameter")), (-length, 0.0)),
-    }
-    options: dict[str, Any] = {
-        "bodies": "pile",
-        "replace": "pile",
-        "coordinates": "axisymmetric",
-        "sizes": {"pile": chosen(fine, "fine", 0.5 * diameter)},
-    }
-    return Section(areas, size, **merged(options, more))
+    return in_layers(
+        (0.0, chosen(radius, "radius", positive(length, "length"))),
+        bottoms,
+        size=size,
+        more=more,
+        areas={"pile": rectangle((0.0, 0.5 * positive(diameter, "diameter")), (-length, 0.0))},
+        bodies="pile",
+        replace="pile",
+        coordinates="axisymmetric",
+        sizes={"pile": chosen(fine, "fine", 0.5 * diameter)},
+    )
