@@ -9,8 +9,10 @@ from pathlib import Path
 
 from ..checks import is_number
 
-#: Names of the column of the lower end of a layer, and of that of its soil.
-_DEPTH, _SOIL = ("depth", "bottom", "to"), ("soil", "layer", "name")
+#: Names of the column with the lower ends of the layers.
+_DEPTH = ("depth", "bottom", "to")
+#: Names of the column with the soils.
+_SOIL = ("soil", "layer", "name")
 
 
 @dataclass(frozen=True)
@@ -56,56 +58,63 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
     >>> bore.layers, bore.parameters["sand"]
     ((('sand', -2.5), ('clay', -9.0)), {'E': 40000.0, 'phi': 34.0})
     """
-    text = str(file) if "\n" in str(file) else Path(file).read_text(encoding="utf-8-sig")
-    lines = [line for line in text.splitlines() if line.strip()]
-    separator = max(",;\t", key=lambda mark: lines[0].count(mark) if lines else 0)
-    rows = [
-        [cell.strip() for cell in row]
-        for row in csv.reader(io.StringIO("\n".join(lines)), delimiter=separator)
-    ]
+    rows = _rows(file)
     names = rows[0] if rows else []
-    depth, soil = (_column(names, known) for known in (_DEPTH, _SOIL))
+    depth = _column(names, _DEPTH)
+    soil = _column(names, _SOIL)
     if len(set(names)) < len(names) or "" in names:
         raise ValueError(f"the columns of a borehole need different names, not {names}")
+
     layers: list[tuple[str, float]] = []
     parameters: dict[str, dict[str, float]] = {}
     upper = surface
     for number, row in enumerate(rows[1:], 2):
+        # Read the cells of the layer
         if len(row) != len(names) or not row[soil]:
             raise ValueError(
                 f"line {number} of the borehole has {len(row)} cells, not {len(names)}, or no "
                 f"soil: {row}"
             )
-        values = {
-            name: _number(cell, name, number)
-            for k, (name, cell) in enumerate(zip(names, row))
-            if k != soil and cell
-        }
+        cells = dict(zip(names, row))
+        name = cells.pop(names[soil])
+        values = {key: _number(cell, key, number) for key, cell in cells.items() if cell}
+
+        # Place it below the layer above
         bottom = surface - values.pop(names[depth], -float("inf"))
         if not bottom < upper or not is_number(bottom):
             raise ValueError(
-                f"line {number} of the borehole: the depth {row[depth]!r} of '{row[soil]}' is not "
-                f"below "
-                f"the layer above, which ends at {surface - upper:g}"
+                f"line {number} of the borehole: the depth {row[depth]!r} of '{name}' is not "
+                f"below the layer above, which ends at {surface - upper:g}"
             )
-        if parameters.setdefault(row[soil], values) != values:
+        if parameters.setdefault(name, values) != values:
             raise ValueError(
-                f"line {number} of the borehole: '{row[soil]}' has the parameters {values}, but "
-                f"{parameters[row[soil]]} above; give it another name"
+                f"line {number} of the borehole: '{name}' has the parameters {values}, but "
+                f"{parameters[name]} above; give it another name"
             )
-        layers.append((row[soil], bottom))
+        layers.append((name, bottom))
         upper = bottom
     if not layers:
         raise ValueError("the borehole has no layers")
     return Borehole(tuple(layers), parameters)
 
 
+def _rows(file: str | Path) -> list[list[str]]:
+    """Return the stripped cells of all lines that are not empty."""
+    text = str(file) if "\n" in str(file) else Path(file).read_text(encoding="utf-8-sig")
+    lines = [line for line in text.splitlines() if line.strip()]
+    if not lines:
+        return []
+    separator = max(",;\t", key=lines[0].count)
+    table = csv.reader(io.StringIO("\n".join(lines)), delimiter=separator)
+    return [[cell.strip() for cell in row] for row in table]
+
+
 def _column(names: list[str], known: tuple[str, ...]) -> int:
     """Return the number of a column of one of several names."""
-    found = [k for k, name in enumerate(names) if name.lower() in known]
-    if len(found) != 1:
+    columns = [k for k, name in enumerate(names) if name.lower() in known]
+    if len(columns) != 1:
         raise ValueError(f"a borehole needs one column {' or '.join(known)}, not {names}")
-    return found[0]
+    return columns[0]
 
 
 def _number(cell: str, name: str, line: int) -> float:

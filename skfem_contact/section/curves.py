@@ -13,11 +13,14 @@ from scipy.spatial import cKDTree
 
 from ..checks import format_point
 
-#: Chords of ellipses and splines leave them by this share of the drawing at most.
+#: Largest distance of the chords of ellipses and splines from the curve, as a share of the drawing.
 _FLAT = 2e-5
-#: Types of entities that are curves; texts name them.
+#: Types of entities that are curves.
 _CURVES = {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"}
+#: Types of entities that are texts; they name curves.
 TEXTS = {"TEXT", "MTEXT"}
+#: Decimals of coordinates and bulges by which doubles are known.
+_DECIMALS = 9
 
 
 class Chain(NamedTuple):
@@ -27,6 +30,15 @@ class Chain(NamedTuple):
     bulges: ndarray
     closed: bool
 
+    @property
+    def gap(self) -> float:
+        """Distance of both ends."""
+        return float(np.linalg.norm(self.points[0] - self.points[-1]))
+
+    def turned(self) -> Chain:
+        """Return the chain from its end to its beginning."""
+        return Chain(self.points[::-1], -self.bulges[::-1], self.closed)
+
 
 def plane(point: Any) -> ndarray:
     """Return the coordinates x and y of a point of a drawing."""
@@ -34,7 +46,7 @@ def plane(point: Any) -> ndarray:
 
 
 def entities(space: Any) -> Iterator[Any]:
-    """Return the entities of a drawing, those of inserted blocks included."""
+    """Return the entities of a drawing and of its inserted blocks."""
     for entity in space:
         if entity.dxftype() == "INSERT":
             yield from entities(entity.virtual_entities())
@@ -47,46 +59,55 @@ def chain_of(entity: Any, size: float) -> Chain | None:
     kind = entity.dxftype()
     if kind not in _CURVES:
         return None
-    flat = not (entity.dxf.hasattr("extrusion") and abs(entity.dxf.extrusion[2] - 1.0) > 1e-12)
+    dxf = entity.dxf
     if kind == "LINE":
-        return Chain(np.array([plane(entity.dxf.start), plane(entity.dxf.end)]), np.zeros(1), False)
-    if flat and kind == "CIRCLE":
-        x, y = plane(entity.dxf.center)
-        corners = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)])
-        return Chain((x, y) + entity.dxf.radius * corners, np.full(4, np.tan(np.pi / 8)), True)
-    if flat and kind == "ARC":
-        angle = np.radians((entity.dxf.end_angle - entity.dxf.start_angle) % 360.0 or 360.0)
-        turns = np.linspace(
-            0.0, angle, max(2, int(np.ceil(angle / (0.5 * np.pi))) + 1)
-        ) + np.radians(entity.dxf.start_angle)
-        points = plane(entity.dxf.center) + entity.dxf.radius * np.column_stack(
-            (np.cos(turns), np.sin(turns))
-        )
-        return Chain(points, np.full(len(turns) - 1, np.tan(np.diff(turns)[0] / 4.0)), False)
-    if flat and kind == "LWPOLYLINE":
-        return _polyline(
-            [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")], bool(entity.closed)
-        )
-    if flat and kind == "POLYLINE" and entity.is_2d_polyline:
-        return _polyline(
-            [
+        return Chain(np.array([plane(dxf.start), plane(dxf.end)]), np.zeros(1), False)
+
+    # Keep the arcs of curves whose normal is z
+    if not dxf.hasattr("extrusion") or abs(dxf.extrusion[2] - 1.0) <= 1e-12:
+        if kind == "CIRCLE":
+            return _circle(plane(dxf.center), dxf.radius)
+        if kind == "ARC":
+            return _arc(plane(dxf.center), dxf.radius, dxf.start_angle, dxf.end_angle)
+        if kind == "LWPOLYLINE":
+            return _polyline(list(entity.get_points("xyb")), bool(entity.closed))
+        if kind == "POLYLINE" and entity.is_2d_polyline:
+            vertices = [
                 (*plane(vertex.dxf.location), vertex.dxf.get("bulge", 0.0))
                 for vertex in entity.vertices
-            ],
-            bool(entity.is_closed),
-        )
+            ]
+            return _polyline(vertices, bool(entity.is_closed))
+
+    # Replace the others by chords
     from ezdxf.path import make_path
 
     points = np.array([plane(point) for point in make_path(entity).flattening(_FLAT * size)])
     return Chain(points, np.zeros(len(points) - 1), False)
 
 
+def _circle(centre: ndarray, radius: float) -> Chain:
+    """Return four quarters of a circle."""
+    corners = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)])
+    return Chain(centre + radius * corners, np.full(4, np.tan(np.pi / 8)), True)
+
+
+def _arc(centre: ndarray, radius: float, start: float, end: float) -> Chain:
+    """Return an arc between two angles in degrees, in parts of a quarter at most."""
+    angle = np.radians((end - start) % 360.0 or 360.0)
+    count = max(1, int(np.ceil(angle / (0.5 * np.pi))))
+    turns = np.linspace(0.0, angle, count + 1) + np.radians(start)
+    points = centre + radius * np.column_stack((np.cos(turns), np.sin(turns)))
+    return Chain(points, np.full(count, np.tan(np.diff(turns)[0] / 4.0)), False)
+
+
 def _polyline(vertices: Sequence[tuple[float, float, float]], closed: bool) -> Chain | None:
-    """Return the chain of a polyline; None if it has no length."""
+    """Return the chain of vertices (x, y, bulge); None if it has no length."""
     values = np.array(vertices, float).reshape(-1, 3)
-    if len(values) < 2 or not np.ptp(values[:, :2], axis=0).any():
+    points = values[:, :2]
+    if len(points) < 2 or not np.ptp(points, axis=0).any():
         return None
-    return Chain(values[:, :2], values[:, 2] if closed else values[:-1, 2], closed)
+    bulges = values[:, 2] if closed else values[:-1, 2]
+    return Chain(points, bulges, closed)
 
 
 def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
@@ -95,82 +116,59 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
         return []
     x = np.vstack([chain.points for chain in chains])
     pairs = cKDTree(x).query_pairs(near, output_type="ndarray")
-    label = connected_components(
-        coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x))), directed=False
-    )[1]
+    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x)))
+    label = connected_components(links, directed=False)[1]
     first = np.unique(label, return_index=True)[1]
-    x = x[first[label]]
     ends = np.cumsum([len(chain.points) for chain in chains])[:-1]
-    return [chain._replace(points=part) for chain, part in zip(chains, np.split(x, ends))]
+    parts = np.split(x[first[label]], ends)
+    return [chain._replace(points=part) for chain, part in zip(chains, parts)]
 
 
 def joined(chains: Sequence[Chain], near: float) -> tuple[list[Chain], int]:
-    """Return chains joined at common ends and closed over gaps below a distance, and the number of
-    doubles left out.
-    """
-    left, doubles = [], 0
-    known: set[tuple[Any, ...]] = set()
+    """Return chains joined at common ends and closed over gaps, and the number of doubles."""
+    different: dict[tuple[Any, ...], Chain] = {}
     for chain in chains:
-        key = _key(chain)
-        doubles += key in known
-        if key not in known:
-            known.add(key)
-            left.append(chain)
-    found = []
-    while left:
-        chain = left.pop(0)
-        while not chain.closed and (there := _next(chain, left, near)):
-            k, turned = there
-            other = _turned(left.pop(k)) if turned else left.pop(k)
-            chain = Chain(
-                np.vstack((chain.points, other.points[1:])),
-                np.append(chain.bulges, other.bulges),
-                False,
-            )
-        if (
-            not chain.closed
-            and len(chain.points) > 2
-            and np.linalg.norm(chain.points[0] - chain.points[-1]) <= near
-        ):
+        different.setdefault(_key(chain), chain)
+    doubles = len(chains) - len(different)
+    remaining = list(different.values())
+    result = []
+    while remaining:
+        chain = remaining.pop(0)
+        while longer := _extended(chain, remaining, near):
+            chain = longer
+        if not chain.closed and len(chain.points) > 2 and chain.gap <= near:
             chain = Chain(chain.points[:-1], chain.bulges, True)
-        found.append(chain)
-    return found, doubles
+        result.append(chain)
+    return result, doubles
 
 
-def _next(chain: Chain, others: Sequence[Chain], near: float) -> tuple[int, bool] | None:
-    """Return the open chain that continues another one, and whether it must be turned."""
-    for k, other in enumerate(others):
-        for turned in (False, True):
-            begin = other.points[-1 if turned else 0]
-            if not other.closed and np.linalg.norm(begin - chain.points[-1]) <= near:
-                return k, turned
-    for k, other in enumerate(others):  # one that continues its beginning
-        if (
-            not other.closed
-            and min(np.linalg.norm(other.points[end] - chain.points[0]) for end in (0, -1)) <= near
-            and np.linalg.norm(chain.points[0] - chain.points[-1]) > near
-        ):
-            chain.points[:], chain.bulges[:] = chain.points[::-1].copy(), -chain.bulges[::-1].copy()
-            return k, bool(np.linalg.norm(other.points[0] - chain.points[-1]) > near)
+def _extended(chain: Chain, others: list[Chain], near: float) -> Chain | None:
+    """Return an open chain with the first of others that continues it, which leaves the others."""
+    if chain.closed:
+        return None
+    for begun in (chain, chain.turned()) if chain.gap > near else (chain,):
+        for k, other in enumerate(others):
+            for added in (other, other.turned()):
+                distance = np.linalg.norm(added.points[0] - begun.points[-1])
+                if not other.closed and distance <= near:
+                    del others[k]
+                    points = np.vstack((begun.points, added.points[1:]))
+                    return Chain(points, np.append(begun.bulges, added.bulges), False)
     return None
 
 
-def _turned(chain: Chain) -> Chain:
-    return Chain(chain.points[::-1], -chain.bulges[::-1], chain.closed)
-
-
 def _key(chain: Chain) -> tuple[Any, ...]:
-    """Return what is the same for a chain and its double, which may run the other way or begin
-    elsewhere.
-    """
-    points = [tuple(point) for point in np.round(chain.points, 9).tolist()]
-    bulges = np.round(np.abs(chain.bulges), 9).tolist()
+    """Return the same key for a chain and its double, turned or with another beginning."""
+    points = [tuple(point) for point in np.round(chain.points, _DECIMALS).tolist()]
+    bulges = np.round(np.abs(chain.bulges), _DECIMALS).tolist()
     if chain.closed:
         return True, frozenset(points), tuple(sorted(bulges))
-    return False, *min((tuple(points), tuple(bulges)), (tuple(points[::-1]), tuple(bulges[::-1])))
+    forward = tuple(points), tuple(bulges)
+    backward = tuple(points[::-1]), tuple(bulges[::-1])
+    return False, *min(forward, backward)
 
 
 def open_gap(chain: Chain) -> str:
     """Return where a chain is open, in words."""
-    gap = float(np.linalg.norm(chain.points[0] - chain.points[-1]))
-    return f"open by {gap:.4g} between {format_point(chain.points[0])} and {format_point(chain.points[-1])}"
+    first, last = (format_point(chain.points[end]) for end in (0, -1))
+    return f"open by {chain.gap:.4g} between {first} and {last}"

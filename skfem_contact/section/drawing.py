@@ -1,10 +1,9 @@
-"""Sections from drawings: layers of a DXF file become areas, lifts, walls, water and loads by
-rules.
-"""
+"""Sections from drawings: rules make areas, lifts, walls, water and loads of layers."""
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
@@ -28,12 +27,10 @@ _SNAP = 1e-5
 #: Drawings farther from the origin than so many times their size are moved to it: coordinates lose
 #: digits there.
 _FAR = 20.0
-#: What a rule may make of a layer: closed outlines, then lines, then what is no part of the mesh.
-_CLOSED, _OPEN, _BESIDE = (
-    ("area", "body", "lift", "hole"),
-    ("top", "line", "slit", "load"),
-    ("water", "ignore"),
-)
+#: Rules of layers with closed outlines.
+_CLOSED = ("area", "body", "lift", "hole")
+#: All rules: closed outlines, then lines, then layers outside of the mesh.
+_RULES = (*_CLOSED, "top", "line", "slit", "load", "water", "ignore")
 
 
 @dataclass(frozen=True)
@@ -54,7 +51,7 @@ class Drawing:
     origin
         Point of the drawing, in metres, that is the origin of the section.
     remarks
-        What was left out, closed, moved or not understood, in words.
+        Parts of the drawing that were left out, moved or not understood, in words.
     """
 
     section: Section
@@ -66,7 +63,7 @@ class Drawing:
 
 
 class _Layer(NamedTuple):
-    """Curves and texts of a layer of the drawing, and what a rule makes of it."""
+    """Curves and texts of a layer of the drawing, with its rule as its kind."""
 
     name: str
     kind: str
@@ -94,8 +91,8 @@ def from_dxf(
     file
         DXF file.
     rules
-        What the layers of the drawing are, by patterns of their names such as ``"DIG *"``; the
-        first one counts, and capitals do not. Closed outlines are an ``"area"``, a ``"body"``,
+        Meaning of the layers by patterns of their names such as ``"DIG *"``; the first one counts,
+        and capitals do not. Closed outlines are an ``"area"``, a ``"body"``,
         which is an area that touches by contact alone, a ``"lift"`` or a ``"hole"``. Lines are the
         ``"top"`` of a layer of ground, which reaches down to the next one, a ``"line"`` such as a
         geogrid, a ``"slit"`` such as a wall whose sides slip, or a ``"load"``. ``"water"`` is the
@@ -103,7 +100,7 @@ def from_dxf(
     size
         Size of elements in metres.
     unit
-        ``"mm"``, ``"cm"``, ``"dm"``, ``"m"``, ``"in"`` or ``"ft"``; by default that of the file.
+        ``"mm"``, ``"cm"``, ``"dm"``, ``"m"``, ``"in"`` or ``"ft"``; by default the file's unit.
     bottom
         Height of the lower end of the ground below the last ``"top"``, in metres, in the section's
         coordinates.
@@ -120,7 +117,7 @@ def from_dxf(
     ------
     ValueError
         No unit, outlines that are open by more than a gap, outlines without one of the texts,
-        layers without outlines, unknown rules, and what :class:`Section` refuses.
+        layers without outlines, unknown rules, and all that :class:`Section` refuses.
     ImportError
         ezdxf is missing: install the extra ``drawing``.
 
@@ -136,53 +133,59 @@ def from_dxf(
     <Section areas: clay>
     """
     for pattern, kind in rules.items():
-        if kind not in (*_CLOSED, *_OPEN, *_BESIDE):
-            there = ", ".join((*_CLOSED, *_OPEN, *_BESIDE))
-            raise ValueError(f"the rule of '{pattern}' is {kind!r}; there are {there}")
+        if kind not in _RULES:
+            raise ValueError(f"the rule of '{pattern}' is {kind!r}; there are {', '.join(_RULES)}")
+
+    # Read the layers
     remarks: list[str] = []
     document = _load(file)
-    layers, origin = _in_metres(_read(document, rules, remarks), _unit_of(document, unit), remarks)
-    near = _SNAP * _size(layers)
+    layers = _read(document, rules, remarks)
+    layers, origin = _in_metres(layers, _unit_of(document, unit), remarks)
+    near = _SNAP * float(np.ptp(_points(layers), axis=0).max())
     layers = _snapped(layers, near)
-    shapes = {
-        name: shape for layer in layers for name, shape in _shapes(layer, near, remarks).items()
-    }
-    kinds = {name: kind for layer in layers for name, kind in _names(layer, shapes)}
-    areas = _tops(
-        {name: shapes[name] for name, kind in kinds.items() if kind == "top"}, bottom, near
-    )
-    tops = list(areas)
-    areas |= {name: shapes[name] for name, kind in kinds.items() if kind in ("area", "body")}
+
+    # Name their outlines
+    shapes: dict[str, list[Outline]] = {}
+    kinds: dict[str, str] = {}
+    for layer in layers:
+        for name, outlines in _shapes(layer, near, remarks).items():
+            shapes[name] = outlines
+            kinds[name] = layer.kind
+
+    def of(*wanted: str) -> dict[str, list[Outline]]:
+        return {name: shapes[name] for name, kind in kinds.items() if kind in wanted}
+
+    # Make the section, whose areas replace what is drawn by upper edges
+    ground = _ground(of("top"), bottom, near)
+    replacing = of("area", "body") if ground else of("body")
     options: dict[str, Any] = {
-        "lifts": {name: shapes[name] for name, kind in kinds.items() if kind == "lift"},
-        "holes": {name: shapes[name] for name, kind in kinds.items() if kind == "hole"},
-        "lines": {
-            name: shapes[name] for name, kind in kinds.items() if kind in ("line", "slit", "load")
-        },
-        "slits": [name for name, kind in kinds.items() if kind == "slit"],
-        "bodies": [name for name, kind in kinds.items() if kind == "body"],
-        "replace": [
-            *tops[1:],
-            *(name for name, kind in kinds.items() if kind == "body" or (kind == "area" and tops)),
-        ],
+        "lifts": of("lift"),
+        "holes": of("hole"),
+        "lines": of("line", "slit", "load"),
+        "slits": list(of("slit")),
+        "bodies": list(of("body")),
+        "replace": [*list(ground)[1:], *replacing],
     }
-    water = {
-        name: np.vstack([outline.points for outline in shapes[name]])
-        for name, kind in kinds.items()
-        if kind == "water"
-    }
+    areas = ground | of("area", "body")
+    section = Section(areas, positive(size, "size"), **(options | more))
+
+    # Sort names by the number of the stage at their end
     stages: dict[int, tuple[str, ...]] = {}
     for name in kinds:
-        if number := re.search(r"(\d+)$", name):
-            stages[int(number[1])] = (*stages.get(int(number[1]), ()), name)
-    loads = tuple(name for name, kind in kinds.items() if kind == "load")
+        digits = re.search(r"\d+$", name)
+        if digits:
+            stage = int(digits[0])
+            stages[stage] = (*stages.get(stage, ()), name)
     return Drawing(
-        Section(areas, positive(size, "size"), **(options | more)),
-        dict(sorted(stages.items())),
-        water,
-        loads,
-        origin,
-        tuple(remarks),
+        section,
+        stages=dict(sorted(stages.items())),
+        water={
+            name: np.vstack([outline.points for outline in outlines])
+            for name, outlines in of("water").items()
+        },
+        loads=tuple(of("load")),
+        origin=origin,
+        remarks=tuple(remarks),
     )
 
 
@@ -207,59 +210,75 @@ def _load(file: str | Path) -> Any:
 def _unit_of(document: Any, unit: str | None) -> float:
     """Return the metres of a drawing's unit."""
     name = unit or _NUMBERS.get(int(document.header.get("$INSUNITS", 0)))
-    if name not in _METRES:
-        raise ValueError(
-            f"the drawing has no unit: give one, unit='m' ({', '.join(_METRES)})"
-            if unit is None
-            else f"unit must be one of {', '.join(_METRES)}, not {unit!r}"
-        )
-    return _METRES[name]
+    if name in _METRES:
+        return _METRES[name]
+    known = ", ".join(_METRES)
+    if unit is None:
+        raise ValueError(f"the drawing has no unit: give one, unit='m' ({known})")
+    raise ValueError(f"unit must be one of {known}, not {unit!r}")
 
 
 def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_Layer]:
     """Return the layers of a drawing that have a rule."""
-    found: dict[str, _Layer] = {}
-    there, skipped = list(entities(document.modelspace())), dict[str, dict[str, int]]()
-    size = max(
-        [
-            1e-9,
-            *(float(np.ptp(chain.points, axis=0).max()) for e in there if (chain := _safe(e, 1.0))),
-        ]
-    )
-    for entity in there:
-        name, kind = entity.dxf.layer, entity.dxftype()
-        rule = next(
-            (rule for pattern, rule in rules.items() if fnmatch(name.lower(), pattern.lower())),
-            None,
-        )
+    drawn = list(entities(document.modelspace()))
+    size = _size_of(drawn)
+    layers: dict[str, _Layer] = {}
+    skipped: dict[str, Counter[str]] = {}
+    for entity in drawn:
+        name = entity.dxf.layer
+        kind = entity.dxftype()
+        rule = _rule_of(name, rules)
         if rule == "ignore":
             continue
-        chain = _safe(entity, size)
+        chain = _chain_of(entity, size)
         if rule is None or (chain is None and kind not in TEXTS):
-            skipped.setdefault(name, {}).setdefault(kind, 0)
-            skipped[name][kind] += 1
+            skipped.setdefault(name, Counter())[kind] += 1
             continue
-        layer = found.setdefault(name, _Layer(re.sub(r"[|:]", "-", name), rule, [], []))
+        layer = layers.setdefault(name, _Layer(_name_of(name), rule, [], []))
         if chain:
             layer.chains.append(chain)
         else:
-            text = entity.plain_text().strip() if kind == "MTEXT" else entity.dxf.text.strip()
-            layer.texts.append((text, plane(entity.dxf.insert)))
+            text = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
+            layer.texts.append((_name_of(text.strip()), plane(entity.dxf.insert)))
+
+    # Say what was left out
     for name, kinds in skipped.items():
-        ruled = any(fnmatch(name.lower(), pattern.lower()) for pattern in rules)
         listed = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        remarks.append(
-            f"layer '{name}': {listed} {'not understood' if ruled else 'without a rule'}"
-        )
-    if not any(layer.chains for layer in found.values()):
+        why = "not understood" if _rule_of(name, rules) else "without a rule"
+        remarks.append(f"layer '{name}': {listed} {why}")
+    result = [layer for layer in layers.values() if layer.chains]
+    if not result:
         raise ValueError(
             f"no curve of the drawing has a rule; its layers are {sorted(skipped) or 'empty'}"
         )
-    return [layer for layer in found.values() if layer.chains]
+    return result
 
 
-def _safe(entity: Any, size: float) -> Chain | None:
-    """Return the chain of a curve in the plane z = constant."""
+def _rule_of(layer: str, rules: Mapping[str, str]) -> str | None:
+    """Return the rule of the first pattern that a layer's name matches."""
+    for pattern, rule in rules.items():
+        if fnmatch(layer.lower(), pattern.lower()):
+            return rule
+    return None
+
+
+def _name_of(text: str) -> str:
+    """Return a text without the characters that names of a section may not have."""
+    return re.sub(r"[|:]", "-", text)
+
+
+def _size_of(drawn: list[Any]) -> float:
+    """Return the largest extent of a curve."""
+    size = 1e-9
+    for entity in drawn:
+        chain = _chain_of(entity, 1.0)
+        if chain:
+            size = max(size, float(np.ptp(chain.points, axis=0).max()))
+    return size
+
+
+def _chain_of(entity: Any, size: float) -> Chain | None:
+    """Return the chain of a curve, whose points must be finite."""
     chain = chain_of(entity, size)
     if chain is not None and not np.isfinite(chain.points).all():
         raise ValueError(
@@ -273,23 +292,26 @@ def _in_metres(
     layers: list[_Layer], metres: float, remarks: list[str]
 ) -> tuple[list[_Layer], tuple[float, float]]:
     """Return layers in metres, near the origin, and where the origin was."""
-    x = metres * np.vstack([chain.points for layer in layers for chain in layer.chains])
-    low, high = x.min(axis=0), x.max(axis=0)
+    x = metres * _points(layers)
+    low = x.min(axis=0)
+    high = x.max(axis=0)
+    size = (high - low).max()
     origin = np.zeros(2)
-    if np.abs(np.append(low, high)).max() > _FAR * (high - low).max():
-        far = np.abs(0.5 * (low + high)) > _FAR * (high - low).max()
+    if np.abs(x).max() > _FAR * size:
+        far = np.abs(0.5 * (low + high)) > _FAR * size
         origin = np.where(far, np.round(low), 0.0)
         remarks.append(f"moved: {format_point(origin)} m of the drawing is the origin")
-    moved = [
-        layer._replace(
-            chains=[
-                chain._replace(points=metres * chain.points - origin) for chain in layer.chains
-            ],
-            texts=[(text, metres * at - origin) for text, at in layer.texts],
-        )
-        for layer in layers
-    ]
+    moved = []
+    for layer in layers:
+        chains = [chain._replace(points=metres * chain.points - origin) for chain in layer.chains]
+        texts = [(text, metres * place - origin) for text, place in layer.texts]
+        moved.append(layer._replace(chains=chains, texts=texts))
     return moved, (float(origin[0]), float(origin[1]))
+
+
+def _points(layers: list[_Layer]) -> ndarray:
+    """Return the points of all curves."""
+    return np.vstack([chain.points for layer in layers for chain in layer.chains])
 
 
 def _snapped(layers: list[_Layer], near: float) -> list[_Layer]:
@@ -298,80 +320,70 @@ def _snapped(layers: list[_Layer], near: float) -> list[_Layer]:
     return [layer._replace(chains=[next(chains) for _ in layer.chains]) for layer in layers]
 
 
-def _size(layers: list[_Layer]) -> float:
-    return float(
-        np.ptp(
-            np.vstack([chain.points for layer in layers for chain in layer.chains]), axis=0
-        ).max()
-    )
-
-
 def _shapes(layer: _Layer, near: float, remarks: list[str]) -> dict[str, list[Outline]]:
     """Return the outlines of a layer by name."""
     chains, doubles = joined(layer.chains, near)
     if doubles:
         remarks.append(f"layer '{layer.name}': {doubles} doubles left out")
+    outlines = [Outline(chain.points, chain.bulges, chain.closed, layer.name) for chain in chains]
     if layer.kind not in _CLOSED:
-        texts = [text for text, _ in layer.texts]
-        remarks += [f"layer '{layer.name}': text {texts} not understood"] if texts else []
-        return {layer.name: [Outline(c.points, c.bulges, c.closed, layer.name) for c in chains]}
-    if gaps := [open_gap(chain) for chain in chains if not chain.closed]:
+        if layer.texts:
+            texts = [text for text, _ in layer.texts]
+            remarks.append(f"layer '{layer.name}': text {texts} not understood")
+        return {layer.name: outlines}
+
+    # Refuse outlines that are open
+    gaps = [open_gap(chain) for chain in chains if not chain.closed]
+    if gaps:
         raise ValueError(
             f"{len(gaps)} of {len(chains)} outlines of layer '{layer.name}' are open, one "
-            f"{gaps[0]}: "
-            "close them, or give the layer another rule"
+            f"{gaps[0]}: close them, or give the layer another rule"
         )
-    outlines = [Outline(chain.points, chain.bulges, True, layer.name) for chain in chains]
     if not layer.texts:
         return {layer.name: outlines}
-    found: dict[str, list[Outline]] = {}
+
+    # Name each outline by the one text inside
+    named: dict[str, list[Outline]] = {}
     for outline in outlines:
-        inside = [text for text, at in layer.texts if _holds(outline, at)]
-        if len(set(inside)) != 1:
+        inside = sorted({text for text, place in layer.texts if _contains(outline, place)})
+        if len(inside) != 1:
             raise ValueError(
                 f"an outline of layer '{layer.name}' near "
-                f"{format_point(outline.points.mean(axis=0))} has "
-                f"{len(set(inside))} texts {sorted(set(inside))}, but one names it"
+                f"{format_point(outline.points.mean(axis=0))} has {len(inside)} texts {inside}, "
+                "but one names it"
             )
-        found.setdefault(re.sub(r"[|:]", "-", inside[0]), []).append(outline)
-    return found
+        named.setdefault(inside[0], []).append(outline)
+    return dict(sorted(named.items()))
 
 
-def _holds(outline: Outline, at: ndarray) -> bool:
+def _contains(outline: Outline, point: ndarray) -> bool:
     """Return whether a point lies inside an outline, whose arcs are chords here."""
     a, b, _ = outline.chords()
-    above = (a[:, 1] > at[1]) != (b[:, 1] > at[1])
-    a, b = a[above], b[above]
-    return bool(
-        ((a[:, 0] + (at[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])) > at[0]).sum()
-        % 2
-    )
+    x, y = point
+    across = (a[:, 1] > y) != (b[:, 1] > y)
+    a = a[across]
+    b = b[across]
+    crossings = a[:, 0] + (y - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+    return bool((crossings > x).sum() % 2)
 
 
-def _names(layer: _Layer, shapes: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the names that a layer gives, and its kind."""
-    texts = (
-        {re.sub(r"[|:]", "-", text) for text, _ in layer.texts} if layer.kind in _CLOSED else set()
-    )
-    return [
-        (name, layer.kind) for name in (sorted(texts & shapes.keys()) if texts else [layer.name])
-    ]
-
-
-def _tops(tops: Mapping[str, list[Outline]], bottom: float | None, near: float) -> dict[str, Any]:
+def _ground(
+    tops: Mapping[str, list[Outline]], bottom: float | None, near: float
+) -> dict[str, list[Outline]]:
     """Return areas from their upper edges down to the bottom; lower ones replace the upper ones."""
     if not tops:
         return {}
-    lines = {name: outlines[0] for name, outlines in tops.items()}
-    if several := [
-        name for name, outlines in tops.items() if len(outlines) > 1 or outlines[0].closed
-    ]:
+    several = [name for name, edges in tops.items() if len(edges) > 1 or edges[0].closed]
+    if several:
         raise ValueError(
             f"the upper edges of {several} must be one open line each, from the left to the right"
         )
     if bottom is None:
         raise ValueError(f"the areas {list(tops)} have an upper edge only: give their bottom=")
-    ends = {name: np.sort(line.points[[0, -1], 0]) for name, line in lines.items()}
+    edges = {name: edge for name, (edge,) in tops.items()}
+
+    # Compare their ends
+    ends = {name: np.sort(edge.points[[0, -1], 0]) for name, edge in edges.items()}
     left, right = next(iter(ends.values()))
     for name, (first, last) in ends.items():
         if max(abs(first - left), abs(last - right)) > near:
@@ -379,12 +391,18 @@ def _tops(tops: Mapping[str, list[Outline]], bottom: float | None, near: float) 
                 f"the upper edge of '{name}' reaches from x = {first:.6g} to {last:.6g}, that of "
                 f"'{next(iter(ends))}' from {left:.6g} to {right:.6g}"
             )
-    order = sorted(lines, key=lambda name: -float(np.vstack(lines[name].chords()[:2])[:, 1].mean()))
-    areas: dict[str, Any] = {}
-    for name in order:
-        points, bulges = lines[name].points, lines[name].bulges
+
+    # Close them along the bottom, the highest one first
+    heights = {
+        name: float(np.vstack(edge.chords()[:2])[:, 1].mean()) for name, edge in edges.items()
+    }
+    areas: dict[str, list[Outline]] = {}
+    for name in sorted(edges, key=lambda name: -heights[name]):
+        points = edges[name].points
+        bulges = edges[name].bulges
         if points[0, 0] > points[-1, 0]:
-            points, bulges = points[::-1], -bulges[::-1]
+            points = points[::-1]
+            bulges = -bulges[::-1]
         points = np.vstack((points, [(points[-1, 0], bottom), (points[0, 0], bottom)]))
         areas[name] = [Outline(points, np.append(bulges, np.zeros(3)), True, name)]
     return areas
