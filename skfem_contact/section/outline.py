@@ -14,7 +14,7 @@ from ..checks import finite, format_point, positive, vector
 
 #: Points nearer than this share of the size of an outline are one point.
 _SAME = 1e-9
-#: Chords that stand for an arc where outlines are searched for crossings.
+#: Number of chords in place of an arc where outlines are searched for crossings.
 _CHORDS = 12
 
 
@@ -59,29 +59,38 @@ class Outline:
             raise ValueError(
                 f"points of '{self.name}' must be points (x, y), not of the shape {points.shape}"
             )
+        self._check_count(points, 2)
         bulges = finite(self.bulges, f"bulges of '{self.name}'")
         segments = len(points) if self.closed else len(points) - 1
-        if self.closed and len(points) > 1 and _near(points[0], points[-1], points):
-            points, segments = points[:-1], len(points) - 1
+        size = np.ptp(points, axis=0).max()
+
+        # Drop a last point that repeats the first one
+        if self.closed and np.abs(points[0] - points[-1]).max() <= _SAME * size:
+            points = points[:-1]
+            segments -= 1
             bulges = bulges[:segments] if bulges.ndim else bulges
         if bulges.ndim and bulges.shape != (segments,):
             raise ValueError(f"'{self.name}' has {segments} segments, but {bulges.size} bulges")
-        bulges = np.broadcast_to(bulges, (segments,))
-        following = np.roll(points, -1, axis=0)[:segments]
-        kept = [not _near(a, b, points) for a, b in zip(points, following)]
-        bulges = bulges[kept]
-        points = points[kept if self.closed else [*kept, True]] if segments else points
-        if len(points) < 2 or (self.closed and len(points) < 3 and not bulges.any()):
-            raise ValueError(
-                f"'{self.name}' has {len(points)} different points: "
-                f"{'an area needs three' if self.closed else 'a line needs two'}"
-            )
+
+        # Drop segments without length
+        steps = np.roll(points, -1, axis=0)[:segments] - points[:segments]
+        kept = np.abs(steps).max(axis=1) > _SAME * size
+        bulges = np.broadcast_to(bulges, (segments,))[kept]
+        points = points[kept] if self.closed else points[np.append(kept, True)]
+        self._check_count(points, 3 if self.closed and not bulges.any() else 2)
+
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "bulges", bulges)
         if self.closed and abs(self.area) <= _SAME * float(np.ptp(points, axis=0).max()) ** 2:
             raise ValueError(
                 f"'{self.name}' has no area: its points lie on a line, or it crosses itself"
             )
+
+    def _check_count(self, points: ndarray, least: int) -> None:
+        """Refuse fewer points than an area or a line needs."""
+        if len(points) < least:
+            need = "an area needs three" if self.closed else "a line needs two"
+            raise ValueError(f"'{self.name}' has {len(points)} different points: {need}")
 
     @property
     def ends(self) -> tuple[ndarray, ndarray]:
@@ -91,36 +100,39 @@ class Outline:
 
     @property
     def centres(self) -> ndarray:
-        """Centres of the arcs, (m, 2); those of straight segments are not finite."""
+        """Centres of the arcs, (m, 2); not finite for straight segments."""
         a, b = self.ends
-        chord, t = b - a, self.bulges[:, None]
+        chord = b - a
+        normal = np.column_stack((-chord[:, 1], chord[:, 0]))
+        t = self.bulges[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
-            return 0.5 * (a + b) + np.column_stack((-chord[:, 1], chord[:, 0])) * (1.0 - t * t) / (
-                4.0 * t
-            )
+            return 0.5 * (a + b) + normal * (1.0 - t * t) / (4.0 * t)
 
     @property
     def length(self) -> float:
         """Length of all segments."""
-        chord, t = np.linalg.norm(np.subtract(*self.ends), axis=1), np.abs(self.bulges)
-        round_ = t > 0.0
-        t = np.where(round_, t, 1.0)
-        return float(np.where(round_, chord * (1.0 + t * t) / t * np.arctan(t), chord).sum())
+        # Arc with the tangent t of a quarter of its angle: l = chord (1 + t**2) / t arctan(t)
+        chord = np.linalg.norm(np.subtract(*self.ends), axis=1)
+        bulge = np.abs(self.bulges)
+        t = np.where(bulge > 0.0, bulge, 1.0)
+        arc = chord * (1.0 + t * t) / t * np.arctan(t)
+        return float(np.where(bulge > 0.0, arc, chord).sum())
 
     @property
     def area(self) -> float:
         """Area that the outline encloses, positive if it goes anticlockwise."""
+        # Area of the polygon, and of a cap r**2 / 2 (angle - sin angle) over each chord
         (x, y), (u, v) = (end.T for end in self.ends)
-        chord, t = np.hypot(u - x, v - y), np.abs(self.bulges)
-        t = np.where(t > 0.0, t, 1.0)
-        angle, radius = 4.0 * np.arctan(t), chord * (1.0 + t * t) / (4.0 * t)
+        chord = np.hypot(u - x, v - y)
+        bulge = np.abs(self.bulges)
+        t = np.where(bulge > 0.0, bulge, 1.0)
+        angle = 4.0 * np.arctan(t)
+        radius = chord * (1.0 + t * t) / (4.0 * t)
         caps = np.sign(self.bulges) * 0.5 * radius**2 * (angle - np.sin(angle))
         return float(0.5 * (x * v - u * y).sum() + caps.sum())
 
     def chords(self, n: int = _CHORDS) -> tuple[ndarray, ndarray, ndarray]:
-        """Return first and last points of chords, (k, 2) each, n for each arc, and the segments
-        that they belong to.
-        """
+        """Return first and last points of chords, (k, 2) each, and their segments; n for an arc."""
         starts, stops, segments = [], [], []
         for k, (a, b, centre, t) in enumerate(zip(*self.ends, self.centres, self.bulges)):
             points = np.array([a, b])
@@ -135,33 +147,39 @@ class Outline:
 
     def check_simple(self, name: str) -> None:
         """Refuse an outline or a line that crosses or touches itself."""
+        point = self._touching_point()
+        if point is None:
+            return
+        problem = f"'{name}' crosses or touches itself near {format_point(point)}"
+        if self.closed:
+            problem += "; give its points in order round the area"
+        raise ValueError(problem)
+
+    def _touching_point(self) -> ndarray | None:
+        """Return a point where the outline turns back, crosses or touches itself."""
         a, b, _ = self.chords()
         n = len(a)
+
+        # Find chords that turn back along the chord before
+        before = np.arange(n if self.closed else n - 1)
+        u = (b - a)[before]
+        v = (b - a)[(before + 1) % n]
+        scale = _SAME * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
+        back = (np.abs(_cross(u, v)) <= scale) & ((u * v).sum(axis=1) < 0.0)
+        if n > 2 and back.any():
+            return np.asarray(b[before[np.argmax(back)]])
+
+        # Find chords that meet others than their neighbours
         first, second = np.triu_indices(n, 1)
-        apart = (second - first > 1) & ~((first == 0) & (second == n - 1) & self.closed)
-        first, second = first[apart], second[apart]
+        neighbours = (second - first == 1) | ((first == 0) & (second == n - 1) & self.closed)
+        first = first[~neighbours]
+        second = second[~neighbours]
         met = _meet(a[first], b[first], a[second], b[second])
-        after = np.arange(n if self.closed else n - 1)
-        way, next_ = (b - a)[after], (b - a)[(after + 1) % n]
-        cross = way[:, 0] * next_[:, 1] - way[:, 1] * next_[:, 0]
-        back = (
-            np.abs(cross) <= _SAME * np.linalg.norm(way, axis=1) * np.linalg.norm(next_, axis=1)
-        ) & ((way * next_).sum(axis=1) < 0.0)
-        if met.any() or (back.any() and n > 2):
-            at = (
-                b[after[np.argmax(back)]]
-                if back.any()
-                else _crossing(
-                    *(x[np.argmax(met)] for x in (a[first], b[first], a[second], b[second]))
-                )
-            )
-            raise ValueError(
-                f"'{name}' crosses or touches itself near {format_point(at)}; give its points in "
-                f"order "
-                "round the area"
-                if self.closed
-                else f"'{name}' crosses or touches itself near {format_point(at)}"
-            )
+        if not met.any():
+            return None
+        i = first[np.argmax(met)]
+        j = second[np.argmax(met)]
+        return _crossing(a[i], b[i], a[j], b[j])
 
 
 def circle(centre: ArrayLike, radius: float) -> Outline:
@@ -181,9 +199,8 @@ def circle(centre: ArrayLike, radius: float) -> Outline:
     '3.141593'
     """
     corners = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)])
-    return Outline(
-        vector(centre, 2, "centre") + positive(radius, "radius") * corners, np.tan(np.pi / 8)
-    )
+    points = vector(centre, 2, "centre") + positive(radius, "radius") * corners
+    return Outline(points, np.tan(np.pi / 8))
 
 
 def rectangle(x: Sequence[float], y: Sequence[float]) -> Outline:
@@ -195,59 +212,53 @@ def rectangle(x: Sequence[float], y: Sequence[float]) -> Outline:
     >>> sc.section.rectangle((0., 4.), (-3., 0.)).area
     12.0
     """
-    (left, right), (low, high) = np.sort(vector(x, 2, "x")), np.sort(vector(y, 2, "y"))
+    left, right = np.sort(vector(x, 2, "x"))
+    low, high = np.sort(vector(y, 2, "y"))
     return Outline([(left, low), (right, low), (right, high), (left, high)])
 
 
 def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
-    """Return the outlines of a shape: an outline, points, or a list of either; each crosses itself
-    nowhere.
-    """
-    pieces = [shape]
-    if (
-        isinstance(shape, (list, tuple))
-        and shape
-        and (isinstance(shape[0], Outline) or np.ndim(shape[0]) == 2)
-    ):
-        pieces = list(shape)
-    found = []
-    for piece in pieces:
+    """Return the outlines of a shape: an outline, points, or a list of either."""
+    first = shape[0] if isinstance(shape, (list, tuple)) and shape else None
+    several = isinstance(first, Outline) or np.ndim(first) == 2
+    outlines = []
+    for piece in shape if several else [shape]:
         outline = piece if isinstance(piece, Outline) else Outline(piece, closed=closed, name=name)
         if closed and not outline.closed:
             raise ValueError(f"'{name}' must be a closed outline")
         outline.check_simple(name)
-        found.append(outline)
-    return tuple(found)
+        outlines.append(outline)
+    return tuple(outlines)
 
 
-def _near(a: ndarray, b: ndarray, points: ndarray) -> bool:
-    return bool(np.abs(a - b).max() <= _SAME * np.ptp(points, axis=0).max())
+def _cross(u: ndarray, v: ndarray) -> ndarray:
+    """Return the cross products of vectors, (n, 2) each."""
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
 def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
-    """Return the side of lines through a and b on which points c lie, relative to the lengths."""
-    u, v = b - a, c - a
-    scale = np.linalg.norm(u, axis=1) * np.maximum(
-        np.linalg.norm(v, axis=1), np.linalg.norm(u, axis=1)
-    )
-    value = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    """Return the side of lines through a and b on which points c lie: -1, 0 or 1."""
+    u = b - a
+    v = c - a
+    length = np.linalg.norm(u, axis=1)
+    scale = length * np.maximum(np.linalg.norm(v, axis=1), length)
+    value = _cross(u, v)
     return np.where(np.abs(value) <= _SAME * scale, 0.0, np.sign(value))
 
 
 def _meet(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:
     """Return which segments a-b and c-d have a point in common."""
-    boxes = (
-        np.maximum(np.minimum(a, b), np.minimum(c, d))
-        <= np.minimum(np.maximum(a, b), np.maximum(c, d))
-        + _SAME * np.abs(b - a).max(axis=1, keepdims=True)
-    ).all(axis=1)
-    return (
-        boxes & (_side(a, b, c) * _side(a, b, d) <= 0.0) & (_side(c, d, a) * _side(c, d, b) <= 0.0)
-    )
+    low = np.maximum(np.minimum(a, b), np.minimum(c, d))
+    high = np.minimum(np.maximum(a, b), np.maximum(c, d))
+    near = (low <= high + _SAME * np.abs(b - a).max(axis=1, keepdims=True)).all(axis=1)
+    parted = _side(a, b, c) * _side(a, b, d) <= 0.0
+    return near & parted & (_side(c, d, a) * _side(c, d, b) <= 0.0)
 
 
 def _crossing(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:
     """Return where two segments cross."""
-    u, v, w = b - a, d - c, c - a
+    u = b - a
+    v = d - c
+    w = c - a
     cross = u[0] * v[1] - u[1] * v[0]
     return a + u * ((w[0] * v[1] - w[1] * v[0]) / cross) if cross else c
