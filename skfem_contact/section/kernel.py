@@ -39,9 +39,7 @@ def load_gmsh() -> Any:
 
 @contextmanager
 def gmsh_model() -> Iterator[Any]:
-    """Yield Gmsh with an empty model, which is removed at the end; a session of the user stays as
-    it is.
-    """
+    """Yield Gmsh with an empty model, which is removed at the end; a user's session remains."""
     gmsh = load_gmsh()
     began = bool(gmsh.isInitialized())
     if not began:
@@ -89,27 +87,27 @@ _OPTIONS = {
 
 def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:
     """Add the segments and arcs of an outline, moved by a shift, and return their numbers."""
-    for point, away in zip(outline.points, np.linalg.norm(np.subtract(*outline.ends), axis=1)):
-        if away <= ONE_POINT:
+    lengths = np.linalg.norm(np.subtract(*outline.ends), axis=1)
+    for point, length in zip(outline.points, lengths):
+        if length <= ONE_POINT:
             raise ValueError(
-                f"two points of '{outline.name}' near {format_point(point)} are {away:.2g} apart: "
-                f"let "
-                f"them be one, or keep a distance of more than {ONE_POINT:.2g}"
+                f"two points of '{outline.name}' near {format_point(point)} are {length:.2g} apart: "
+                f"let them be one, or keep a distance of more than {ONE_POINT:.2g}"
             )
     corners = [occ.addPoint(*(point - shift), 0.0) for point in outline.points]
     curves = []
     for k, (t, centre) in enumerate(zip(outline.bulges, outline.centres - shift)):
-        a, b = corners[k], corners[(k + 1) % len(corners)]
+        a = corners[k]
+        b = corners[(k + 1) % len(corners)]
         if not t:
             curves.append(occ.addLine(a, b))
             continue
-        half = np.exp(2j * np.arctan(t)) * complex(
-            *(outline.points[k] - shift - centre)
-        )  # turned to the middle
-        x, y = np.add(centre, (half.real, half.imag))
-        through = occ.addPoint(x, y, 0.0)
-        curves.append(occ.addCircleArc(a, through, b, center=False))
-        occ.remove([(0, through)])
+        # Turn the first point about the centre to the middle of the arc, by half of its angle
+        arm = complex(*(outline.points[k] - shift - centre))
+        half = np.exp(2j * np.arctan(t)) * arm
+        middle = occ.addPoint(*np.add(centre, (half.real, half.imag)), 0.0)
+        curves.append(occ.addCircleArc(a, middle, b, center=False))
+        occ.remove([(0, middle)])
     return curves
 
 

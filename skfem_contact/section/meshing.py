@@ -1,6 +1,4 @@
-"""Mesh of a section: Gmsh's triangles as a mesh of scikit-fem, with the names of areas, lines and
-interfaces.
-"""
+"""Mesh of a section: triangles of Gmsh with the names of areas, lines and interfaces."""
 
 from __future__ import annotations
 
@@ -20,11 +18,12 @@ from .naming import name_outside, separate
 from .pieces import Pieces, Plan, cut_up
 from .sizes import Sizes
 
-#: What no lift takes.
+#: Name of the ground outside of all lifts.
 REMAINING = "remaining"
-#: Smallest angle of triangles in degrees, and factors of all sizes that are tried until there is
-#: none below it.
-_SHARP, _TRIALS = 5.0, (1.0, 0.7, 0.5)
+#: Smallest angle of triangles in degrees without a warning.
+_SHARP = 5.0
+#: Factors of all sizes that are tried until all angles are larger.
+_TRIALS = (1.0, 0.7, 0.5)
 #: Angle in degrees that no element fits into; tangents of sides of second order are exact to a
 #: tenth of it.
 _TOUCH = 0.3
@@ -50,118 +49,112 @@ def meshed(plan: Plan, sizing: Sizing, slits: Collection[str], order: int, scale
             gmsh.model.mesh.generate(2)
             gmsh.model.mesh.setOrder(order)
             mesh, faces, curves = _read(gmsh, pieces, order)
-        angle, at = sharpest(mesh)
+        angle, corner = sharpest(mesh)
+        place = format_point(corner + plan.shift)
         if angle < _TOUCH:
             raise ValueError(
-                f"outlines or lines meet at an angle of {angle:.2g} degrees near "
-                f"{format_point(at + plan.shift)}: no element fits between them; move them apart, "
-                f"or let "
-                "them cross"
+                f"outlines or lines meet at an angle of {angle:.2g} degrees near {place}: no "
+                "element fits between them; move them apart, or let them cross"
             )
         if angle >= _SHARP:
             break
     else:
         warn(
-            f"the mesh has an angle of {angle:.2g} degrees near {format_point(at + plan.shift)}: "
-            f"outlines or lines "
-            "meet there at such an angle; move one of them"
+            f"the mesh has an angle of {angle:.2g} degrees near {place}: outlines or lines meet "
+            "there at such an angle; move one of them"
         )
-    return _named(
-        mesh.translated(tuple(plan.shift)),
-        plan,
-        slits,
-        [pieces.faces[face] for face in faces],
-        curves,
-    )
+    mesh = mesh.translated(tuple(plan.shift))
+    area, lift = np.array([pieces.faces[face] for face in faces]).T
+    return _named(mesh, plan, slits, area, lift, curves)
 
 
 def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[str, ndarray]]:
-    """Return the mesh in the current model, the face of each element, and facets of lines and holes
-    by name.
-    """
+    """Return the current mesh, the face of each element, and facets of lines and holes."""
+    # Read the elements face by face
     tags, points, _ = gmsh.model.mesh.getNodes()
-    number = np.zeros(int(tags.max()) + 1, int)
-    number[tags.astype(int)] = np.arange(len(tags))
-    n = 3 if order == 1 else 6
-    cells, owner = [], []
+    kind, nodes_of_element = ("triangle", 3) if order == 1 else ("triangle6", 6)
+    cells, owners = [], []
     for face in pieces.faces:
-        nodes = np.reshape(gmsh.model.mesh.getElements(2, face)[2][0], (-1, n)).astype(int)
-        cells.append(number[nodes])
-        owner += [face] * len(nodes)
+        nodes = gmsh.model.mesh.getElements(2, face)[2][0]
+        cells.append(np.reshape(nodes, (-1, nodes_of_element)).astype(int))
+        owners += [face] * len(cells[-1])
     t = np.vstack(cells)
-    corners = np.unique(t[:, :3])
-    kept = np.concatenate((corners, np.setdiff1d(t, corners)))  # scikit-fem wants corners first
-    new = np.full(len(tags), -1)
-    new[kept] = np.arange(len(kept))
+
+    # Number the corners in the order of Gmsh, then the other nodes, as scikit-fem wants it
+    row = np.zeros(int(tags.max()) + 1, int)
+    row[tags.astype(int)] = np.arange(len(tags))
+    corners = np.unique(row[t[:, :3]])
+    kept = np.concatenate((corners, np.setdiff1d(row[t], corners)))
+    number = np.full(len(tags), -1)
+    number[kept] = np.arange(len(kept))
+    number = number[row]
     x = np.reshape(points, (-1, 3))[kept, :2]
-    mesh = from_meshio(meshio.Mesh(x, [("triangle" if order == 1 else "triangle6", new[t])]))
+    mesh = from_meshio(meshio.Mesh(x, [(kind, number[t])]))
+
+    # Find the facets of curves by their ends
     key = mesh.facets[0] * mesh.nvertices + mesh.facets[1]
     rank = np.argsort(key)
-
-    def facets(curve: int) -> ndarray:
-        nodes = gmsh.model.mesh.getElements(1, curve)[2]
-        ends = np.sort(
-            new[number[np.reshape(nodes[0], (-1, order + 1))[:, :2].astype(int)]].T, axis=0
-        )
-        return np.asarray(
-            rank[np.searchsorted(key, ends[0] * mesh.nvertices + ends[1], sorter=rank)]
-        )
-
-    curves = {
-        name: np.unique(np.concatenate([facets(curve) for curve in members]))
-        for group in (pieces.lines, pieces.holes)
-        for name, members in group.items()
-    }
-    return mesh, owner, curves
+    curves = {}
+    for group in (pieces.lines, pieces.holes):
+        for name, members in group.items():
+            nodes = [gmsh.model.mesh.getElements(1, curve)[2][0] for curve in members]
+            lines = np.reshape(np.concatenate(nodes), (-1, order + 1)).astype(int)
+            first, second = np.sort(number[lines[:, :2]].T, axis=0)
+            position = np.searchsorted(key, first * mesh.nvertices + second, sorter=rank)
+            curves[name] = np.unique(rank[position])
+    return mesh, owners, curves
 
 
 def sharpest(mesh: Mesh) -> tuple[float, ndarray]:
-    """Return the smallest angle of all triangles, between the tangents of their sides, in degrees,
-    and its corner.
-    """
-    x = mesh.doflocs[:, mesh.dofs.element_dofs]
+    """Return the smallest angle between tangents of sides, in degrees, and its corner."""
+    x = mesh.doflocs[:, mesh.dofs.element_dofs]  # (2, nodes, elements)
     corners = x[:, :3]
     middles = x[:, 3:] if x.shape[1] == 6 else 0.5 * (corners + np.roll(corners, -1, axis=1))
-    smallest, at = np.inf, corners[:, 0, 0]
-    for k, (one, two) in enumerate(
-        ((0, 2), (1, 0), (2, 1))
-    ):  # sides that begin and end at the corner
-        ends = corners[:, [(k + 1) % 3, (k + 2) % 3]]
+    smallest = np.inf
+    place = corners[:, 0, 0]
+    for k in range(3):
+        # Tangents at corner k of the sides to the next corner and to the one before
+        corner = corners[:, k]
         u, v = (
-            4.0 * middles[:, [one, two]].transpose(1, 0, 2)
-            - 3.0 * corners[:, k]
-            - ends.transpose(1, 0, 2)
+            4.0 * middles[:, side] - 3.0 * corner - corners[:, end]
+            for side, end in ((k, (k + 1) % 3), ((k + 2) % 3, (k + 2) % 3))
         )
         angle = np.arctan2(np.abs(u[0] * v[1] - u[1] * v[0]), (u * v).sum(axis=0))
         if angle.min() < smallest:
-            smallest, at = float(angle.min()), corners[:, k, angle.argmin()]
-    return float(np.degrees(smallest)), at
+            smallest = float(angle.min())
+            place = corner[:, angle.argmin()]
+    return float(np.degrees(smallest)), place
 
 
 def _named(
     mesh: Mesh,
     plan: Plan,
     slits: Collection[str],
-    labels: list[tuple[str, str]],
+    area: ndarray,
+    lift: ndarray,
     curves: dict[str, ndarray],
 ) -> Mesh:
-    """Return the mesh with its subdomains and boundaries, from area and lift of each element."""
-    area, lift = np.array(labels).T
-    holes = {name: facets for name, facets in curves.items() if name in plan.holes}
-    lines = {name: facets for name, facets in curves.items() if name in plan.lines}
+    """Return the mesh with its names, from area and lift of each element and facets of curves."""
+    # Name areas and lifts
     ground = ~np.isin(area, list(plan.bodies))
     subdomains = {name: np.flatnonzero(area == name) for name in plan.areas}
-    parts = {name: np.flatnonzero(lift == name) for name in plan.lifts}
-    if parts:
-        parts = {REMAINING: np.flatnonzero(ground & (lift == "")), **parts}
+    parts = {}
+    if plan.lifts:
+        parts[REMAINING] = np.flatnonzero(ground & (lift == ""))
+        parts |= {name: np.flatnonzero(lift == name) for name in plan.lifts}
+
+    # Name the outer boundary, holes and lines
+    holes = {name: curves[name] for name in plan.holes}
+    lines = {name: curves[name] for name in plan.lines}
     boundaries = name_outside(mesh, holes, area) | lines
-    bodies = {
-        "ground": [name for name in plan.areas if name not in plan.bodies],
-        **{name: [name] for name in plan.areas if name in plan.bodies},
-    }
-    bodies = {name: members for name, members in bodies.items() if members}
     mesh = mesh.with_subdomains(subdomains | parts).with_boundaries(boundaries)
-    mesh = separate(mesh, bodies, slits, {name for name, part in parts.items() if len(part)})
-    if "ground" in bodies and "ground" not in mesh.subdomains:
+
+    # Separate bodies and the sides of slits
+    bodies = {name: [name] for name in plan.areas if name in plan.bodies}
+    soils = [name for name in plan.areas if name not in plan.bodies]
+    if soils:
+        bodies = {"ground": soils, **bodies}
+    mesh = separate(mesh, bodies, slits, [name for name, part in parts.items() if len(part)])
+    if soils and "ground" not in mesh.subdomains:
         mesh = mesh.with_subdomains({"ground": np.flatnonzero(ground)})
     return mesh

@@ -62,24 +62,12 @@ Owners = Mapping[str, list[str]]
 
 def cut_up(gmsh: Any, plan: Plan) -> Pieces:
     """Cut all outlines into pieces in the current model and check that they fit."""
-    # Fragment all shapes
     occ = gmsh.model.occ
     shapes = _added(occ, plan)
     tags = [shape.tag for shape in shapes]
     parts = occ.fragment(tags, [])[1] if len(tags) > 1 else [tags]
     occ.synchronize()
-
-    # Collect the owners of each face and the curves of each line
-    owners: dict[int, dict[str, list[str]]] = {}
-    lines: dict[str, list[int]] = {name: [] for name in plan.lines}
-    for shape, part in zip(shapes, parts):
-        for _, piece in part:
-            if shape.kind == "line":
-                lines[shape.name].append(piece)
-                continue
-            known = owners.setdefault(piece, {}).setdefault(shape.kind, [])
-            if shape.name not in known:
-                known.append(shape.name)
+    owners, lines = _owners(shapes, parts)
 
     # Keep the faces of the section
     sides = {face: sides_of(gmsh, face) for face in owners}
@@ -94,7 +82,7 @@ def cut_up(gmsh: Any, plan: Plan) -> Pieces:
         if "hole" in kinds:
             name = kinds["hole"][0]
             holes[name] += [curve for curve in sides[face] if curve in borders]
-    pieces = Pieces(faces, lines, holes)
+    pieces = Pieces(faces, {name: lines.get(name, []) for name in plan.lines}, holes)
     _check_curves(gmsh, plan, pieces)
     return pieces
 
@@ -118,6 +106,23 @@ def _added(occ: Any, plan: Plan) -> list[_Shape]:
             curves = add_curves(occ, outline, plan.shift)
             shapes += [_Shape("line", name, (1, curve)) for curve in curves]
     return shapes
+
+
+def _owners(
+    shapes: Sequence[_Shape], parts: Sequence[Sequence[tuple[int, int]]]
+) -> tuple[dict[int, dict[str, list[str]]], dict[str, list[int]]]:
+    """Return the owners of all faces by kind, and the curves of all lines, from their pieces."""
+    owners: dict[int, dict[str, list[str]]] = {}
+    lines: dict[str, list[int]] = {}
+    for shape, pieces in zip(shapes, parts):
+        for _, piece in pieces:
+            if shape.kind == "line":
+                lines.setdefault(shape.name, []).append(piece)
+                continue
+            known = owners.setdefault(piece, {}).setdefault(shape.kind, [])
+            if shape.name not in known:
+                known.append(shape.name)
+    return owners, lines
 
 
 def _faces(gmsh: Any, plan: Plan, owners: Mapping[int, Owners]) -> dict[int, tuple[str, str]]:
