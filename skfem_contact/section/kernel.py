@@ -91,8 +91,8 @@ def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:
     for point, length in zip(outline.points, lengths):
         if length <= ONE_POINT:
             raise ValueError(
-                f"two points of '{outline.name}' near {format_point(point)} are {length:.2g} apart: "
-                f"let them be one, or keep a distance of more than {ONE_POINT:.2g}"
+                f"two points of '{outline.name}' near {format_point(point)} are {length:.2g} "
+                f"apart: let them be one, or keep a distance of more than {ONE_POINT:.2g}"
             )
     corners = [occ.addPoint(*(point - shift), 0.0) for point in outline.points]
     curves = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,32 +17,38 @@ from ..mesh.join import join_bodies
 Tags = dict[str, ndarray]
 #: Names of the outer boundary.
 OUTER = ("left", "right", "bottom", "surface")
-#: Share of the section up to which a node lies on its left or right end.
+#: Largest distance of a node from an end of the section on which it lies, as a share of the width.
 _AT = 1e-9
 
 
 def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
-    """Return the boundaries of a welded mesh: its outside by names, those of holes by theirs.
+    """Return the boundaries of a welded mesh: its outside by names, and its holes.
 
     Parts that lie apart from the largest one have their areas' names, such as ``"block:outside"``.
     """
+    # Find the loops that are no sides of holes
     cut = np.concatenate([np.zeros(0, int), *holes.values()])
     loops = [
-        loop
-        for loop in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0))
-        if not np.isin(loop[0], cut).all()
+        (facets, nodes)
+        for facets, nodes in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0))
+        if not np.isin(facets, cut).all()
     ]
-    size = [np.ptp(mesh.p[:, chain], axis=1).prod() for _, chain in loops]
-    found, main = dict(holes), int(np.argmax(size))
-    for k, (loop, chain) in enumerate(loops):
-        x, y = mesh.p[:, chain]
+    sizes = [np.ptp(mesh.p[:, nodes], axis=1).prod() for _, nodes in loops]
+    largest = int(np.argmax(sizes))
+
+    # Name them
+    found = dict(holes)
+    for k, (loop, nodes) in enumerate(loops):
+        x, y = mesh.p[:, nodes]
         if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0.0:
             raise ValueError(
-                f"the areas enclose a gap near {format_point(mesh.p[:, chain].mean(axis=1))}: "
-                f"close it, "
-                "or name it in holes="
+                f"the areas enclose a gap near {format_point(mesh.p[:, nodes].mean(axis=1))}: "
+                f"close it, or name it in holes="
             )
-        parts = _sides(loop, x, y) if k == main else {f"{area[mesh.f2t[0, loop[0]]]}:outside": loop}
+        if k == largest:
+            parts = _sides(loop, x, y)
+        else:
+            parts = {f"{area[mesh.f2t[0, loop[0]]]}:outside": loop}
         for name, facets in parts.items():
             found[name] = np.append(found.get(name, np.zeros(0, int)), np.setdiff1d(facets, cut))
     return {name: np.unique(facets) for name, facets in found.items() if len(facets)}
@@ -50,41 +56,48 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
 
 def _loops(mesh: Mesh, free: ndarray) -> list[tuple[ndarray, ndarray]]:
     """Return closed chains of boundary facets, with their first nodes, the mesh on their left."""
+    # Turn the facets so that the mesh is on their left
     ends = mesh.facets[:, free]
     inner = mesh.p[:, mesh.t[:, mesh.f2t[0, free]]].mean(axis=1) - mesh.p[:, ends[0]]
     along = mesh.p[:, ends[1]] - mesh.p[:, ends[0]]
     start, stop = np.where(along[0] * inner[1] > along[1] * inner[0], ends, ends[::-1])
-    way = np.where(start == ends[0], along, -along)
-    turn = np.arctan2(way[1], way[0])
-    after: dict[int, list[int]] = {}  # facets that begin at a node
+    direction = np.where(start == ends[0], along, -along)
+    angle = np.arctan2(direction[1], direction[0])
+    begin_at: dict[int, list[int]] = {}
     for k, node in enumerate(start.tolist()):
-        after.setdefault(node, []).append(k)
-    loops, left = [], set(range(len(free)))
-    while left:
-        chain = [k := min(left)]
-        while True:  # where outlines meet in a point the chain stays beside the same outside
-            there = [n for n in after[int(stop[k])] if n in left]
-            k = there[int(np.argmin((turn[there] - turn[k] - np.pi) % (2.0 * np.pi)))]
-            left.discard(k)
-            if k == chain[0]:
-                break
+        begin_at.setdefault(node, []).append(k)
+
+    # Follow them; where outlines meet in a point the chain stays next to the same outside
+    loops = []
+    remaining = set(range(len(free)))
+    while remaining:
+        first = k = min(remaining)
+        chain = []
+        while not chain or k != first:
             chain.append(k)
+            following = [n for n in begin_at[int(stop[k])] if n in remaining]
+            turns = (angle[following] - angle[k] - np.pi) % (2.0 * np.pi)
+            k = following[int(np.argmin(turns))]
+            remaining.discard(k)
         loops.append((free[chain], start[chain]))
     return loops
 
 
 def _sides(loop: ndarray, x: ndarray, y: ndarray) -> Tags:
-    """Return left, right, bottom and surface of an anticlockwise outline, given by the first nodes
-    of its facets.
-    """
+    """Return left, right, bottom and surface of an anticlockwise loop from its facets' nodes."""
     near = _AT * np.ptp(x)
-    low, high = x < x.min() + near, x > x.max() - near
-    left, right = low & np.roll(low, -1), high & np.roll(high, -1)
+    low = x < x.min() + near
+    high = x > x.max() - near
+    left = low & np.roll(low, -1)
+    right = high & np.roll(high, -1)
+
+    # The bottom lies between the lower ends of both sides, the surface between the upper ones
     begin = np.flatnonzero(low)[np.argmin(y[low])]
     end = np.flatnonzero(high)[np.argmin(y[high])]
     steps = (np.arange(len(loop)) - begin) % len(loop)
     bottom = (steps < (end - begin) % len(loop)) & ~left & ~right
-    return dict(zip(OUTER, (loop[left], loop[right], loop[bottom], loop[~(left | right | bottom)])))
+    sides = left, right, bottom, ~(left | right | bottom)
+    return {name: loop[side] for name, side in zip(OUTER, sides, strict=True)}
 
 
 def separate(
@@ -93,24 +106,25 @@ def separate(
     slits: Collection[str],
     parts: Collection[str],
 ) -> Mesh:
-    """Double the nodes round bodies and along slits, and name the interfaces of areas and parts,
-    which are subdomains.
+    """Double the nodes round bodies and along slits, and name the interfaces of subdomains.
 
-    Parts are the lifts and what remains, if there are lifts.
+    Parts are the lifts and what remains, if there are lifts; the other subdomains are areas.
     """
-    groups = [[name for name in mesh.subdomains if name not in parts], list(parts)]
+    areas = [name for name in mesh.subdomains if name not in parts]
     if len(bodies) > 1:
         mesh = join_bodies(mesh, bodies)
     for name in slits:
         mesh = split_along(mesh, name)
     boundaries = dict(mesh.boundaries or {})
     inside = np.flatnonzero(mesh.f2t[1] >= 0)
-    for group in groups:
+    for group in (areas, list(parts)):
         labels = _labels(mesh, group)
+        owners = labels[mesh.f2t[0]]
         for name in slits:
-            boundaries |= _sides_of_slit(boundaries, name, group, labels[mesh.f2t[0]])
-        for side in (*OUTER, *(f"ground|{body}" for body in bodies)) if len(group) > 1 else ():
-            boundaries |= _shares(boundaries, side, group, labels[mesh.f2t[0]])
+            boundaries |= _sides_of_slit(boundaries, name, group, owners)
+        if len(group) > 1:
+            for side in (*OUTER, *(f"ground|{body}" for body in bodies)):
+                boundaries |= _shares(boundaries, side, group, owners)
         boundaries |= _interfaces(labels[mesh.f2t[:, inside]], inside, group)
     return replace(mesh, _boundaries=boundaries)
 
@@ -126,46 +140,47 @@ def _labels(mesh: Mesh, group: Collection[str]) -> ndarray:
 def _interfaces(labels: ndarray, inside: ndarray, group: list[str]) -> Tags:
     """Return both sides of the interfaces, within bodies, between the subdomains of a group."""
     first, second = labels
-    found: Tags = {}
-    for a, b in np.unique(labels[:, (first != second) & (first >= 0) & (second >= 0)], axis=1).T:
-        here, there = (first == a) & (second == b), (first == b) & (second == a)
-        facets = np.concatenate((inside[here], inside[there]))
-        side = np.repeat([0, 1], (here.sum(), there.sum()))
-        found[f"{group[a]}|{group[b]}"] = OrientedBoundary(facets, side)
-        found[f"{group[b]}|{group[a]}"] = OrientedBoundary(facets, 1 - side)
-    return found
+    between = (first != second) & (first >= 0) & (second >= 0)
+    result: Tags = {}
+    for a, b in np.unique(labels[:, between], axis=1).T:
+        forward = inside[(first == a) & (second == b)]
+        backward = inside[(first == b) & (second == a)]
+        facets = np.concatenate((forward, backward))
+        side = np.repeat([0, 1], (len(forward), len(backward)))
+        result[f"{group[a]}|{group[b]}"] = OrientedBoundary(facets, side)
+        result[f"{group[b]}|{group[a]}"] = OrientedBoundary(facets, 1 - side)
+    return result
 
 
-def _shares(boundaries: Tags, side: str, group: list[str], owner: ndarray) -> Tags:
-    """Return the shares that the subdomains of a group have in an outer boundary, or in a side of
-    the ground.
-    """
+def _shares(boundaries: Tags, side: str, group: list[str], owners: ndarray) -> Tags:
+    """Return the shares of the subdomains in an outer boundary, or in a side of the ground."""
     facets = np.asarray(boundaries.get(side, np.zeros(0, int)))
     body = side.removeprefix("ground|")
-    names = {
-        k: f"{name}:{side}" if body == side else f"{name}|{body}" for k, name in enumerate(group)
-    }
-    return {
-        name: facets[owner[facets] == k] for k, name in names.items() if (owner[facets] == k).any()
-    }
+    result: Tags = {}
+    for name, part in _by_owner(facets, group, owners):
+        result[f"{name}:{side}" if body == side else f"{name}|{body}"] = part
+    return result
 
 
-def _sides_of_slit(boundaries: Tags, name: str, group: list[str], owner: ndarray) -> Tags:
-    """Return the shares in the sides of a slit: ``"lift|wall"``, and by side, ``"lift|wall|left"``,
-    if it has two.
-    """
-    found = Tags()
-    sides = [
-        f"{name}|{side}"
-        for side in ("left", "right", "below", "above")
-        if f"{name}|{side}" in boundaries
-    ]
-    for k, part in enumerate(group):
-        on = {
-            side: facets[owner[facets] == k]
-            for side in sides
-            if (owner[facets := np.asarray(boundaries[side])] == k).any()
-        }
-        for side, facets in on.items():
-            found[f"{part}|{name}" if len(on) == 1 else f"{part}|{side}"] = facets
-    return found
+def _sides_of_slit(boundaries: Tags, name: str, group: list[str], owners: ndarray) -> Tags:
+    """Return the shares of subdomains in a slit: ``"lift|wall"``, or ``"lift|wall|left"``, ..."""
+    shares: dict[str, Tags] = {}
+    for end in ("left", "right", "below", "above"):
+        side = f"{name}|{end}"
+        facets = np.asarray(boundaries.get(side, np.zeros(0, int)))
+        for part, share in _by_owner(facets, group, owners):
+            shares.setdefault(part, {})[side] = share
+    result: Tags = {}
+    for part in group:
+        sides = shares.get(part, {})
+        for side, share in sides.items():
+            result[f"{part}|{name}" if len(sides) == 1 else f"{part}|{side}"] = share
+    return result
+
+
+def _by_owner(facets: ndarray, group: list[str], owners: ndarray) -> Iterator[tuple[str, ndarray]]:
+    """Yield the subdomains that have some of the facets, with their facets."""
+    for k, name in enumerate(group):
+        share = facets[owners[facets] == k]
+        if len(share):
+            yield name, share

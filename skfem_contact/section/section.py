@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal
 
@@ -29,8 +30,7 @@ Shape = Any
 
 @dataclass(frozen=True)
 class Section:
-    """A plane section of ground and structures from a sketch: named areas, lines and sizes of
-    elements.
+    """A plane section of ground and structures from named areas, lines and sizes of elements.
 
     Outlines need not share points. Where they cross, touch or lie on each other they are cut.
 
@@ -38,21 +38,20 @@ class Section:
     ----------
     areas
         Outlines by name: layers, fills, linings, footings. Each is a list of points (x, y), an
-        :class:`Outline` such as
-        :func:`circle`, or a list of several of them. Areas must not overlap, unless `replace` names
-        the later one.
+        :class:`Outline` such as :func:`circle`, or a list of several of them. Areas must not
+        overlap, unless `replace` names the later one.
     size
         Size of elements.
     lifts
-        Outlines by name of what stages dig or fill. They lie over the areas, and each may hold
-        several of them.
+        Outlines by name of ground that stages dig or fill. They lie over the areas, and each may
+        hold several of them.
     lines
         Points by name, or open outlines: walls, geogrids, drains, loaded strips of the surface.
     holes
         Outlines by name that are cut out: bores, the inside of pipes. Their boundaries have their
         names.
     surface
-        Points of the surface, from the left to the right; what lies above it is cut off.
+        Points of the surface, from the left to the right; all above it is cut off.
     replace
         Areas that replace the earlier ones below them; True for all.
     bodies
@@ -71,8 +70,7 @@ class Section:
     ValueError
         Outlines that cross themselves, names that are not unique or do not exist, sizes that are
         not positive. Areas that overlap and lines outside of them are refused by name when the
-        section is cut, by :attr:`parts` and
-        :meth:`mesh`.
+        section is cut, by :attr:`parts` and :meth:`mesh`.
     ImportError
         Gmsh is missing: install the extra ``mesh``.
 
@@ -82,13 +80,14 @@ class Section:
 
     Examples
     --------
-    A wall in two layers, beside which a pit is dug:
+    A wall in two layers, with a pit on its left:
 
     >>> import skfem_contact as sc
     >>> box = sc.section.rectangle
-    >>> pit = sc.section.Section({"sand": box((-10, 20), (-4, 0)), "clay": box((-10, 20), (-15, -4))}, size=3.,
-    ...                          lifts={"lift": box((-10, 0), (-5, 0))}, lines={"wall": [(0, 0), (0, -9)]},
-    ...                          slits=["wall"], sizes={"wall": 1.})
+    >>> layers = {"sand": box((-10, 20), (-4, 0)), "clay": box((-10, 20), (-15, -4))}
+    >>> pit = sc.section.Section(
+    ...     layers, size=3., lifts={"lift": box((-10, 0), (-5, 0))},
+    ...     lines={"wall": [(0, 0), (0, -9)]}, slits=["wall"], sizes={"wall": 1.})
     >>> pit.parts
     {'remaining': ('sand', 'clay'), 'lift': ('sand', 'clay')}
     >>> mesh = pit.mesh()
@@ -120,7 +119,8 @@ class Section:
             positive(value, "a size of near")
         if self.coordinates == "axisymmetric":
             for name, outlines in self.outlines.items():
-                if (low := min(np.vstack(o.chords()[:2])[:, 0].min() for o in outlines)) < 0.0:
+                low = _corners(outlines)[:, 0].min()
+                if low < 0.0:
                     raise ValueError(
                         f"'{name}' reaches to x = {low:.4g}: axisymmetric sections have x >= 0"
                     )
@@ -129,13 +129,10 @@ class Section:
     @cached_property
     def outlines(self) -> dict[str, tuple[Outline, ...]]:
         """Checked outlines of all areas, lifts, holes and lines by name."""
-        closed = {
-            name: outlines_of(shape, name, True)
-            for group in (self.areas, self.lifts, self.holes)
-            for name, shape in group.items()
-        }
-        return closed | {
-            name: outlines_of(shape, name, False) for name, shape in self.lines.items()
+        closed = {**self.areas, **self.lifts, **self.holes}
+        return {
+            **{name: outlines_of(shape, name, True) for name, shape in closed.items()},
+            **{name: outlines_of(shape, name, False) for name, shape in self.lines.items()},
         }
 
     @cached_property
@@ -145,47 +142,45 @@ class Section:
             {name: self.outlines[name] for name in group}
             for group in (self.areas, self.lifts, self.holes, self.lines)
         )
-        later = (
-            list(areas)[1:]
-            if self.replace is True
-            else ()
-            if self.replace is False
-            else self.replace
-        )
-        bodies = frozenset(names(self.bodies, areas, "area"))
+        replacing: Collection[str] | str = ()
+        if self.replace is True:
+            replacing = list(areas)[1:]
+        elif self.replace:
+            replacing = self.replace
         corners = np.vstack([o.points for outlines in areas.values() for o in outlines])
-        shift = np.round(0.5 * (corners.min(axis=0) + corners.max(axis=0)))
         return Plan(
-            areas,
-            lifts,
-            holes,
-            lines,
-            _below(self.surface, areas),
-            frozenset(names(later, areas, "area")),
-            bodies,
-            shift,
+            areas=areas,
+            lifts=lifts,
+            holes=holes,
+            lines=lines,
+            below=_below(self.surface, areas),
+            replacing=frozenset(names(replacing, areas, "area")),
+            bodies=frozenset(names(self.bodies, areas, "area")),
+            shift=np.round(0.5 * (corners.min(axis=0) + corners.max(axis=0))),
         )
 
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
-        """Parts that stages and contact move by themselves, with the areas that each of them holds.
+        """Areas of each part that stages and contact move by itself.
 
-        They are the lifts, the bodies and the ground: ``"ground"``, or ``"remaining"`` beside
-        lifts.
+        Parts are the lifts, the bodies and the ground: ``"ground"``, or ``"remaining"`` in a
+        section with lifts.
         """
         with gmsh_model() as gmsh:
             faces = cut_up(gmsh, self.plan).faces.values()
-        found: dict[str, tuple[str, ...]] = {}
-        for part in (self._ground, *self.lifts, *self.plan.bodies):
-            held = {area for area, lift in faces if part == self._part(area, lift)}
-            if held:
-                found[part] = tuple(area for area in self.areas if area in held)
-        return found
+        held: dict[str, set[str]] = {}
+        for area, lift in faces:
+            held.setdefault(self._part(area, lift), set()).add(area)
+        return {
+            part: tuple(area for area in self.areas if area in held[part])
+            for part in (self._ground, *self.lifts, *names(self.bodies, self.areas, "area"))
+            if part in held
+        }
 
     def mesh(self, order: Literal[1, 2] | None = None, scale: float = 1.0) -> Mesh:
         """Return the mesh of triangles with all names.
 
-        Subdomains are the areas, the lifts, ``"ground"``, which is all but the bodies, and beside
+        Subdomains are the areas, the lifts, ``"ground"``, which is all but the bodies, and with
         lifts ``"remaining"``. Boundaries are:
 
         * ``"left"``, ``"right"``, ``"bottom"`` and ``"surface"``; ``"lift 1:surface"`` is the share
@@ -218,11 +213,8 @@ class Section:
             angle.
         """
         if order is None:
-            order = (
-                2
-                if any(o.bulges.any() for outlines in self.outlines.values() for o in outlines)
-                else 1
-            )
+            round_ = any(o.bulges.any() for outlines in self.outlines.values() for o in outlines)
+            order = 2 if round_ else 1
         near = [(vector(point, 2, "near") - self.plan.shift, value) for point, value in self.near]
         return meshed(
             self.plan,
@@ -255,35 +247,33 @@ class Section:
         >>> from skfem import Basis, ElementTriP2, ElementVector
         >>> import skfem_contact as sc
         >>> box = sc.section.rectangle
-        >>> footing = sc.section.Section({"clay": box((-4, 4), (-4, 0)), "footing": box((-1, 1), (0, 1))}, size=2.,
-        ...                              bodies="footing")
+        >>> areas = {"clay": box((-4, 4), (-4, 0)), "footing": box((-1, 1), (0, 1))}
+        >>> footing = sc.section.Section(areas, size=2., bodies="footing")
         >>> basis = Basis(footing.mesh(), ElementVector(ElementTriP2()), intorder=2)
-        >>> soils = {"clay": sc.Tresca(E=1e4, nu=.4, c=20.), "footing": sc.LinearElastic(E=3e7, nu=.2)}
+        >>> soils = {"clay": sc.Tresca(1e4, .4, c=20.), "footing": sc.LinearElastic(3e7, .2)}
         >>> list(footing.solids(basis, soils, unit_weight=20.))
         ['ground', 'footing']
         """
-        given = (
-            materials if isinstance(materials, Mapping) else dict.fromkeys(self.areas, materials)
-        )
-        if missing := [name for name in self.areas if name not in given]:
+        laws = self._by_area(materials)
+        missing = [name for name in self.areas if name not in laws]
+        if missing:
             raise ValueError(f"there is no material for the areas {missing}")
-        weights: Mapping[str, Any] = (
-            unit_weight
-            if isinstance(unit_weight, Mapping)
-            else dict.fromkeys(self.areas, unit_weight)
-        )
+        weights = self._by_area(unit_weight)
         forms = {}
-        for part, held in self.parts.items():
-            weight = {area: weights[area] for area in held if weights.get(area) is not None}
-            coordinates = None if self.coordinates == "plane" else self.coordinates
+        for part, areas in self.parts.items():
+            weight = {area: weights[area] for area in areas if weights.get(area) is not None}
             forms[part] = SolidForm(
                 basis.with_elements(part),
-                {area: given[area] for area in held},
-                coordinates=coordinates,
+                {area: laws[area] for area in areas},
+                coordinates=None if self.coordinates == "plane" else self.coordinates,
                 unit_weight=weight or None,
                 porous=porous,
             )
         return forms
+
+    def _by_area(self, value: Any) -> Mapping[str, Any]:
+        """Return values by area from one value or a mapping."""
+        return value if isinstance(value, Mapping) else dict.fromkeys(self.areas, value)
 
     def extruded(self, levels: ArrayLike, upright: bool = False, order: Literal[1, 2] = 1) -> Mesh:
         """Return the mesh of tetrahedra of a section that is extruded, with the names of its mesh.
@@ -297,7 +287,7 @@ class Section:
             and the ends are the boundaries ``"front"`` and ``"back"``. True: the section is a plan,
             and is extruded along z; the ends are ``"base"`` and ``"top"``.
         order
-            As of :meth:`mesh`.
+            Order of the elements, see :meth:`mesh`.
 
         Examples
         --------
@@ -319,14 +309,14 @@ class Section:
         contact of a lift can be deactivated with it.
         """
         look_up(line, dict.fromkeys(names(self.slits, self.lines, "line")), "slit")
+        boundaries = list(mesh.boundaries or {})
         parts = [part for part in self.parts if part not in self.plan.bodies] if self.lifts else []
-        found = [
-            name
-            for name in mesh.boundaries or {}
-            for part in parts
-            if name == f"{part}|{line}" or name.startswith(f"{part}|{line}|")
-        ]
-        return found or [name for name in mesh.boundaries or {} if name.startswith(f"{line}|")]
+        sides = []
+        for name in boundaries:
+            part, _, rest = name.partition("|")
+            if part in parts and rest.split("|")[0] == line:
+                sides.append(name)
+        return sides or [name for name in boundaries if name.startswith(f"{line}|")]
 
     def plot(self, file: str | Path | None = None, show: bool = False) -> Any:
         """Draw the section before it is meshed, see :func:`skfem_contact.plot.sketch`."""
@@ -367,38 +357,33 @@ def _check_names(section: Section) -> None:
             raise ValueError(
                 f"'{name}' is the name of a part of every mesh of a section: choose another one"
             )
-    ground = [
-        name for name in section.areas if name not in names(section.bodies, section.areas, "area")
-    ]
-    if (
-        "ground" in section.lifts
-        or "ground" in section.lines
-        or "ground" in section.holes
-        or ("ground" in section.areas and ground != ["ground"])
-    ):
+    bodies = names(section.bodies, section.areas, "area")
+    soils = [name for name in section.areas if name not in bodies]
+    if given.count("ground") and soils != ["ground"]:
         raise ValueError("'ground' is the name of all areas that are no bodies: choose another one")
     names(section.slits, section.lines, "line")
 
 
+def _corners(outlines: Iterable[Outline]) -> ndarray:
+    """Return the ends of all chords of outlines."""
+    return np.vstack([np.vstack(outline.chords()[:2]) for outline in outlines])
+
+
 def _below(surface: Any, areas: Mapping[str, tuple[Outline, ...]]) -> Outline | None:
-    """Return the outline of what lies below the surface."""
+    """Return the outline of the space below the surface."""
     if surface is None:
         return None
     profile = Outline(surface, closed=False, name="surface")
     profile.check_simple("surface")
-    corners = np.vstack(
-        [np.vstack(o.chords()[:2]) for outlines in areas.values() for o in outlines]
-    )
-    (left, low), (right, _) = corners.min(axis=0), corners.max(axis=0)
+    corners = _corners(chain(*areas.values()))
+    left, low = corners.min(axis=0)
+    right = corners[:, 0].max()
     first, last = profile.points[[0, -1], 0]
     if first > left or last < right:
         raise ValueError(
             f"the surface reaches from x = {first:.4g} to {last:.4g}, the areas from {left:.4g} to "
             f"{right:.4g}: it must cover them, from the left to the right"
         )
-    depth: ndarray = np.array([min(low, profile.points[:, 1].min()) - 0.1 * (right - left)])
-    return Outline(
-        np.vstack((profile.points, np.column_stack(([last, first], np.repeat(depth, 2))))),
-        closed=True,
-        name="surface",
-    )
+    depth = min(low, profile.points[:, 1].min()) - 0.1 * (right - left)
+    points = np.vstack((profile.points, [(last, depth), (first, depth)]))
+    return Outline(points, closed=True, name="surface")
