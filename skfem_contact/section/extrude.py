@@ -16,30 +16,39 @@ def extruded(mesh: Mesh, levels: ndarray, upright: bool) -> Mesh:
     Each prism is cut into three tetrahedra along the diagonals that begin at the node of lower
     rank. Ranks follow from coordinates, so that both sides of an interface have the same triangles.
     """
-    n, layers = mesh.nvertices, len(levels) - 1
+    # Cut the prisms of all layers, whose corners a, b, c are sorted by rank
+    n = mesh.nvertices
+    layers = len(levels) - 1
     rank = np.empty(n, int)
     rank[np.lexsort(mesh.p[::-1, :n])] = np.arange(n)
-    corners = np.take_along_axis(mesh.t, np.argsort(rank[mesh.t], axis=0), axis=0)
+    corners = _by_rank(mesh.t, rank)
     a, b, c = corners[:, None] + n * np.arange(layers)[:, None]
-    tets = np.array(
+    prisms = np.array(
         [[a, b, c, c + n], [a, b, b + n, c + n], [a, a + n, b + n, c + n]]
     )  # (3, 4, layers, elements)
-    t = tets.transpose(1, 2, 3, 0).reshape(4, -1)
-    solid = MeshTet1(
-        _in_space(np.tile(mesh.p[:, :n], layers + 1), np.repeat(levels, n), upright), t
-    )
-    prism = np.arange(t.shape[1]).reshape(layers, mesh.nelements, 3)
+    t = prisms.transpose(1, 2, 3, 0).reshape(4, -1)
+    x = _in_space(np.tile(mesh.p[:, :n], layers + 1), np.repeat(levels, n), upright)
+    solid = MeshTet1(x, t)
+
+    # Carry the names over
+    numbers = np.arange(t.shape[1]).reshape(layers, mesh.nelements, 3)
     subdomains = {
-        name: np.sort(prism[:, part].ravel()) for name, part in (mesh.subdomains or {}).items()
+        name: np.sort(numbers[:, part].ravel()) for name, part in (mesh.subdomains or {}).items()
     }
     boundaries = {
         name: _faces(mesh, solid, facets, rank) for name, facets in (mesh.boundaries or {}).items()
     }
-    for name, level in zip(("base", "top") if upright else ("front", "back"), (0, layers)):
-        boundaries[name] = _find(solid, corners + n * level)
+    first, last = ("base", "top") if upright else ("front", "back")
+    boundaries[first] = _find(solid, corners)
+    boundaries[last] = _find(solid, corners + n * layers)
     if mesh.doflocs.shape[1] > n:
         solid = _curved(mesh, solid, levels, upright)
     return solid.with_subdomains(subdomains).with_boundaries(boundaries)
+
+
+def _by_rank(nodes: ndarray, rank: ndarray) -> ndarray:
+    """Return the nodes of each column sorted by rank."""
+    return np.take_along_axis(nodes, np.argsort(rank[nodes], axis=0), axis=0)
 
 
 def _in_space(x: ndarray, along: ndarray, upright: bool) -> ndarray:
@@ -48,8 +57,9 @@ def _in_space(x: ndarray, along: ndarray, upright: bool) -> ndarray:
 
 def _find(solid: Mesh, nodes: ndarray) -> ndarray:
     """Return the facets of three nodes each, (3, k)."""
-    facets, wanted = (_keys(part, solid.nvertices) for part in (solid.facets, nodes))
+    facets = _keys(solid.facets, solid.nvertices)
     order = np.argsort(facets)
+    wanted = _keys(nodes, solid.nvertices)
     return np.asarray(order[np.searchsorted(facets, wanted, sorter=order)])
 
 
@@ -62,33 +72,34 @@ def _keys(nodes: ndarray, n: int) -> ndarray:
 
 
 def _faces(mesh: Mesh, solid: Mesh, facets: ndarray, rank: ndarray) -> ndarray:
-    """Return the facets above those of a plane boundary, seen from the same elements."""
-    n, ends = mesh.nvertices, mesh.facets[:, np.asarray(facets)]
-    i, j = np.take_along_axis(ends, np.argsort(rank[ends], axis=0), axis=0)
+    """Return the facets above a plane boundary, seen from the same elements."""
+    # Cut the rectangles above each side i-j along the diagonal from the lower rank
+    n = mesh.nvertices
     layers = solid.nvertices // n - 1
     base = n * np.arange(layers)[:, None]
-    i, j = i + base, j + base
-    nodes = np.concatenate(
-        (np.array([i, j, j + n]).reshape(3, -1), np.array([i, i + n, j + n]).reshape(3, -1)), axis=1
-    )
-    found = _find(solid, nodes)
+    i, j = _by_rank(mesh.facets[:, np.asarray(facets)], rank)[:, None] + base
+    nodes = np.array([[i, j, j + n], [i, i + n, j + n]])  # (2, 3, layers, sides)
+    found = _find(solid, nodes.transpose(1, 0, 2, 3).reshape(3, -1))
     if not isinstance(facets, OrientedBoundary):
         return np.unique(found)
+
+    # Three tetrahedra of each prism follow each other, layer by layer
     owners = np.tile(owners_of(mesh, facets), 2 * layers)
-    return OrientedBoundary(
-        found, (solid.f2t[0, found] // 3 % mesh.nelements != owners).astype(int)
-    )
+    first = solid.f2t[0, found] // 3 % mesh.nelements
+    return OrientedBoundary(found, (first != owners).astype(int))
 
 
 def _curved(mesh: Mesh, solid: Mesh, levels: ndarray, upright: bool) -> Mesh:
-    """Return tetrahedra of second order whose sides follow those of the plane mesh."""
+    """Return tetrahedra of second order whose sides follow the sides of the plane mesh."""
+    # Find the plane side i-j below each edge; edges along the extrusion have i = j
     n = mesh.nvertices
     i, j = solid.edges % n
-    along = levels[solid.edges // n].mean(axis=0)
     key = _keys(mesh.facets, n)
     order = np.argsort(key)
-    side = order[
-        np.minimum(np.searchsorted(key, _keys(np.array([i, j]), n), sorter=order), len(key) - 1)
-    ]
+    position = np.searchsorted(key, _keys(np.array([i, j]), n), sorter=order)
+    side = order[np.minimum(position, len(key) - 1)]
+
+    # Take its middle, at the mean of the levels
     middle = np.where(i == j, mesh.p[:, i], mesh.doflocs[:, n + side])
+    along = levels[solid.edges // n].mean(axis=0)
     return MeshTet2(np.hstack((solid.p, _in_space(middle, along, upright))), solid.t)

@@ -252,7 +252,8 @@ def retaining_wall(
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> sc.section.retaining_wall(4., 3., {"sand": -6.}, size=2., stem=.4, slab=.5, toe=.6, depth=1.)
+    >>> wall = {"stem": .4, "slab": .5, "toe": .6, "depth": 1.}
+    >>> sc.section.retaining_wall(4., 3., {"sand": -6.}, size=2., **wall)
     <Section areas: sand, backfill, wall>
     """
     heel = base - toe
