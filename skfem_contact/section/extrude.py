@@ -30,7 +30,7 @@ def extruded(mesh: Mesh, levels: ndarray, upright: bool) -> Mesh:
     x = _in_space(np.tile(mesh.p[:, :n], layers + 1), np.repeat(levels, n), upright)
     solid = MeshTet1(x, t)
 
-    # Carry the names over
+    # Find the names of the plane mesh in space
     numbers = np.arange(t.shape[1]).reshape(layers, mesh.nelements, 3)
     subdomains = {
         name: np.sort(numbers[:, part].ravel()) for name, part in (mesh.subdomains or {}).items()

@@ -18,7 +18,7 @@ from .kernel import ONE_POINT, add_curves, add_face
 from .outline import Outline
 
 Outlines = Mapping[str, tuple[Outline, ...]]
-#: Share of the length of a line that round-off may place outside of the areas.
+#: Share of the length of a line that round-off may move out of the areas.
 _ROUND_OFF = 1e-9
 #: Share of the section's size up to which a distance of areas is a slip: 2 cm of 20 m. It would
 #: have elements as small.
