@@ -72,7 +72,7 @@ def _loops(mesh: Mesh, free: ndarray) -> list[tuple[ndarray, ndarray]]:
     remaining = set(range(len(free)))
     while remaining:
         first = k = min(remaining)
-        chain = []
+        chain: list[int] = []
         while not chain or k != first:
             chain.append(k)
             following = [n for n in begin_at[int(stop[k])] if n in remaining]

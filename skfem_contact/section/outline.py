@@ -219,7 +219,7 @@ def rectangle(x: Sequence[float], y: Sequence[float]) -> Outline:
 
 def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
     """Return the outlines of a shape: an outline, points, or a list of either."""
-    first = shape[0] if isinstance(shape, (list, tuple)) and shape else None
+    first: Any = shape[0] if isinstance(shape, (list, tuple)) and shape else ()
     several = isinstance(first, Outline) or np.ndim(first) == 2
     outlines = []
     for piece in shape if several else [shape]:
