@@ -1,6 +1,4 @@
-"""Interface laws: Coulomb friction with a penalty in all directions (eqs 4 to 10 of the paper), and
-ties.
-"""
+"""Interface laws: Coulomb friction with penalties (eqs 4 to 10 of the paper), and ties."""
 
 from __future__ import annotations
 
@@ -27,9 +25,7 @@ _SECANT = 0.3
 
 
 class Status(IntEnum):
-    """Status of a contact point: open, closed with elastic slip, or closed at the friction
-    bound.
-    """
+    """Status of a contact point: open, elastic slip, or slip at the friction bound."""
 
     OPEN = 0
     STICK = 1
@@ -62,23 +58,28 @@ class LawUpdate(NamedTuple):
 
 
 def resisting(update: LawUpdate, slip: ndarray) -> LawUpdate:
-    """Return an update whose tangent has a share of the secant, shear traction over slip, where
-    points slide.
+    """Add a share of the secant, shear traction over slip, to the tangent where points slide.
 
     A wall that slides along all of its faces has no stiffness along its axis. The secant decreases
     as the slip grows.
     """
-    shear, size = (np.sqrt((vector * vector).sum(axis=0)) for vector in (update.traction[1:], slip))
+    shear = _length(update.traction[1:])
+    size = _length(slip)
     slides = (update.status == int(Status.SLIP)) & (size > 0.0)
     secant = np.where(slides, shear, 0.0) / np.where(slides, size, 1.0)
+    identity = np.eye(len(slip))[..., None]
     tangent = update.tangent.copy()
-    tangent[1:, 1:] += _SECANT * secant * np.eye(len(slip))[..., None]
+    tangent[1:, 1:] += _SECANT * secant * identity
     return update._replace(tangent=tangent)
 
 
+def _length(vectors: ndarray) -> ndarray:
+    """Return the lengths of vectors, shape (dim, n)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=0)))
+
+
 class InterfaceLaw:
-    """Base of interface laws; a law of your own overrides :meth:`update`, and what differs from
-    here.
+    """Base of interface laws; a law of your own overrides :meth:`update` and other defaults.
 
     A law is a frozen dataclass of parameters.  An array parameter has one value for each node of
     the slave, ``pair.slave.nodes``, and is interpolated between them.
@@ -103,16 +104,16 @@ class InterfaceLaw:
 
     def take(self, points: SlavePoints) -> InterfaceLaw:
         """Return the law at points of the slave, with array parameters interpolated there."""
-        arrays = {
-            name: points.at(value)
-            for name, value in vars(self).items()
-            if isinstance(value, ndarray)
-        }
+        arrays = {}
+        for name, value in vars(self).items():
+            if isinstance(value, ndarray):
+                arrays[name] = points.at(value)
         return replace(self, **arrays) if arrays else self  # type: ignore[type-var]
 
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        """Return a mask, shape (n,), of points that may have traction and get an update; all others
-        are open.
+        """Return a mask, shape (n,), of points that may have traction; all others are open.
+
+        Only these points get an update.
 
         Parameters
         ----------
@@ -140,15 +141,14 @@ class InterfaceLaw:
         raise NotImplementedError(f"{type(self).__name__} has no `update`")
 
     def reduced(self, factor: float) -> InterfaceLaw:
-        """Return the law with its strength divided by a factor; laws that do not override this have
-        no strength.
+        """Return the law with its strength divided by a factor.
+
+        Laws that do not override this method have no strength.
         """
         raise NotImplementedError(f"{type(self).__name__} has no `reduced`")
 
     def debonded(self, internal: ndarray) -> ndarray:
-        """Return the internal variables of points whose bond is broken; by default the same
-        ones.
-        """
+        """Return the internal variables of points whose bond is broken; by default the same."""
         return internal
 
 
@@ -191,23 +191,26 @@ class Coulomb(InterfaceLaw):
             if value.ndim > 1 or (value < 0.0).any():
                 raise ValueError(
                     f"Coulomb: {name} must be a non-negative number, or one for each node of the "
-                    f"slave, "
-                    f"not {getattr(self, name)!r}"
+                    f"slave, not {getattr(self, name)!r}"
                 )
             object.__setattr__(self, name, value if value.ndim else float(value))
-        if (
-            10.0 < np.max(self.mu, initial=0.0) < 90.0
-        ):  # 84 to 89.4 degrees; more is meant as no slip
+        # Warn of angles: these are 84 to 89.4 degrees; more is meant as no slip
+        if 10.0 < np.max(self.mu, initial=0.0) < 90.0:
             warn(
                 f"mu is {np.max(self.mu):.4g}: it is the tangent of the angle of friction, which "
-                f"is given in degrees "
-                "for soils only"
+                "is given in degrees for soils only"
             )
 
     @classmethod
     def from_soil(cls, soil: Any, ratio: float) -> Coulomb:
-        """Return the law of an interface that has a share of the strength of a soil with `c` and
-        `phi`, in (0, 1].
+        """Return the law of an interface with a share of a soil's strength.
+
+        Parameters
+        ----------
+        soil
+            Material with a cohesion `c` and an angle of friction `phi` in degrees.
+        ratio : float
+            Share of the strength, in (0, 1].
 
         Examples
         --------
@@ -216,8 +219,10 @@ class Coulomb(InterfaceLaw):
         >>> sc.Coulomb.from_soil(sand, 2 / 3)
         Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0)
         """
-        c, phi = np.asarray(getattr(soil, "c", ())), getattr(soil, "phi", 0.0)
-        if not (0.0 < ratio <= 1.0 and np.size(c) == np.size(phi) == 1):
+        c = np.asarray(getattr(soil, "c", ()))
+        phi = getattr(soil, "phi", 0.0)
+        uniform = np.size(c) == np.size(phi) == 1
+        if not (0.0 < ratio <= 1.0 and uniform):
             raise ValueError(
                 f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and "
                 f"{soil!r}"
@@ -226,12 +231,11 @@ class Coulomb(InterfaceLaw):
 
     @override
     def reduced(self, factor: float) -> Coulomb:
-        """Return the law with friction, adhesion and tension cut-off divided by a positive
-        factor.
-        """
+        """Return the law with friction, adhesion and tension cut-off divided by a factor > 0."""
         if not factor > 0.0:
             raise ValueError(f"the factor must be positive, not {factor!r}")
-        new = copy(self)  # without a warning of the friction that a search tries
+        # Copy, because the constructor would warn of a friction that a search tries
+        new = copy(self)
         for strength in ("mu", "adhesion", "tension"):
             object.__setattr__(new, strength, getattr(self, strength) / factor)
         return new
@@ -251,40 +255,48 @@ class Coulomb(InterfaceLaw):
 
     @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
-        gap, slip, (by_gap, by_slip) = jump[0], jump[1:], penalty
-        normal, pulls = by_gap * gap, gap > 0.0  # eq. 4
+        eps_N, eps_T = penalty
+        gap = jump[0]
+        slip = jump[1:]
+
+        # Eq. 4: t_N = eps_N g; an unbroken bond bears tension
+        t_N = eps_N * gap
+        pulls = gap > 0.0
         whole = internal[0] == 0.0
-        opens = pulls & ~(whole & (normal <= self.tension))
-        adhesion = np.where(whole, self.adhesion, 0.0)
-        limit = adhesion + self.mu * np.maximum(-normal, 0.0)
-        trial = by_slip * slip  # eq. 8
-        size = np.sqrt((trial * trial).sum(axis=0))
+        opens = pulls & ~(whole & (t_N <= self.tension))
+
+        # Eq. 8: trial traction T = eps_T s, with its length and direction
+        trial = eps_T * slip
+        size = _length(trial)
         length = np.where(size > 0.0, size, 1.0)
         direction = trial / length
-        # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged
-        # further
-        stick = (size <= (1.0 + _ON_CONE) * limit) & (adhesion + self.mu > 0.0)
-        shear = np.where(stick, trial, direction * limit)  # eq. 9
 
-        tangent = np.zeros((len(jump), *jump.shape))
-        tangent[0, 0] = by_gap
-        tangent[1:, 0] = np.where(stick | pulls, 0.0, -direction * self.mu * by_gap)
-        along = np.eye(len(slip))[..., None]
-        returned = limit * by_slip / length  # the radial return turns with the slip
-        tangent[1:, 1:] = np.where(
-            stick, by_slip * along, returned * (along - direction[:, None] * direction)
-        )
-        traction = np.where(opens, 0.0, np.concatenate((normal[None], shear)))
-        status = np.where(
-            opens, int(Status.OPEN), np.where(stick, int(Status.STICK), int(Status.SLIP))
-        )
+        # Eq. 5: Phi = |T| - (a + mu |t_N|); a point that slid to the cone lies on it up to
+        # round-off, and sticks until it is dragged further
+        adhesion = np.where(whole, self.adhesion, 0.0)
+        limit = adhesion + self.mu * np.maximum(-t_N, 0.0)
+        stick = (size <= (1.0 + _ON_CONE) * limit) & (adhesion + self.mu > 0.0)
+
+        # Eq. 9: return to the cone along the trial traction
+        t_T = np.where(stick, trial, direction * limit)
+        traction = np.where(opens, 0.0, np.concatenate((t_N[None], t_T)))
+
+        # Differentiate by gap and slip, eqs 20 to 22; the radial return turns with the slip
+        identity = np.eye(len(slip))[..., None]
+        returned = limit * eps_T / length * (identity - direction[:, None] * direction)
+        tangent = np.zeros((len(jump), *jump.shape))  # (dim, dim, n)
+        tangent[0, 0] = eps_N
+        tangent[1:, 0] = np.where(stick | pulls, 0.0, -direction * self.mu * eps_N)
+        tangent[1:, 1:] = np.where(stick, eps_T * identity, returned)
+
+        closed = np.where(stick, int(Status.STICK), int(Status.SLIP))
         return LawUpdate(
             traction,
-            np.where(opens, 1.0, internal),
-            np.where(opens, 0.0, tangent),
-            traction[1:] / by_slip,
-            status,
-        )  # eq. 10
+            internal=np.where(opens, 1.0, internal),
+            tangent=np.where(opens, 0.0, tangent),
+            elastic_slip=traction[1:] / eps_T,  # eq. 10
+            status=np.where(opens, int(Status.OPEN), closed),
+        )
 
     @override
     def debonded(self, internal: ndarray) -> ndarray:
@@ -293,8 +305,7 @@ class Coulomb(InterfaceLaw):
 
 @dataclass(frozen=True, eq=False)
 class Tied(InterfaceLaw):
-    r"""Bond of bodies that are meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no
-    slip.
+    r"""Bond of bodies that are meshed apart: :math:`t_N = \epsilon_N g` both ways, and no slip.
 
     Slave points that lie within half a segment of the master at the start are tied as they are
     meshed.
@@ -316,8 +327,10 @@ class Tied(InterfaceLaw):
 
     @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
-        stiffness, tangent = np.ones_like(jump), np.zeros((len(jump), *jump.shape))
+        dim, n = jump.shape
+        stiffness = np.empty_like(jump)
         stiffness[0], stiffness[1:] = penalty
-        tangent[np.arange(len(jump)), np.arange(len(jump))] = stiffness
-        status = np.full(jump.shape[1], int(Status.STICK))
+        tangent = np.zeros((dim, dim, n))
+        tangent[np.arange(dim), np.arange(dim)] = stiffness
+        status = np.full(n, int(Status.STICK))
         return LawUpdate(stiffness * jump, internal, tangent, jump[1:].copy(), status)
