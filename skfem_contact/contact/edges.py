@@ -70,83 +70,97 @@ class OnEdges:
     def second(self) -> tuple[ndarray, ndarray, ndarray]:
         """Derivatives of gap gradients, work of tractions, and slips, (n, dim - 1, m)."""
         n, dim = self.point.shape
-        slave, k, nodes = self.values.shape[1], self.nodes.shape[1], self.sigma.shape[1]
+        slave = self.values.shape[1]
+        k = self.nodes.shape[1]
+        n_nodes = self.sigma.shape[1]
+        m = dim * n_nodes
         eye = np.eye(dim)
-        row = np.repeat(np.arange(n), dim * nodes)
-        values = np.concatenate((self.values, np.zeros((n, nodes - slave))), axis=1)
-        point = self.point[row] + 1j * _STEP * lift_columns(values, eye)
-        corners = np.zeros((nodes, dim, k, dim))
+
+        # Move every node by a complex step in every direction: a row for each point and dof
+        row = np.repeat(np.arange(n), m)
+        values = np.concatenate((self.values, np.zeros((n, n_nodes - slave))), axis=1)
+        corners = np.zeros((n_nodes, dim, k, dim))
         corners[np.arange(slave, slave + k), :, np.arange(k)] = eye
-        x = self.nodes[row] + 1j * _STEP * np.tile(corners.reshape(-1, k, dim), (n, 1, 1))
-        from_stick = self.from_stick[row] + 1j * _STEP * lift_columns(self.sigma, eye)
-        direction = self.direction[row] + 1j * _STEP * lift_columns(self.delta, eye)
-        step = self._first(row, point, x, from_stick, direction)
-        G, T, s = (
-            np.moveaxis((part.imag / _STEP).reshape(n, dim * nodes, *part.shape[1:]), 1, -1)
-            for part in (step.gap_gradient, step.tangential, step.slip)
-        )
-        return G, T, s
+        corners = np.tile(corners.reshape(-1, k, dim), (n, 1, 1))
+        point = self.point[row] + 1j * _STEP * _by_dofs(values, eye)
+        nodes = self.nodes[row] + 1j * _STEP * corners
+        from_stick = self.from_stick[row] + 1j * _STEP * _by_dofs(self.sigma, eye)
+        direction = self.direction[row] + 1j * _STEP * _by_dofs(self.delta, eye)
+        step = self._first(row, point, nodes, from_stick, direction)
+
+        def derivative(part: ndarray) -> ndarray:
+            by_row = (part.imag / _STEP).reshape(n, m, *part.shape[1:])
+            return np.moveaxis(by_row, 1, -1)
+
+        return derivative(step.gap_gradient), derivative(step.tangential), derivative(step.slip)
 
     def _first(
         self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray
     ) -> First:
-        facet, along = self.facet[row], self.along[row]
-        xi = self._closest(facet, self.xi[row] + 0j, along, r, nodes)
+        """Return the variations of points `row` at real or complex coordinates."""
+        # Normal n = (r - rho) / g at the closest point, and the frame
+        facet = self.facet[row]
+        xi = self._closest(facet, self.xi[row] + 0j, self.along[row], r, nodes)
         M = self.master.shape.at(facet, xi, 1)
-        rho, a = np.einsum("nk,nkc->nc", M[0], nodes), M[1] @ nodes
+        rho = np.einsum("nk,nkc->nc", M[0], nodes)
         offset = r - rho
         g = np.sqrt(dot(offset, offset)) * np.sign(self.gap[row])
-        n, facet_n, dual = offset / g[:, None], unit(across(a)), inverse(products(a, a)) @ a
+        n = offset / g[:, None]
         e = frame(n, direction)
-        blocks = (
-            np.zeros((len(row), self.sigma.shape[1])),
-            np.zeros((*M[1].shape[:2], self.sigma.shape[1])),
+
+        # Normal and dual tangents of the facet, with which the frame turns
+        a = M[1] @ nodes
+        facet_n = unit(across(a))
+        dual = inverse(products(a, a)) @ a
+
+        # Factors of the nodes in r - rho and in the tangents a
+        slave = self.values.shape[1]
+        own = slice(slave, slave + nodes.shape[1])
+        n_nodes = self.sigma.shape[1]
+        alpha = np.zeros((len(row), n_nodes), complex)
+        alpha[:, :slave] = self.values[row]
+        alpha[:, own] = -M[0]
+        beta = np.zeros((*M[1].shape[:2], n_nodes), complex)  # (n, dim - 1, nodes)
+        beta[:, :, own] = M[1]
+
+        # Motion relative to the turning frame: e . (dr - drho - g Omega n)
+        turned = []
+        for i in range(e.shape[1]):
+            c = _turning(e[:, i], n, facet_n, dual)
+            turned.append(lift(beta, c).sum(axis=1))
+        result = First(
+            normal=n,
+            tangents=e,
+            gap_gradient=lift(alpha[:, None], n[:, None])[:, 0],
+            tangential=lift(alpha[:, None], e) - g[:, None, None] * np.stack(turned, axis=1),
+            slip=np.einsum("nic,nc->ni", e, from_stick),
         )
-        alpha, beta = (block.astype(complex) for block in blocks)
-        slave, k = self.values.shape[1], nodes.shape[1]
-        alpha[:, :slave], alpha[:, slave : slave + k], beta[:, :, slave : slave + k] = (
-            self.values[row],
-            -M[0],
-            M[1],
-        )
-        T = lift(alpha[:, None], e) - g[:, None, None] * np.stack(
-            [
-                lift(beta, _turning(e[:, i], n, facet_n, dual)).sum(axis=1)
-                for i in range(e.shape[1])
-            ],
-            axis=1,
-        )
-        result = (
-            n,
-            e,
-            lift(alpha[:, None], n[:, None])[:, 0],
-            T,
-            np.einsum("nic,nc->ni", e, from_stick),
-        )
-        return First(*(result if np.iscomplexobj(r) else (part.real for part in result)))
+        if np.iscomplexobj(r):
+            return result
+        return First(*(part.real for part in result))
 
     def _closest(
         self, facet: ndarray, xi: ndarray, along: ndarray, r: ndarray, nodes: ndarray
     ) -> ndarray:
-        """Return local coordinates after one Newton step along the edge: exact for the complex
-        part.
-        """
-        moves = along.any(axis=1)
+        """Return xi after one Newton step along the edge, exact for the complex part."""
         M = self.master.shape.at(facet, xi, 2)
         offset = r - np.einsum("nk,nkc->nc", M[0], nodes)
         tangent = np.einsum("na,nak,nkc->nc", along, M[1], nodes, optimize=True)
         bend = np.einsum("na,nb,nabk,nkc->nc", along, along, M[2], nodes, optimize=True)
-        slope = np.where(moves, dot(tangent, tangent) - dot(offset, bend), 1.0)
-        return np.asarray(xi + along * (dot(offset, tangent) / slope)[:, None])
+        slope = dot(tangent, tangent) - dot(offset, bend)
+        slope = np.where(along.any(axis=1), slope, 1.0)  # vertices stay
+        step = dot(offset, tangent) / slope
+        return np.asarray(xi + along * step[:, None])
 
 
-def lift_columns(factors: ndarray, eye: ndarray) -> ndarray:
+def _by_dofs(factors: ndarray, eye: ndarray) -> ndarray:
     """Return the motion of points with every dof of their nodes, shape (n nodes dim, dim)."""
     return np.asarray((factors[:, :, None, None] * eye).reshape(-1, len(eye)))
 
 
 def _turning(e: ndarray, n: ndarray, facet_n: ndarray, dual: ndarray) -> ndarray:
     """Return vectors c with ``e . Omega n = c_a . da_a``, shape (n, dim - 1, dim)."""
-    by_n, by_e = np.einsum("nac,nc->na", dual, n), np.einsum("nac,nc->na", dual, e)
+    by_n = np.einsum("nac,nc->na", dual, n)
+    by_e = np.einsum("nac,nc->na", dual, e)
     along_normal = by_e * dot(facet_n, n)[:, None] - by_n * dot(facet_n, e)[:, None]
     return np.asarray(0.5 * (outer(by_n, e) - outer(by_e, n) - outer(along_normal, facet_n)))
