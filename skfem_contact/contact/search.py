@@ -81,8 +81,7 @@ def project(
     frozen: ndarray | None = None,
     among: Neighbours | None = None,
 ) -> Projection:
-    """Return closest points of points, shape (n, dim), on a surface at present coordinates of its
-    nodes.
+    """Return closest points of points (n, dim) on a surface at present coordinates of its nodes.
 
     Parameters
     ----------
@@ -95,49 +94,65 @@ def project(
         Candidates; points without any are not projected.
     """
     n = len(points)
-    result = Projection(
-        np.zeros(n, bool),
-        np.zeros(n, int),
-        np.zeros((n, surface.dim - 1)),
-        np.full(n, np.inf),
-        np.zeros(n, int),
-        np.full(n, np.inf),
-    )
-    row, facet, *_ = among or neighbours(surface, nodes, points)[0]
     accepted = np.full(n, -1) if previous is None else previous
-    held = np.zeros(n, bool) if frozen is None else frozen
-    flat, r = Flat.of(surface, nodes), points[row]
+    frozen = np.zeros(n, bool) if frozen is None else frozen
+    if among is None:
+        among, _ = neighbours(surface, nodes, points)
+
+    # Project the point of each pair (point, facet) orthogonally, on facets that are close enough
+    row = among.point
+    facet = among.facet
+    r = points[row]
+    flat = Flat.of(surface, nodes)
     foot = flat.foot(surface.shape, facet, r)
     if surface.dim == 3:
         kept = promising(surface, nodes, flat, r, row, facet, foot) | (facet == accepted[row])
-        row, facet, foot, r = row[kept], facet[kept], foot[kept], r[kept]
+        row = row[kept]
+        facet = facet[kept]
+        foot = foot[kept]
+        r = r[kept]
     foot = _foot(surface, nodes, r, facet, foot)
+
+    # Move feet beyond a side to the closest point on that side
     beyond = surface.shape.beyond(foot)
-    stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
+    stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], frozen[row])
     xi, feature, off = _on_facets(surface, nodes, r, facet, foot, beyond, stays)
     mapping = surface.at(facet, xi, nodes)
     offset = r - mapping.x[0]
     distance = np.sqrt(dot(offset, offset))
-    np.minimum.at(result.distance, row, distance)
-    best = _first_minimum(
-        row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet]
-    )
-    # what is closest decides: off the rim, or too deep, there is no contact with anything farther
+
+    # Choose the closest candidate of each point; off the rim, or too deep, it has no contact with
+    # anything farther
+    preferred = _preferred(surface, facet, beyond, feature > 0, stays)
+    best = _first_minimum(row, distance - preferred * surface.size[facet])
     best = best[~off[best]]
-    at = row[best]
-    result.facet[at], result.xi[at] = facet[best], xi[best]
     above = _above(
         surface,
         nodes,
-        facet[best],
-        feature[best],
-        xi[best],
-        across(mapping.x[1][best]),
-        offset[best],
+        facet=facet[best],
+        feature=feature[best],
+        xi=xi[best],
+        normal=across(mapping.x[1][best]),
+        offset=offset[best],
     )
-    result.gap[at] = np.where(above, distance[best], -distance[best])
-    result.feature[at] = feature[best]
-    result.found[at] = (result.gap[at] >= -depth[at]) & ~(held & (accepted == -1))[at]
+
+    result = Projection(
+        found=np.zeros(n, bool),
+        facet=np.zeros(n, int),
+        xi=np.zeros((n, surface.dim - 1)),
+        gap=np.full(n, np.inf),
+        feature=np.zeros(n, int),
+        distance=np.full(n, np.inf),
+    )
+    indices = row[best]
+    gap = np.where(above, distance[best], -distance[best])
+    lost = frozen & (accepted == -1)
+    result.facet[indices] = facet[best]
+    result.xi[indices] = xi[best]
+    result.gap[indices] = gap
+    result.feature[indices] = feature[best]
+    result.found[indices] = (gap >= -depth[indices]) & ~lost[indices]
+    np.minimum.at(result.distance, row, distance)
     return result
 
 
@@ -147,49 +162,57 @@ def merged(
     """Return the projection of the near points, joined with a new projection of all others."""
     if near.all():
         return found
-    return Projection(
-        *(
-            np.where(near.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
-            for a, b in zip(found, projected(~near), strict=True)
-        )
-    )
+    parts = []
+    for known, new in zip(found, projected(~near), strict=True):
+        mask = near[:, None] if known.ndim == 2 else near
+        parts.append(np.where(mask, known, new))
+    return Projection(*parts)
 
 
 def _foot(
     surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi: ndarray
 ) -> ndarray:
+    """Return orthogonal projections on facets by Newton's method from xi (n, dim - 1), eq. 2.
+
+    Facets of straight sides need none: eq. 17.
+    """
     shape = surface.shape
     if shape.affine:
         return xi
-    width = np.ptp(shape.corners, axis=0)
-    low, high = (
-        shape.corners.min(axis=0) - _BEYOND * width,
-        shape.corners.max(axis=0) + _BEYOND * width,
-    )
+    corners = shape.corners
+    width = np.ptp(corners, axis=0)
+    low = corners.min(axis=0) - _BEYOND * width
+    high = corners.max(axis=0) + _BEYOND * width
     xi = np.clip(xi, low, high)
     exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
-    left = np.arange(len(facet))
+    remaining = np.arange(len(facet))
     for _ in range(NEWTON_STEPS):
-        step, quadratic = _newton_step(surface.at(facet[left], xi[left], nodes, 2).x, points[left])
-        xi[left] = np.clip(xi[left] + np.clip(step, -width / 4, width / 4), low, high)
+        x = surface.at(facet[remaining], xi[remaining], nodes, 2).x
+        step, quadratic = _newton_step(x, points[remaining])
+        new = np.clip(xi[remaining] + np.clip(step, -width / 4, width / 4), low, high)
+        xi[remaining] = new
         last = np.where(quadratic, max(exact, _LAST_STEP), exact)[:, None]
-        moves = (np.abs(step) >= last) & (xi[left] > low) & (xi[left] < high)
-        left = left[moves.any(axis=1)]
-        if len(left) == 0:
+        moves = (np.abs(step) >= last) & (new > low) & (new < high)
+        remaining = remaining[moves.any(axis=1)]
+        if len(remaining) == 0:
             break
     return xi
 
 
 def _newton_step(x: list[ndarray], points: ndarray) -> tuple[ndarray, ndarray]:
     """Return steps, and True for those of Newton's method, which converge quadratically."""
-    offset, metric = points - x[0], products(x[1], x[1])
-    matrix = metric - np.einsum("nabc,nc->nab", x[2], offset)
-    # beyond the centre of curvature the full Newton step runs away: fall back to the safe
-    # Gauss-Newton step
-    share = 0.5 ** metric.shape[1]
+    rho, a, bend = x
+    offset = points - rho
+    metric = products(a, a)
+    matrix = metric - np.einsum("nabc,nc->nab", bend, offset)
+
+    # Beyond the centre of curvature the full Newton step runs away: take the Gauss-Newton step
+    is_line = metric.shape[1] == 1
+    share = 0.5 if is_line else 0.25
     runs_away = (determinant(matrix) < share * determinant(metric)) | (matrix[:, 0, 0] <= 0.0)
-    matrix[runs_away] = metric[runs_away] * (0.5 if metric.shape[1] == 1 else 1.0)
-    return solve(matrix, np.einsum("nac,nc->na", x[1], offset)), ~runs_away
+    matrix[runs_away] = metric[runs_away] * (0.5 if is_line else 1.0)
+    step = solve(matrix, np.einsum("nac,nc->na", a, offset))
+    return step, ~runs_away
 
 
 def _on_facets(
@@ -204,12 +227,15 @@ def _on_facets(
     """Return closest points on candidates: feet, or points on the sides, see :func:`on_sides`."""
     reach = surface.reach[facet]
     limit = np.maximum(reach, np.maximum(2.0 * stays, ON_FACET))
-    xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
     out = np.flatnonzero((beyond > limit).any(axis=1))
-    on_them = on_ends if surface.dim == 2 else on_sides
-    xi[out], feature[out], off[out] = on_them(
-        surface, nodes, points[out], facet[out], beyond[out], reach[out]
-    )
+    if surface.dim == 2:
+        moved = on_ends(surface, facet[out], beyond[out], reach[out])
+    else:
+        moved = on_sides(surface, nodes, points[out], facet[out], beyond[out], reach[out])
+    xi = foot.copy()
+    feature = np.zeros(len(facet), int)
+    off = np.zeros(len(facet), bool)
+    xi[out], feature[out], off[out] = moved
     return xi, feature, off
 
 
@@ -222,7 +248,9 @@ def _above(
     normal: ndarray,
     offset: ndarray,
 ) -> ndarray:
-    if (bent := np.flatnonzero(feature)).size:  # all facets there decide what is outside
+    """Return a mask of points outside the body; at sides and corners all facets there decide."""
+    bent = np.flatnonzero(feature)
+    if bent.size:
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     return np.asarray(dot(normal, offset) >= 0)
 
@@ -235,18 +263,17 @@ def _stays(
     accepted: ndarray,
     frozen: ndarray,
 ) -> ndarray:
-    """Return the share of the facet's size by which a point's accepted facet is preferred, by
-    side.
-    """
-    share = np.where(frozen, FROZEN, HYSTERESIS)[:, None]
-    stays = np.zeros(beyond.shape)
+    """Return the share of the size by which an accepted facet is preferred, by side, (n, sides)."""
+    frozen = frozen[:, None]
+    share = np.where(frozen, FROZEN, HYSTERESIS)
     near = accepted[:, None] & (np.abs(beyond) <= 2.0 * share) & ~surface.at_rim[facet]
-    stays[near & frozen[:, None]] = FROZEN
-    pair, side = np.nonzero(near & ~frozen[:, None])
+    stays = np.zeros(beyond.shape)
+    stays[near & frozen] = FROZEN
+    pair, side = np.nonzero(near & ~frozen)
     if len(pair):
-        here, there = normals_at_joint(surface, nodes, facet[pair], side)
-        turn = np.sqrt(((here - there) ** 2).sum(axis=1))
-        bends = (dot(here, there) > _STRAIGHT) & (turn > _SMOOTH)
+        own, neighbour = normals_at_joint(surface, nodes, facet[pair], side)
+        turn = np.sqrt(((own - neighbour) ** 2).sum(axis=1))
+        bends = (dot(own, neighbour) > _STRAIGHT) & (turn > _SMOOTH)
         stays[pair, side] = np.where(bends, HYSTERESIS, 0.0)
     return stays
 
@@ -254,40 +281,36 @@ def _stays(
 def _preferred(
     surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarray, stays: ndarray
 ) -> ndarray:
-    """Return the share of its size by which a candidate may be farther away than another one and is
-    still taken.
+    """Return the share of its size by which a taken candidate may be farther away than another.
 
     So neither round-off nor the order of the search decides at a joint: the facet before it does.
     """
-    tied = (np.abs(beyond) <= ON_FACET) | (outside[:, None] & (beyond > 0))
+    outside = outside[:, None]
+    tied = (np.abs(beyond) <= ON_FACET) | (outside & (beyond > 0))
     ties = np.where(tied, ON_FACET * surface.rank[facet], 0.0)
-    return np.asarray(np.where(outside[:, None], ties, np.maximum(stays, ties)).max(axis=1))
+    return np.asarray(np.where(outside, ties, np.maximum(stays, ties)).max(axis=1))
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
+    """Return the index of the smallest value of each row, in the order of rows."""
     order = np.lexsort((value, row))
+    sorted_rows = row[order]
     first = np.ones(len(order), bool)
-    first[1:] = row[order[1:]] != row[order[:-1]]
+    first[1:] = sorted_rows[1:] != sorted_rows[:-1]
     return order[first]
 
 
-# -- sides and corners of facets
-# --------------------------------------------------------------------------------
+# Sides and corners of facets
 
 
 def on_ends(
-    surface: Surface,
-    nodes: ndarray,
-    points: ndarray,
-    facet: ndarray,
-    beyond: ndarray,
-    reach: ndarray,
+    surface: Surface, facet: ndarray, beyond: ndarray, reach: ndarray
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return the ends in the plane beyond which feet lie, like :func:`on_sides`."""
     side = np.argmax(beyond - reach, axis=1)
     end = surface.shape.corners[side, 0]
-    at = np.arange(len(facet))
-    return (end * (1.0 + reach[at, side]))[:, None], side + 1, surface.at_rim[facet, side]
+    xi = end * (1.0 + reach[np.arange(len(facet)), side])
+    return xi[:, None], side + 1, surface.at_rim[facet, side]
 
 
 def on_sides(
@@ -298,30 +321,40 @@ def on_sides(
     beyond: ndarray,
     reach: ndarray,
 ) -> tuple[ndarray, ndarray, ndarray]:
-    """Return closest points on the sides beyond which feet lie, their features, and True if off the
-    rim.
-    """
-    shape, n = surface.shape, len(facet)
-    best, xi = np.full(n, np.inf), np.zeros((n, shape.dim))
-    feature, off = np.zeros(n, int), np.zeros(n, bool)
-    sides = len(shape.side_corners)
-    for side in range(sides):
-        if len(at := np.flatnonzero(beyond[:, side] > reach[:, side])) == 0:
+    """Return closest points on the sides beyond which feet lie, features, and True off the rim."""
+    shape = surface.shape
+    n = len(facet)
+    n_sides = len(shape.side_corners)
+    best = np.full(n, np.inf)
+    xi = np.zeros((n, shape.dim))
+    feature = np.zeros(n, int)
+    off = np.zeros(n, bool)
+    for side in range(n_sides):
+        indices = np.flatnonzero(beyond[:, side] > reach[:, side])
+        if len(indices) == 0:
             continue
-        start = shape.corners[shape.side_corners[side, 0]] + reach[at, side, None] * (
-            shape.outward[side] / (shape.outward[side] @ shape.outward[side])
-        )
-        ends = 0.5 * reach[at][:, [side - 1, (side + 1) % sides]] * [-1, 1] + [0, 1]
-        s, closest = _along_side(
-            surface, nodes, points[at], facet[at], start, shape.along[side], ends
-        )
-        distance = np.sqrt(((points[at] - closest) ** 2).sum(axis=1))
-        nearer = distance < best[at]
-        at, s, start, ends = at[nearer], s[nearer], start[nearer], ends[nearer]
-        best[at], xi[at] = distance[nearer], start + s[:, None] * shape.along[side]
-        over = s[:, None] == ends  # beyond an end of the side
-        feature[at] = np.where(over.any(axis=1), sides + 1, side + 1)
-        off[at] = surface.at_rim[facet[at], side] | (over & (ends != [0, 1])).any(axis=1)
+
+        # Extend the side, and its ends, by the reach of the surface beyond its rim
+        along = shape.along[side]
+        outward = shape.outward[side] / (shape.outward[side] @ shape.outward[side])
+        start = shape.corners[shape.side_corners[side, 0]] + reach[indices, side, None] * outward
+        adjacent = [side - 1, (side + 1) % n_sides]
+        ends = 0.5 * reach[indices][:, adjacent] * [-1, 1] + [0, 1]
+
+        # Keep the closest point of this side where it is nearer than on the sides before
+        r = points[indices]
+        s, closest = _along_side(surface, nodes, r, facet[indices], start, along, ends)
+        distance = np.sqrt(((r - closest) ** 2).sum(axis=1))
+        nearer = distance < best[indices]
+        indices = indices[nearer]
+        s = s[nearer]
+        ends = ends[nearer]
+        best[indices] = distance[nearer]
+        xi[indices] = start[nearer] + s[:, None] * along
+        at_end = s[:, None] == ends
+        feature[indices] = np.where(at_end.any(axis=1), n_sides + 1, side + 1)
+        beyond_rim = (at_end & (ends != [0, 1])).any(axis=1)
+        off[indices] = surface.at_rim[facet[indices], side] | beyond_rim
     return xi, feature, off
 
 
@@ -334,51 +367,57 @@ def _along_side(
     along: ndarray,
     ends: ndarray,
 ) -> tuple[ndarray, ndarray]:
-    s, left = np.full(len(facet), 0.5), np.arange(len(facet))
+    """Return shares s of a side at the closest points, by Newton's method, and the points."""
+    s = np.full(len(facet), 0.5)
+    remaining = np.arange(len(facet))
     for _ in range(_ALONG_STEPS):
-        if len(left) == 0:
+        if len(remaining) == 0:
             break
-        mapping = surface.at(facet[left], start[left] + s[left, None] * along, nodes, 2)
-        tangent, offset = along @ mapping.x[1], points[left] - mapping.x[0]
-        slope, curvature = dot(tangent, tangent), dot(along @ (along @ mapping.x[2]), offset)
+        before = s[remaining]
+        xi = start[remaining] + before[:, None] * along
+        rho, a, bend = surface.at(facet[remaining], xi, nodes, 2).x
+        tangent = along @ a
+        offset = points[remaining] - rho
+        slope = dot(tangent, tangent)
+        curvature = dot(along @ (along @ bend), offset)
         step = dot(offset, tangent) / np.maximum(slope - curvature, 0.5 * slope)
-        new = np.clip(s[left] + np.clip(step, -1.0, 1.0), *ends[left].T)
-        moves, s[left] = np.abs(new - s[left]) > _ON_SIDE, new
-        left = left[moves]
+        new = np.clip(before + np.clip(step, -1.0, 1.0), *ends[remaining].T)
+        s[remaining] = new
+        remaining = remaining[np.abs(new - before) > _ON_SIDE]
     return s, surface.at(facet, start + s[:, None] * along, nodes, 0).x[0]
 
 
 def side_of_joint(
     surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray
 ) -> ndarray:
-    """Return the direction from inside to outside at sides and corners: the sum of all normals
-    there.
+    """Return the outward direction at sides and corners: the sum of all normals there.
 
     At corners in space each normal counts with the angle of its facet (Baerentzen and Aanaes,
     2005).
     """
-    sides = surface.neighbours.shape[1]
+    n_sides = surface.neighbours.shape[1]
     normal = np.zeros((len(facet), surface.dim))
-    at_side = feature <= sides
-    here, there = normals_at_joint(surface, nodes, facet[at_side], feature[at_side] - 1)
-    normal[at_side] = here + there
-    if not at_side.all():
-        corner = np.argmin(
-            np.abs(xi[~at_side][:, None] - surface.shape.corners).sum(axis=2), axis=1
-        )
-        normal[~at_side] = _normals_at_corners(
-            surface, nodes, surface.facets[facet[~at_side], corner]
-        )
+    at_side = feature <= n_sides
+    own, neighbour = normals_at_joint(surface, nodes, facet[at_side], feature[at_side] - 1)
+    normal[at_side] = own + neighbour
+    if at_side.all():
+        return normal
+    at_corner = ~at_side
+    apart = np.abs(xi[at_corner][:, None] - surface.shape.corners).sum(axis=2)
+    node = surface.facets[facet[at_corner], np.argmin(apart, axis=1)]
+    normal[at_corner] = _normals_at_corners(surface, nodes, node)
     return normal
 
 
 def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> ndarray:
+    """Return sums of the facets' normals times their angles at some corner nodes, shape (n, 3)."""
     n = len(surface.shape.corners)
     facet, corner = np.nonzero(np.isin(surface.facets[:, :n], which))
     node = surface.facets[facet, corner]
     before = nodes[surface.facets[facet, corner - 1]] - nodes[node]
     after = nodes[surface.facets[facet, (corner + 1) % n]] - nodes[node]
-    angle = np.arccos(np.clip(dot(unit(before), unit(after)), -1.0, 1.0))
+    cosine = dot(unit(before), unit(after))
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
     normal = surface.at(facet, surface.shape.corners[corner], nodes).normal
     total = np.zeros((len(surface.nodes), 3))
     np.add.at(total, node, angle[:, None] * normal)
@@ -388,20 +427,15 @@ def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> nda
 def normals_at_joint(
     surface: Surface, nodes: ndarray, facet: ndarray, side: ndarray
 ) -> tuple[ndarray, ndarray]:
-    """Return normals of facets and of their neighbours at the side's middle; the own one at a
-    rim.
-    """
-    shape = surface.shape
+    """Return normals of facets and their neighbours at a side's middle; the own one at a rim."""
     neighbour = surface.neighbours[facet, side]
-    other = (
-        1 - side
-        if surface.dim == 2
-        else np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
-    )
-    neighbour, other = (
-        np.where(neighbour < 0, facet, neighbour),
-        np.where(neighbour < 0, side, other),
-    )
-    middle = shape.side_middles[np.concatenate((side, other))]
+    if surface.dim == 2:
+        other_side = 1 - side
+    else:
+        other_side = np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
+    alone = neighbour < 0
+    neighbour = np.where(alone, facet, neighbour)
+    other_side = np.where(alone, side, other_side)
+    middle = surface.shape.side_middles[np.concatenate((side, other_side))]
     normal = surface.at(np.concatenate((facet, neighbour)), middle, nodes).normal
     return normal[: len(facet)], normal[len(facet) :]
