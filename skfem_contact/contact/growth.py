@@ -1,5 +1,4 @@
-r"""Growth of the contact with dual multipliers: which nodes an increment closes, foreseen from its
-start.
+"""Growth of contact with dual multipliers: nodes that an increment closes, foreseen at its start.
 
 Newton's method closes all nodes whose gaps are negative at its start.  These are too many, because
 the bodies yield beside the contact, and it opens them again row by row, one in each iteration.
@@ -32,27 +31,24 @@ def foreseen(
     An extrapolated start moves the edge of the contact evenly.  Without displacements `before` the
     start is the first step from the accepted ones.
     """
+    # Find open nodes with a negative gap at the start
     state = pair.effective(accepted)
-    now, then = (
-        mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap),
-        _near(pair, start, state),
-    )
+    now = mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap)
+    then = _gaps_at_start(pair, start, state)
     reached = ~accepted.closed & (now > 0.0) & (now < np.inf) & (then < 0.0)
     if not reached.any():
         return start
+
+    # Foresee which of them stay open: by the share of the step, or by the motion of the edge
     if before is None or not accepted.closed.any():
         opens = _closes_late(now, then, reached)
     else:
         last = x - before
-        ratio, beside = (
-            float(last @ (start - x)) / float(last @ last),
-            _beside(pair.slave, accepted.closed),
-        )
+        ratio = float(last @ (start - x)) / float(last @ last)
         found = pair.interface.closest(before, state.cuts, state.facet)
-        opens = (
-            _stays_ahead(mean_gaps(pair, state, found.found, found.gap), now, ratio, beside)
-            & reached
-        )
+        earlier = mean_gaps(pair, state, found.found, found.gap)
+        at_edge = _at_edge(pair.slave, accepted.closed)
+        opens = reached & _stays_ahead(earlier, now, ratio, at_edge)
     if not opens.any():
         return start
     start = start.copy()
@@ -61,25 +57,22 @@ def foreseen(
 
 
 def _closes_late(now: ndarray, then: ndarray, reached: ndarray) -> ndarray:
-    """Return a mask of nodes that a step reaches in its second half, counted from the first node
-    that it reaches.
-    """
+    """Return a mask of nodes that a step reaches late, counted from the first that it reaches."""
     share = np.zeros(len(now))
     share[reached] = now[reached] / (now - then)[reached]
     first = share[reached].min()
     return share > first + _LATE * (1.0 - first)
 
 
-def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, beside: ndarray) -> ndarray:
-    """Return a mask of nodes that stay ahead of the edge of the contact, which moves `ratio` times
-    as far as before.
+def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, at_edge: ndarray) -> ndarray:
+    """Return a mask of nodes ahead of the contact's edge, which moves `ratio` times as before.
 
-    Beside the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so
+    At the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so
     that its power 2/3 is in proportion to the motion of the edge.  A node closes when the edge
     comes near it, for its gap is a mean over its facets: distances count from there.  Open nodes
-    `beside` closed ones are as far from it in the mean.
+    `at_edge`, next to closed ones, are as far from it in the mean.
     """
-    near = now[beside & (now < np.inf)]
+    near = now[at_edge & (now < np.inf)]
     ahead = max(float(near.mean()), 0.0) if len(near) else 0.0
 
     def distance(gap: ndarray) -> ndarray:
@@ -89,17 +82,16 @@ def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, beside: ndarray) 
         return (1.0 + ratio) * distance(now) > ratio * distance(earlier)
 
 
-def _beside(slave: Surface, closed: ndarray) -> ndarray:
+def _at_edge(slave: Surface, closed: ndarray) -> ndarray:
     """Return a mask of open nodes on facets that have a closed one."""
-    beside = np.zeros(len(closed), bool)
-    beside[slave.facets[closed[slave.facets].any(axis=1)]] = True
-    return beside & ~closed
+    has_closed = closed[slave.facets].any(axis=1)
+    at_edge = np.zeros(len(closed), bool)
+    at_edge[slave.facets[has_closed]] = True
+    return at_edge & ~closed
 
 
-def _near(pair: Any, x: ndarray, state: ContactState) -> ndarray:
-    """Return the nodes' means of the gap at displacements, whose evaluation does not project these
-    points again.
-    """
+def _gaps_at_start(pair: Any, x: ndarray, state: ContactState) -> ndarray:
+    """Return the nodes' mean gaps at x; the next evaluation there does not project again."""
     slave, nodes = pair.interface.positions(x)
     depth = pair.interface.depth(pair.points(state))
     found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)

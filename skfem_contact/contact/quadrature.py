@@ -1,5 +1,4 @@
-"""Quadrature on the slave surface: nodes, Gauss points, and points on the pieces that the master's
-facets clip.
+"""Quadrature on the slave surface: nodes, Gauss points, and points on clipped pieces.
 
 On pieces, ``quadrature="segments"``, gap and shape functions are smooth on both sides, so that the
 contact work is integrated as exactly as the rule is: the patch test is passed.  In space, facet by
@@ -84,18 +83,19 @@ class SlavePoints:
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
         """Return points given by facet and local coordinates, with weights in their measure."""
         mapping = surface.at(facet, xi, surface.nodes)
-        area = np.linalg.norm(across(mapping.x[1]), axis=1) * (
-            mapping.x[0][:, 0] if surface.axisymmetric else 1.0
-        )
+        x, a = mapping.x[:2]
+        area = np.linalg.norm(across(a), axis=1)
+        if surface.axisymmetric:
+            area = area * x[:, 0]
         return cls(
-            facet,
-            xi,
-            surface.facets[facet],
-            mapping.shapes[0],
-            area * weight,
-            surface.size[facet],
-            _along(surface, facet, mapping),
-            np.full(len(facet), -1),
+            facet=facet,
+            xi=xi,
+            nodes=surface.facets[facet],
+            values=mapping.shapes[0],
+            weight=area * weight,
+            size=surface.size[facet],
+            along=_along(surface, facet, mapping),
+            facing=np.full(len(facet), -1),
         )
 
     def take(self, chosen: ndarray) -> SlavePoints:
@@ -107,9 +107,7 @@ class SlavePoints:
         return np.asarray(np.einsum("nk,nkc->nc", self.values, nodes.take(self.nodes, axis=0)))
 
     def direction(self, slave: Surface, nodes: ndarray) -> ndarray:
-        """Return the slave's direction, which moves with its material, shape (n, dim); zero in the
-        plane.
-        """
+        """Return the slave's direction, which moves with its material, (n, dim); 0 in the plane."""
         if slave.dim == 2:
             return np.zeros((len(self.facet), 2))
         return np.asarray(np.einsum("nk,nkc->nc", self.along, nodes[slave.facets[self.facet]]))
@@ -129,67 +127,74 @@ def _along(surface: Surface, facet: ndarray, mapping: FacetMapping) -> ndarray:
 
 
 def nodal(surface: Surface) -> SlavePoints:
-    """Return the paper's node-to-segment rule: the nodes themselves with their tributary lengths or
-    areas.
+    """Return the paper's node-to-segment rule: nodes with their tributary lengths or areas.
 
     The weight turns the traction of a node into its force, so that a penalty does not depend on the
     mesh. On triangles of second order the nodes on the sides have all of the area.
     """
-    m, k = surface.facets.shape
-    xi, w = rule(surface.shape, 3)
-    facet = np.repeat(np.arange(m), len(w))
-    everywhere = SlavePoints.on(surface, facet, np.tile(xi, (m, 1)), np.tile(w, m))
-    weight = np.bincount(
-        everywhere.nodes.ravel(), (everywhere.weight[:, None] * everywhere.values).ravel()
-    )
+    # Integrate the shape functions for the tributary areas
+    points = _repeated(surface, np.arange(len(surface.facets)), *rule(surface.shape, 3))
+    shares = points.weight[:, None] * points.values
+    weight = np.bincount(points.nodes.ravel(), shares.ravel())
     weight[np.abs(weight) < _EQUAL * weight.max()] = 0.0
     if (weight < 0.0).any():
         raise ValueError(
             f"'{surface.name}': the corners of facets of eight nodes have negative areas: use "
-            f"Gauss "
-            'points or quadrature="segments" instead of "nodal"'
+            'Gauss points or quadrature="segments" instead of "nodal"'
         )
+
+    # Locate each node on the first of its facets
+    k = surface.facets.shape[1]
     size = np.zeros(len(weight))
     np.maximum.at(size, surface.facets.ravel(), np.repeat(surface.size, k))
     _, first = np.unique(surface.facets.ravel(), return_index=True)
     facet, local = np.divmod(first, k)
     xi = surface.shape.nodes[local]
-    order = np.argsort(facet + 0.5 * xi[:, 0]) if surface.dim == 2 else np.arange(len(weight))
-    order = order[weight[order] > 0.0]
     along = _along(surface, facet, surface.at(facet, xi, surface.nodes))
+
+    # Take the nodes with an area, in the plane in the order of the chain
+    order = np.arange(len(weight))
+    if surface.dim == 2:
+        order = np.argsort(facet + 0.5 * xi[:, 0])
+    order = order[weight[order] > 0.0]
     return SlavePoints(
-        facet[order],
-        xi[order],
-        order[:, None],
-        np.ones((len(order), 1)),
-        weight[order],
-        size[order],
-        along[order],
-        np.full(len(order), -1),
+        facet=facet[order],
+        xi=xi[order],
+        nodes=order[:, None],
+        values=np.ones((len(order), 1)),
+        weight=weight[order],
+        size=size[order],
+        along=along[order],
+        facing=np.full(len(order), -1),
     )
+
+
+def _repeated(surface: Surface, facets: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
+    """Return the points of one rule on each of some facets."""
+    m = len(facets)
+    facet = np.repeat(facets, len(weight))
+    return SlavePoints.on(surface, facet, np.tile(xi, (m, 1)), np.tile(weight, m))
 
 
 def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:
-    """Return n Gauss points in each direction on every slave facet, on triangles the rule of degree
-    2n - 2.
+    """Return n Gauss points in each direction on every slave facet.
 
-    The master's shape functions have kinks at its nodes, which Gauss points smear. So where these
-    nodes lie closer than the slave's facets are long, the facets are divided.
+    Triangles have the rule of degree 2n - 2.  The master's shape functions have kinks at its nodes,
+    which Gauss points smear. So where these nodes lie closer than the slave's facets are long, the
+    facets are divided.
     """
     pieces = max(1, int(np.ceil(slave.spacing / _node_distance(master) - _EQUAL)))
-    xi, w = divided_rule(slave.shape, n, pieces)
-    m = len(slave.facets)
-    return SlavePoints.on(
-        slave, np.repeat(np.arange(m), len(w)), np.tile(xi, (m, 1)), np.tile(w, m)
-    )
+    return _repeated(slave, np.arange(len(slave.facets)), *divided_rule(slave.shape, n, pieces))
 
 
 def _node_distance(master: Surface) -> float:
+    """Return the typical distance between nodes of the master; infinite for a rigid one."""
     if master.rigid:
         return np.inf
-    intervals = len(master.nodes) - (0 if master.closed else 1)
     if master.dim == 3:
         intervals = len(master.facets) * int(master.shape.exponents.max()) ** 2
+    else:
+        intervals = len(master.nodes) - (0 if master.closed else 1)
     return float(master.spacing * (len(master.facets) / intervals) ** (1 / (master.dim - 1)))
 
 
@@ -201,11 +206,12 @@ def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
     """
     t, w = gauss_points(n)
     half = 0.5 * np.diff(cuts)
-    coordinate = ((cuts[:-1] + half)[:, None] + half[:, None] * t).ravel()
-    facet = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)
-    return SlavePoints.on(
-        surface, facet, 2.0 * (coordinate - facet)[:, None] - 1.0, (2.0 * half[:, None] * w).ravel()
-    )
+    middle = cuts[:-1] + half
+    coordinate = (middle[:, None] + half[:, None] * t).ravel()
+    facet = np.repeat(np.floor(middle).astype(int), n)
+    xi = 2.0 * (coordinate - facet)[:, None] - 1.0
+    weight = (2.0 * half[:, None] * w).ravel()
+    return SlavePoints.on(surface, facet, xi, weight)
 
 
 def common_cuts(
@@ -215,28 +221,35 @@ def common_cuts(
     master_nodes: ndarray,
     facing: NeighbourList,
 ) -> ndarray:
-    """Return chain coordinates of the ends of the slave's facets and, projected, of the master's,
-    and beside edges.
+    """Return the cuts of the slave in the plane, as chain coordinates.
+
+    The cuts are the ends of the slave's facets, the projected ends of the master's facets, and a
+    further cut next to each edge of the joint.
     """
-    m, n = len(master.facets), len(slave.facets)
+    # Project the ends of the master's facets onto the slave
+    m = len(master.facets)
+    n = len(slave.facets)
     ends = master.at(np.arange(m), -np.ones((m, 1)), master_nodes, 0).x[0]
     if not master.closed:
-        ends = np.concatenate(
-            (ends, master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0])
-        )
+        last = master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0]
+        ends = np.concatenate((ends, last))
     near = np.full(len(ends), slave.spacing)
     found = project(slave, slave_nodes, ends, near, among=facing.at(slave_nodes, ends))
     opposite = found.found & (found.gap < near)
     hit = opposite & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0)
-    inner = found.facet + 0.5 * (1.0 + found.xi[:, 0])
-    ends_here = opposite[[-1, 0]] & (not master.closed)  # the chains run in opposite directions
-    beside = np.where(ends_here, inner[[-1, 0]], (0.0, n)) + np.array([_EDGE, -_EDGE])
-    beside = beside[(beside > 0.0) & (beside < n) & (ends_here | (not slave.closed))]
-    cuts = np.unique(np.concatenate((np.arange(n + 1.0), inner[hit], beside)))
-    tiny = np.diff(cuts) < _SLIVER
-    drop = np.flatnonzero(tiny) + np.where(
-        cuts[1:][tiny] % 1.0 == 0.0, 0, 1
-    )  # keep the segments' own ends
+    projected = found.facet + 0.5 * (1.0 + found.xi[:, 0])
+
+    # Cut once more inside of the joint's edges; the chains run in opposite directions
+    first_and_last = [-1, 0]
+    ends_here = opposite[first_and_last] & (not master.closed)
+    edges = np.where(ends_here, projected[first_and_last], (0.0, n))
+    further = edges + np.array([_EDGE, -_EDGE])
+    further = further[(further > 0.0) & (further < n) & (ends_here | (not slave.closed))]
+    cuts = np.unique(np.concatenate((np.arange(n + 1.0), projected[hit], further)))
+
+    # Drop one end of each tiny piece, but not the ends of the slave's facets
+    tiny = np.flatnonzero(np.diff(cuts) < _SLIVER)
+    drop = tiny + np.where(cuts[tiny + 1] % 1.0 == 0.0, 0, 1)
     return np.delete(cuts, drop)
 
 
@@ -247,137 +260,154 @@ def piecewise(
     master_nodes: ndarray,
     adjusted: float = 0.0,
 ) -> ndarray:
-    """Return points on all pieces of the slave's facets at present coordinates, a row each, shape
-    (n, 5).
+    """Return points on all pieces of the slave's facets at present coordinates, shape (n, 5).
 
     A row holds the slave's facet, two local coordinates, the weight in their measure, and the facet
     of the master that the piece faces, -1 on facets that are not near any. Gaps up to the share
     `adjusted` of a facet count as none.
     """
+    # Draw the corners of each pair of facets in the mean plane of the slave's facet
     own, facing = _pairs(slave, slave_nodes, master, master_nodes)
-    centre, axes = _mean_planes(_corners(slave, slave_nodes))
-    behind = _mean_planes(_corners(master, master_nodes))[1][:, 2]
-    flat = _in_plane(_corners(slave, slave_nodes)[own], centre[own], axes[own])
-    other = _in_plane(_corners(master, master_nodes)[facing][:, ::-1], centre[own], axes[own])
-    near = np.flatnonzero(
-        (np.abs(other[:, :, 2]).min(axis=1) < _FACING * slave.size[own])
-        & _overlap(other, flat)
-        & (dot(axes[own, 2], behind[facing]) < -_OPPOSED)
-    )
+    slave_corners = _corners(slave, slave_nodes)
+    master_corners = _corners(master, master_nodes)
+    centre, axes = _mean_planes(slave_corners)
+    _, master_axes = _mean_planes(master_corners)
+    clip = _in_plane(slave_corners[own], centre[own], axes[own])
+    polygon = _in_plane(master_corners[facing][:, ::-1], centre[own], axes[own])
+
+    # Choose the pairs that face each other and are near
+    close = np.abs(polygon[:, :, 2]).min(axis=1) < _FACING * slave.size[own]
+    opposed = dot(axes[own, 2], master_axes[facing, 2]) < -_OPPOSED
+    near = np.flatnonzero(close & _overlap(polygon, clip) & opposed)
     limit = (adjusted + _NEAR) * slave.size
-    near = near[_heights(other[near], other[near, :, :2]).min(axis=1) < limit[own[near]]]
-    own, facing, flat, other = own[near], facing[near], flat[near], other[near]
-    polygon, corners = _clipped(other[:, :, :2], flat[:, :, :2])
-    piece, triangles = _fans(polygon, corners)
-    size, height = _area(triangles), _heights(other[piece], triangles).min(axis=1)
+    height = _heights(polygon[near], polygon[near, :, :2]).min(axis=1)
+    near = near[height < limit[own[near]]]
+    own = own[near]
+    facing = facing[near]
+    clip = clip[near]
+    polygon = polygon[near]
+
+    # Clip the master's facets by the slave's, and cut the pieces into triangles
+    piece, triangles = _fans(*_clipped(polygon[:, :, :2], clip[:, :, :2]))
+    size = _area(triangles)
+    height = _heights(polygon[piece], triangles).min(axis=1)
     kept = (size > _SLIVER * slave.area[own[piece]]) & (height < limit[own[piece]])
-    piece, triangles, size = piece[kept], triangles[kept], size[kept]
+    piece = piece[kept]
+    triangles = triangles[kept]
+    size = size[kept]
+
+    # Put the points of a rule on each triangle, and map them back to the slave's facets
     order = int(slave.shape.exponents.max())
     xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + 2 * order)
     shapes = np.stack((1.0 - xi.sum(axis=0), *xi), axis=1)
-    points, area = (shapes @ triangles).reshape(-1, 2), (2.0 * size[:, None] * w).ravel()
+    points = (shapes @ triangles).reshape(-1, 2)
+    area = (2.0 * size[:, None] * w).ravel()
     piece = np.repeat(piece, len(w))
-    facet, facing = own[piece], facing[piece]
+    facet = own[piece]
     local, slope = _back(slave, slave_nodes, facet, centre[facet], axes[facet], points)
-    return _with_the_others(slave, facet, local, area / slope, facing)
+    return _with_the_others(slave, facet, local, area / slope, facing[piece])
 
 
 def _corners(surface: Surface, nodes: ndarray) -> ndarray:
+    """Return coordinates of the facets' corners, shape (n_facets, corners, dim)."""
     return np.asarray(nodes[surface.facets[:, : len(surface.shape.corners)]])
 
 
 def _pairs(
     slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray
 ) -> tuple[ndarray, ndarray]:
-    (at, reach), (centre, radius) = (
-        _spheres(_corners(surface, nodes))
-        for surface, nodes in ((slave, slave_nodes), (master, master_nodes))
-    )
-    reach = reach + _FACING * slave.size
-    level, own, facing = np.floor(np.log2(radius)).astype(int), [], []
-    for one in np.unique(level):
-        members = np.flatnonzero(level == one)
-        found = cKDTree(centre[members]).query_ball_point(at, reach + radius[members].max())
-        count = np.array([len(row) for row in found])
-        own.append(np.repeat(np.arange(len(at)), count))
-        facing.append(
-            members[np.concatenate(found).astype(int)] if count.sum() else np.zeros(0, int)
-        )
+    """Return pairs of facets of slave and master whose spheres touch, by sizes of the master's."""
+    slave_centre, slave_radius = _spheres(_corners(slave, slave_nodes))
+    centre, radius = _spheres(_corners(master, master_nodes))
+    reach = slave_radius + _FACING * slave.size
+    levels = np.floor(np.log2(radius)).astype(int)
+    own = []
+    facing = []
+    for level in np.unique(levels):
+        members = np.flatnonzero(levels == level)
+        tree = cKDTree(centre[members])
+        found = tree.query_ball_point(slave_centre, reach + radius[members].max())
+        count = [len(row) for row in found]
+        own.append(np.repeat(np.arange(len(slave_centre)), count))
+        facing.append(members[np.concatenate(found).astype(int)])
     return np.concatenate(own), np.concatenate(facing)
 
 
 def _spheres(corners: ndarray) -> tuple[ndarray, ndarray]:
+    """Return centres and radii of spheres that contain facets."""
     centre = corners.mean(axis=1)
     return centre, np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
 
 
 def _mean_planes(corners: ndarray) -> tuple[ndarray, ndarray]:
     """Return centres of facets, and axes, shape (n, 3, 3), of which the last is their normal."""
-    diagonals = np.stack((corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]), axis=1)
     if corners.shape[1] == 3:
         diagonals = corners[:, 1:] - corners[:, :1]
-    normal, first = unit(across(diagonals)), unit(corners[:, 1] - corners[:, 0])
-    first = unit(first - dot(first, normal)[:, None] * normal)
+    else:
+        first_diagonal = corners[:, 2] - corners[:, 0]
+        second_diagonal = corners[:, -1] - corners[:, 1]
+        diagonals = np.stack((first_diagonal, second_diagonal), axis=1)
+    normal = unit(across(diagonals))
+    side = unit(corners[:, 1] - corners[:, 0])
+    first = unit(side - dot(side, normal)[:, None] * normal)
     return corners.mean(axis=1), np.stack((first, cross(normal, first), normal), axis=1)
 
 
 def _in_plane(points: ndarray, centre: ndarray, axes: ndarray) -> ndarray:
+    """Return points, shape (n, m, 3), in coordinates of planes; the last one is the height."""
     return np.asarray((points - centre[:, None]) @ axes.transpose(0, 2, 1))
 
 
 def _heights(polygons: ndarray, points: ndarray) -> ndarray:
-    """Return heights of the mean planes of polygons, shape (n, corners, 3), at points, shape (n, m,
-    2).
-    """
+    """Return heights of the mean planes of polygons (n, corners, 3) at points (n, m, 2)."""
     centre, axes = _mean_planes(polygons)
     along = (points - centre[:, None, :2]) @ axes[:, 2, :2, None]
     return np.asarray(centre[:, None, 2] - along[:, :, 0] / axes[:, None, 2, 2])
 
 
 def _overlap(polygons: ndarray, others: ndarray) -> ndarray:
-    """Return a mask of pairs of polygons, shape (n, corners, 3), whose boxes in the plane
-    overlap.
-    """
-    here, there = polygons[:, :, :2], others[:, :, :2]
-    return np.asarray(
-        ((here.min(axis=1) < there.max(axis=1)) & (there.min(axis=1) < here.max(axis=1))).all(
-            axis=1
-        )
-    )
+    """Return a mask of pairs of polygons (n, corners, 3) whose boxes in the plane overlap."""
+    first = polygons[:, :, :2]
+    second = others[:, :, :2]
+    begins_before = first.min(axis=1) < second.max(axis=1)
+    ends_after = second.min(axis=1) < first.max(axis=1)
+    return np.asarray((begins_before & ends_after).all(axis=1))
 
 
 def _area(polygons: ndarray) -> ndarray:
+    """Return areas of anticlockwise polygons, shape (n, corners, 2)."""
     after = np.roll(polygons, -1, axis=1)
-    return np.asarray(
-        0.5 * (polygons[..., 0] * after[..., 1] - polygons[..., 1] * after[..., 0]).sum(axis=1)
-    )
+    cross = polygons[..., 0] * after[..., 1] - polygons[..., 1] * after[..., 0]
+    return np.asarray(0.5 * cross.sum(axis=1))
 
 
 def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
     """Clip convex anticlockwise polygons, (n, corners, 2); return these and numbers of corners."""
     count = np.full(len(polygons), polygons.shape[1])
-    for k in range(clips.shape[1]):
-        start, along = (
-            clips[:, k, None],
-            (clips[:, (k + 1) % clips.shape[1]] - clips[:, k])[:, None],
-        )
-        number = np.arange(polygons.shape[1])
+    n_clips = clips.shape[1]
+    for k in range(n_clips):
+        n, corners, _ = polygons.shape
+        start = clips[:, k, None]
+        along = (clips[:, (k + 1) % n_clips] - clips[:, k])[:, None]
+
+        # Find the side of the clipping edge on which each corner lies: positive inside
+        number = np.arange(corners)
         valid = number < count[:, None]
-        after = np.where(number + 1 < count[:, None], number + 1, 0)
-        side = (
-            along[..., 0] * (polygons - start)[..., 1] - along[..., 1] * (polygons - start)[..., 0]
-        )
+        offset = polygons - start
+        side = along[..., 0] * offset[..., 1] - along[..., 1] * offset[..., 0]
         side[np.abs(side) <= _ON_EDGE * (along**2).sum(axis=2)] = 0.0
-        following = np.take_along_axis(side, after, axis=1)
-        crosses = valid & (side * following < 0.0)
-        share = side / np.where(crosses, side - following, 1.0)
-        crossing = polygons + share[..., None] * (
-            np.take_along_axis(polygons, after[..., None], axis=1) - polygons
-        )
-        both = np.stack((polygons, crossing), axis=2).reshape(
-            len(polygons), 2 * polygons.shape[1], 2
-        )
-        kept = np.stack((valid & (side >= 0.0), crosses), axis=2).reshape(both.shape[:2])
+
+        # Intersect the polygon's edges with the clipping edge
+        after = np.where(number + 1 < count[:, None], number + 1, 0)
+        side_after = np.take_along_axis(side, after, axis=1)
+        corner_after = np.take_along_axis(polygons, after[..., None], axis=1)
+        crosses = valid & (side * side_after < 0.0)
+        share = side / np.where(crosses, side - side_after, 1.0)
+        crossing = polygons + share[..., None] * (corner_after - polygons)
+
+        # Keep corners inside and intersections, in their order
+        both = np.stack((polygons, crossing), axis=2).reshape(n, 2 * corners, 2)
+        kept = np.stack((valid & (side >= 0.0), crosses), axis=2).reshape(n, 2 * corners)
         count = kept.sum(axis=1)
         order = np.argsort(~kept, axis=1, kind="stable")[:, : max(count.max(initial=0), 1)]
         polygons = np.take_along_axis(both, order[..., None], axis=1)
@@ -385,9 +415,10 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
+    """Cut convex polygons into triangles about their first corners; return polygon and corners."""
     number = np.arange(1, max(polygons.shape[1] - 1, 1))
-    polygon, second = np.nonzero(number + 1 < count[:, None])
-    second = number[second]
+    polygon, column = np.nonzero(number + 1 < count[:, None])
+    second = number[column]
     corners = np.stack((np.zeros_like(second), second, second + 1), axis=1)
     return polygon, polygons[polygon[:, None], corners]
 
@@ -395,15 +426,14 @@ def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
 def _back(
     slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes: ndarray, points: ndarray
 ) -> tuple[ndarray, ndarray]:
-    """Return local coordinates of points in the planes of facets, and area in the plane per
-    unit.
-    """
+    """Return xi of points in the planes of facets, and area in the plane per unit of xi."""
+    to_plane = axes.transpose(0, 2, 1)
     xi = np.tile(slave.shape.centre, (len(facet), 1))
     for _ in range(NEWTON_STEPS):
-        x = slave.at(facet, xi, nodes).x
-        offset = points - ((x[0] - centre)[:, None] @ axes.transpose(0, 2, 1))[:, 0, :2]
-        jacobian = x[1] @ axes.transpose(0, 2, 1)[:, :, :2]
-        step = solve(jacobian.transpose(0, 2, 1), offset)
+        x, a = slave.at(facet, xi, nodes).x
+        position = ((x - centre)[:, None] @ to_plane)[:, 0, :2]
+        jacobian = a @ to_plane[:, :, :2]
+        step = solve(jacobian.transpose(0, 2, 1), points - position)
         xi = xi + step
         if np.abs(step).max(initial=0.0) < _LAST_STEP:
             break
@@ -413,41 +443,38 @@ def _back(
 def _with_the_others(
     slave: Surface, facet: ndarray, xi: ndarray, weight: ndarray, facing: ndarray
 ) -> ndarray:
+    """Return rows of points on pieces, and of a rule on the facets without any, facet by facet."""
     alone = np.setdiff1d(np.arange(len(slave.facets)), facet)
     inner, w = rule(slave.shape, int(slave.shape.exponents.max()) + 1)
-    facets = np.concatenate((facet, np.repeat(alone, len(w))))
-    rows = np.column_stack(
-        (
-            facets,
-            np.concatenate((xi, np.tile(inner, (len(alone), 1)))),
-            np.concatenate((weight, np.tile(w, len(alone)))),
-            np.concatenate((facing, np.full(len(alone) * len(w), -1))),
-        )
-    )
-    return rows[np.argsort(facets, kind="stable")]
+    m = len(alone)
+    facet = np.concatenate((facet, np.repeat(alone, len(w))))
+    xi = np.concatenate((xi, np.tile(inner, (m, 1))))
+    weight = np.concatenate((weight, np.tile(w, m)))
+    facing = np.concatenate((facing, np.full(m * len(w), -1)))
+    rows = np.column_stack((facet, xi, weight, facing))
+    return rows[np.argsort(facet, kind="stable")]
 
 
 def changed(old: ndarray, new: ndarray) -> float:
-    """Return the largest distance of a cut from the nearest one among the others; in space, of an
-    area.
-    """
+    """Return the largest distance of a cut from the others; in space the change of an area."""
     if old.ndim == 2:
         return _area_changed(old, new)
+    return max(_farthest(old, new), _farthest(new, old))
 
-    def farthest(a: ndarray, b: ndarray) -> float:
-        right = np.clip(np.searchsorted(b, a), 1, len(b) - 1)
-        return float(np.minimum(np.abs(a - b[right - 1]), np.abs(a - b[right])).max())
 
-    return max(farthest(old, new), farthest(new, old))
+def _farthest(cuts: ndarray, others: ndarray) -> float:
+    """Return the largest distance of ascending cuts from the nearest one among others."""
+    right = np.clip(np.searchsorted(others, cuts), 1, len(others) - 1)
+    to_left = np.abs(cuts - others[right - 1])
+    to_right = np.abs(cuts - others[right])
+    return float(np.minimum(to_left, to_right).max())
 
 
 def _area_changed(old: ndarray, new: ndarray) -> float:
-    pairs = np.concatenate((old, new))[:, [0, 4]].astype(int)
-    pairs, number = np.unique(
-        pairs[:, 0] * (pairs[:, 1].max() + 2) + pairs[:, 1], return_inverse=True
-    )
-    before, after = (
-        np.bincount(rows, cuts[:, 3], minlength=len(pairs))
-        for rows, cuts in ((number[: len(old)], old), (number[len(old) :], new))
-    )
+    """Return the largest change of the weight between two facets, as a share of the largest."""
+    facet, facing = np.concatenate((old, new))[:, [0, 4]].astype(int).T
+    pairs, number = np.unique(facet * (facing.max() + 2) + facing, return_inverse=True)
+    n = len(old)
+    before = np.bincount(number[:n], old[:, 3], minlength=len(pairs))
+    after = np.bincount(number[n:], new[:, 3], minlength=len(pairs))
     return float(np.abs(after - before).max() / before.max())
