@@ -258,7 +258,6 @@ class Model(Setup):
         water: AtRest = None,
         reduce: str | Collection[str] | None = None,
         exclude: str | Collection[str] = (),
-        method: Literal["continuation", "bracket"] = "continuation",
         flow: Flow = "given",
         tolerance: float = 0.01,
         step: float = 0.1,
@@ -268,6 +267,8 @@ class Model(Setup):
         progress: bool | None = None,
     ) -> CollapseResult:
         """Reduce the strength until the structure collapses under its load.
+
+        The work of the load is prescribed and the factor follows, up to its plateau.
 
         Parameters
         ----------
@@ -284,9 +285,6 @@ class Model(Setup):
             have a strength: regions of solids, and friction and adhesion of contact pairs.
         exclude
             Names of forms and of regions that keep their strength, or one.
-        method
-            ``"continuation"``: the work of the load is prescribed and the factor follows, up to its
-            plateau; ``"bracket"``: fixed factors, each from the last stable state.
         flow
             Flow rule: ``"given"``, ``"associated"``, ``"davis_a"``, ``"davis_b"``, ``"davis_c"`` or
             ``"lagged"``, see
@@ -342,7 +340,6 @@ class Model(Setup):
             water,
             reduce,
             exclude,
-            method,
             flow,
             tolerance,
             step,

@@ -1,3 +1,1 @@
-"""Collapse: factors of safety by strength reduction, limit loads, and the curves that lead to
-them.
-"""
+"""Collapse: factors of safety by strength reduction, limit loads, and their curves."""

@@ -1,10 +1,10 @@
 """Indirect continuation: the work of the load is prescribed, and the load or the strength follows.
 
 Near collapse the displacements grow without bound while the parameter of the problem (strength
-reduction factor, load multiplier) hardly changes, and beyond collapse there is no equilibrium. The
-work of a reference load grows steadily all the time. So the work is prescribed, the parameter is
-sought together with the displacements, and the curve of the parameter over the work levels off at
-the limit.
+reduction factor, load multiplier) hardly changes. Beyond collapse no equilibrium exists. The work
+of a reference load grows steadily all the time. So the work is prescribed, the parameter is sought
+together with the displacements, and the curve of the parameter over the work levels off at the
+limit.
 
 S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Methods Geomech. 45
 (2021) 2388-2414.
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -23,7 +23,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import look_up
-from ..errors import NoEquilibrium, NotConverged, warn
+from ..errors import NotConverged, warn
 from ..forms.base import Form
 from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Search, iterate
@@ -56,10 +56,10 @@ _CUTS = {"stall": 6, "peak": 1}
 #: steps are round-off.
 _MOST_FAILED, _LEAST_FAILED = 150, 5
 _MOST_STEPS = 100
-#: Iterations of a step beside contact: a pit beside a wall takes 210, 470, 211 and 176 with 30 of
+#: Iterations of a step with contact: a pit beside a wall takes 210, 470, 211 and 176 with 30 of
 #: them, and 190, 226, 147 and 172 with 15, for the same factors. Without contact steps that take
 #: more are of use where psi < phi.
-_BESIDE_CONTACT = 15
+_WITH_CONTACT = 15
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
 #: Lengths of the last step at which a flat piece of a curve without yielding soil is looked at
@@ -67,7 +67,7 @@ _CHORD = 0.7
 #: flow rises by .05 % over twice the work, and by 1.2 % until the next one flows, another one by
 #: 1.3 % over 340 lengths.
 _BEYOND, _STRAIGHT = (512.0, 128.0, 32.0, 8.0, 2.0), 0.5
-#: What a search leaves as it is at its start.
+#: Attributes of a stage that a search does not change.
 _KEPT = ("time", "water", "unreleased", "placed", "changed", "supports")
 
 
@@ -80,11 +80,10 @@ class Branch(ABC):
     system: System
     #: Line search: along the energy where the forms do not depend on the parameter. Where they do,
     #: the step is not exceeded; by the norm of the residual, to which single points that yield and
-    #: unload add much, more searches fail. Beside contact that depends on it the work or the norm
-    #: counts.
+    #: unload add much, more searches fail. Where contact depends on it the work or the norm counts.
     search: Search
     #: Contact depends on the parameter.
-    beside_contact: bool = False
+    with_contact: bool = False
 
     @abstractmethod
     def at(self, parameter: float) -> tuple[System, ndarray]:
@@ -92,18 +91,13 @@ class Branch(ABC):
 
     @abstractmethod
     def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
-        """Return the derivative of the residual by the parameter, at an evaluation from accepted
-        states.
-        """
+        """Return the derivative of the residual by the parameter, from accepted states."""
 
     def resist(self) -> bool:
-        """Let friction resist further slip in damped tangents from now on; return whether any
-        does.
-        """
+        """Let friction resist further slip in damped tangents; return True if any form does."""
         before = self.system
-        self.system = before.with_forms(
-            {name: form.with_resistance() for name, form in before.forms.items()}
-        )
+        resisting = {name: form.with_resistance() for name, form in before.forms.items()}
+        self.system = before.with_forms(resisting)
         return self.system is not before
 
 
@@ -125,7 +119,7 @@ class SearchStart:
     weight, load
         Weights and load on top, (N,); without a load of its own, that of the start.
     kept
-        What the end of the search has of the start.
+        Attributes of the stage at the start that the end of the search keeps.
     at_rest
         Function that returns the pressure of the water at rest and its load, (N,), or None.
     """
@@ -139,10 +133,10 @@ class SearchStart:
     at_rest: Callable[[], tuple[Any, ndarray] | None]
 
     def ended(self, result: CollapseResult, water: Any = None) -> CollapseResult:
-        """Return a result from whose end stages continue as from the start: with its water,
-        supports and changes.
-        """
-        kept = dict(self.kept) if water is None else {**self.kept, "water": water}
+        """Return a result whose end keeps water, supports and changes of the start."""
+        kept = dict(self.kept)
+        if water is not None:
+            kept["water"] = water
         return replace(result, end=replace(result.end, **kept))
 
 
@@ -154,75 +148,99 @@ def loaded_start(
     undrained: bool = False,
     flow: Flow = "given",
 ) -> SearchStart:
-    """Return the start of a search, with the load of the start or another load on top of weights
-    and water.
+    """Return the start of a search with its load on top of weights and water.
 
-    Inactive bodies do not move. Geometry that follows the displacements is held as it is at the
-    start: a limit is that of one geometry, whatever the stiffness. Pore pressures stay, or those of
-    ground that cannot drain follow.
+    By default the load is the load of the start. Inactive bodies do not move. Geometry that follows
+    the displacements is held as it is at the start: a limit belongs to one geometry, whatever the
+    stiffness. Pore pressures stay; in ground that cannot drain they follow.
     """
     last = last_stage(start)
     setup = setup.after(last)
-    if last is not None and last.unreleased is not None:
-        share = np.linalg.norm(last.unreleased) / np.linalg.norm(last.load)
-        warn(
-            f"the start holds back {share:.0%} of its load, forces of what is deactivated: the "
-            f"search counts them as "
-            "resistance; release the rest in a stage before"
-        )
-    active = (
-        setup.forms
-        if last is None
-        else {
-            name: look_up(name, setup.forms, "form, though the start holds it,")
-            for name in last.states
-        }
-    )
-    if last is not None and len(last.x) < setup.layout.size:
-        unknown = [name for name, form in setup.forms.items() if form.fields and name not in active]
-        raise ValueError(f"the start does not hold {unknown}: activate them in a stage")
+    if last is not None:
+        _warn_of_unreleased(last)
+
+    # number the active forms and hold the dofs of the others
+    active = _active_forms(setup, last)
     fixed = np.union1d(setup.fixed, setup.inactive(active))
     if undrained:
         active, fixed = without_drainage(active, fixed, flow)
     system = setup.checked_system(active, fixed)
-    x = np.zeros(system.size) if last is None else last.x
-    states = (
-        {name: form.initial_state() for name, form in system.forms.items()}
-        if last is None
-        else last.states
-    )
-    held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
-    fixed_forms, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
-    weight = setup.weights(active)
-    water = last.water if water is None and last is not None else water
-    if last is None or load is not None:
-        on_top = setup.load(load) + setup.water_on(active, water)
+
+    # begin from the displacements and states of the last stage, in their geometry
+    if last is None:
+        x = np.zeros(system.size)
+        states = {name: form.initial_state() for name, form in system.forms.items()}
     else:
-        on_top = setup.vector(last.load, "the load of the start") - weight
-        if water is not last.water:
-            on_top += setup.water_on(active, water) - setup.water_on(active, last.water)
+        x, states = last.x, dict(last.states)
+    forms = {}
+    for name, form in system.forms.items():
+        forms[name], states[name] = form.fixed_geometry(x, states[name])
+    system = system.with_forms(forms)
+
+    # put the load on top of the weights
+    if water is None and last is not None:
+        water = last.water
+    weight = setup.weights(active)
+    on_top = _load_on_top(setup, load, last, water, active)
     if not (weight + on_top).any():
-        what = "the load is zero" if load is not None else "there is no load"
-        raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
+        cause = "the load is zero" if load is not None else "there is no load"
+        raise ValueError(f"{cause}: give a `load`, unit weights of the forms, or a loaded `start`")
     if last is not None and not undrained:
-        warn_of_fresh_pressures(system.with_forms(fixed_forms), x, states, weight + on_top)
+        warn_of_fresh_pressures(system, x, states, weight + on_top)
+
     kept = {} if last is None else {name: getattr(last, name) for name in _KEPT}
     kept["water_unit_weight"] = setup.water_unit_weight
     return SearchStart(
-        dict(active),
-        system.with_forms(fixed_forms),
-        Point(x, states, 0.0),
-        weight,
-        on_top,
-        kept,
-        partial(setup.at_rest, active, water),
+        forms=dict(active),
+        system=system,
+        origin=Point(x, states, 0.0),
+        weight=weight,
+        load=on_top,
+        kept=kept,
+        at_rest=partial(setup.at_rest, active, water),
     )
 
 
-def remainder(points: list[Point] | tuple[Point, ...]) -> float:
+def _warn_of_unreleased(last: StageResult) -> None:
+    """Raise a warning where a stage holds back forces of what it deactivates."""
+    if last.unreleased is None:
+        return
+    share = np.linalg.norm(last.unreleased) / np.linalg.norm(last.load)
+    warn(
+        f"the start holds back {share:.0%} of its load, forces of what is deactivated: the search "
+        "counts them as resistance; release the rest in a stage before"
+    )
+
+
+def _active_forms(setup: Setup, last: StageResult | None) -> Mapping[str, Form]:
+    """Return the forms that are active in a stage, or all without one."""
+    if last is None:
+        return setup.forms
+    active = {
+        name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states
+    }
+    if len(last.x) < setup.layout.size:
+        unknown = [name for name, form in setup.forms.items() if form.fields and name not in active]
+        raise ValueError(f"the start does not hold {unknown}: activate them in a stage")
+    return active
+
+
+def _load_on_top(
+    setup: Setup, load: Any, last: StageResult | None, water: Any, active: Mapping[str, Form]
+) -> ndarray:
+    """Return the load of a search without the weights of the active forms, (N,)."""
+    if last is None or load is not None:
+        return setup.load(load) + setup.water_on(active, water)
+    on_top = setup.vector(last.load, "the load of the start") - setup.weights(active)
+    if water is not last.water:
+        on_top += setup.water_on(active, water) - setup.water_on(active, last.water)
+    return on_top
+
+
+def remainder(points: Sequence[Point]) -> float:
     """Estimate how far the parameter may still rise, by the slope of the curve's last part.
 
-    That part begins where at most :data:`_CHORD` of the present work had been done: the slope of
+    The part begins where at most :data:`_CHORD` of the present work had been done: the slope of
     shorter parts may be the solver's tolerance.
     """
     first, last = points[0], points[-1]
@@ -235,8 +253,40 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def motion(last: Point, failed: NotConverged | None) -> ndarray:
-    """Return displacements from the last equilibrium to those at which the next step failed."""
-    return np.zeros_like(last.x) if failed is None or failed.x is None else failed.x - last.x
+    """Return displacements from the last equilibrium to the point where the next step failed."""
+    if failed is None or failed.x is None:
+        return np.zeros_like(last.x)
+    return failed.x - last.x
+
+
+@dataclass(frozen=True)
+class Course:
+    """Steps and end of a curve.
+
+    Attributes
+    ----------
+    tolerance, relative
+        The curve ends when its last slope lets the parameter rise by no more than the tolerance, a
+        share of the parameter if `relative`.
+    min_displacement
+        Largest displacement without which the curve does not end.
+    max_value
+        The curve ends when the parameter exceeds this value.
+    growth, max_step
+        Ratio of a step to the one before, and work of the longest step; after a failed step the
+        steps grow less.
+    """
+
+    tolerance: float
+    relative: bool = False
+    max_value: float = np.inf
+    growth: float = GROWTH
+    max_step: float = np.inf
+    min_displacement: float = 0.0
+
+    def margin(self, parameter: float) -> float:
+        """Return the tolerance at a value of the parameter."""
+        return self.tolerance * abs(parameter) if self.relative else self.tolerance
 
 
 def follow(
@@ -244,22 +294,21 @@ def follow(
     control: ndarray,
     points: list[Point],
     newton: Newton,
-    tolerance: float,
+    course: Course,
     log: SearchLog,
-    **settings: Any,
 ) -> SearchResult:
-    """Follow the curve until it has levelled off, a second time with resistance to slip where it
-    stalls.
+    """Follow the curve until it has levelled off; where it stalls, again with resistance to slip.
 
     With resistance from the start blocks that slide away end in a plateau, up to .3 % too high.
     """
-    if branch.beside_contact:
-        newton = replace(newton, max_iterations=min(newton.max_iterations, _BESIDE_CONTACT))
-    found = _follow(branch, control, points, newton, tolerance, log, **settings)
-    if found.stop.kind == "stall" and branch.resist():
-        again = _follow(branch, control, points, newton, tolerance, log, **settings)
-        return again if again.stop.shows_limit else found
-    return found
+    if branch.with_contact:
+        newton = replace(newton, max_iterations=min(newton.max_iterations, _WITH_CONTACT))
+    result = _follow(branch, control, points, newton, course, log)
+    if result.stop.kind == "stall" and branch.resist():
+        again = _follow(branch, control, points, newton, course, log)
+        if again.stop.shows_limit:
+            return again
+    return result
 
 
 def _follow(
@@ -267,89 +316,84 @@ def _follow(
     control: ndarray,
     points: list[Point],
     newton: Newton,
-    tolerance: float,
+    course: Course,
     log: SearchLog,
-    relative: bool = False,
-    max_value: float = np.inf,
-    growth: float = GROWTH,
-    max_step: float = np.inf,
-    min_displacement: float = 0.0,
 ) -> SearchResult:
-    """Follow the curve once.
-
-    Parameters
-    ----------
-    branch, control, points
-        The problem, the load whose work is prescribed, and two points to start from.
-    tolerance, relative, max_value, min_displacement
-        The curve ends when its last slope lets the parameter rise by no more than the tolerance, a
-        share of the parameter if `relative`, and a displacement is as large as `min_displacement`;
-        or when the parameter exceeds `max_value`.
-    growth, max_step
-        Ratio of a step to the one before, and work of the longest step; after a failed step they
-        grow less.
-    """
-    points, length, failures, failed = (
-        list(points),
-        min(points[-1].work - points[-2].work, max_step),
-        Counter[str](),
-        0,
-    )
+    """Follow the curve once, by the work of the load `control`, from two points on it."""
+    points = list(points)
+    length = min(points[-1].work - points[-2].work, course.max_step)
+    growth = course.growth
+    failures = Counter[str]()  # failed steps in a row, by kind
+    spent = 0  # iterations of failed steps
     while len(points) < _MOST_STEPS:
-        last = points[-1]
-        margin = tolerance * (abs(last.parameter) if relative else 1.0)
+        before, last = points[-2:]
+        margin = course.margin(last.parameter)
+        rise = length * (last.parameter - before.parameter) / (last.work - before.work)
         try:
             point = correct(branch, control, points, last.work + length, newton)
-            if min_displacement == 0.0 and point.parameter < last.parameter - margin:
+            if course.min_displacement == 0.0 and point.parameter < last.parameter - margin:
                 raise PeakPassed("the curve falls", point.x, point.residuals)
         except NotConverged as error:
-            rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
-            if is_singular(error):
-                beyond, forces = branch.at(last.parameter + max(rise, margin))
-                error = as_collapse(error, beyond, last.x, last.states, forces, newton)
-            log.reject(last.parameter, error, last.work + length)
-            if isinstance(error, NoEquilibrium) and rise < margin:
-                return SearchResult(
-                    points,
-                    Stop("collapse", str(error)),
-                    last.parameter + margin,
-                    motion(last, error),
-                )
-            kind = kind_of(error)
+            # end at a collapse, or after too many failures; otherwise halve the step
+            failure = _as_collapse(branch, last, last.parameter + max(rise, margin), error, newton)
+            log.reject(last.parameter, failure, last.work + length)
+            kind = kind_of(failure)
+            if kind == "collapse" and rise < margin:
+                stop = Stop("collapse", str(failure))
+                return SearchResult(points, stop, last.parameter + margin, motion(last, failure))
             failures[kind] += 1
-            failed += max(len(error.residuals) - 1, _LEAST_FAILED)
-            if kind != "collapse" and (failures[kind] > _CUTS[kind] or failed > _MOST_FAILED):
-                return SearchResult(points, Stop(kind, str(error)))
-            length, growth = 0.5 * length, min(growth, _CAUTIOUS)
+            spent += max(len(failure.residuals) - 1, _LEAST_FAILED)
+            if kind != "collapse" and (failures[kind] > _CUTS[kind] or spent > _MOST_FAILED):
+                return SearchResult(points, Stop(kind, str(failure)))
+            length *= 0.5
+            growth = min(growth, _CAUTIOUS)
             continue
+
+        # end on a plateau or beyond the largest value; otherwise lengthen the step
         points.append(point)
         log.accept(point)
-        left = remainder(points)
-        reached = log.moved(point.x) >= min_displacement
+        remaining = remainder(points)
+        moved = log.moved(point.x) >= course.min_displacement
         if (
-            reached
-            and left < margin
-            and not (log.straight and _rises(branch, control, points, newton, margin))
+            moved
+            and remaining < margin
+            and not _rises(branch, control, points, newton, margin, log)
         ):
             best = max(point.parameter for point in points)
-            stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
-            return SearchResult(points, stop, best + (left if left > 0.0 else margin))
-        if point.parameter > max_value:
-            return SearchResult(points, no_collapse_below(max_value))
-        length = length if failures else min(growth * length, max_step)
+            stop = Stop("plateau", f"the curve may rise by {max(remaining, 0.0):.2g} more")
+            return SearchResult(points, stop, best + (remaining if remaining > 0.0 else margin))
+        if point.parameter > course.max_value:
+            return SearchResult(points, no_collapse_below(course.max_value))
+        if not failures:
+            length = min(growth * length, course.max_step)
         failures.clear()
     return SearchResult(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
+def _as_collapse(
+    branch: Branch, last: Point, parameter: float, error: NotConverged, newton: Newton
+) -> NotConverged:
+    """Return a collapse for a singular tangent if nothing resists at a parameter, or the error."""
+    if not is_singular(error):
+        return error
+    system, load = branch.at(parameter)
+    return as_collapse(error, system, last.x, last.states, load, newton)
+
+
 def _rises(
-    branch: Branch, control: ndarray, points: list[Point], newton: Newton, margin: float
+    branch: Branch,
+    control: ndarray,
+    points: list[Point],
+    newton: Newton,
+    margin: float,
+    log: SearchLog,
 ) -> bool:
-    """Return True if the last piece of a curve is straight and rises by more than a margin in the
-    end.
-    """
+    """Return True if a curve ends with a straight piece that rises by more than a margin."""
     before, last = points[-2:]
     length, rise = last.work - before.work, last.parameter - before.parameter
-    for times in _BEYOND if _BEYOND[0] * rise > margin else ():
+    if not log.straight or not _BEYOND[0] * rise > margin:
+        return False
+    for times in _BEYOND:
         try:
             far = correct(branch, control, points, last.work + times * length, newton)
         except NotConverged:
@@ -361,16 +405,16 @@ def _rises(
 def correct(
     branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton
 ) -> Point:
-    """Return the equilibrium at which the reference load has done some work, starting from an
-    extrapolation.
+    """Return the equilibrium at which the reference load has done some work.
+
+    The unknowns z are the displacements and the parameter. The work of the load is linear in the
+    displacements, so that each Newton step satisfies it.
     """
+    # extrapolate from the last two points; the curve bends, so the parameter goes half as far
     before, last = points[-2:]
     share = (work - last.work) / (last.work - before.work)
-    # the curve bends: the parameter's extrapolation is a cautious one
-    guess = np.append(
-        last.x + share * (last.x - before.x),
-        last.parameter + 0.5 * (last.parameter - before.parameter),
-    )
+    x = last.x + share * (last.x - before.x)
+    guess = np.append(x, last.parameter + 0.5 * (last.parameter - before.parameter))
     system = branch.at(last.parameter)[0]
     target = system.work(control, points[0].x) + work
 
@@ -378,13 +422,10 @@ def correct(
         if not z[-1] > branch.lowest:
             return Evaluation(z, {}, np.zeros_like(control), np.inf)
         forms, load = branch.at(float(z[-1]))
-        new = forms.evaluate(z[:-1], last.states, load)
-        return replace(new, z=z)
+        return replace(forms.evaluate(z[:-1], last.states, load), z=z)
 
     def direction(now: Evaluation, damped: bool) -> ndarray:
-        """Solve for the Newton step of residual and work together, by two solutions with one
-        factor.
-        """
+        """Solve for the Newton step of residual and work, by two solutions with one factor."""
         solve = system.factor(system.tangent(now, damped))
         balance, drift = solve(now.residual), solve(branch.slope(now, last.states))
         lag = target - system.work(control, now.z[:-1] + balance)
@@ -399,6 +440,7 @@ def correct(
             evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True
         )
     except NotConverged as error:
-        error.x = None if error.x is None else error.x[: len(control)]
+        if error.x is not None:
+            error.x = error.x[: len(control)]
         raise
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)

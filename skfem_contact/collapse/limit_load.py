@@ -19,7 +19,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, Branch, follow, last_stage, loaded_start
+from .continuation import GROWTH, Branch, Course, follow, last_stage, loaded_start
 from .mechanism import LOAD, as_collapse, warn_of_errors
 from .result import CollapseResult, Point, SearchLog, conclude
 
@@ -35,7 +35,9 @@ class _Load(Branch):
     search: Search = "energy"
 
     def __init__(self, system: System, dead: ndarray, reference: ndarray) -> None:
-        self.system, self.dead, self.reference = system, dead, reference
+        self.system = system
+        self.dead = dead
+        self.reference = reference
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Return the system, and the load at a multiplier."""
@@ -67,60 +69,62 @@ def limit_load(
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_step > 0:
         raise ValueError(
-            f"tolerance, step and max_step must be positive, not {tolerance!r}, {step!r} and "
-            f"{max_step!r}"
+            "tolerance, step and max_step must be positive, not "
+            f"{tolerance!r}, {step!r} and {max_step!r}"
         )
     if load is None:
         raise ValueError("there is no load to be multiplied: give `load`")
-    begun = loaded_start(
-        setup, load, start, False, undrained, flow
-    )  # the load of the start stays, its water with it
-    system, reference = begun.system, begun.load
-    if flow != "given":
-        system = system.with_forms(
-            {name: form.reduced(1.0, flow, form.strengths) for name, form in system.forms.items()}
-        )
+
+    # keep the load of the start with its water as the dead load
+    begun = loaded_start(setup, load, start, False, undrained, flow)
     last = last_stage(start)
     dead = begun.weight if last is None else setup.vector(last.load, "the load of the start")
+    system = begun.system
+    if flow != "given":
+        associated = {
+            name: form.reduced(1.0, flow, form.strengths) for name, form in system.forms.items()
+        }
+        system = system.with_forms(associated)
+    branch = _Load(system, dead, begun.load)
+
+    # prove bounds that were asked for
+    water = None if last is None else last.water
     proven = beside(
         certify,
         begun.forms,
-        system.fixed,
-        dead,
-        reference,
+        fixed=system.fixed,
+        dead=dead,
+        live=branch.reference,
         flow=flow,
         progress=progress,
-        at_rest=partial(setup.at_rest, begun.forms, None if last is None else last.water),
+        at_rest=partial(setup.at_rest, begun.forms, water),
     )
-    branch = _Load(system, dead, reference)
+
+    # follow the curve from the first loaded equilibrium
     newton = setup.newton or Newton(tolerance=0.03 * tolerance, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system, bar, begun.origin)
-        points = [begun.origin, _first(branch, begun.origin, step, newton, log)]
-        found = follow(
-            branch,
-            reference,
-            points,
-            newton,
+        first = _first(branch, begun.origin, step, newton, log)
+        course = Course(
             tolerance,
-            log,
             relative=True,
             max_value=max_value,
             growth=_SMALL_GROWTH if flow == "lagged" else GROWTH,
-            max_step=max_step * points[-1].work,
+            max_step=max_step * first.work,
             min_displacement=min_displacement,
         )
-    end = found.points[-1]
+        points = [begun.origin, first]
+        search = follow(branch, branch.reference, points, newton, course, log)
+    end = search.points[-1]
     result = conclude(
         LOAD,
-        found,
-        end,
-        system,
-        branch.at(end.parameter)[1],
-        log.steps,
-        "continuation",
-        flow,
-        multiplied=reference,
+        search,
+        last=end,
+        system=system,
+        load=branch.at(end.parameter)[1],
+        steps=log.steps,
+        flow=flow,
+        multiplied=branch.reference,
     )
     return begun.ended(result).beside(proven, tolerance * abs(result.value))
 
@@ -131,7 +135,7 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)
         try:
-            found = system.equilibrium(
+            result = system.equilibrium(
                 origin.x,
                 origin.states,
                 load,
@@ -143,13 +147,8 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
         except NotConverged as error:
             log.reject(multiplier, error, 0.0)
             continue
-        point = Point(
-            found.x,
-            found.states,
-            multiplier,
-            system.work(branch.reference, found.x - origin.x),
-            found.residuals,
-        )
+        work = system.work(branch.reference, result.x - origin.x)
+        point = Point(result.x, result.states, multiplier, work, result.residuals)
         log.accept(point)
         return point
     raise NotConverged(
@@ -165,10 +164,8 @@ def is_stable(
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
     begun = loaded_start(setup, load, start, water, undrained)
     system, origin = begun.system, begun.origin
-    whole, newton = (
-        begun.weight + begun.load,
-        setup.newton or Newton(tolerance=3e-4, max_iterations=60),
-    )
+    whole = begun.weight + begun.load
+    newton = setup.newton or Newton(tolerance=3e-4, max_iterations=60)
     try:
         system.equilibrium(
             origin.x,
@@ -181,9 +178,10 @@ def is_stable(
             damp=True,
         )
     except NotConverged as error:
-        found = as_collapse(error, system, origin.x, origin.states, whole, newton)
-        if not isinstance(found, NoEquilibrium) or found.x is None:
+        failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
+        if not isinstance(failure, NoEquilibrium) or failure.x is None:
             raise
-        warn_of_errors(system, found.x, system.evaluate(found.x, origin.states, whole).states)
+        states = system.evaluate(failure.x, origin.states, whole).states
+        warn_of_errors(system, failure.x, states)
         return False
     return True

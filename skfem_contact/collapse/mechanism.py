@@ -22,9 +22,9 @@ from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem
 
 FACTOR, LOAD = "factor of safety", "limit load"
-#: Stiffnesses of the springs, relative to the largest entry of each row of the tangent, and those
-#: that lead to them one by one: a cube of quadratic tetrahedra that is crushed as a whole, with two
-#: equal stresses, fails without, and takes 2 to 5 iterations with each of these.
+#: Stiffnesses of the springs, relative to the largest entry of each row of the tangent, and a
+#: sequence that leads to them one by one: a cube of quadratic tetrahedra that is crushed as a
+#: whole, with two equal stresses, fails without, and takes 2 to 5 iterations with each of these.
 _SOFT, _SOFTER = (1e-7, 1e-9), (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 #: Least share of the load that springs resist in a mechanism, and its ratio for the two
 #: stiffnesses: 1 in a mechanism, 0.01 where something else resists, 0.6 to 0.8 where that is as
@@ -62,7 +62,8 @@ class _Springs(Form):
     symmetric = True
 
     def __init__(self, stiffness: ndarray, x: ndarray) -> None:
-        self._stiffness, self._x = stiffness, x
+        self._stiffness = stiffness
+        self._x = x
 
     def assemble(self, x: ndarray, state: Any) -> Response:
         return Response(
@@ -80,11 +81,10 @@ def as_collapse(
     load: ndarray,
     newton: Newton,
 ) -> NotConverged:
-    """Return the error, or :class:`NoEquilibrium` if only springs hold the structure, however soft
-    they are.
+    """Return the error, or :class:`NoEquilibrium` if only soft springs hold the structure.
 
-    The tangent of a mechanism is singular, but so is that of single points without pressure beside
-    an equilibrium.
+    The tangent of a mechanism is singular, but so is the tangent of single points without pressure
+    at an equilibrium.
     """
     begun = system.evaluate(x, states, load)
     rows = abs(system.tangent(begun)).max(axis=1).toarray().ravel()
@@ -94,7 +94,8 @@ def as_collapse(
 
     def shares(stiffnesses: tuple[float, ...]) -> tuple[ndarray, dict[float, float]]:
         """Return displacements with the softest springs, and shares of the work by stiffness."""
-        now, found = x, {}
+        now = x
+        share = {}
         for soft in stiffnesses:
             springs = _Springs(soft * rows, x)
             now = (
@@ -112,23 +113,22 @@ def as_collapse(
                 .x
             )
             work = float(begun.residual @ (now - x))
-            found[soft] = (
-                float(springs.assemble(now, None).force @ (now - x)) / work if work > 0.0 else 0.0
-            )
-        return now, found
+            resisted = float(springs.assemble(now, None).force @ (now - x))
+            share[soft] = resisted / work if work > 0.0 else 0.0
+        return now, share
 
     try:
-        now, found = shares(_SOFT)
+        now, share = shares(_SOFT)
     except NotConverged:
         try:
-            now, found = shares(_SOFTER)
+            now, share = shares(_SOFTER)
         except NotConverged:
             return error
-    share = found[_SOFT[-1]]
-    if share < max(_SHARE, _SAME * found[_SOFT[0]]):
+    first, last = share[_SOFT[0]], share[_SOFT[-1]]
+    if last < max(_SHARE, _SAME * first):
         return error
     return NoEquilibrium(
-        f"nothing resists a motion: only springs would resist {share:.1%} of the load",
+        f"nothing resists a motion: only springs would resist {last:.1%} of the load",
         now,
         error.residuals,
         int(np.argmax(np.abs(now - x))),
@@ -136,9 +136,7 @@ def as_collapse(
 
 
 def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
-    """Raise warnings of what changes a collapse load: joints that turn inside of their ends,
-    elements that lock.
-    """
+    """Raise warnings of errors of a collapse load: joints that turn, elements that lock."""
     for name, form in system.forms.items():
         for remark in form.remarks(x[: form.size], states[name]):
             if remark.kind in _TOLD:
@@ -148,33 +146,33 @@ def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> Non
 def warn_of_motion(
     what: str, value: float, curve: ndarray, tolerance: float, end: StageResult
 ) -> None:
-    """Raise a warning if a value needs displacements that are not small: the curve, (n, 3), still
-    rises there.
-    """
+    """Raise a warning if the curve, (n, 3), still rises at displacements that are not small."""
     coordinates = end.layout.coordinates if end.layout else np.zeros((2, 1))
-    moved, near = np.maximum.accumulate(curve[1:, 2]), _FAR * np.ptp(coordinates, axis=1).max()
-    if len(moved) and moved[-1] > near > 0.0:
-        reached = max(
-            np.interp(near, moved, curve[1:, 1]), curve[curve[:, 2] <= near, 1].max(initial=-np.inf)
+    near = _FAR * np.ptp(coordinates, axis=1).max()
+    moved = np.maximum.accumulate(curve[1:, 2])
+    if not len(moved) or not moved[-1] > near > 0.0:
+        return
+    reached = max(
+        np.interp(near, moved, curve[1:, 1]), curve[curve[:, 2] <= near, 1].max(initial=-np.inf)
+    )
+    if value - reached > tolerance:
+        warn(
+            f"the {what} {value:.4g} belongs to displacements of {moved[-1]:.3g}, and those up to "
+            f"{near:.3g}, a tenth of the model, give {reached:.4g}: parts such as elastic beams "
+            "resist without limit, or bodies are soft"
         )
-        if value - reached > tolerance:
-            warn(
-                f"the {what} {value:.4g} belongs to displacements of {moved[-1]:.3g}, and those up "
-                f"to {near:.3g}, a "
-                f"tenth of the model, give {reached:.4g}: parts such as elastic beams resist "
-                f"without limit, or bodies "
-                "are soft"
-            )
 
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
     """Return elements and dofs in one line, such as ``576 ElementTriP2, 2442 dofs``."""
     bases = [form.basis for form in solids_of(forms).values()]
+    if not bases:
+        return "no elements"
     count = Counter[str]()
     for basis in bases:
         count[type(basis.elem.elem).__name__] += basis.nelems
     elements = " and ".join(f"{n} {kind}" for kind, n in count.items())
-    return f"{elements}, {bases[0].N} dofs" if bases else "no elements"
+    return f"{elements}, {bases[0].N} dofs"
 
 
 def added_by_mesh(
@@ -184,41 +182,36 @@ def added_by_mesh(
     motion: ndarray,
     power: float | None = None,
 ) -> float:
-    r"""Estimate the share that the size of the elements adds to a factor, or to a limit load with
-    its power.
+    r"""Estimate the share that the size of elements adds to a factor or a limit load.
 
     The exact stresses balance the exact load, also on the mechanism of the mesh,
     :math:`\dot\varepsilon`, so that
-    :math:`\int (\sigma - \sigma_{\rm exact}) : \dot\varepsilon` is the power of what the mesh adds.
-     Stresses that are projected on linear functions stand for the exact ones.  Strength adds the
-     power :math:`\int \tau (\dot\gamma^2 -
-    \dot\varepsilon_V^2) /
-    \dot\gamma` of the largest shear stresses and strains; soil with friction,
-    :math:`\dot\varepsilon_V = \dot\gamma \sin\phi`, gets less from it.  Bands are these strains by
-    solid, (n_elements, n_points).
+    :math:`\int (\sigma - \sigma_{\rm exact}) : \dot\varepsilon` is the power that the mesh adds.
+    Stresses that are projected on linear functions stand for the exact ones. Strength adds the
+    power :math:`\int \tau (\dot\gamma^2 - \dot\varepsilon_V^2) / \dot\gamma` of the largest shear
+    stresses and strains; soil with friction, :math:`\dot\varepsilon_V = \dot\gamma \sin\phi`, gets
+    less from it. Bands are these strains by solid, (n_elements, n_points). The whole power is the
+    given one of a limit load, or the power of the strength.
     """
     lost = strength = 0.0
     for name, form in solids_of(forms).items():
-        if name in bands:
-            stress, strain, slip = (
-                states[name].stress,
-                form.strains(motion[: form.size]),
-                bands[name],
-            )
-            at, _, smooth = projected(form, stress)
-            lost += float(
-                (
-                    form.weight
-                    * ((stress - (at @ smooth).T.reshape(stress.shape)) * strain).sum(axis=0)
-                ).sum()
-            )
-            largest, _, smallest = principal_stresses(stress)
-            less = np.divide(
-                strain[:3].sum(axis=0) ** 2, slip, out=np.zeros_like(slip), where=slip > 0.0
-            )
-            strength += 0.5 * float(
-                (form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)).sum()
-            )
+        if name not in bands:
+            continue
+        stress = states[name].stress
+        strain = form.strains(motion[: form.size])
+        slip = bands[name]
+
+        # int (sigma - sigma_projected) : strain
+        at, _, smooth = projected(form, stress)
+        excess = stress - (at @ smooth).T.reshape(stress.shape)
+        lost += float((form.weight * (excess * strain).sum(axis=0)).sum())
+
+        # int tau (gamma^2 - eps_V^2) / gamma
+        volume = strain[:3].sum(axis=0)
+        less = np.divide(volume**2, slip, out=np.zeros_like(slip), where=slip > 0.0)
+        largest, _, smallest = principal_stresses(stress)
+        spent = form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)
+        strength += 0.5 * float(spent.sum())
     whole = strength if power is None else power
     return max(_ADDED * lost / whole, 0.0) if whole > 0.0 else 0.0
 
@@ -226,37 +219,40 @@ def added_by_mesh(
 def warn_of_mesh(
     what: str, value: float, added: float, proven: Bounds | None, tolerance: float
 ) -> None:
-    """Raise a warning if a value lies outside of its bounds, or if the mesh adds more to it than is
-    tolerable.
-    """
-    coarse = f"the {what} {value:.4g} is about {{:.1%}}{{}} too high, for displacements do not jump inside of elements"
-    if proven is None or proven.estimate or not proven.lower > (1.0 - _CLOSE) * proven.upper:
+    """Raise a warning if a value lies outside of its bounds, or if the mesh adds much to it."""
+    close = (
+        proven is not None and not proven.estimate and proven.lower > (1.0 - _CLOSE) * proven.upper
+    )
+    if proven is None or not close:
         if added > _COARSE:
-            warn(
-                f"{coarse.format(added, ' (half to twice that)')}: refine the mesh along the "
-                f"mechanism"
-            )
+            _warn_of_coarse_mesh(what, value, added, " (half to twice that)", "")
     elif added * value > tolerance:
         exact = proven.lower + _BETWEEN * (proven.upper - proven.lower)
         if proven.upper + tolerance >= value > exact + _TIMES * tolerance:
-            warn(
-                f"{coarse.format(value / exact - 1.0, '')}: bounds are [{proven.lower:.4g}, "
-                f"{proven.upper:.4g}]; "
-                "refine the mesh along the mechanism"
-            )
+            bounds = f"bounds are [{proven.lower:.4g}, {proven.upper:.4g}]; "
+            _warn_of_coarse_mesh(what, value, value / exact - 1.0, "", bounds)
     if proven is None:
         return
-    where = (
-        f"the {what} {value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
-    )
+    bounds = f"[{proven.lower:.4g}, {proven.upper:.4g}], its bounds"
     if value > proven.upper + tolerance:
         warn(
-            where.format("above")
-            + f"the mesh is too coarse by at least {value / proven.upper - 1.0:.1%}, "
-            "or elements of corner nodes lock; `proven.mesh` is a better one"
+            f"the {what} {value:.4g} lies above {bounds}: the mesh is too coarse by at least "
+            f"{value / proven.upper - 1.0:.1%}, or elements of corner nodes lock; `proven.mesh` is "
+            "a better one"
         )
     elif value < proven.lower - tolerance and not proven.estimate:
-        warn(where.format("below") + "the search ended too early, or the flow is not associated")
+        warn(
+            f"the {what} {value:.4g} lies below {bounds}: the search ended too early, or the flow "
+            "is not associated"
+        )
+
+
+def _warn_of_coarse_mesh(what: str, value: float, share: float, range_: str, bounds: str) -> None:
+    """Raise a warning of a value that is too high by a share."""
+    warn(
+        f"the {what} {value:.4g} is about {share:.1%}{range_} too high, for displacements do not "
+        f"jump inside of elements: {bounds}refine the mesh along the mechanism"
+    )
 
 
 def is_singular(error: NotConverged) -> bool:

@@ -1,6 +1,4 @@
-"""Pore pressures beside a search for a collapse: kept, or those of ground that has no time to
-drain.
-"""
+"""Pore pressures in a search for a collapse: kept, or of ground that has no time to drain."""
 
 from __future__ import annotations
 
@@ -21,45 +19,48 @@ from ..sparse import Total
 #: cut of 6 m has .055 at once and a factor of 2.74 for 2.50 without drainage; .010 and 2.40 for
 #: 2.41 after a year.
 _FRESH = 0.05
-#: Time for drainage, in those of the tightest element and of a line of all nodes.
+#: Time for drainage, over the time of the tightest element and of a line of all nodes.
 _LONG = 1e2
 
 
 def carriers(forms: Mapping[str, Form]) -> dict[str, Form]:
     """Return the forms that bring or move pore pressures."""
-    return {
-        name: form
-        for name, form in forms.items()
-        if any(field.kind == "pressure" for field in (*form.fields, *form.borrowed))
-    }
+    wet = {}
+    for name, form in forms.items():
+        kinds = [field.kind for field in (*form.fields, *form.borrowed)]
+        if "pressure" in kinds:
+            wet[name] = form
+    return wet
+
+
+def _pressures(wet: Mapping[str, Form]) -> ndarray:
+    """Return the dofs of the pressures of some forms."""
+    own = [form.carries for form in wet.values() if form.carries is not None]
+    return np.concatenate([np.zeros(0, int), *own])
 
 
 def without_drainage(
     forms: Mapping[str, Form], fixed: ndarray, flow: str
 ) -> tuple[dict[str, Form], ndarray]:
-    """Return forms whose water does not flow, and fixed dofs without those of their pressures."""
+    """Return forms whose water does not flow, and fixed dofs without their pressures."""
     wet = carriers(forms)
     if not any(form.fields for form in wet.values()):
         raise ValueError(
             "undrained=True is for ground with PoreWater, and none is active: give the ground "
-            "Undrained "
-            "materials"
+            "Undrained materials"
         )
     if flow != "given":
         raise ValueError(
             f"undrained=True takes the flow rule as given, not flow='{flow}': ground that dilates "
-            f"and "
-            "cannot drain gets stronger without end"
+            "and cannot drain gets stronger without end"
         )
     if any(material.dilates for form in forms.values() for material in form.materials.values()):
         warn(
             "a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
             "undrained soils take psi=0"
         )
-    pressures = [form.carries for form in wet.values() if form.carries is not None]
-    return {name: form.undrained() for name, form in forms.items()}, np.setdiff1d(
-        fixed, np.concatenate(pressures)
-    )
+    undrained = {name: form.undrained() for name, form in forms.items()}
+    return undrained, np.setdiff1d(fixed, _pressures(wet))
 
 
 def _assembled(
@@ -74,35 +75,37 @@ def _assembled(
 def warn_of_fresh_pressures(
     system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
 ) -> None:
-    """Raise a warning where a search keeps pressures that have yet to drain."""
+    """Raise a warning where a search keeps pressures that have yet to drain.
+
+    The pressures drain in one implicit step of so long a time that nothing remains of them. The
+    thrust on the displacements of the change of pressure is compared with the load.
+    """
     wet = carriers(system.forms)
-    pressures = [form.carries for form in wet.values() if form.carries is not None]
-    if not pressures:
+    p = np.intersect1d(_pressures(wet), system.free)
+    if len(p) == 0:
         return
-    p = np.intersect1d(np.concatenate(pressures), system.free)
+
+    # time for drainage: from the diagonals of capacity and, in a unit of time, of flow
     capacity = _assembled(wet, x, states)[1].diagonal()
-    rates = abs(
-        _assembled({name: form.over(1.0) for name, form in wet.items()}, x, states)[1].diagonal()
-    )
-    if len(p) == 0 or not (capacity[p].all() and rates[p].all()):
+    in_unit_time = {name: form.over(1.0) for name, form in wet.items()}
+    rates = abs(_assembled(in_unit_time, x, states)[1].diagonal())
+    if not (capacity[p].all() and rates[p].all()):
         return
     long = _LONG * float((capacity[p] / rates[p]).max()) * len(p) ** 2
+
+    # change of pressure in that time, and its thrust
     force, K = _assembled({name: form.over(long) for name, form in wet.items()}, x, states)
+    flow = (K - diags(capacity)).tocsr()
     try:
-        change = DirectSolver(system.layout.coordinates, p).factor((K - diags(capacity)).tocsr())(
-            -force
-        )
+        change = DirectSolver(system.layout.coordinates, p).factor(flow)(-force)
     except SingularSystem:
         return
-    thrust = float(
-        np.linalg.norm((K @ change)[np.intersect1d(system.free, system.layout.displacements)])
-    )
+    moved = np.intersect1d(system.free, system.layout.displacements)
+    thrust = float(np.linalg.norm((K @ change)[moved]))
     share = thrust / max(float(np.linalg.norm(load)), 1e-300)
     if share > _FRESH:
         warn(
-            f"the search keeps excess pore pressures that have yet to drain; their thrust is "
-            f"{share:.2g} of the load. "
-            "The value is that of a collapse as slow as the drainage; just after a quick change it "
-            "may be lower: "
-            "undrained=True"
+            "the search keeps excess pore pressures that have yet to drain; their thrust is "
+            f"{share:.2g} of the load. The value is that of a collapse as slow as the drainage; "
+            "just after a quick change it may be lower: undrained=True"
         )

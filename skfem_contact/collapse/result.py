@@ -31,9 +31,7 @@ class PeakPassed(NotConverged):
 
 @dataclass(frozen=True)
 class Point:
-    """Equilibrium on the curve of parameter over work: displacements, (N,), and states; see
-    :class:`Step`.
-    """
+    """Equilibrium on the curve of parameter over work, with displacements, (N,), and states."""
 
     x: ndarray
     states: Mapping[str, Any]
@@ -43,19 +41,15 @@ class Point:
 
     @property
     def iterations(self) -> int:
-        """Number of tangents factored on the way from the last point to this one."""
+        """Number of tangents factored on the way from the last point."""
         return len(self.residuals) - 1
 
 
 def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
     """Return the outcome of a step that failed."""
-    return (
-        "collapse"
-        if isinstance(error, NoEquilibrium)
-        else "peak"
-        if isinstance(error, PeakPassed)
-        else "stall"
-    )
+    if isinstance(error, NoEquilibrium):
+        return "collapse"
+    return "peak" if isinstance(error, PeakPassed) else "stall"
 
 
 @dataclass(frozen=True)
@@ -93,12 +87,15 @@ class SearchLog:
 
     def __init__(self, system: System, bar: Any, origin: Point) -> None:
         self.steps: list[Step] = []
-        self._forms, self._bar, self._displacements = system.forms, bar, system.layout.displacements
+        self._forms = system.forms
+        self._bar = bar
+        self._displacements = system.layout.displacements
         self.begin(origin)
 
     def begin(self, point: Point) -> None:
         """Count displacements and flow from a point."""
-        self._origin, self._states = point.x, point.states
+        self._origin = point.x
+        self._states = point.states
 
     def accept(self, point: Point) -> None:
         """Add an equilibrium."""
@@ -106,11 +103,11 @@ class SearchLog:
             Step(
                 point.parameter,
                 "equilibrium",
-                point.iterations,
-                point.residuals[-1],
-                self.moved(point.x),
-                self._yielding(point.states),
-                point.work,
+                iterations=point.iterations,
+                residual=point.residuals[-1],
+                displacement=self.moved(point.x),
+                yielding=self._yielding(point.states),
+                work=point.work,
             )
         )
         self._states = point.states
@@ -121,38 +118,35 @@ class SearchLog:
             Step(
                 parameter,
                 kind_of(error),
-                max(len(error.residuals) - 1, 0),
-                error.residuals[-1] if error.residuals else np.nan,
-                self.moved(error.x),
-                np.nan,
-                work,
+                iterations=max(len(error.residuals) - 1, 0),
+                residual=error.residuals[-1] if error.residuals else np.nan,
+                displacement=self.moved(error.x),
+                yielding=np.nan,
+                work=work,
             )
         )
 
     def moved(self, x: ndarray | None) -> float:
-        """Return the largest displacement from where counting began; pressures and multipliers do
-        not count.
-        """
-        return (
-            np.nan
-            if x is None
-            else float(np.abs((x - self._origin)[self._displacements]).max(initial=0.0))
-        )
+        """Return the largest displacement since the beginning, without other unknowns."""
+        if x is None:
+            return np.nan
+        displacements = (x - self._origin)[self._displacements]
+        return float(np.abs(displacements).max(initial=0.0))
 
     @property
     def straight(self) -> bool:
-        """True if no point of a solid has flowed in the last step: bars and joints make curves of
-        straight pieces.
+        """True if no point of a solid has flowed in the last step.
+
+        Bars and joints make curves of straight pieces.
         """
         return self.steps[-1].yielding == 0.0
 
     def _yielding(self, states: Mapping[str, Any]) -> float:
-        """Return the share of the points of all solids that have flowed since the last
-        equilibrium.
-        """
-        flowed, points = np.sum(
-            [f.yielding(self._states[k], states[k]) for k, f in self._forms.items()], axis=0
-        )
+        """Return the share of points of solids that have flowed since the last equilibrium."""
+        counts = [
+            form.yielding(self._states[name], states[name]) for name, form in self._forms.items()
+        ]
+        flowed, points = np.sum(counts, axis=0)
         return float(flowed / points) if points else 0.0
 
     def _add(self, step: Step) -> None:
@@ -204,10 +198,9 @@ class SearchResult:
     stop
         Reason why the search ended.
     above
-        Smallest parameter that is known not to be reached; infinite where nothing is known.
+        Smallest parameter that is known not to be reached, or inf.
     motion
-        Displacements at collapse, (N,); by default those from the last equilibrium but one to the
-        last.
+        Displacements at collapse, (N,); by default from the last equilibrium but one to the last.
     """
 
     points: Sequence[Point]
@@ -232,12 +225,12 @@ class CollapseResult:
     value
         Largest factor or multiplier with an equilibrium: :attr:`factor`, :attr:`multiplier`.
     bracket
-        That value, and the smallest one that is known not to be reached, by a collapse or by the
+        The value, and the smallest one that is known not to be reached, by a collapse or by the
         last slope of the curve; infinite where nothing is known.
     stop
         Reason why the search ended.
-    method, flow
-        Method and flow rule as given.
+    flow
+        Flow rule as given.
     reduced
         Names of forms and regions whose strength was reduced.
     mesh
@@ -246,8 +239,8 @@ class CollapseResult:
         All steps, failed ones included.
     end
         Equilibrium at the largest factor of a strength reduction, or at the end of the curve of a
-        limit load: a start for other analyses. :attr:`x`, :attr:`states` and :attr:`load` are those
-        of this equilibrium.
+        limit load: a start for other analyses. :attr:`x`, :attr:`states` and :attr:`load` belong
+        to this equilibrium.
     mechanism
         Displacement increment at collapse, its largest component is 1, (N,).
     bands
@@ -272,7 +265,6 @@ class CollapseResult:
     value: float
     bracket: tuple[float, float]
     stop: Stop
-    method: str
     flow: str
     reduced: tuple[str, ...]
     mesh: str
@@ -318,107 +310,100 @@ class CollapseResult:
 
     @property
     def curve(self) -> ndarray:
-        """Work of the load, factor or multiplier, and largest displacement of all equilibria, (n,
-        3).
-        """
-        return np.array(
-            [
-                (t.work, t.parameter, t.displacement)
-                for t in self.steps
-                if t.outcome == "equilibrium"
-            ]
-        )
+        """Work of the load, parameter and largest displacement of all equilibria, (n, 3)."""
+        found = [step for step in self.steps if step.outcome == "equilibrium"]
+        return np.array([(step.work, step.parameter, step.displacement) for step in found])
 
     def __str__(self) -> str:
-        reduced = f"reduced: {', '.join(self.reduced)}\n" if self.reduced else ""
-        davis = (
-            f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side\n"
-            if self.davis
-            else ""
-        )
-        proven = f"bounds: {str(self.proven).splitlines()[0]}\n" if self.proven else ""
-        adds = f", whose size adds about {self.added:.0%}" if self.added >= 0.01 else ""
-        return (
-            f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, "
-            f"{self.bracket[1]:.4g}]\n{davis}{proven}"
-            f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}{adds}; {self.iterations} "
-            f"Newton iterations\n"
-            f"stopped by {self.stop}\n{self._table()}"
-        )
+        return f"{self._head()}\n{self._table()}"
 
     __repr__ = __str__  # a notebook would show the arrays
 
     def _repr_html_(self) -> str:
         rows = tuple(
             (
-                f"{s.parameter:.5f}",
-                s.outcome,
-                s.iterations,
-                f"{s.residual:.1e}",
-                f"{s.displacement:.4g}",
-                f"{s.yielding:.1%}",
+                f"{step.parameter:.5f}",
+                step.outcome,
+                step.iterations,
+                f"{step.residual:.1e}",
+                f"{step.displacement:.4g}",
+                f"{step.yielding:.1%}",
             )
-            for s in self.steps
+            for step in self.steps
         )
-        head = str(self).split("\n" + self._table())[0]
         columns = ("value", "outcome", "iterations", "residual", "displacement", "yielding")
-        return Table(columns, rows, head)._repr_html_()
+        return Table(columns, rows, self._head())._repr_html_()
+
+    def _head(self) -> str:
+        """Format everything but the steps as lines."""
+        low, high = self.bracket
+        lines = [f"{self.what} {self.value:.4g}, bracket [{low:.4g}, {high:.4g}]"]
+        if self.davis:
+            lines.append(f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side")
+        if self.proven:
+            lines.append(f"bounds: {str(self.proven).splitlines()[0]}")
+        lines.append(f"flow {self.flow}")
+        if self.reduced:
+            lines.append(f"reduced: {', '.join(self.reduced)}")
+        adds = f", whose size adds about {self.added:.0%}" if self.added >= 0.01 else ""
+        lines.append(f"{self.mesh}{adds}; {self.iterations} Newton iterations")
+        lines.append(f"stopped by {self.stop}")
+        return "\n".join(lines)
 
     def _table(self) -> str:
-        """Format the steps as lines; displacements and yielding only where there is equilibrium."""
+        """Format the steps as lines; displacements and yielding at equilibria only."""
         lines = [f"{'value':>10}  outcome      iterations  residual  displacement  yielding"]
-        for s in self.steps:
-            found = s.outcome == "equilibrium"
-            moved, yielding = (
-                (f"{s.displacement:.4g}", f"{s.yielding:.1%}") if found else ("–", "–")
-            )
+        for step in self.steps:
+            moved = yielding = "–"
+            if step.outcome == "equilibrium":
+                moved, yielding = f"{step.displacement:.4g}", f"{step.yielding:.1%}"
             lines.append(
-                f"{s.parameter:10.5f}  {s.outcome:11}  {s.iterations:10d}  {s.residual:8.1e}  "
-                f"{moved:>12}  "
-                f"{yielding:>8}"
+                f"{step.parameter:10.5f}  {step.outcome:11}  {step.iterations:10d}  "
+                f"{step.residual:8.1e}  {moved:>12}  {yielding:>8}"
             )
         return "\n".join(lines)
 
     def _advice(self) -> str:
         """Return what may help where no limit was shown."""
         if self.stop.kind in ("max_value", "steps"):
-            return "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced resist the load"
+            return (
+                "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced "
+                "resist the load"
+            )
         if self.flow == "given" and self.dilates_less:
             safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
             lagged = " or 'lagged'" if self.what == LOAD else ""
-            return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} continues (Davis is safe{safe})"
+            return (
+                f"; with psi < phi a path may end like this: flow='davis_b'{lagged} continues "
+                f"(Davis is safe{safe})"
+            )
         return ""
 
     def beside(self, proven: Bounds | None, tolerance: float) -> CollapseResult:
-        """Add bounds; warn of a search without limit, a factor below 1, a value beyond its
-        bounds.
-        """
+        """Add bounds; warn of a search without limit, instability, and a value outside bounds."""
         if not self.stop.shows_limit:
             warn(
                 f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, "
-                f"stopped by "
-                f"{self.stop}{self._advice()}"
+                f"stopped by {self.stop}{self._advice()}"
             )
         elif self.what == FACTOR and self.value < 1.0:
             warn(
-                f"the structure is unstable under its own load: its factor of safety is "
+                "the structure is unstable under its own load: its factor of safety is "
                 f"{self.value:.3f}"
             )
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
-        warn_of_mesh(
-            self.what, self.value, self.added if self.stop.shows_limit else 0.0, proven, tolerance
-        )
+        added = self.added if self.stop.shows_limit else 0.0
+        warn_of_mesh(self.what, self.value, added, proven, tolerance)
         return replace(self, proven=proven)
 
 
 def conclude(
     what: str,
-    found: SearchResult,
+    search: SearchResult,
     last: Point,
     system: System,
     load: ndarray,
     steps: Sequence[Step],
-    method: str,
     flow: str,
     reduced: tuple[str, ...] = (),
     davis: CollapseResult | None = None,
@@ -426,44 +411,53 @@ def conclude(
 ) -> CollapseResult:
     """Return the result of a search; other analyses start from the `last` equilibrium."""
     warn_of_errors(system, last.x, last.states)
-    motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
+
+    # scale the mechanism and find its bands
+    motion = search.motion
+    if motion is None:
+        motion = search.points[-1].x - search.points[-2].x
     mechanism = motion / (np.abs(motion).max() or 1.0)
-    bands = {
-        name: band
-        for name, form in system.forms.items()
-        if (band := form.shear_strain(mechanism)) is not None
-    }
-    less = any(
-        material.dilates_less
-        for form in system.forms.values()
-        for material in form.materials.values()
-    )
+    bands = {}
+    for name, form in system.forms.items():
+        band = form.shear_strain(mechanism)
+        if band is not None:
+            bands[name] = band
+    power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
+    added = added_by_mesh(system.forms, bands, last.states, mechanism, power)
+
+    # make a stage of the last equilibrium, with geometry that follows the displacements again
+    forms, states = {}, {}
+    for name, form in system.forms.items():
+        forms[name], states[name] = form.released(last.x, last.states[name])
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
-    released = {
-        name: form.released(last.x, last.states[name]) for name, form in system.forms.items()
-    }
-    forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
     end = StageResult(
-        what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout
-    )
-    value = found.best.parameter
-    power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
-    return CollapseResult(
         what,
-        value,
-        (value, found.above),
-        found.stop,
-        method,
-        flow,
-        reduced,
-        describe_mesh(system.forms),
-        tuple(steps),
-        end,
-        mechanism,
-        bands,
-        added_by_mesh(system.forms, bands, last.states, mechanism, power),
-        tuple((point.parameter, point.x) for point in found.points),
-        less,
-        davis,
+        last.x,
+        load=load,
+        states=states,
+        iterations=(iterations,),
+        residual=residual,
+        forms=forms,
+        layout=system.layout,
+    )
+
+    value = search.best.parameter
+    materials = [each for form in system.forms.values() for each in form.materials.values()]
+    return CollapseResult(
+        what=what,
+        value=value,
+        bracket=(value, search.above),
+        stop=search.stop,
+        flow=flow,
+        reduced=reduced,
+        mesh=describe_mesh(system.forms),
+        steps=tuple(steps),
+        end=end,
+        mechanism=mechanism,
+        bands=bands,
+        added=added,
+        path=tuple((point.parameter, point.x) for point in search.points),
+        dilates_less=any(material.dilates_less for material in materials),
+        davis=davis,
     )

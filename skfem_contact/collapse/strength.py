@@ -14,7 +14,7 @@ from numpy import ndarray
 from ..checks import names_of
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged, warn
-from ..forms.base import Form, reduced_parts
+from ..forms.base import Form, part_names, reduced_parts
 from ..limit_analysis import at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
@@ -23,7 +23,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import Branch, follow, loaded_start, motion
+from .continuation import Branch, Course, follow, loaded_start, motion
 from .mechanism import FACTOR, as_collapse, is_singular
 from .result import (
     CollapseResult,
@@ -65,40 +65,41 @@ class _Strength(Branch):
     def __init__(
         self, system: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow
     ) -> None:
-        self.system, self.load, self.targets, self.flow = system, load, targets, flow
-        self.safe, self.above = 0.0, np.inf
-        self.beside_contact = any(form.unilateral for form in system.forms.values())
-        self.search: Search = "either" if self.beside_contact else "step"
+        self.system = system
+        self.load = load
+        self.targets = targets
+        self.flow = flow
+        self.safe = 0.0
+        self.above = np.inf
+        self.with_contact = any(form.unilateral for form in system.forms.values())
+        self.search: Search = "either" if self.with_contact else "step"
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the reduced parts."""
-        return tuple(
-            f"{name}.{part}" if part else name
-            for name, parts in self.targets.items()
-            for part in parts
-        )
+        return part_names(self.targets)
 
     @property
     def materials(self) -> list[Any]:
         """Materials of the reduced parts."""
-        forms = self.system.forms
-        return [
-            forms[name].materials[part]
-            for name, parts in self.targets.items()
-            for part in parts
-            if part
-        ]
+        found = []
+        for name, parts in self.targets.items():
+            materials = self.system.forms[name].materials
+            found += [materials[part] for part in parts if part]
+        return found
+
+    @property
+    def dilates_less(self) -> bool:
+        """True if a reduced material dilates less than its friction."""
+        return any(material.dilates_less for material in self.materials)
 
     def bound(self, davis: CollapseResult) -> float:
-        """Return a factor that is not reached with any dilatancy, where Radenkovic's theorem
-        holds.
-        """
-        rest = [
+        """Return a factor that no dilatancy reaches, where Radenkovic's theorem holds, or inf."""
+        associated = [
             form.reduced(1.0, "associated", self.targets.get(name, ()))
             for name, form in self.system.forms.items()
         ]
-        if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
+        if not davis.stop.shows_limit or not all(form.symmetric for form in associated):
             return np.inf
         return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
@@ -107,25 +108,22 @@ class _Strength(Branch):
         return self.system.with_forms({**self.system.forms, **self._reduced(parameter)}), self.load
 
     def _reduced(self, factor: float) -> dict[str, Form]:
+        """Return the forms that are reduced, at a factor."""
         return {
             name: self.system.forms[name].reduced(factor, self.flow, parts)
             for name, parts in self.targets.items()
         }
 
     def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
-        """Return the difference quotient of the residual: only the reduced forms depend on the
-        factor.
-        """
-        step = _DIFFERENCE * max(now.z[-1], _DIFFERENCE)
-        beside = self.system.with_forms(self._reduced(float(now.z[-1]) + step)).responses(
-            now.z[:-1], states
-        )
-        change = (
-            sum(now.responses[name].force - response.force for name, response in beside.items())
-            / step
-        )
+        """Return the difference quotient of the residual by the factor, of the reduced forms."""
+        x, factor = now.z[:-1], now.z[-1]
+        step = _DIFFERENCE * max(factor, _DIFFERENCE)
+        weaker = self.system.with_forms(self._reduced(float(factor) + step))
+        responses = weaker.responses(x, states)
+        lost = sum(now.responses[name].force - each.force for name, each in responses.items())
+        change = np.asarray(lost / step)
         change[self.system.fixed] = 0.0
-        return np.asarray(change)
+        return change
 
     def equilibrium(
         self,
@@ -135,14 +133,15 @@ class _Strength(Branch):
         elastic: float = 0.0,
         searches: tuple[Search, ...] = ("energy", "residual"),
     ) -> Point:
-        """Find equilibrium at a factor from another point; there is none where all points flow from
-        the start.
+        """Find the equilibrium at a factor from another point.
+
+        Displacements far beyond the size of the elastic ones show a collapse.
         """
         system, load = self.at(factor)
-        if factor <= self.safe:  # there is no collapse to be looked for
+        if factor <= self.safe:  # no collapse can be found
             searches = searches[:1]
         try:
-            found = system.equilibrium(
+            result = system.equilibrium(
                 start.x,
                 start.states,
                 load,
@@ -157,13 +156,8 @@ class _Strength(Branch):
             if is_singular(error):
                 raise as_collapse(error, system, start.x, start.states, load, newton) from error
             raise
-        return Point(
-            found.x,
-            found.states,
-            factor,
-            start.work + system.work(load, found.x - start.x),
-            found.residuals,
-        )
+        work = start.work + system.work(load, result.x - start.x)
+        return Point(result.x, result.states, factor, work, result.residuals)
 
 
 @single_threaded
@@ -174,7 +168,6 @@ def strength_reduction(
     water: Any,
     reduce: str | Collection[str] | None,
     exclude: str | Collection[str],
-    method: Literal["continuation", "bracket"],
     flow: Flow,
     tolerance: float,
     step: float,
@@ -183,43 +176,39 @@ def strength_reduction(
     undrained: bool,
     progress: bool | None,
 ) -> CollapseResult:
-    """Reduce the strength until the structure collapses, see
-    :meth:`skfem_contact.Model.strength_reduction`.
-    """
+    """Reduce the strength until collapse, see :meth:`skfem_contact.Model.strength_reduction`."""
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_value > 1:
         raise ValueError(
-            f"tolerance and step must be positive and max_value above 1, not {tolerance!r}, "
-            f"{step!r} and "
-            f"{max_value!r}"
+            "tolerance and step must be positive and max_value above 1, not "
+            f"{tolerance!r}, {step!r} and {max_value!r}"
         )
+    # read the structure and its load
     begun = loaded_start(setup, load, start, water, undrained, flow)
+    forms = begun.system.forms
     whole = begun.weight + begun.load
-    branch = _Strength(
-        begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow
-    )
+    branch = _Strength(begun.system, whole, reduced_parts(forms, reduce, exclude), flow)
     if reduce is None:
-        _check_kept(begun.system.forms, exclude)
-    free = (
-        flow == "given"
-        and not undrained
-        and any(material.dilates_less for material in branch.materials)
-    )
-    newton = setup.newton or Newton(
-        tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30
-    )
+        _warn_of_kept_strength(forms, exclude)
+    free = branch.dilates_less and flow == "given" and not undrained
+    balance = _LOOSE if free else _BALANCE
+    newton = setup.newton or Newton(tolerance=balance * tolerance, max_iterations=30)
+
+    # prove bounds that were asked for
     proven = beside(
         certify,
         begun.forms,
-        begun.system.fixed,
-        whole,
-        None,
-        reduce,
-        exclude,
-        flow,
-        progress,
-        begun.at_rest,
+        fixed=begun.system.fixed,
+        dead=whole,
+        live=None,
+        reduce=reduce,
+        exclude=exclude,
+        flow=flow,
+        progress=progress,
+        at_rest=begun.at_rest,
     )
+
+    # search, after Davis first where dilatancy is less than friction
     search = partial(
         _search,
         origin=begun.origin,
@@ -230,44 +219,40 @@ def strength_reduction(
     )
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
-        result = begun.ended(search(branch, method=method, bar=bar, davis=davis), water)
+        result = begun.ended(search(branch, bar=bar, davis=davis), water)
+
+    # prove bounds on the mesh of the search where they are cheap
     if certify == "auto" and not undrained:
-        work = float(len(whole)) * (
-            result.iterations + (result.davis.iterations if result.davis else 0)
-        )
-        coarse = result.stop.shows_limit and not free and result.added * result.value > tolerance
+        iterations = sum(found.iterations for found in (result, davis) if found)
+        coarse = result.stop.shows_limit and result.added * result.value > tolerance
         proven = at_hand(
             begun.forms,
-            begun.system.fixed,
-            whole,
-            reduce,
-            exclude,
-            flow,
-            work,
-            coarse,
-            begun.at_rest,
+            fixed=begun.system.fixed,
+            dead=whole,
+            reduce=reduce,
+            exclude=exclude,
+            flow=flow,
+            work=float(len(whole)) * iterations,
+            coarse=coarse and not free,
+            at_rest=begun.at_rest,
         )
     return result.beside(proven, tolerance)
 
 
-def _check_kept(forms: Mapping[str, Form], exclude: str | Collection[str]) -> None:
-    """Report ground that yields and keeps its strength, because its law has none that can be
-    reduced.
-    """
-    kept = [
-        f"{name}.{region}, {material.label}"
-        for name, form in forms.items()
-        for region, material in form.materials.items()
-        if set(names_of(exclude)).isdisjoint((name, region))
-        and not material.reducible
-        and PLASTIC_STRAIN in [variable.name for variable in material.internal]
-    ]
+def _warn_of_kept_strength(forms: Mapping[str, Form], exclude: str | Collection[str]) -> None:
+    """Raise a warning of ground that yields under a law whose strength cannot be reduced."""
+    excluded = set(names_of(exclude))
+    kept = []
+    for name, form in forms.items():
+        for region, material in form.materials.items():
+            yields = PLASTIC_STRAIN in [variable.name for variable in material.internal]
+            if yields and not material.reducible and excluded.isdisjoint((name, region)):
+                kept.append(f"{name}.{region}, {material.label}")
     if kept:
         warn(
             f"{'; '.join(kept)}: this law keeps its strength, and the factor of safety is that of "
-            f"the other parts, "
-            "too high where a mechanism passes through it; give it a law with c and phi, or name "
-            "it in `exclude`"
+            "the other parts, too high where a mechanism passes through it; give it a law with c "
+            "and phi, or name it in `exclude`"
         )
 
 
@@ -278,55 +263,57 @@ def _search(
     tolerance: float,
     step: float,
     max_value: float,
-    method: str,
     bar: Any,
     davis: CollapseResult | None = None,
 ) -> CollapseResult:
+    """Search for the factor of one flow rule."""
     log = SearchLog(branch.system, bar, origin)
     if davis is not None:
         branch.safe, branch.above = davis.factor, branch.bound(davis)
     first = _first(branch, origin, newton, log)
-    search = _continuation if method == "continuation" else _bracket
-    found = search(branch, first, newton, tolerance, step, max_value, log)
-    if np.isfinite(branch.above) and found.stop.kind != "collapse":
-        found = replace(found, above=max(found.best.parameter, branch.above))
-    system, load = branch.at(found.best.parameter)
+    result = _continued(branch, first, newton, tolerance, step, max_value, log)
+    if np.isfinite(branch.above) and result.stop.kind != "collapse":
+        result = replace(result, above=max(result.best.parameter, branch.above))
+    system, load = branch.at(result.best.parameter)
     return conclude(
-        FACTOR, found, found.best, system, load, log.steps, method, branch.flow, branch.names, davis
+        FACTOR,
+        result,
+        last=result.best,
+        system=system,
+        load=load,
+        steps=log.steps,
+        flow=branch.flow,
+        reduced=branch.names,
+        davis=davis,
     )
 
 
 def _davis(
     branch: _Strength, search: Callable[..., CollapseResult], bar: Any
 ) -> CollapseResult | None:
-    """Search with the soils of Davis where dilatancy is less than friction: on the safe side,
-    whatever the path.
-    """
+    """Search with Davis' soils of less strength: safe whatever the path."""
+    weaker = _Strength(branch.system, branch.load, branch.targets, "davis_b")
     try:
-        return search(
-            _Strength(branch.system, branch.load, branch.targets, "davis_b"),
-            method="continuation",
-            bar=bar,
-        )
-    except (
-        ValueError,
-        NotConverged,
-    ) as error:  # materials without that flow, or nothing to begin with
+        return search(weaker, bar=bar)
+    except (ValueError, NotConverged) as error:
+        # a material has no such flow, or no equilibrium to begin with exists
         logger.info("no factor after Davis: %s", error)
         return None
 
 
 def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
-    """Return the first equilibrium: at factor 1, or below where there is none."""
+    """Return the first equilibrium: at factor 1, or below where none is found."""
     error: NotConverged | None = None
-    for factor in (factor for factor in _FIRST if factor < branch.above):
+    for factor in _FIRST:
+        if factor >= branch.above:
+            continue
         try:
             point = branch.equilibrium(origin, factor, newton)
         except NotConverged as reason:
             error = reason
             log.reject(factor, reason, 0.0)
             continue
-        point = Point(point.x, point.states, factor, 0.0, point.residuals)
+        point = replace(point, work=0.0)
         log.accept(point)
         log.begin(point)
         return point
@@ -337,18 +324,11 @@ def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> 
         ) from error
     raise NotConverged(
         f"no equilibrium to start from was found, with up to {most}, and no collapse either; put "
-        f"the "
-        f"load on in stages and give their result as `start`: {error}"
+        f"the load on in stages and give their result as `start`: {error}"
     ) from error
 
 
-def _elastic(branch: _Strength, first: Point) -> ndarray:
-    """Return displacements under the whole load with the stiffness of the first point."""
-    system, load = branch.at(first.parameter)
-    return system.factor(system.tangent(system.evaluate(first.x, first.states, load)))(load)
-
-
-def _continuation(
+def _continued(
     branch: _Strength,
     first: Point,
     newton: Newton,
@@ -357,25 +337,25 @@ def _continuation(
     max_value: float,
     log: SearchLog,
 ) -> SearchResult:
+    """Approach the curve by fixed factors, then follow it."""
     points, failed = _approach(branch, first, newton, _OPEN * tolerance, step, max_value, log)
     last = points[-1]
     if len(points) > 1:
-        return follow(
-            branch, branch.load, points, newton, _OPEN * tolerance, log, max_value=max_value
-        )
+        course = Course(_OPEN * tolerance, max_value=max_value)
+        return follow(branch, branch.load, points, newton, course, log)
     if failed is None:
-        return SearchResult(points, no_collapse_below(max_value), motion=0 * last.x)
-    flowed = any(step.yielding > 0.0 for step in log.steps)
-    where = (
-        "the first equilibrium is at its limit" if flowed else "the bodies are elastic up to there"
-    )
-    above = min(
-        (step.parameter for step in log.steps if step.outcome == "collapse"), default=np.inf
-    )
+        return SearchResult(points, no_collapse_below(max_value), motion=np.zeros_like(last.x))
+
+    # no work could be prescribed: the steps themselves enclose the factor
+    collapsed = [step.parameter for step in log.steps if step.outcome == "collapse"]
+    above = min(collapsed, default=np.inf)
+    if any(step.yielding > 0.0 for step in log.steps):
+        reason = "the first equilibrium is at its limit"
+    else:
+        reason = "the bodies are elastic up to there"
     shown = above - last.parameter <= tolerance
-    return SearchResult(
-        points, Stop("collapse" if shown else "stall", where), above, motion(last, failed)
-    )
+    stop = Stop("collapse" if shown else "stall", reason)
+    return SearchResult(points, stop, above, motion(last, failed))
 
 
 def _approach(
@@ -387,21 +367,21 @@ def _approach(
     max_value: float,
     log: SearchLog,
 ) -> tuple[list[Point], NotConverged | None]:
-    """Take fixed factors until the load does work: as long as the bodies are elastic the factor has
-    no effect.
-    """
-    response = _elastic(branch, first)
-    noticeable = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance) * branch.system.work(
-        branch.load, response
-    )
+    """Take fixed factors until the load does work; elastic bodies do not feel the factor."""
+    # scale by the displacements under the whole load with the stiffness of the first point
+    system, load = branch.at(first.parameter)
+    begun = system.evaluate(first.x, first.states, load)
+    response = system.factor(system.tangent(begun))(load)
+    elastic = float(np.linalg.norm(response))
+    share = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance)
+    noticeable = share * branch.system.work(branch.load, response)
+
     last = first
     while last.parameter <= max_value:
         factor = last.parameter + step
         try:
-            # the collapse is still far: the search that leads to it is tried last
-            point = branch.equilibrium(
-                last, factor, newton, float(np.linalg.norm(response)), ("step", "energy")
-            )
+            # the collapse is still far: try the search that leads to it last
+            point = branch.equilibrium(last, factor, newton, elastic, ("step", "energy"))
         except NotConverged as error:
             log.reject(factor, error, last.work)
             if step < least:
@@ -411,43 +391,6 @@ def _approach(
         log.accept(point)
         if point.work - first.work > noticeable:
             return [last, point], None
-        last, step = point, 1.5 * step
+        last = point
+        step *= 1.5
     return [last], None
-
-
-def _bracket(
-    branch: _Strength,
-    first: Point,
-    newton: Newton,
-    tolerance: float,
-    step: float,
-    max_value: float,
-    log: SearchLog,
-) -> SearchResult:
-    elastic = float(np.linalg.norm(_elastic(branch, first)))
-    points, above, shown = [first], np.inf, np.inf
-    failed: NotConverged | None = None
-    while above - points[-1].parameter > tolerance and points[-1].parameter <= max_value:
-        last = points[-1]
-        factor = last.parameter + step if np.isinf(above) else 0.5 * (last.parameter + above)
-        try:
-            point = branch.equilibrium(last, factor, newton, elastic)
-        except NotConverged as error:
-            log.reject(factor, error, last.work)
-            above, failed = factor, error
-            shown = factor if isinstance(error, NoEquilibrium) else shown
-            continue
-        log.accept(point)
-        points.append(point)
-    last = points[-1]
-    if failed is None:
-        stop = no_collapse_below(max_value)
-    elif shown > above:
-        higher = f"collapse at {shown:.4f}" if np.isfinite(shown) else "no collapse above it either"
-        stop = Stop(
-            "stall",
-            f"at {above:.4f} neither equilibrium nor collapse was found ({higher}): {failed}",
-        )
-    else:
-        stop = Stop("collapse", f"at {shown:.4f}")
-    return SearchResult(points, stop, shown, motion(last, failed))

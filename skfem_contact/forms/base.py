@@ -316,3 +316,10 @@ def reduced_parts(
             "there is nothing to reduce: nothing among the forms has a strength that can be"
         )
     return targets
+
+
+def part_names(parts: Mapping[str, Collection[str]]) -> tuple[str, ...]:
+    """Return names such as ``soil.clay`` of parts by form; a form as a whole has its own name."""
+    return tuple(
+        ".".join(filter(None, (name, part))) for name, given in parts.items() for part in given
+    )

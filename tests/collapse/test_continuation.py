@@ -177,7 +177,7 @@ def test_a_search_that_stalls_tries_again_with_resistance(monkeypatch, slides, s
     """Once, where anything slides; an end that shows no limit does not replace the first one."""
     tried = [SearchResult([], Stop(kind, "")) for kind in ("stall", second)]
     monkeypatch.setattr(continuation, "_follow", lambda *given, **settings: tried.pop(0))
-    branch = SimpleNamespace(search="step", beside_contact=False, resist=lambda: slides)
+    branch = SimpleNamespace(search="step", with_contact=False, resist=lambda: slides)
     found = continuation.follow(branch, np.zeros(1), [], sc.Newton(), 0.01, None)
     assert found.stop.kind == ends
     assert len(tried) == (0 if slides else 1)

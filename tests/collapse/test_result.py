@@ -66,8 +66,7 @@ def locked_ground():
     return forms, fixed, load
 
 
-@pytest.mark.parametrize("method", ["continuation", "bracket"])
-def test_locked_ground_has_no_factor(method):
+def test_locked_ground_has_no_factor():
     """[X] Full integration admits no mechanism of constant volume: the search ends at its bound,
     and says so.
     """
@@ -78,7 +77,6 @@ def test_locked_ground_has_no_factor(method):
         found = analysis(
             "strength_reduction",
             *locked_ground(),
-            method=method,
             max_value=20.0,
             step=0.5,
             progress=False,

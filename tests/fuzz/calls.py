@@ -415,7 +415,6 @@ def doors():
             "water": None,
             "reduce": None,
             "exclude": (),
-            "method": "continuation",
             "flow": "given",
             "tolerance": 0.1,
             "step": 0.1,

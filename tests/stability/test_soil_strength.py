@@ -92,9 +92,6 @@ def test_steps_far_too_small_or_large(usual, step):
     """
     psi, factor = usual
     assert on_a_slope(psi, step=step).factor == pytest.approx(factor, abs=0.004)
-    bracket = on_a_slope(psi, step=step, method="bracket").bracket
-    # 0.5 %; the way to the limit has an influence without dilatancy
-    assert bracket[0] - 0.007 < factor < bracket[1] + (0.004 if psi else 0.014)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
@@ -218,16 +215,13 @@ def block(element: str, heights, phi: float):
     return forms, fixed, traction(basis, "top", (0.0, -1.0))
 
 
-@pytest.mark.parametrize("method", ["continuation", "bracket"])
 @pytest.mark.parametrize("share", [0.5, 1.0])
-def test_all_points_flow_at_once(method, share):
+def test_all_points_flow_at_once(share):
     """[X] A block under 2 c, or half of that: beyond its factor the stiffness is singular:
     collapse.
     """
     forms, fixed, load = block("Q1", np.linspace(0, 1, 11), 0.0)
-    result = sc.Model(forms, fixed).strength_reduction(
-        20.0 * share * load, method=method, progress=False
-    )
+    result = sc.Model(forms, fixed).strength_reduction(20.0 * share * load, progress=False)
     low, high = result.bracket
     assert result.stop.kind == "collapse" and high - low <= 0.01  # tol
     assert low - 1e-4 <= 1.0 / share <= high  # equilibrium within 0.03 of tol
