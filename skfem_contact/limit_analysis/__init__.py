@@ -1,6 +1,4 @@
-"""Certified bounds: a factor of safety or a limit load between two proven numbers (finite element
-limit analysis).
-"""
+"""Certified bounds of factors of safety and limit loads: finite element limit analysis."""
 
 from .bounds import at_hand, beside, bounds
 from .result import Bounds

@@ -20,7 +20,7 @@ from ..loads import Pressure, by_element
 from ..solvers import single_threaded
 from .certify import dissipation
 from .model import AtRest, Loads, Site, TractionLike, named_loads, vector_loads
-from .reading import read
+from .reading import Problem, read
 from .result import Bounds
 from .search import Bound, Search
 from .triangles import Triangles
@@ -59,20 +59,19 @@ def bounds(
     seconds: float = np.inf,
     progress: bool | None = None,
 ) -> Bounds:
-    """Compute a lower and an upper bound of the factor of safety, or of the limit load, each with
-    its proof.
+    """Compute proven bounds of the factor of safety, or of the limit load.
 
-    The lower bound is a stress field in equilibrium with the loads that yields nowhere.  The upper
+    The lower bound is a stress field in equilibrium with the loads that yields nowhere. The upper
     bound is a velocity field that obeys the flow rule, on which the loads do more work than the
-    soil dissipates.  Both fields are checked after the solver, to round-off.  The theorems hold for
-    associated flow, the upper bound for any flow.  Elastic moduli, initial stresses and K0 do not
+    soil dissipates. Both fields are checked after the solver, to round-off. The theorems hold for
+    associated flow, the upper bound for any flow. Elastic moduli, initial stresses and K0 do not
     matter.
 
     Parameters
     ----------
     forms
         Solids and contact pairs by name, in plane strain: Mohr-Coulomb, Tresca and von Mises
-        materials.  Elastic bodies count as rigid.  Contact is closed where the meshed boundaries
+        materials. Elastic bodies count as rigid. Contact is closed where the meshed boundaries
         meet.
     fixed
         Dofs that are held, along whole facets.
@@ -83,7 +82,7 @@ def bounds(
         (2, n).
     water
         Pressure of water in the pores, positive: a function of coordinates, or values at the nodes.
-         Everything but rigid bodies has pores.
+        Everything but rigid bodies has pores.
     submerged
         Boundaries on which the water presses from outside, see :func:`water_load`.
     seismic
@@ -92,8 +91,8 @@ def bounds(
         Names of forms and regions whose strength is reduced, or kept, as in
         :func:`strength_reduction`.
     live
-        Boundaries in `tractions` whose forces are multiplied, or ``"weight"``: the bounds are those
-        of the multiplier at collapse, and the strength is not reduced.
+        Boundaries in `tractions` whose forces are multiplied, or ``"weight"``: the bounds enclose
+        the multiplier at collapse, and the strength is not reduced.
     flow
         ``"given"``: ``lower`` is an estimate where soil dilates less than its friction, with the
         associated soil of Davis, and where joints have friction, with joints that open;
@@ -125,7 +124,8 @@ def bounds(
 
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshTri().refined(1).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    >>> mesh = MeshTri().refined(1).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> column = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=.3, c=10.))
     >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     >>> found = sc.Model({"soil": column}, fixed).bounds(tractions={"top": (0., -10.)})
@@ -135,6 +135,7 @@ def bounds(
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
     gamma: Any = _own(forms) if weight is None else weight
+    multiplied = names_of(live)
     loads = partial(
         named_loads,
         weight=gamma,
@@ -142,13 +143,13 @@ def bounds(
         water=water,
         submerged=names_of(submerged),
         seismic=seismic,
-        live=names_of(live),
+        live=multiplied,
     )
     return _bracket(
         forms,
         fixed,
         loads,
-        bool(names_of(live)),
+        multiplied=bool(multiplied),
         reduce=reduce,
         exclude=exclude,
         flow=flow,
@@ -182,11 +183,10 @@ def beside(
     progress: bool | None = None,
     at_rest: AtRest | None = None,
 ) -> Bounds | None:
-    """Compute the bounds of a search with `certify`: True, or a mapping of arguments of
-    :func:`bounds`.
+    """Compute the bounds of a search with `certify`: True, or arguments of :func:`bounds`.
 
     Load vectors, (N,), are fixed, and multiplied or None where the strength is reduced. Water at
-    rest is that of the search.
+    rest is the water of the search.
     """
     if certify is False or certify == "auto":
         return None
@@ -208,7 +208,7 @@ def beside(
         forms,
         fixed,
         loads,
-        live is not None,
+        multiplied=live is not None,
         reduce=reduce,
         exclude=exclude,
         flow=flow,
@@ -228,32 +228,27 @@ def at_hand(
     coarse: bool,
     at_rest: AtRest,
 ) -> Bounds | None:
-    """Compute the bounds of a factor of safety on the mesh of its search, with its `work`: dofs
-    times iterations.
+    """Compute the bounds of a factor of safety on the mesh of its search.
 
-    Returns None where there are no bounds, no upper one is proven, or they cost more than about the
-    search, unless the mesh seems to be coarse.
+    The `work` of the search counts dofs times iterations. Returns None where no upper bound is
+    proven, or the bounds cost more than about the search, unless the mesh seems to be coarse.
     """
-    triangles = sum(
-        form.basis.nelems * len(form.basis.mesh.t) / 3 for form in solids_of(forms).values()
-    )
-    less = any(
-        m.dilates_less for form in solids_of(forms).values() for m in form.materials.values()
-    )
-    if (
-        not (coarse and triangles <= _FEW)
-        and work < (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles
-    ):
+    # compare their cost with the cost of the search
+    solids = solids_of(forms).values()
+    triangles = sum(form.basis.nelems * len(form.basis.mesh.t) / 3 for form in solids)
+    materials = [material for form in solids for material in form.materials.values()]
+    less = any(material.dilates_less for material in materials)
+    cost = (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles
+    if work < cost and not (coarse and triangles <= _FEW):
         return None
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # open ends were not asked for
-            loads = partial(vector_loads, dead=dead, live=None, at_rest=at_rest)
             found = _bracket(
                 forms,
                 fixed,
-                loads,
-                False,
+                partial(vector_loads, dead=dead, live=None, at_rest=at_rest),
+                multiplied=False,
                 reduce=reduce,
                 exclude=exclude,
                 flow=flow,
@@ -261,7 +256,7 @@ def at_hand(
                 elements=1,
             )
     except ValueError as reason:
-        logger.info("no bounds beside the search: %s", reason)
+        logger.info("no bounds for the search: %s", reason)
         return None
     return found if np.isfinite(found.upper) else None
 
@@ -289,10 +284,8 @@ def _bracket(
     with progress_bar(progress, desc="bounds", bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)
-        davis, smooth = (
-            None if weaker is None else search.estimate(weaker)
-            for weaker in (problem.davis, problem.smooth)
-        )
+        davis = None if problem.davis is None else search.estimate(problem.davis)
+        smooth = None if problem.smooth is None else search.estimate(problem.smooth)
     _tell(search, gap)
     return _result(search, davis, smooth)
 
@@ -301,90 +294,69 @@ def _tell(search: Search, gap: float) -> None:
     """Warn about a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
-    if (missing := search.problem.missing) and not low > _NOTHING * high:
+    missing = search.problem.missing
+    if missing and not low > _NOTHING * high:
         warn(
             f"soil without {missing} resists nothing at a free surface, and there is no lower "
-            f"bound: give "
-            f"it a small {missing}; the upper bound is {high:.5g}"
+            f"bound: give it a small {missing}; the upper bound is {high:.5g}"
         )
     elif search.overloaded:
-        why = (
-            f"the multiplier is at most {high:.5g}"
-            if high < 0
-            else f"they need {1 / search.fixed_factor:.4g} times the strength"
-        )
-        warn(f"the fixed loads alone cause a collapse: {why}")
+        reason = f"they need {1 / search.fixed_factor:.4g} times the strength"
+        if high < 0:
+            reason = f"the multiplier is at most {high:.5g}"
+        warn(f"the fixed loads alone cause a collapse: {reason}")
     elif unproven:
         warn(
-            f"no {' and no '.join(unproven)} bound could be "
-            f"proven{_blocked(search)}{_too_strong(search)}"
+            f"no {' and no '.join(unproven)} bound could be proven"
+            f"{_blocked(search)}{_too_strong(search)}"
         )
     elif search.gap > gap:
         warn(
             f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the "
-            f"{gap:.2%} that "
-            f"were asked for: allow more `elements` or `seconds`{_too_strong(search)}"
+            f"{gap:.2%} that were asked for: allow more `elements` or `seconds`"
+            f"{_too_strong(search)}"
         )
 
 
 def _too_strong(search: Search) -> str:
-    """Return what helps beside parts of much more strength than others, for a message."""
-    names = ", ".join(search.problem.strong)
+    """Return advice on parts of much more strength than others, for a message."""
+    if not search.problem.strong:
+        return ""
     return (
-        f"; with LinearElastic, what is much stronger than the rest would be rigid, and bounds "
-        f"closer: {names}" * bool(names)
+        "; with LinearElastic, what is much stronger than the rest would be rigid, and bounds "
+        f"closer: {', '.join(search.problem.strong)}"
     )
 
 
 def _blocked(search: Search) -> str:
-    """Return where contact ends at a support, at which no velocity without jumps can begin, for a
-    message.
+    """Return the point where contact ends at a support, for a message.
+
+    No velocity without jumps can begin there.
     """
     triangles, shape = search.upper.triangles, search.problem.geometry
     facets, tags = triangles.mesh.facets, triangles.tags
     held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
-    sides = [
-        facets[:, tags[side]].ravel() for c in search.model.contacts for side in (c.slave, c.master)
-    ]
-    found = np.intersect1d(held, np.concatenate([held[:0], *sides]))
-    where = (
-        format_point(shape.centre + shape.size * triangles.mesh.p[:, found[0]])
-        if len(found)
-        else ""
-    )
+    sides = [held[:0]]
+    for contact in search.model.contacts:
+        sides += [facets[:, tags[side]].ravel() for side in (contact.slave, contact.master)]
+    blocked = np.intersect1d(held, np.concatenate(sides))
+    if not len(blocked):
+        return ""
+    where = format_point(shape.centre + shape.size * triangles.mesh.p[:, blocked[0]])
     return (
         f": contact ends at a support at {where}, where nothing can slide; hold one component there"
-        * bool(where)
     )
 
 
 def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:
     """Return the bounds in the user's units; an estimate replaces the lower bound."""
     problem, low, high = search.problem, search.lower, search.upper
-    shape, given = problem.geometry, problem.mesh
 
-    def named(triangles: Triangles) -> MeshTri:
-        """Return the mesh in the user's coordinates, with the names of the given mesh."""
-        parts = {
-            name: np.flatnonzero(np.isin(triangles.origin, part))
-            for name, part in (given.subdomains or {}).items()
-        }
-        boundaries = {
-            name: facets for name, facets in triangles.tags.items() if isinstance(name, str)
-        }
-        return MeshTri(
-            shape.centre[:, None] + shape.size * triangles.mesh.p,
-            triangles.mesh.t,
-            validate=False,
-            _boundaries=boundaries,
-            _subdomains=parts,
-        )
-
+    # return velocities and stresses to the nodes and corners
     velocity = (high.program.reduction.matrix @ high.proof.field).reshape(-1, 2).T
-    stress = np.full((3, low.triangles.mesh.nelements, 3), np.nan)
-    stress[:, low.program.soft] = problem.stress * low.program.of_triangles(
-        low.proof.field
-    ).transpose(2, 0, 1)
+    at_corners = low.program.of_triangles(low.proof.field)
+    stress = np.full((3, low.triangles.mesh.nelements, 3), np.nan)  # (3, n_elements, 3 corners)
+    stress[:, low.program.soft] = problem.stress * at_corners.transpose(2, 0, 1)
     return Bounds(
         lower=float(low.proof.value if davis is None else davis),
         upper=float(high.proof.value),
@@ -392,20 +364,40 @@ def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds
         safe=None if smooth is None else float(smooth),
         what="limit load" if search.live else "factor of safety",
         reduced=problem.reduced,
-        mesh=named(high.triangles),
+        mesh=_named(problem, high.triangles),
         mechanism=velocity / (np.abs(velocity).max() or 1.0),
         dissipation=_shares(high, search.live),
-        stress_mesh=named(low.triangles),
+        stress_mesh=_named(problem, low.triangles),
         stress=stress,
         history=tuple(search.history),
         remarks=problem.remarks,
     )
 
 
+def _named(problem: Problem, triangles: Triangles) -> MeshTri:
+    """Return a mesh in the user's coordinates, with the names of the given mesh."""
+    subdomains = problem.mesh.subdomains or {}
+    tags = triangles.tags.items()
+    shape = problem.geometry
+    return MeshTri(
+        shape.centre[:, None] + shape.size * triangles.mesh.p,
+        triangles.mesh.t,
+        validate=False,
+        _boundaries={name: facets for name, facets in tags if isinstance(name, str)},
+        _subdomains={
+            name: np.flatnonzero(np.isin(triangles.origin, part))
+            for name, part in subdomains.items()
+        },
+    )
+
+
 def _shares(high: Bound, live: bool) -> ndarray:
     """Return the share of the dissipation in every triangle; the rest is in contacts."""
-    factor = high.proof.value if np.isfinite(high.proof.value) and not live else 1.0
-    spent = dissipation(high.program, high.program.strains(high.proof.field), factor)
+    program, proof = high.program, high.proof
+    factor = proof.value if np.isfinite(proof.value) and not live else 1.0
+    strain = program.strains(proof.field)
+    spent = dissipation(program, strain, factor)
+    whole = spent.sum() or 1.0
     shares = np.zeros(high.triangles.mesh.nelements)
-    shares[high.program.soft] = high.program.of_triangles(spent).sum(axis=1) / (spent.sum() or 1.0)
+    shares[program.soft] = program.of_triangles(spent).sum(axis=1) / whole
     return shares

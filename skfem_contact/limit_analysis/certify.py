@@ -1,6 +1,4 @@
-"""Certificates of stresses and velocities, computed after the solver by the theorems of limit
-analysis.
-"""
+"""Certificates of stresses and velocities, computed after the solver by the theorems."""
 
 from __future__ import annotations
 
@@ -12,7 +10,6 @@ from scipy.optimize import brentq
 
 from .elements import Program
 from .interior_point import HIGHEST, Solution
-from .strength import Strength
 
 #: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the
 #: solver's alone points at yield could not move at all, with the plain one soil of little stress
@@ -45,14 +42,14 @@ class Proof:
 
     value: float  # factor or multiplier; -inf or inf where nothing was proven
     field: ndarray  # stresses (n_points, 3), or velocities (m,) that move the loads with unit power
-    residual: (
-        float  # largest relative violation of equilibrium, or of a flow rule that is an equation
-    )
+    # largest relative violation of equilibrium, or of a flow rule that is an equation
+    residual: float
 
 
 def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
-    """Prove a lower bound: the largest factor (multiplier) that stresses in equilibrium with the
-    loads admit.
+    """Prove a lower bound: the largest factor that stresses in equilibrium admit.
+
+    With a multiplied load the bound is a multiplier.
     """
     theta = found.theta if live else 1.0
     for plain in _PLAIN:
@@ -74,23 +71,25 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
 def _balanced(
     program: Program, found: Solution, theta: float, plain: float
 ) -> tuple[ndarray, float]:
-    """Move stresses into equilibrium, where it costs least; also return the relative violation that
-    is left.
-    """
+    """Move stresses into equilibrium, where it costs least; return also the relative violation."""
     f = program.dead + theta * program.live
     stress = found.stress.copy()
-    scale = float((abs(program.matrix) @ np.abs(stress).ravel()).max(initial=0.0)) or 1.0
+    terms = abs(program.matrix) @ np.abs(stress).ravel()
+    scale = float(terms.max(initial=0.0)) or 1.0
+
+    # metric of the solver, scaled at every point, with a share of plain stiffness
     trace = np.trace(found.metric, axis1=1, axis2=2)[:, None, None]
-    metric = np.divide(
-        found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0
-    ) + plain * np.eye(3)
+    scaled = np.divide(found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0)
+    metric = scaled + plain * np.eye(3)  # (n_points, 3, 3)
     inverse = program.factor(metric)
     for _ in range(_REPETITIONS):
         r = f - program.forces(stress)
         if np.abs(r).max(initial=0.0) < _BALANCED * scale:
             break
-        stress = stress + np.einsum("nij,nj->ni", metric, program.strains(inverse(r)))
-    return stress, float(np.abs(f - program.forces(stress)).max(initial=0.0)) / scale
+        strain = program.strains(inverse(r))
+        stress = stress + np.einsum("nij,nj->ni", metric, strain)
+    violation = np.abs(f - program.forces(stress))
+    return stress, float(violation.max(initial=0.0)) / scale
 
 
 def _admitted(program: Program, stress: ndarray, round_off: float) -> float:
@@ -107,12 +106,15 @@ def _largest_share(program: Program, stress: ndarray, round_off: float) -> float
     low, high = 0.0, 2.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if holds(middle) else (low, middle)
+        if holds(middle):
+            low = middle
+        else:
+            high = middle
     return low
 
 
 def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
-    """Prove an upper bound: the factor (multiplier) that the power of a plastic flow refutes."""
+    """Prove an upper bound: the factor or multiplier that the power of a flow refutes."""
     inner = found.inner[len(found.inner) // 2] if found.inner else found.velocity
     last, inner = _shaped(program, found, [-found.velocity, -inner])
     best = Proof(np.inf, last, np.inf)
@@ -127,40 +129,38 @@ def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
 
 
 def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
-    """Return the bound of velocities: the smallest factor of their flow rule at which the loads
-    win.
-    """
-    strain, round_off = program.strains(velocity), program.round_off(velocity)
+    """Return the bound by velocities: the smallest factor of their flow at which the loads win."""
+    # scale the velocities to unit power
     fixed = program.dead @ velocity
     power = program.live @ velocity + (0.0 if live else fixed)
-    if not power > _ROUND_OFF * float(
-        (np.abs(program.live) + np.abs(program.dead)) @ np.abs(velocity)
-    ):
+    size = float((np.abs(program.live) + np.abs(program.dead)) @ np.abs(velocity))
+    if not power > _ROUND_OFF * size:
         return Proof(np.inf, velocity, np.inf)
-    velocity, strain, round_off, fixed = (
-        velocity / power,
-        strain / power,
-        round_off / power,
-        fixed / power,
-    )
+    strain = program.strains(velocity) / power
+    round_off = program.round_off(velocity) / power
+    velocity = velocity / power
+    fixed = fixed / power
+
+    # find the least factor at which they are a plastic flow, and the power of the loads
     flow = float(
         program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max()
     )
+    external = fixed if live else 1.0
 
     def excess(factor: float) -> float:
-        return float(dissipation(program, strain, factor).sum()) - (fixed if live else 1.0)
+        """Return the dissipation less the power of the fixed loads."""
+        return float(dissipation(program, strain, factor).sum()) - external
 
+    value = np.inf
     if live:
-        value = excess(1.0) if flow <= 1.0 else np.inf
-    elif flow > HIGHEST or excess(HIGHEST) > 0:
-        value = np.inf
-    else:
-        flow = max(flow, 1.0 / HIGHEST)
-        value = (
-            flow
-            if excess(flow) <= 0
-            else (1 + _ROOT) * brentq(excess, flow, HIGHEST, xtol=_ROOT, rtol=_ROOT)
-        )
+        if flow <= 1.0:
+            value = excess(1.0)
+    elif flow <= HIGHEST and excess(HIGHEST) <= 0:
+        value = max(flow, 1.0 / HIGHEST)
+        if excess(value) > 0:
+            value = (1 + _ROOT) * brentq(excess, value, HIGHEST, xtol=_ROOT, rtol=_ROOT)
+
+    # measure the change of volume where it must vanish
     kept = program.incompressible
     change = np.abs((strain[kept] * program.volume[kept]).sum(1)).max(initial=0.0)
     return Proof(value, velocity, float(change / np.abs(strain).max(initial=1e-300)))
@@ -172,9 +172,7 @@ def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:
 
 
 def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
-    """Correct velocities to constant volume where there is no friction, and to bodies that do not
-    overlap.
-    """
+    """Correct velocities to constant volume without friction, and to bodies that do not overlap."""
     kept = program.incompressible
     if not len(kept) and not program.joints:
         return velocities
@@ -185,14 +183,15 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
     for velocity in velocities:
         for _ in range(_SHAPINGS):
             strain = program.strains(velocity)
-
-            def overlap(s: Strength, points: slice, strain: ndarray = strain) -> ndarray:
-                return s.overlap(strain[points], found.factor)
-
-            missing = program.of_points(overlap)
+            missing = _overlap(program, strain, found.factor)
             missing[kept] = -(strain[kept] * volume[kept]).sum(1)
             if np.abs(missing).max(initial=0.0) <= _SHAPED * np.abs(strain).max(initial=0.0):
                 break
             velocity = velocity + inverse(program.forces((stiffness * missing)[:, None] * volume))
         shaped.append(velocity)
     return shaped
+
+
+def _overlap(program: Program, strain: ndarray, factor: float) -> ndarray:
+    """Return the opening that every point lacks, (n_points,)."""
+    return program.of_points(lambda s, points: s.overlap(strain[points], factor))

@@ -1,12 +1,11 @@
 r"""Velocities of both bounds, and the cone program that they make.
 
-Elements of the lower bound have stresses that jump, those of the upper bound continuous velocities.
- Both are operators
-:math:`B` from velocities to strains times weight at the corners of straight triangles, so that
-:math:`\sum \sigma : B v` is the power of the stresses (A. Makrodimopoulos, C. M. Martin,
-International Journal for Numerical Methods in Engineering 66 (2006) 604-634; International Journal
-for Numerical and Analytical Methods in Geomechanics 31 (2007) 835-865).  Components are xx, yy, xy;
-shear strains are engineering strains.
+Elements of the lower bound have stresses that jump, elements of the upper bound continuous
+velocities. Both are operators :math:`B` from velocities to strains times weight at the corners of
+straight triangles, so that :math:`\sum \sigma : B v` is the power of the stresses
+(A. Makrodimopoulos, C. M. Martin, International Journal for Numerical Methods in Engineering 66
+(2006) 604-634; International Journal for Numerical and Analytical Methods in Geomechanics 31 (2007)
+835-865). Components are xx, yy, xy; shear strains are engineering strains.
 """
 
 from __future__ import annotations
@@ -50,12 +49,11 @@ class Elements:
     dofs: ndarray  # of every triangle, (n_elements, n_local); x and y alternate
     coordinates: ndarray  # of each dof, (2, n): motions of rigid bodies are velocities there
     facets: ndarray  # dofs of all facets, (n_facets, n_nodes, 2 components): at their ends first
-    inside: (
-        ndarray  # dofs that take equal parts of a body force, (n_elements, n_nodes, 2 components)
-    )
+    # dofs that take equal parts of a body force, (n_elements, n_nodes, 2 components)
+    inside: ndarray
     # forces at the nodes of a facet by linear tractions at its ends, over its length, (n_nodes, 2)
     ends: ndarray
-    # weights of the strength at the corners of a triangle for that of each corner, (3, 3)
+    # weights of the strength at all corners of a triangle for its strength at each corner, (3, 3)
     strength: ndarray
     # Bernstein coefficients of a jump along a facet by its nodes, of equal weight, (n_points,
     # n_nodes)
@@ -63,7 +61,7 @@ class Elements:
 
     @property
     def statical(self) -> bool:
-        """True for the lower bound, whose strength is that of each corner."""
+        """True for the lower bound, whose corners have their own strength."""
         return not self.strength[0, 1]
 
     @property
@@ -73,55 +71,63 @@ class Elements:
 
     def of_body(self, forces: ndarray) -> ndarray:
         """Return the power of body forces (n_elements, 2), (n,)."""
-        power, area = np.zeros(self.n), gradients(self.mesh)[1]
+        power = np.zeros(self.n)
+        area = gradients(self.mesh)[1]
         part = (forces * area[:, None] / self.inside.shape[1])[:, None]
         np.add.at(power, self.inside, np.broadcast_to(part, self.inside.shape))
         return power
 
     def of_tractions(self, facets: ndarray, tractions: ndarray) -> ndarray:
         """Return the power of tractions (n_facets, 2 ends, 2), linear on each facet, (n,)."""
-        power, lengths = np.zeros(self.n), facet_lengths(self.mesh)[facets]
-        np.add.at(
-            power, self.facets[facets], np.einsum("pe,fec,f->fpc", self.ends, tractions, lengths)
-        )
+        power = np.zeros(self.n)
+        lengths = facet_lengths(self.mesh)[facets]
+        forces = np.einsum("pe,fec,f->fpc", self.ends, tractions, lengths)  # (n_facets, n_nodes, 2)
+        np.add.at(power, self.facets[facets], forces)
         return power
 
     def on_facets(self, facets: ndarray, turned: ndarray) -> ndarray:
         """Return dofs of some facets, with their ends exchanged where turned."""
-        found = self.facets[facets]
-        found[turned, :2] = found[turned, 1::-1]
-        return found
+        dofs = self.facets[facets]
+        dofs[turned, :2] = dofs[turned, 1::-1]
+        return dofs
 
 
 def stress_elements(mesh: MeshTri) -> Elements:
-    """Return elements of the lower bound: linear stresses in equilibrium in triangles and at both
-    ends of facets.
+    """Return elements of the lower bound: linear stresses in equilibrium.
 
-    Velocities are the multipliers of these equations, two of a triangle and four of a facet: linear
-    tractions do the work of a rigid motion on its velocities (2 v_a + v_b) / 3 and (v_a + 2 v_b) /
-    3.
+    Equilibrium holds in triangles and at both ends of facets. Velocities are the multipliers of
+    these equations, two of a triangle and four of a facet: linear tractions do the work of a rigid
+    motion on its velocities (2 v_a + v_b) / 3 and (v_a + 2 v_b) / 3.
     """
     ne, nf = mesh.nelements, mesh.nfacets
     gradient, area = gradients(mesh)
-    B = np.zeros((ne, 3, 3, 14))
-    B[..., :2] = -_strain(gradient[:, :, None] * area[:, None, None, None])  # -div sigma
+    B = np.zeros((ne, 3, 3, 14))  # (n_elements, 3 corners, 3, n_local)
+
+    # -div sigma in triangles
+    B[..., :2] = -_strain(gradient[:, :, None] * area[:, None, None, None])
+
+    # sigma n at the ends of facets
     for m, ends in enumerate(_ENDS):
-        normal = -gradient[:, 3 - sum(ends)] * area[:, None]  # outward, times half the length
+        opposite = 3 - sum(ends)
+        normal = -gradient[:, opposite] * area[:, None]  # outward, times half the length
         for slot, corner in enumerate(ends):
-            B[:, corner, :, 2 + 4 * m + 2 * slot :][..., :2] = _strain(normal[:, None])
-    facets = np.arange(4 * nf).reshape(nf, 2, 2)
-    inside = 4 * nf + np.arange(2 * ne).reshape(ne, 1, 2)
+            column = 2 + 4 * m + 2 * slot
+            B[:, corner, :, column : column + 2] = _strain(normal[:, None])
+
+    # number the velocities of facets, then of triangles
+    facets = np.arange(4 * nf).reshape(nf, 2, 2)  # (n_facets, 2 ends, 2 components)
+    inside = 4 * nf + np.arange(2 * ne).reshape(ne, 1, 2)  # (n_elements, 1, 2 components)
+    dofs = np.hstack([inside[:, 0], facets[mesh.t2f.T].reshape(ne, 12)])
     a, b = mesh.p[:, mesh.facets].transpose(1, 0, 2)
     thirds = np.stack([2 * a + b, a + 2 * b], axis=2).reshape(2, -1) / 3
-    coordinates = np.repeat(np.hstack([thirds, mesh.p[:, mesh.t].mean(axis=1)]), 2, axis=1)
-    dofs = np.hstack([inside[:, 0], facets[mesh.t2f.T].reshape(ne, 12)])
+    middles = mesh.p[:, mesh.t].mean(axis=1)
     return Elements(
         mesh,
         B,
         dofs,
-        coordinates,
-        facets,
-        inside,
+        coordinates=np.repeat(np.hstack([thirds, middles]), 2, axis=1),
+        facets=facets,
+        inside=inside,
         ends=np.eye(2) / 2,
         strength=np.eye(3),
         jump=np.eye(2),
@@ -132,18 +138,20 @@ def velocity_elements(mesh: MeshTri) -> Elements:
     """Return elements of the upper bound: quadratic velocities, whose strains are linear.
 
     The flow rule and the dissipation are convex: values at the corners hold for the whole triangle.
-     Jumps are given by Bernstein coefficients: a convex rule that the coefficients obey holds along
-     the facet.
+    Jumps are given by Bernstein coefficients: a convex rule that the coefficients obey holds along
+    the facet.
     """
     basis = CellBasis(mesh, ElementVector(ElementTriP2()), quadrature=(_CORNERS, np.full(3, 1 / 6)))
-    B, weight = strain_operator(basis, "full", "plane")
-    ends, middles = basis.nodal_dofs.T[mesh.facets.T], basis.facet_dofs.T
+    strain, weight = strain_operator(basis, "full", "plane")
+    B = strain[:, :, [0, 1, 3]] * weight[:, :, None, None]  # (n_elements, 3 corners, 3, 12)
     dofs = basis.element_dofs.T
+    ends = basis.nodal_dofs.T[mesh.facets.T]
+    middles = basis.facet_dofs.T
     return Elements(
         mesh,
-        B[:, :, [0, 1, 3]] * weight[:, :, None, None],
+        B,
         dofs,
-        basis.doflocs,
+        coordinates=basis.doflocs,
         facets=np.concatenate([ends, middles[:, None]], axis=1),
         inside=dofs[:, 6:].reshape(-1, 3, 2),
         ends=np.array([[1, 0], [0, 1], [2, 2]]) / 6,
@@ -153,9 +161,7 @@ def velocity_elements(mesh: MeshTri) -> Elements:
 
 
 def _strain(gradient: ndarray) -> ndarray:
-    """Return rows xx, yy, xy of strain from gradients (..., n, 2) of n shape functions, (..., 3, 2
-    n).
-    """
+    """Return strain operators (..., 3, 2 n) from gradients (..., n, 2) of n shape functions."""
     B = np.zeros((*gradient.shape[:-2], 3, gradient.shape[-2], 2))
     B[..., 0, :, 0] = B[..., 2, :, 1] = gradient[..., 0]
     B[..., 1, :, 1] = B[..., 2, :, 0] = gradient[..., 1]
@@ -170,17 +176,16 @@ class Block(NamedTuple):
     dofs: ndarray  # (n, n_local)
 
     def stiffness(self, D: ndarray) -> ndarray:
-        """Return the sum of B^T D B over the points of each operator, (n, n_local, n_local); D is
-        (n_points, 3, 3).
-        """
+        """Return B^T D B summed over points, (n, n_local, n_local), for D (n_points, 3, 3)."""
         n, width = self.dofs.shape
         DB = np.matmul(D[self.points], self.B).reshape(n, -1, width)
         return np.matmul(self.B.reshape(n, -1, width).transpose(0, 2, 1), DB)
 
 
 class Reduction(NamedTuple):
-    """Reduction of all velocities of the elements, (n,), to the free dofs, (m,); motions are the
-    last dofs.
+    """Reduction of all velocities of the elements, (n,), to the free dofs, (m,).
+
+    Motions of rigid bodies are the last dofs.
     """
 
     number: ndarray  # free dof of each velocity, (n,); -1 where it is held or in a rigid body
@@ -191,35 +196,40 @@ class Reduction(NamedTuple):
     def of(
         cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray
     ) -> Reduction:
-        """Reduce to used velocities that are not held; pairs (2, n) are tied, triangles of rigid >=
-        0 are bodies.
+        """Reduce to used velocities that are not held.
+
+        Pairs (2, n) are tied; triangles with rigid >= 0 belong to rigid bodies.
         """
+        # number tied velocities alike, and assign velocities to supports and bodies
         n = elements.n
-        same = connected_components(
-            coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n)), directed=False
-        )[1]
-        fixed, body = np.isin(same, same[held]), np.full(n, -1)
-        for b in range(rigid.max() + 1):
+        n_bodies = rigid.max() + 1
+        links = coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n))
+        same = connected_components(links, directed=False)[1]
+        fixed = np.isin(same, same[held])
+        body = np.full(n, -1)
+        for b in range(n_bodies):
             body[np.isin(same, same[elements.dofs[rigid == b]])] = b
-        plain = np.zeros(n, bool)
-        plain[used] = True
-        plain = np.flatnonzero(plain & ~fixed & (body < 0))
+
+        # number the free velocities outside of bodies
+        is_used = np.zeros(n, bool)
+        is_used[used] = True
+        plain = np.flatnonzero(is_used & ~fixed & (body < 0))
         number = np.full(n, -1)
         _, first, number[plain] = np.unique(same[plain], return_index=True, return_inverse=True)
-        motions, coordinates = [np.zeros((n, 0))], [elements.coordinates[:, plain[first]]]
-        for b in range(rigid.max() + 1):
-            mine = np.flatnonzero(body == b)
-            whole = rigid_modes(elements.coordinates, mine)
-            free = (
-                whole @ null_space(whole[fixed[mine]], rcond=_FREE) if fixed[mine].any() else whole
-            )
-            motions.append(np.zeros((n, free.shape[1])))
-            motions[-1][mine] = free
-            coordinates.append(
-                np.repeat(
-                    elements.coordinates[:, mine].mean(axis=1, keepdims=True), free.shape[1], 1
-                )
-            )
+
+        # add the motions of bodies that their supports leave free
+        motions = [np.zeros((n, 0))]
+        coordinates = [elements.coordinates[:, plain[first]]]
+        for b in range(n_bodies):
+            own = np.flatnonzero(body == b)
+            free = rigid_modes(elements.coordinates, own)
+            if fixed[own].any():
+                free = free @ null_space(free[fixed[own]], rcond=_FREE)
+            motion = np.zeros((n, free.shape[1]))
+            motion[own] = free
+            motions.append(motion)
+            centre = elements.coordinates[:, own].mean(axis=1, keepdims=True)
+            coordinates.append(np.repeat(centre, free.shape[1], 1))
         return cls(number, np.hstack(motions), np.hstack(coordinates))
 
     @property
@@ -236,27 +246,29 @@ class Reduction(NamedTuple):
         return csr_matrix(hstack([single, csr_matrix(self.motions)]))
 
     def reduced(self, B: ndarray, points: ndarray, dofs: ndarray) -> list[Block]:
-        """Return operators of the free dofs; those at rigid bodies have more columns and are a
-        block of their own.
+        """Return operators of the free dofs.
+
+        Operators of velocities of rigid bodies have more columns and are a block of their own.
         """
-        touching = np.isin(dofs, np.flatnonzero(self.motions.any(axis=1))).any(axis=1)
-        blocks = [Block(B[~touching], points[~touching], self.number[dofs[~touching]])]
-        B, points, dofs = B[touching], points[touching], dofs[touching]
-        motion = self.motions[dofs]  # (n, n_local, n_motions)
+        moving = np.flatnonzero(self.motions.any(axis=1))
+        at_body = np.isin(dofs, moving).any(axis=1)
+        plain = Block(B[~at_body], points[~at_body], self.number[dofs[~at_body]])
+
+        # append the motions to the columns: B_motion = B motion
+        motion = self.motions[dofs[at_body]]  # (n, n_local, n_motions)
         last = np.arange(self.size - motion.shape[2], self.size)
-        reduced = np.hstack([self.number[dofs], np.where(motion.any(axis=1), last, -1)])
-        blocks.append(
-            Block(
-                np.concatenate([B, np.einsum("epsl,elk->epsk", B, motion)], axis=3), points, reduced
-            )
+        moved = np.where(motion.any(axis=1), last, -1)
+        by_motion = np.einsum("epsl,elk->epsk", B[at_body], motion)  # (n, n_points, 3, n_motions)
+        bodies = Block(
+            np.concatenate([B[at_body], by_motion], axis=3),
+            points[at_body],
+            np.hstack([self.number[dofs[at_body]], moved]),
         )
-        return [block for block in blocks if len(block.B)]
+        return [block for block in (plain, bodies) if len(block.B)]
 
 
 class Joint(NamedTuple):
-    """Facets of slave and master that coincide, (n,), with operators, dofs and strength; the normal
-    is the slave's.
-    """
+    """Facets of slave and master that coincide, (n,), with the slave's normal."""
 
     slave: ndarray
     master: ndarray
@@ -271,15 +283,13 @@ class Program:
 
     .. math:: A \sigma = f_0 + \theta f_1, \qquad h - G \sigma \in Q
 
-    with :math:`A = \sum B^T` over all points and a product Q of second-order cones.  Of the lower
-    bound
-    :math:`\sigma` is the solution and of the upper one the dual, the velocities.
+    with :math:`A = \sum B^T` over all points and a product Q of second-order cones. The solution
+    :math:`\sigma` belongs to the lower bound and the dual, the velocities, to the upper one.
     """
 
     blocks: list[Block]  # operators of triangles and joints
-    strengths: list[
-        Strength
-    ]  # of the points by number: three of every triangle that can yield, then of the joints
+    # of the points by number: three of every triangle that can yield, then of the joints
+    strengths: list[Strength]
     reduction: Reduction
     dead: ndarray  # fixed loads, (m,)
     live: ndarray  # multiplied loads, (m,)
@@ -289,12 +299,16 @@ class Program:
     _ordered: FreeBlock | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        self.starts = np.cumsum([0, *(len(s.reduced) for s in self.strengths)])
-        self.n_points, self.size = int(self.starts[-1]), self.reduction.size
+        counts = [len(strength.reduced) for strength in self.strengths]
+        self.starts = np.cumsum([0, *counts])
+        self.n_points = int(self.starts[-1])
+        self.size = self.reduction.size
         cones = [strength.cones(int(first)) for strength, first in zip(self.strengths, self.starts)]
-        self.cones = Cones.join([one for one, _ in cones] + [two for _, two in cones])
+        every, second = zip(*cones)
+        self.cones = Cones.join([*every, *second])
         #: Gathering and order of the normal matrix, a stiffness matrix, are found once for all D.
-        self._gatherings, self._total = [Gathering(self.size) for _ in self.blocks], Total()
+        self._gatherings = [Gathering(self.size) for _ in self.blocks]
+        self._total = Total()
         self._engine = as_engine()
 
     def of_fixed_loads(self) -> Program:
@@ -305,14 +319,13 @@ class Program:
         return replace(self, strengths=strengths, live=np.zeros(self.size))
 
     def factor(self, D: ndarray) -> Callable[[ndarray], ndarray]:
-        """Return the solution of A D A^T y = b for any b (m,), with D (n_points, 3, 3);
-        ArithmeticError without one.
+        """Return the solution of A D A^T y = b for any b (m,), with D (n_points, 3, 3).
+
+        An ArithmeticError tells a matrix without a factor.
         """
+        parts = zip(self._gatherings, self.blocks)
         K = self._total.of(
-            [
-                gathering.matrix(block.dofs, block.stiffness(D))
-                for gathering, block in zip(self._gatherings, self.blocks)
-            ]
+            [gathering.matrix(block.dofs, block.stiffness(D)) for gathering, block in parts]
         )
         if not np.isfinite(K.data).all():
             raise ArithmeticError("the normal matrix is not finite")
@@ -320,9 +333,8 @@ class Program:
             self._ordered = FreeBlock(self._engine.order(K, self.reduction.coordinates))
         A, order = self._ordered.gather(K), self._ordered.order
         diagonal = A.diagonal()
-        share = np.where(
-            diagonal > 0.0, diagonal, diagonal.max()
-        )  # nothing resists what has zero: a smooth joint
+        # nothing resists the idle dofs of a smooth joint: their diagonal is zero
+        share = np.where(diagonal > 0.0, diagonal, diagonal.max())
 
         def solve(b: ndarray) -> ndarray:
             y = np.empty_like(b)
@@ -341,16 +353,20 @@ class Program:
     @cached_property
     def matrix(self) -> csr_matrix:
         """Matrix A, (m, 3 n_points)."""
-        rows, columns, data = [], [], []
+        rows = []
+        columns = []
+        data = []
         for B, points, dofs in self.blocks:
-            column = 3 * points[:, :, None, None] + np.arange(3)[:, None]
             row = np.broadcast_to(dofs[:, None, None], B.shape)
+            column = 3 * points[:, :, None, None] + np.arange(3)[:, None]
+            column = np.broadcast_to(column, B.shape)
             used = (row >= 0) & (B != 0)
             rows.append(row[used])
-            columns.append(np.broadcast_to(column, B.shape)[used])
+            columns.append(column[used])
             data.append(B[used])
-        entries = np.concatenate(rows), np.concatenate(columns)
-        return csr_matrix((np.concatenate(data), entries), shape=(self.size, 3 * self.n_points))
+        entries = (np.concatenate(rows), np.concatenate(columns))
+        shape = (self.size, 3 * self.n_points)
+        return csr_matrix((np.concatenate(data), entries), shape=shape)
 
     @cached_property
     def transposed(self) -> csr_matrix:
@@ -379,9 +395,7 @@ class Program:
         return np.concatenate(parts)
 
     def of_triangles(self, values: ndarray) -> ndarray:
-        """Return values (n_points, ...) at the corners of the triangles that can yield, (n_soft, 3,
-        ...).
-        """
+        """Return values (n_points, ...) of triangles that can yield, (n_soft, 3 corners, ...)."""
         n = len(self.soft)
         return values[: 3 * n].reshape(n, 3, *values.shape[1:])
 

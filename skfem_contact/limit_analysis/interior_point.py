@@ -1,13 +1,13 @@
 r"""Interior points for the programs of both bounds; the factor of strength moves along.
 
 .. math:: \max \theta: \quad A \sigma = f_0 + \theta f_1, \quad s = h(F) - \theta e - G(F) \sigma
-\in Q
+    \in Q
 
-with multipliers y of equilibrium and z in Q of the strength.  Steps of Mehrotra in the scaling of
-Nesterov and Todd lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit
-load :math:`\theta` is its multiplier and e = 0.  For a factor of safety it is the share e of
-strength that is left, which is bounded where multipliers are not (friction alone resists any load),
-and F is moved until none is left.
+with multipliers y of equilibrium and z in Q of the strength. Steps of Mehrotra in the scaling of
+Nesterov and Todd lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix. For a limit
+load :math:`\theta` is its multiplier and e = 0. For a factor of safety it is the share e of
+strength that remains, which is bounded where multipliers are not (friction alone resists any load),
+and F is moved until none remains.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _HIT = 0.1
 #: Residuals of the normalisation and of the strength, also as a share of each, below which
 #: certificates do the rest.
 _FEASIBLE = (1e-4, 1e-5)
-#: Round-off of stresses, as a share of the largest, by which those of no strength may exceed it.
+#: Round-off of stresses, as a share of the largest, by which points of no strength may exceed it.
 _ROUND_OFF = 1e-13
 #: Largest change of the factor in a step.
 _CHANGE = 0.2
@@ -95,41 +95,53 @@ class _Path:
     """Iterates, and data of a step."""
 
     def __init__(self, program: Program, goal: Goal, accuracy: float) -> None:
-        self.program, self.goal, self.F, self.accuracy = program, goal, goal.factor, accuracy
+        self.program = program
+        self.goal = goal
+        self.accuracy = accuracy
         self.moving = goal.moving
-        cones = self.cones = program.cones
+        self.cones = program.cones
         n = program.n_points
-        self.second = cones.at[n:]
-        self._set_factor(self.F)
+        self.second = self.cones.at[n:]
+        self._set_factor(goal.factor)
+
+        # loads and share of strength that theta multiplies
         least = 1e-3 * (float(np.median(self.h)) or 1.0)
         self.e = (self.h + least) * self.moving
         self.f0 = program.dead + program.live * self.moving
         self.f1 = program.live * (not self.moving)
-        self.theta, self.y, self.sigma = 0.0, np.zeros(program.size), np.zeros((n, 3))
-        self.s, self.z = np.zeros((2, len(cones.at), 3))
-        self.s[:, 0] = self.h + least + (self._carried() if goal.far and not self.moving else 0.0)
-        self.z[:, 0] = 1.0 / len(cones.at) / (self.h + least)
+
+        # first iterate
+        self.theta = 0.0
+        self.y = np.zeros(program.size)
+        self.sigma = np.zeros((n, 3))
+        self.s, self.z = np.zeros((2, len(self.cones.at), 3))
+        carried = self._carried() if goal.far and not self.moving else 0.0
+        self.s[:, 0] = self.h + least + carried
+        self.z[:, 0] = 1.0 / len(self.cones.at) / (self.h + least)
         self.metric = np.zeros((n, 3, 3))
         self.inner: list[ndarray] = []
-        self.iterations, self._stalled, self._best = 0, 0, np.inf
-        # where z follows from the strains alone: all of it, or all but its first component
-        one = np.ones(n, bool)
-        one[self.second] = False
-        self.steep = np.abs(cones.k[:n]).max(axis=1) * 2 >= FLAT
+        self.iterations = 0
+        self._stalled = 0
+        self._best = np.inf
+
+        # points where z follows from the strains alone: all of it, or all but its first component
+        single = np.ones(n, bool)
+        single[self.second] = False
+        self.steep = np.abs(self.cones.k[:n]).max(axis=1) * 2 >= FLAT
         self.flat_second = ~self.steep[self.second]
-        self.soft = one & ~self.steep
+        self.soft = single & ~self.steep
 
     def _carried(self) -> float:
-        """Return the largest elastic stress under fixed loads: with less to begin with, steps
-        remain short.
+        """Return the largest elastic stress under fixed loads.
 
-        A block of 2.4 times the cohesion of the ground takes 80 iterations and finds nothing
-        without it, 8 to 18 with it; one of .036 times 38 and 26 without it, 13 and 11 with it.
+        Steps remain short from less. A block of 2.4 times the cohesion of the ground takes 80
+        iterations and finds nothing without it, 8 to 18 with it; one of .036 times 38 and 26
+        without it, 13 and 11 with it.
         """
-        whole = np.broadcast_to(np.eye(3), (self.program.n_points, 3, 3))
-        velocity = (
-            self.program.factor(whole)(self.program.dead) if self.program.dead.any() else self.y
-        )
+        velocity = self.y
+        if self.program.dead.any():
+            whole = np.broadcast_to(np.eye(3), (self.program.n_points, 3, 3))
+            velocity = self.program.factor(whole)(self.program.dead)
         return float(np.abs(self.program.strains(velocity)).max(initial=0.0))
 
     def _set_factor(self, factor: float) -> None:
@@ -150,13 +162,19 @@ class _Path:
 
     def residuals(self) -> None:
         """Compute residuals of equilibrium, strength, flow rule and normalisation."""
-        program, s, z = self.program, self.s, self.z
-        self.rc = s + _times(self.G, self.sigma[self.cones.at])
+        # r_c = s + G sigma + theta e - h
+        self.rc = self.s + _times(self.G, self.sigma[self.cones.at])
         self.rc[:, 0] += self.theta * self.e - self.h
-        self.rp = program.forces(self.sigma) - self.f0 - self.theta * self.f1
-        self.rd = program.strains(self.y) + self.gathered(_by(self.G, z))
-        self.rt = float(-1.0 - self.f1 @ self.y + self.e @ z[:, 0])
-        self.gap = float((s * z).sum())
+
+        # r_p = A sigma - f_0 - theta f_1
+        forces = self.program.forces(self.sigma)
+        self.rp = forces - self.f0 - self.theta * self.f1
+
+        # r_d = A^T y + G^T z, and r_t = e z - f_1 y - 1
+        flow = self.gathered(_by(self.G, self.z))
+        self.rd = self.program.strains(self.y) + flow
+        self.rt = float(-1.0 - self.f1 @ self.y + self.e @ self.z[:, 0])
+        self.gap = float((self.s * self.z).sum())
 
     def arrived(self) -> bool:
         """Return True if the gap is small, or no progress is made any more."""
@@ -164,13 +182,15 @@ class _Path:
         size = 1.0 if self.moving else max(self.theta, 1e-9)
         round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
         within = _depth(self.s - self.rc) > -_FEASIBLE[1] * np.minimum(self.h, 1.0) - round_off
-        feasible = (
-            abs(self.rt) < _FEASIBLE[0] and np.abs(self.rc).max() < _FEASIBLE[1] and within.all()
-        )
+        normal, strong = _FEASIBLE
+        feasible = abs(self.rt) < normal and np.abs(self.rc).max() < strong and within.all()
         if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
             return True
         worth = self.gap / size + self.away + abs(self.rt)
-        self._stalled = 0 if worth < 0.9 * self._best or worth > 1e-2 else self._stalled + 1
+        if worth < 0.9 * self._best or worth > 1e-2:
+            self._stalled = 0
+        else:
+            self._stalled += 1
         self._best = min(self._best, float(worth))
         if self.gap < size:
             self.inner.append(self.y)
@@ -183,53 +203,68 @@ class _Path:
         self._factor()
         n_cones, point = len(self.s), scaled.point
         mu = self.gap / n_cones
+
+        # predictor: to the surface of the cones
         first = self._direction(-point)
         a = min(1.0, _longest_step(self.s, first.s), _longest_step(self.z, first.z))
-        right = -_product(point, point) - _product(
-            _times(scaled.inverse, first.s), _times(scaled.W, first.z)
-        )
-        right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * self.away / n_cones))
+
+        # corrector: Mehrotra's second order, and the share of the gap that remains
+        ds, dz = _times(scaled.inverse, first.s), _times(scaled.W, first.z)
+        right = -_product(point, point) - _product(ds, dz)
+        centring = max((1 - a) ** 3, 1e-8) * mu
+        right[:, 0] += max(centring, min(mu, _CENTRED * self.away / n_cones))
         d = self._direction(_quotient(right, point))
+
+        # step, then restore the flow rule
         a = min(1.0, _STEP * min(_longest_step(self.s, d.s), _longest_step(self.z, d.z)))
-        self.sigma, self.y, self.theta = (
-            self.sigma + a * d.sigma,
-            self.y + a * d.y,
-            self.theta + a * d.theta,
-        )
-        self.s, self.z = self.s + a * d.s, self.z + a * d.z
+        self.sigma = self.sigma + a * d.sigma
+        self.y = self.y + a * d.y
+        self.theta = self.theta + a * d.theta
+        self.s = self.s + a * d.s
+        self.z = self.z + a * d.z
         if d.factor:
             self._set_factor(self.F + a * d.factor)
         self._mend()
 
     def _factor(self) -> None:
         """Factor the normal equations; compute responses to the objective and to the factor."""
-        scaled, G = self.scaled, self.G
-        H = self.gathered(np.matmul(np.matmul(G.transpose(0, 2, 1), scaled.squared), G))
+        # H = sum G^T W^-2 G at every point, with a share of its trace
+        squared, G = self.scaled.squared, self.G
+        GW = np.matmul(G.transpose(0, 2, 1), squared)  # (n_cones, 3, 3)
+        H = self.gathered(np.matmul(GW, G))  # (n_points, 3, 3)
         trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
         H += trace * 1e-13 * np.eye(3)
+
+        # compliance to the mean stress where strength does not depend on it
         volume = self.program.volume[self.soft]
-        strong = self.h[: self.program.n_points] > _STRONG * np.median(self.h)
-        size = np.maximum(trace, _AMONG_WEAK * np.median(trace) * strong[:, None, None])[self.soft]
-        H[self.soft] += self.goal.volume * size * volume[:, :, None] * volume[:, None, :] / 2
+        h = self.h[: self.program.n_points]
+        strong = h > _STRONG * np.median(self.h)
+        least = _AMONG_WEAK * np.median(trace) * strong[:, None, None]
+        size = np.maximum(trace, least)[self.soft]
+        stiffness = self.goal.volume * size * volume[:, :, None]
+        H[self.soft] += stiffness * volume[:, None, :] / 2
         if not np.isfinite(H).all():
             raise ArithmeticError("a point has reached the surface of its cone")
-        self.metric = np.linalg.inv(H)
+        self.metric = np.linalg.inv(H)  # (n_points, 3, 3)
         self._inverse = self.program.factor(self.metric)
-        self._pull = self.gathered(_by(G, scaled.squared[:, :, 0] * self.e[:, None]))
+
+        # response to the objective
+        self._pull = self.gathered(_by(G, squared[:, :, 0] * self.e[:, None]))
         r = _times(self.metric, self._pull)
         self._y2 = self._solve(self.program.forces(r) + self.f1)
         self._s2 = r - _times(self.metric, self.program.strains(self._y2))
-        self._pivot = (
-            (self.e**2 * scaled.squared[:, 0, 0]).sum()
-            - (self._pull * self._s2).sum()
-            + self.f1 @ self._y2
-        )
+        own = (self.e**2 * squared[:, 0, 0]).sum()
+        self._pivot = own - (self._pull * self._s2).sum() + self.f1 @ self._y2
+
+        # response to the factor
         self._by_factor = None
         if self.moving and self.iterations > 4 and self.gap < 1.0:
-            growth = self.dq * (self.cones.k * self.sigma[self.cones.at]).sum(1) - self.dh
-            u = scaled.squared[:, :, 0] * growth[:, None]
+            mean = (self.cones.k * self.sigma[self.cones.at]).sum(1)
+            growth = self.dq * mean - self.dh
+            u = squared[:, :, 0] * growth[:, None]
             turn = (self.dq * self.z[:, 0])[:, None] * self.cones.k
-            self._by_factor = (*self._response(u, self.gathered(turn), 0.0, 0.0), u, growth, turn)
+            sigma, y, theta = self._response(u, self.gathered(turn), 0.0, 0.0)
+            self._by_factor = _ByFactor(sigma, y, theta, u, growth, turn)
 
     def _solve(self, b: ndarray) -> ndarray:
         """Solve the normal equations, refined."""
@@ -256,53 +291,61 @@ class _Path:
         scaled = self.scaled
         u = _times(scaled.squared, self.rc + _times(scaled.W, q))
         sigma, y, theta = self._response(u, self.rd, self.rp, self.rt)
-        factor, rc, turn = 0.0, self.rc, None
-        if self._by_factor is not None:
-            by_sigma, by_y, by_theta, by_u, growth, by_turn = self._by_factor
-            factor = float(
-                np.clip(
-                    (self.goal.aim - self.theta - theta) / by_theta,
-                    -_CHANGE * self.F,
-                    _CHANGE * self.F,
-                )
-            )
-            sigma, y, theta = (
-                sigma + factor * by_sigma,
-                y + factor * by_y,
-                theta + factor * by_theta,
-            )
-            u, rc, turn = u + factor * by_u, rc.copy(), factor * by_turn
-            rc[:, 0] += factor * growth
+        rc = self.rc
+        factor = 0.0
+        turn = None
+
+        # change the factor so that the objective reaches its aim
+        by = self._by_factor
+        if by is not None:
+            most = _CHANGE * self.F
+            factor = float(np.clip((self.goal.aim - self.theta - theta) / by.theta, -most, most))
+            sigma = sigma + factor * by.sigma
+            y = y + factor * by.y
+            theta = theta + factor * by.theta
+            u = u + factor * by.u
+            turn = factor * by.turn
+            rc = rc.copy()
+            rc[:, 0] += factor * by.growth
+
+        # s and z follow
         change = _times(self.G, sigma[self.cones.at])
         change[:, 0] += self.e * theta
         z = u + _times(scaled.squared, change)
         self._follow_flow(z, -self.rd - self.program.strains(y), turn)
-        return _Direction(sigma, y, theta, -rc - change, z, factor)
+        return _Direction(sigma, y, theta, s=-rc - change, z=z, factor=factor)
 
     def _follow_flow(self, z: ndarray, strain: ndarray, turn: ndarray | None) -> None:
         """Compute z from the strains: the flow rule then holds to round-off."""
-        n, cones, second = self.program.n_points, self.cones, self.second
+        n = self.program.n_points
+        volume = self.program.volume
         if turn is not None:
             strain = strain - self.gathered(turn)
-        at = n + np.flatnonzero(self.flat_second)
-        z[at, 0] = (strain[cones.at[at]] * self.program.volume[cones.at[at]]).sum(1)
+
+        # second cones at points without friction, whose strain is taken off
+        flat = n + np.flatnonzero(self.flat_second)
+        point = self.cones.at[flat]
+        z[flat, 0] = (strain[point] * volume[point]).sum(1)
         strain = strain.copy()
-        np.subtract.at(strain, second, _by(self.G[n:], z[n:]))
-        q = np.where(self.steep, (self.G[:n, 0] * self.program.volume).sum(1), 1.0)
-        z[:n, 0] = np.where(self.steep, (strain * self.program.volume).sum(1) / q, z[:n, 0])
-        left = strain - self.G[:n, 0] * z[:n, :1]
-        R = cones.R[:n]
+        np.subtract.at(strain, self.second, _by(self.G[n:], z[n:]))
+
+        # first component by the change of volume with friction, the others by the shear
+        q = self.G[:n, 0]
+        per_volume = np.where(self.steep, (q * volume).sum(1), 1.0)
+        change = (strain * volume).sum(1)
+        z[:n, 0] = np.where(self.steep, change / per_volume, z[:n, 0])
+        shear = strain - q * z[:n, :1]
+        R = self.cones.R[:n]
         size = (R**2).sum(2)  # rows are orthogonal
-        z[:n, 1:] = -np.einsum("nij,nj->ni", R, left) / size
+        z[:n, 1:] = -np.einsum("nij,nj->ni", R, shear) / size
 
     def _mend(self) -> None:
-        """Restore the flow rule at points deep enough within their cones: short steps leave it
-        violated elsewhere.
-        """
-        n, change = self.program.n_points, np.zeros_like(self.z)
-        self._follow_flow(
-            change, -self.program.strains(self.y) - self.gathered(_by(self.G, self.z)), None
-        )
+        """Restore the flow rule at points deep within their cones; short steps violate it."""
+        n = self.program.n_points
+        change = np.zeros_like(self.z)
+        flow = self.gathered(_by(self.G, self.z))
+        missing = -self.program.strains(self.y) - flow
+        self._follow_flow(change, missing, None)
         fits = _depth(self.z + change) > _DEEP * _depth(self.z)
         whole = fits[:n].copy()
         np.logical_and.at(whole, self.second, fits[n:])
@@ -311,11 +354,30 @@ class _Path:
     def solution(self) -> Solution:
         """Return the last iterate."""
         return Solution(
-            self.theta, self.F, self.sigma, self.y, self.metric, self.inner, self.iterations
+            self.theta,
+            self.F,
+            stress=self.sigma,
+            velocity=self.y,
+            metric=self.metric,
+            inner=self.inner,
+            iterations=self.iterations,
         )
 
 
+class _ByFactor(NamedTuple):
+    """Derivatives of a direction by the factor."""
+
+    sigma: ndarray
+    y: ndarray
+    theta: float
+    u: ndarray
+    growth: ndarray
+    turn: ndarray
+
+
 class _Direction(NamedTuple):
+    """Change of an iterate."""
+
     sigma: ndarray
     y: ndarray
     theta: float
@@ -357,10 +419,13 @@ def _quotient(y: ndarray, x: ndarray) -> ndarray:
 
 
 def _longest_step(x: ndarray, d: ndarray) -> float:
-    """Return the largest step from inner points x in the directions d that leaves all of them
-    inside.
+    """Return the largest step from inner points x in directions d that leaves all inside.
+
+    The determinant along the step is a t^2 + 2 b t + c.
     """
-    a, b, c = _determinant(d), (_SIGNS * x * d).sum(1), _determinant(x)
+    a = _determinant(d)
+    b = (_SIGNS * x * d).sum(1)
+    c = _determinant(x)
     inside = b * b - a * c
     below = np.sqrt(np.maximum(inside, 0.0)) - b
     leaves = (inside >= -1e-12 * b * b) & (below > 0)  # along an axis it is zero, to round-off
@@ -368,9 +433,7 @@ def _longest_step(x: ndarray, d: ndarray) -> float:
 
 
 class _Scaling(NamedTuple):
-    """Symmetric W with W z = W^-1 s, its inverse, the inverse squared, (n, 3, 3), and the point W z
-    (n, 3).
-    """
+    """Symmetric W with W z = W^-1 s, (n, 3, 3), its inverse, that squared, and W z, (n, 3)."""
 
     W: ndarray
     inverse: ndarray
@@ -379,19 +442,29 @@ class _Scaling(NamedTuple):
 
 
 def _scaling(s: ndarray, z: ndarray) -> _Scaling:
-    """Return the scaling of Nesterov and Todd of inner points s and z; ArithmeticError for other
-    points.
-    """
+    """Return the scaling of Nesterov and Todd; ArithmeticError for points that are not inner."""
     squares = _determinant(s), _determinant(z)
     if not all((square > 0).all() for square in squares):
         raise ArithmeticError("a point has reached the surface of its cone")
     size_s, size_z = np.sqrt(squares)
-    unit_s, unit_z = s / size_s[:, None], z / size_z[:, None]
-    w = (unit_s + _SIGNS * unit_z) / np.sqrt(2 * (1 + (unit_s * unit_z).sum(1)))[:, None]
+    unit_s = s / size_s[:, None]
+    unit_z = z / size_z[:, None]
+
+    # V = [[w_0, w'], [w', I + w w' / (1 + w_0)]] of the point w between both
+    cosine = (unit_s * unit_z).sum(1)
+    w = (unit_s + _SIGNS * unit_z) / np.sqrt(2 * (1 + cosine))[:, None]
+    last = w[:, 1:]
+    below = (1 + w[:, 0])[:, None, None]
     V = np.empty((len(s), 3, 3))
-    V[:, 0], V[:, 1:, 0] = w, w[:, 1:]
-    V[:, 1:, 1:] = np.eye(2) + w[:, 1:, None] * w[:, None, 1:] / (1 + w[:, 0])[:, None, None]
+    V[:, 0] = w
+    V[:, 1:, 0] = last
+    V[:, 1:, 1:] = np.eye(2) + last[:, :, None] * last[:, None] / below
+
+    # W = V sqrt(|s| / |z|), whose inverse has other signs
     ratio = np.sqrt(size_s / size_z)[:, None, None]
-    W, turned = ratio * V, _SIGNS * w
-    squared = (2 * turned[:, :, None] * turned[:, None] - np.diag(_SIGNS)) / ratio**2
-    return _Scaling(W, V * np.outer(_SIGNS, _SIGNS) / ratio, squared, np.einsum("nij,nj->ni", W, z))
+    W = ratio * V
+    inverse = V * np.outer(_SIGNS, _SIGNS) / ratio
+    turned = _SIGNS * w
+    outer = 2 * turned[:, :, None] * turned[:, None]
+    squared = (outer - np.diag(_SIGNS)) / ratio**2
+    return _Scaling(W, inverse, squared, point=_times(W, z))

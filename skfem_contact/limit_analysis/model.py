@@ -1,13 +1,11 @@
-"""Loads, contacts and strength of a limit analysis on straight triangles, and the program of either
-bound.
-"""
+"""Loads, contacts and strength of a limit analysis on triangles, and the program of a bound."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -73,15 +71,15 @@ class Loads(NamedTuple):
     remarks: tuple[str, ...] = ()
 
     def largest_stress(self, triangles: Triangles, centre: ndarray, size: float) -> float:
-        """Return the stress of the weights over the height of the triangles, plus the largest
-        tractions.
-        """
-        stress = float(
-            np.abs(self.dead + self.live).max(initial=0.0) * size * np.ptp(triangles.mesh.p[1])
-        )
+        """Return the stress of the weights over the whole height, plus the largest tractions."""
+        mesh = triangles.mesh
+        heaviest = np.abs(self.dead + self.live).max(initial=0.0)
+        stress = float(heaviest * size * np.ptp(mesh.p[1]))
         for tag, value, _ in self.tractions:
-            x = triangles.mesh.p[:, triangles.mesh.facets[:, triangles.tags[tag]]].reshape(2, -1)
-            stress += float(np.abs(value(centre[:, None] + size * x)).max(initial=0.0))
+            ends = mesh.facets[:, triangles.tags[tag]]
+            x = centre[:, None] + size * mesh.p[:, ends].reshape(2, -1)
+            traction = np.abs(value(x))
+            stress += float(traction.max(initial=0.0))
         return stress
 
     def scaled(self, centre: ndarray, size: float, stress: float) -> Loads:
@@ -90,11 +88,12 @@ class Loads(NamedTuple):
         def field(value: Field) -> Field:
             return lambda x: np.asarray(value(centre[:, None] + size * x)) / stress
 
-        tractions = tuple(one._replace(value=field(one.value)) for one in self.tractions)
-        water = None if self.water is None else field(self.water)
         unit = size / stress
         return self._replace(
-            dead=self.dead * unit, live=self.live * unit, tractions=tractions, water=water
+            dead=self.dead * unit,
+            live=self.live * unit,
+            tractions=tuple(each._replace(value=field(each.value)) for each in self.tractions),
+            water=None if self.water is None else field(self.water),
         )
 
 
@@ -108,7 +107,9 @@ def named_loads(
     live: Collection[str],
 ) -> Loads:
     """Check loads that are given by name, see :func:`~skfem_contact.bounds`."""
-    mesh, known = site.basis.mesh, {"weight", *tractions}
+    # check the names
+    mesh = site.basis.mesh
+    known = {"weight", *tractions}
     for name in live:
         if name not in known:
             raise ValueError(
@@ -120,21 +121,27 @@ def named_loads(
         raise ValueError(f"seismic must be a finite number, not {seismic!r}")
     if submerged and water is None:
         raise ValueError("submerged boundaries need the pressure of water: give `water`")
+
+    # make fields of the values
     body = by_element(mesh, weight)[:, None] * np.array([seismic, -1.0])
     fields = tuple(
         Traction(name, _traction(name, value), name in live) for name, value in tractions.items()
     )
     if not body.any() and not fields and water is None:
         raise ValueError("there is no load: give `weight`, `tractions` or `water`")
-    dead, multiplied = (0 * body, body) if "weight" in live else (body, 0 * body)
-    linear = any(callable(value) for value in tractions.values())
+    dead, multiplied = body, np.zeros_like(body)
+    if "weight" in live:
+        dead, multiplied = multiplied, dead
+    remarks: tuple[str, ...] = ()
+    if any(map(callable, tractions.values())):
+        remarks = ("tractions are linear along every facet",)
     return Loads(
         dead,
         multiplied,
-        fields,
-        _pressure(water, site.basis),
-        tuple(submerged),
-        ("tractions are linear along every facet",) * linear,
+        tractions=fields,
+        water=_pressure(water, site.basis),
+        submerged=tuple(submerged),
+        remarks=remarks,
     )
 
 
@@ -170,11 +177,10 @@ def _pressure(water: Pressure | None, basis: CellBasis) -> Field | None:
             f"water is a pressure, hydrostatic(level) or values at {mesh.nvertices} nodes, not "
             f"{water!r}"
         )
-    inside = (
-        water
-        if callable(water)
-        else Basis(mesh, linear_element(mesh)).interpolator(np.asarray(water, float))
-    )
+    if callable(water):
+        inside: Callable[[ndarray], Any] = water
+    else:
+        inside = Basis(mesh, linear_element(mesh)).interpolator(np.asarray(water, float))
 
     def field(x: ndarray) -> ndarray:
         pressure = np.asarray(inside(x), dtype=float)
@@ -193,124 +199,136 @@ def vector_loads(
     submerged: Collection[str] = (),
     at_rest: AtRest | None = None,
 ) -> Loads:
-    """Decompose load vectors into weights of subdomains, tractions on boundaries, and forces of
-    water.
-    """
-    basis, dead, rest = site.basis, dead[: site.basis.N], at_rest and at_rest()
-    if rest:
+    """Decompose load vectors into weights, tractions on boundaries, and forces of water."""
+    # take off the load of water
+    basis = site.basis
+    dead = dead[: basis.N]
+    rest = None if at_rest is None else at_rest()
+    if rest is not None:
         if water is not None or submerged:
             raise ValueError(
                 "the search has its own water: leave `water` and `submerged` out of `certify`"
             )
-        water, dead = rest[0], dead - rest[1][: basis.N]
+        water = rest[0]
+        dead = dead - rest[1][: basis.N]
     elif water is not None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # it was given with the load
             dead = dead - water_load(basis.with_elements(site.porous), water, tuple(submerged))
-    decomposed = _decomposition(site)
-    body, tractions = decomposed(dead, False)
-    multiplied, more = (0 * body, ()) if live is None else decomposed(live[: basis.N], True)
+
+    # decompose the remaining load, and the multiplied one
+    decomposition = _Decomposition(site)
+    body, tractions = decomposition.of(dead, False)
+    multiplied = np.zeros_like(body)
+    if live is not None:
+        multiplied, more = decomposition.of(live[: basis.N], True)
+        tractions += more
     return Loads(
         body,
         multiplied,
-        tractions + more,
-        _pressure(water, basis),
-        (SURFACE,) if rest else tuple(submerged),
+        tractions=tractions,
+        water=_pressure(water, basis),
+        submerged=(SURFACE,) if rest is not None else tuple(submerged),
     )
 
 
-def _decomposition(site: Site) -> Callable[[ndarray, bool], tuple[ndarray, tuple[Traction, ...]]]:
-    """Return the function that decomposes a load vector into body forces (n_elements, 2) and
-    tractions.
-    """
-    free = np.setdiff1d(np.arange(site.basis.N), site.fixed)
-    kinds = _kinds(site)
-    parts = [
-        site.basis.with_elements(np.flatnonzero(kinds == kind)) for kind in range(kinds.max() + 1)
-    ]
-    weights = np.column_stack(
-        [weight(part, 1.0, axis) for part in parts for axis in ((1.0, 0.0), (0.0, 1.0))]
-    )[free]
-    sides = _unit_tractions(site)
+class _Decomposition:
+    """Decomposition of load vectors into weights of subdomains and tractions on boundaries."""
 
-    def fitted(names: list[str], target: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the rest of a vector after the weights and the tractions on some boundaries, and
-        their shares.
+    def __init__(self, site: Site) -> None:
+        self._basis = site.basis
+        self._free = np.setdiff1d(np.arange(site.basis.N), site.fixed)
+        self._kinds = _kinds(site)
+        self._sides = _unit_tractions(site)
+        weights = []
+        for kind in range(self._kinds.max() + 1):
+            part = site.basis.with_elements(np.flatnonzero(self._kinds == kind))
+            weights += [weight(part, 1.0, axis) for axis in ((1.0, 0.0), (0.0, 1.0))]
+        self._weights = np.column_stack(weights)[self._free]
+
+    def of(self, load: ndarray, live: bool) -> tuple[ndarray, tuple[Traction, ...]]:
+        """Return body forces (n_elements, 2) and tractions of a load vector.
+
+        Boundaries are added one by one: each time the one that leaves least.
         """
-        columns = np.column_stack([weights, *(sides[name][free] for name in names)])
+        target = load[self._free]
+        size = float(np.linalg.norm(target))
+        names: list[str] = []
+        remaining, share = self._fitted(names, target)
+        while np.linalg.norm(remaining) > _LEFT * size and len(names) < len(self._sides):
+            candidates = [name for name in self._sides if name not in names]
+            fits = {name: self._fitted([*names, name], target) for name in candidates}
+            best = min(candidates, key=lambda name: float(np.linalg.norm(fits[name][0])))
+            names.append(best)
+            remaining, share = fits[best]
+        if np.linalg.norm(remaining) > _LEFT * size:
+            worst = self._basis.doflocs[:, self._free[np.abs(remaining).argmax()]]
+            raise ValueError(
+                "bounds need distributed loads, but the load vector is no sum of weights of "
+                "subdomains and tractions that are linear along named boundaries: "
+                f"{np.linalg.norm(remaining) / size:.2g} of it are left, most at "
+                f"{format_point(worst)}; name the boundary that is loaded, give water by "
+                "certify={'water': ...}, or call `bounds`"
+            )
+        n = self._weights.shape[1]
+        solid = self._kinds >= 0
+        body = np.zeros((len(self._kinds), 2))
+        body[solid] = share[:n].reshape(-1, 2)[self._kinds[solid]]
+        coefficients = share[n:].reshape(-1, 2, 3)  # of a traction that is linear in x and y
+        mesh = self._basis.mesh
+        return body, tuple(
+            Traction(name, _linear(mesh, each), live) for name, each in zip(names, coefficients)
+        )
+
+    def _fitted(self, names: list[str], target: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the rest of a vector after weights and some tractions, and their shares."""
+        columns = np.column_stack(
+            [self._weights, *(self._sides[name][self._free] for name in names)]
+        )
         scale = np.linalg.norm(columns, axis=0)
         scale[scale == 0] = 1.0
         share = np.linalg.lstsq(columns / scale, target, rcond=1e-10)[0]
         share[np.abs(share) < _NONE * np.linalg.norm(target)] = 0.0
         return target - (columns / scale) @ share, share / scale
 
-    def decomposed(load: ndarray, live: bool) -> tuple[ndarray, tuple[Traction, ...]]:
-        """Select weights, and boundaries one by one: the best of each time."""
-        target = load[free]
-        size, names = float(np.linalg.norm(target)), list[str]()
-        left, share = fitted(names, target)
-        while np.linalg.norm(left) > _LEFT * size and len(names) < len(sides):
-            fits = {name: fitted([*names, name], target) for name in sides if name not in names}
-            names.append(min(fits, key=lambda name: float(np.linalg.norm(fits[name][0]))))
-            left, share = fits[names[-1]]
-        if np.linalg.norm(left) > _LEFT * size:
-            worst = site.basis.doflocs[:, free[np.abs(left).argmax()]]
-            raise ValueError(
-                "bounds need distributed loads, but the load vector is no sum of weights of "
-                "subdomains and tractions "
-                f"that are linear along named boundaries: {np.linalg.norm(left) / size:.2g} of it "
-                f"are left, most at "
-                f"{format_point(worst)}; name the boundary that is loaded, give water by "
-                f"certify={{'water': ...}}, or "
-                "call `bounds`"
-            )
-        body, n = np.zeros((len(kinds), 2)), weights.shape[1]
-        body[kinds >= 0] = share[:n].reshape(-1, 2)[kinds[kinds >= 0]]
-        return body, tuple(
-            Traction(name, _linear(site.basis.mesh, coefficients), live)
-            for name, coefficients in zip(names, share[n:].reshape(-1, 2, 3))
-        )
-
-    return decomposed
-
 
 def _kinds(site: Site) -> ndarray:
-    """Return one number for the elements of the same subdomains, (n_elements,); -1 without a
-    solid.
-    """
+    """Return a number for elements of the same subdomains, (n_elements,); -1 without a solid."""
     mesh = site.basis.mesh
     parts = (mesh.subdomains or {}).values()
     member = np.zeros((len(parts) + 1, mesh.nelements), bool)
     for row, part in zip(member, parts):
         row[part] = True
+    _, number = np.unique(member[:, site.elements], axis=1, return_inverse=True)
     kinds = np.full(mesh.nelements, -1)
-    kinds[site.elements] = np.unique(member[:, site.elements], axis=1, return_inverse=True)[
-        1
-    ].ravel()
+    kinds[site.elements] = number.ravel()
     return kinds
 
 
 def _unit_tractions(site: Site) -> dict[str, ndarray]:
-    """Return vectors of unit tractions, constant and linear in x and y, on boundaries of the
-    solids, (N, 6) each.
-    """
-    mesh, units = site.basis.mesh, np.eye(6).reshape(6, 2, 3)
+    """Return loads of unit tractions, constant and linear in x and y, on boundaries, (N, 6)."""
+    mesh = site.basis.mesh
+    units = np.eye(6).reshape(6, 2, 3)
     count = np.bincount(mesh.t2f[:, site.elements].ravel(), minlength=mesh.nfacets)
-    return {
-        name: np.column_stack([traction(site.basis, name, _linear(mesh, unit)) for unit in units])
-        for name, facets in (mesh.boundaries or {}).items()
-        if len(facets) and (count[facets] == 1).all()
-    }
+    columns = {}
+    for name, facets in (mesh.boundaries or {}).items():
+        if len(facets) and (count[facets] == 1).all():
+            loads = [traction(site.basis, name, _linear(mesh, unit)) for unit in units]
+            columns[name] = np.column_stack(loads)
+    return columns
 
 
 def _linear(mesh: Mesh, coefficients: ndarray) -> Field:
     """Return a traction as a function of coordinates, from its six coefficients (2, 3)."""
     low, high = mesh.p.min(axis=1), mesh.p.max(axis=1)
-    centre, size = 0.5 * (low + high), float((high - low).max())
+    centre = 0.5 * (low + high)
+    size = float((high - low).max())
 
     def field(x: ndarray) -> ndarray:
-        away = (x - centre.reshape(2, *(1,) * (x.ndim - 1))) / size
-        return np.einsum("cs,s...->c...", coefficients, np.stack([np.ones_like(away[0]), *away]))
+        origin = centre.reshape(2, *(1,) * (x.ndim - 1))
+        away = (x - origin) / size
+        terms = np.stack([np.ones_like(away[0]), *away])  # 1, x, y
+        return np.einsum("cs,s...->c...", coefficients, terms)
 
     return field
 
@@ -332,73 +350,79 @@ class LimitModel:
     outer: Strength | None = None  # of the upper bound, where the strength is curved
 
     def strength(self, triangles: Triangles, soft: ndarray, elements: Elements) -> Strength:
-        r"""Return the strength at the corners of triangles that can yield, for the bound of some
-        elements.
+        r"""Return the strength at the corners of triangles that can yield, for one of the bounds.
 
         Linear stresses are admissible in a triangle if they are at its corners. The dissipation of
-        linear strains is convex, so that it is at most that of the corners, each with the mean of
-        the strength by its shape function:
-        :math:`\int c\, D(\sum_i \lambda_i \varepsilon_i) \le \sum_i D(\varepsilon_i) \int \lambda_i c`.
+        linear strains is convex, so that it is at most the sum over the corners, each with the mean
+        of the strength by its shape function:
+        :math:`\int c\, D(\sum_i \lambda_i \varepsilon_i) \le
+        \sum_i D(\varepsilon_i) \int \lambda_i c`.
         """
-        found = (self.soil if elements.statical else self.outer or self.soil).at(
-            np.repeat(triangles.origin[soft], 3)
-        )
+        soil = self.soil
+        if self.outer is not None and not elements.statical:
+            soil = self.outer
+        strength = soil.at(np.repeat(triangles.origin[soft], 3))
         for profile in self.profiles:
-            here, cohesion = profile.at(triangles, soft)
-            found.c.reshape(-1, 3)[here] = cohesion @ elements.strength
-        return found
+            varies, cohesion = profile.at(triangles, soft)
+            strength.c.reshape(-1, 3)[varies] = cohesion @ elements.strength
+        return strength
 
     def power(self, triangles: Triangles, elements: Elements) -> tuple[ndarray, ndarray]:
         """Return the power of the fixed and of the multiplied loads, (n,) each."""
-        total = [
-            elements.of_body(forces[triangles.origin])
-            for forces in (self.loads.dead, self.loads.live)
-        ]
+        mesh, origin = triangles.mesh, triangles.origin
+        total = [elements.of_body(f[origin]) for f in (self.loads.dead, self.loads.live)]
         for tag, value, live in self.loads.tractions:
             facets = triangles.tags[tag]
-            x = triangles.mesh.p[:, triangles.mesh.facets[:, facets]]  # (2, 2 ends, n)
-            values = np.asarray(value(x.reshape(2, -1))).reshape(x.shape).T
-            total[live] += elements.of_tractions(facets, values)
-        if (water := self.loads.water) is not None:
-            total[0] += self._power_of_water(water(triangles.mesh.p), triangles, elements)
+            x = mesh.p[:, mesh.facets[:, facets]]  # (2, 2 ends, n)
+            values = np.asarray(value(x.reshape(2, -1)))
+            total[live] += elements.of_tractions(facets, values.reshape(x.shape).T)
+        if self.loads.water is not None:
+            pressure = self.loads.water(mesh.p)
+            total[0] += self._power_of_water(pressure, triangles, elements)
         return total[0], total[1]
 
     def _power_of_water(self, u: ndarray, triangles: Triangles, elements: Elements) -> ndarray:
-        r"""Return :math:`\int u\, {\rm div}\, v` in the pores less :math:`\int u\, n v` on
-        submerged boundaries.
+        r"""Return the power of a pressure u, :math:`\int u\, {\rm div}\, v - \int u\, n v`.
 
-        By parts, a pressure linear in every triangle is a body force -grad u and a traction u n on
-        all facets that bound the pores.
+        The first integral is over the pores, the second over submerged boundaries. By parts, a
+        pressure linear in every triangle is a body force -grad u and a traction u n on all facets
+        that bound the pores.
         """
-        mesh, porous = triangles.mesh, self.rigid[triangles.origin] < 0
-        body = -np.einsum("ie,eic->ec", u[mesh.t], gradients(mesh)[0]) * porous[:, None]
+        # body force
+        mesh = triangles.mesh
+        porous = self.rigid[triangles.origin] < 0
+        gradient = gradients(mesh)[0]
+        body = -np.einsum("ie,eic->ec", u[mesh.t], gradient) * porous[:, None]
+        power = elements.of_body(body)
+
+        # facets that bound the pores, with the pressure, and submerged ones with water, not suction
         inside = np.where(mesh.f2t >= 0, porous[mesh.f2t], False)
         edge = np.flatnonzero(inside[0] != inside[1])
-        outside = np.concatenate(
-            [np.zeros(0, int), *(triangles.tags[tag] for tag in self.loads.submerged)]
-        )
-        facets = np.append(edge, outside)
-        side = np.append(inside[1, edge], np.zeros(len(outside), bool)).astype(int)
-        at, inner = u[mesh.facets[:, facets]], np.arange(len(facets)) < len(edge)
+        outside = [triangles.tags[tag] for tag in self.loads.submerged]
+        facets = np.concatenate([edge, *outside])
+        inner = np.arange(len(facets)) < len(edge)
+        side = np.zeros(len(facets), int)
+        side[inner] = inside[1, edge]
         normal = outward_normals(mesh, facets, mesh.f2t[side, facets])
-        pressed = (
-            np.where(inner, at, -np.maximum(at, 0.0)).T[:, :, None] * normal.T[:, None]
-        )  # beside suction is air
-        return elements.of_body(body) + elements.of_tractions(facets, pressed)
+        at = u[mesh.facets[:, facets]]  # (2 ends, n)
+        pressure = np.where(inner, at, -np.maximum(at, 0.0))
+        pressed = pressure.T[:, :, None] * normal.T[:, None]  # (n, 2 ends, 2)
+        return power + elements.of_tractions(facets, pressed)
 
 
 def discretise(model: LimitModel, triangles: Triangles, elements: Elements) -> Program:
-    """Return the program of some elements' bound, on a refinement of the first mesh whose contacts
-    match.
-    """
+    """Return the program of a bound on a refinement of the first mesh whose contacts match."""
+    # collect the points of soil and joints
     rigid = model.rigid[triangles.origin]
     soft = np.flatnonzero(rigid < 0)
     joints, tied = joined(model.contacts, triangles, elements)
-    parts = [(elements.B[soft], elements.dofs[soft]), *((joint.B, joint.dofs) for joint in joints)]
-    strengths: list[Strength] = [
-        model.strength(triangles, soft, elements),
-        *(j.strength for j in joints),
-    ]
+    strengths = [model.strength(triangles, soft, elements)]
+    parts = [(elements.B[soft], elements.dofs[soft])]
+    for joint in joints:
+        strengths.append(joint.strength)
+        parts.append((joint.B, joint.dofs))
+
+    # reduce velocities to the motions of rigid bodies and free nodes
     held = [elements.facets[triangles.tags["held", k], :, k].ravel() for k in (0, 1)]
     used = np.concatenate([dofs.ravel() for _, dofs in parts])
     reduction = Reduction.of(elements, used, np.concatenate(held), tied, rigid)
@@ -406,8 +430,11 @@ def discretise(model: LimitModel, triangles: Triangles, elements: Elements) -> P
     first = 0
     for B, dofs in parts:
         n, at_each = B.shape[:2]
-        blocks += reduction.reduced(B, first + np.arange(n * at_each).reshape(n, at_each), dofs)
+        points = first + np.arange(n * at_each).reshape(n, at_each)
+        blocks += reduction.reduced(B, points, dofs)
         first += n * at_each
+
+    # refuse what cannot yield and what can move without resistance
     if not blocks:
         raise ValueError(
             "nothing can yield: all bodies are elastic, which bounds take for rigid, and joints "
@@ -420,42 +447,55 @@ def discretise(model: LimitModel, triangles: Triangles, elements: Elements) -> P
             "contact"
         )
     dead, live = (reduction.matrix.T @ f for f in model.power(triangles, elements))
-    return Program(blocks, strengths, reduction, dead, live, soft, joints)
+    return Program(
+        blocks,
+        strengths,
+        reduction=reduction,
+        dead=dead,
+        live=live,
+        soft=soft,
+        joints=joints,
+    )
 
 
 def joined(
     contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements
 ) -> tuple[list[Joint], ndarray]:
     """Return joints that can part or slip, and pairs of velocities that are tied, (2, n)."""
-    joints, tied = [], [np.zeros((2, 0), int)]
+    joints = []
+    tied = [np.zeros((2, 0), int)]
     for contact in contacts:
-        one, other, turned = pairs(contact, triangles)
-        sides = elements.facets[one], elements.on_facets(other, turned)
+        slave, master, turned = pairs(contact, triangles)
+        sides = elements.facets[slave], elements.on_facets(master, turned)
         if contact.tied:
             tied.append(np.stack([dofs.ravel() for dofs in sides]))
-        elif len(one):
-            jump = _jumps(contact, triangles, elements, one)
-            n = jump.shape[0] * jump.shape[1]
-            strength = Strength(
-                np.full(n, contact.a),
-                np.full(n, contact.mu),
-                np.full(n, contact.tension),
-                np.full(n, contact.reduced),
-                joint=True,
-            )
-            dofs = np.hstack([dofs.reshape(len(one), -1) for dofs in sides])
-            joints.append(Joint(one, other, np.concatenate([-jump, jump], axis=3), dofs, strength))
+        elif len(slave):
+            jump = _jumps(contact, triangles, elements, slave)
+            B = np.concatenate([-jump, jump], axis=3)
+            dofs = np.hstack([dofs.reshape(len(slave), -1) for dofs in sides])
+            joints.append(Joint(slave, master, B, dofs, _strength_of(contact, B)))
     return joints, np.hstack(tied)
 
 
+def _strength_of(contact: Contact, B: ndarray) -> Strength:
+    """Return the strength of a contact at the points of an operator, (n_facets, n_points, ...)."""
+    n = B.shape[0] * B.shape[1]
+    values = (contact.a, contact.mu, contact.tension, contact.reduced)
+    return Strength(*(np.full(n, value) for value in values), joint=True)
+
+
 def _jumps(contact: Contact, triangles: Triangles, elements: Elements, slave: ndarray) -> ndarray:
-    """Return opening, slip and an idle row times weight, of the master's velocities, (n, n_points,
-    3, n_local).
+    """Return opening, slip and an idle row times weight, of the master's velocities.
+
+    The shape is (n, n_points, 3, n_local).
     """
-    normal = outward_normals(triangles.mesh, slave, triangles.mesh.f2t[0, slave])
+    mesh = triangles.mesh
+    normal = outward_normals(mesh, slave, mesh.f2t[0, slave])
     tangent = np.stack([-normal[1], normal[0]])
-    smooth = contact.a == 0 and contact.mu == 0
-    axes = np.stack([normal, 0.0 * tangent if smooth else tangent, 0 * normal]).transpose(2, 0, 1)
-    weight = facet_lengths(triangles.mesh)[slave] / len(elements.jump)
+    if contact.a == 0 and contact.mu == 0:
+        tangent = 0.0 * tangent
+    axes = np.stack([normal, tangent, 0 * normal])  # (3, 2, n)
+    axes = axes.transpose(2, 0, 1)
+    weight = facet_lengths(mesh)[slave] / len(elements.jump)
     jump = np.einsum("pl,fic,f->fpilc", elements.jump, axes, weight)
     return jump.reshape(*jump.shape[:3], -1)

@@ -16,7 +16,7 @@ from skfem import CellBasis, Mesh
 from ..checks import format_point
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
-from ..forms.base import as_forms, pairs_of, reduced_parts
+from ..forms.base import as_forms, pairs_of, part_names, reduced_parts
 from ..forms.regions import Region
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
@@ -37,13 +37,12 @@ class Problem:
     """LimitModel, its units, and the simplifications that led to it."""
 
     model: LimitModel  # in units of its size and of a stress
-    davis: (
-        LimitModel | None
-    )  # with the associated soil of less strength after Davis, where the flow is not associated
-    stiff: LimitModel | None  # whose strong bodies are rigid: its mechanisms are some of all
-    smooth: (
-        LimitModel | None
-    )  # with the adhesion of joints alone, where they do not open by their slip
+    # with the associated soil of less strength after Davis, where the flow is not associated
+    davis: LimitModel | None
+    # whose strong bodies are rigid: its mechanisms are some of all
+    stiff: LimitModel | None
+    # with the adhesion of joints alone, where they do not open by their slip
+    smooth: LimitModel | None
     mesh: Mesh
     geometry: Geometry
     stress: float  # unit of stress
@@ -63,76 +62,86 @@ def read(
     exclude: str | Collection[str],
     associated: bool,
 ) -> Problem:
-    """Check forms, supports and loads, then translate them; without a multiplied load the strength
-    is reduced.
+    """Check forms, supports and loads, then translate them.
+
+    Without a multiplied load the strength is reduced.
     """
+    # check the bodies, their supports and their loads
     solids, pairs = _by_kind(forms)
     basis = next(iter(solids.values())).basis
     targets = {} if multiplied else reduced_parts(forms, reduce, exclude)
     elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
-    soil = _strengths(solids, targets, "associated", 1.0)
-    if soil.rigid[elements].all() and not pairs:
+    rigid = _strengths(solids, targets, "associated", 1.0).rigid
+    if rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
-    fixed = _unknowns(fixed, basis)
+    fixed = _checked_fixed(fixed, basis)
     shape = geometry(basis, elements, fixed)
-    given = loads(Site(basis, elements, elements[~soil.rigid[elements]], fixed))
+    triangles = shape.triangles
+    given = loads(Site(basis, elements, elements[~rigid[elements]], fixed))
     for tag in (*(traction.tag for traction in given.tractions), *given.submerged):
-        _check_boundary(tag, shape.triangles)
-    carried = given.largest_stress(shape.triangles, shape.centre, shape.size)
-    soil, outer = (
-        _strengths(solids, targets, "associated", carried, inner) for inner in (True, False)
-    )
+        _check_boundary(tag, triangles)
+
+    # scale the model to its size and to a stress
+    carried = given.largest_stress(triangles, shape.centre, shape.size)
+    soil = _strengths(solids, targets, "associated", carried)
     unit = _unit_of_stress(soil, given, shape)
+    outer = None
+    if soil.lines is not None:
+        outer = _strengths(solids, targets, "associated", carried, inner=False).over(unit)
     model = LimitModel(
-        shape.triangles,
+        triangles,
         soil.over(unit),
-        _rigid_bodies(shape.triangles, soil.rigid),
-        given.scaled(shape.centre, shape.size, unit),
-        _contacts(pairs, targets, unit),
-        _profiles(solids, "associated", shape, unit),
-        None if soil.lines is None else outer.over(unit),
+        rigid=_rigid_bodies(triangles, soil.rigid),
+        loads=given.scaled(shape.centre, shape.size, unit),
+        contacts=_contacts(pairs, targets, unit),
+        profiles=_profiles(solids, "associated", shape, unit),
+        outer=outer,
     )
+
+    # derive models that are stiffer or weaker
     strong = _strong(soil, carried, elements)
-    stiff = _stiff(model, soil.rigid | strong) if strong.any() else None
-    less = any(
-        material.dilates_less for form in solids.values() for material in form.materials.values()
+    davis = smooth = None
+    if not associated:
+        if _dilates_less(solids):
+            weaker = _strengths(solids, targets, "davis_a", carried).over(unit)
+            profiles = _profiles(solids, "davis_a", shape, unit)
+            davis = replace(model, soil=weaker, profiles=profiles)
+        if any(contact.mu for contact in model.contacts):
+            contacts = tuple(replace(contact, mu=0.0) for contact in model.contacts)
+            smooth = replace(davis or model, contacts=contacts)
+
+    # tell the simplifications
+    cohesionless = bool(soil.resists_nothing.any()) or any(
+        profile.vanishes(triangles) for profile in model.profiles
     )
-    davis = None
-    if less and not associated:
-        davis = replace(
-            model,
-            soil=_strengths(solids, targets, "davis_a", carried).over(unit),
-            profiles=_profiles(solids, "davis_a", shape, unit),
-        )
-    smooth = None
-    if any(contact.mu for contact in model.contacts) and not associated:
-        smooth = replace(
-            davis or model, contacts=tuple(replace(contact, mu=0.0) for contact in model.contacts)
-        )
-    names = tuple(
-        f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts
-    )
-    cohesionless = soil.resists_nothing.any() or any(
-        profile.vanishes(shape.triangles) for profile in model.profiles
-    )
-    missing = "cohesion" if cohesionless else "tension" if (soil.tension == 0).any() else ""
-    remarks = _remarks(solids, shape, given, soil, bool(cohesionless))
+    missing = ""
+    if cohesionless:
+        missing = "cohesion"
+    elif (soil.tension == 0).any():
+        missing = "tension"
+    remarks = _remarks(solids, shape, given, soil, cohesionless)
     if not associated:
         remarks += _slipping(pairs)
     return Problem(
         model,
         davis,
-        stiff,
-        smooth,
-        basis.mesh,
-        shape,
-        unit,
-        multiplied,
-        missing,
-        names,
-        tuple(_names(solids, strong)),
-        remarks,
+        stiff=_stiff(model, soil.rigid | strong) if strong.any() else None,
+        smooth=smooth,
+        mesh=basis.mesh,
+        geometry=shape,
+        stress=unit,
+        live=multiplied,
+        missing=missing,
+        reduced=part_names(targets),
+        strong=tuple(_names(solids, strong)),
+        remarks=remarks,
     )
+
+
+def _dilates_less(solids: Mapping[str, SolidForm]) -> bool:
+    """Return True if some soil dilates less than its friction."""
+    materials = [each for form in solids.values() for each in form.materials.values()]
+    return any(material.dilates_less for material in materials)
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -143,22 +152,19 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
     for name in set(forms) - set(solids) - set(pairs):
         raise ValueError(
             f"there are no bounds with '{name}', a {type(forms[name]).__name__}: they know solids "
-            f"and "
-            "contact pairs"
+            "and contact pairs"
         )
     if not solids:
         raise ValueError("there is no solid among the forms")
-    first = next(iter(solids.values())).basis.mesh
-    if any(form.basis.mesh is not first and form.basis.mesh != first for form in solids.values()):
+    meshes = [form.basis.mesh for form in solids.values()]
+    if any(mesh is not meshes[0] and mesh != meshes[0] for mesh in meshes):
         raise ValueError("all solids must be parts of one mesh: join them with join_bodies")
     _check_solids(solids)
     return solids, pairs
 
 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
-    """Refuse solids without bounds: space, axial symmetry, materials without a cone, shared
-    elements.
-    """
+    """Refuse space, axial symmetry, materials without a cone and shared elements."""
     for name, form in solids.items():
         if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
@@ -185,31 +191,34 @@ def _strengths(
     stress: float,
     inner: bool = True,
 ) -> Strength:
-    """Return the strength of all elements of the mesh; elastic elements and elements of no solid
-    are rigid.
+    """Return the strength of all elements of the mesh; without a yielding solid they are rigid.
 
-    A curved strength is that of lines, inside or outside of it, for compression up to about a
-    stress.
+    Lines inside or outside of a curved strength replace it, for compression up to about a stress.
     """
     n = next(iter(solids.values())).basis.mesh.nelements
-    found = Strength(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    soil = Strength(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     for name, form in solids.items():
         for region in form.regions:
             where = form.elements[region.elements]
-            found.reduced[where] = region.name in targets.get(name, ())
-            if (lines := region.material.lines(stress, inner, flow)) is None:
+            soil.reduced[where] = region.name in targets.get(name, ())
+            lines = region.material.lines(stress, inner, flow)
+            if lines is None:
                 c, t, tension = _parameters(region, flow, f"{name}.{region.name}")
-                found.c[where], found.t[where], found.tension[where] = c, t, tension
+                soil.c[where] = c
+                soil.t[where] = t
+                soil.tension[where] = tension
             else:
-                found = _with_lines(found, where, *lines)
-    return found
+                soil = _with_lines(soil, where, *lines)
+    return soil
 
 
 def _with_lines(soil: Strength, where: ndarray, lines: ndarray, most: ndarray) -> Strength:
-    """Return the strength with lines, (n_lines, 2, n or 1), at some elements; one in the middle is
-    the first.
+    """Return the strength with lines, (n_lines, 2, n or 1), at some elements.
+
+    The line in the middle becomes the first.
     """
-    n, count = len(soil.c), len(lines) - 1
+    n = len(soil.c)
+    count = len(lines) - 1
     middle = count // 2
     soil.c[where], soil.t[where] = lines[middle]
     every = np.full((n, count, 2), np.inf) if soil.lines is None else soil.lines
@@ -220,31 +229,32 @@ def _with_lines(soil: Strength, where: ndarray, lines: ndarray, most: ndarray) -
 
 
 def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
-    """Return cohesion, tan phi and tensile strength in plane strain; of a cohesion that varies the
-    mean of elements.
+    """Return cohesion, tan phi and tensile strength in plane strain, one value an element or one.
+
+    A cohesion that varies within elements has its mean.
     """
     material = region.material
-    if (cone := material.cone(flow)) is None:
+    cone = material.cone(flow)
+    if cone is None:
         raise ValueError(f"there are no bounds for {material.label} with the flow '{flow}'")
     if any(np.ndim(value) == 2 and np.ptp(value, axis=1).any() for value in cone[1:]):
         raise ValueError(
             f"friction or tensile strength of '{name}' vary within elements: bounds know a "
-            f"cohesion that "
-            "does; give one value an element"
+            "cohesion that does; give one value an element"
         )
     if np.ndim(cone[0]) == 2 and region.given is None:
         raise ValueError(
             f"the cohesion of '{name}' is known at integration points alone, as after a reduction "
-            f"of its "
-            "strength: give the body with the function of the coordinates"
+            "of its strength: give the body with the function of the coordinates"
         )
     c, t, tension = (np.mean(value, axis=1) if np.ndim(value) == 2 else value for value in cone)
-    if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
+    friction = np.asarray(t)
+    if ((friction > 0) & (friction < FLAT)).any():
         raise ValueError(
             f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make "
-            f"it 0"
+            "it 0"
         )
-    if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
+    if ((np.asarray(c) == 0) & (friction == 0)).any():
         raise ValueError(f"'{name}' has neither cohesion nor friction")
     return c, t, tension
 
@@ -253,43 +263,43 @@ def _profiles(
     solids: Mapping[str, SolidForm], flow: Flow, shape: Geometry, unit: float
 ) -> tuple[Profile, ...]:
     """Return the cohesions that vary with the coordinates, in units of the model."""
-    n, found = next(iter(solids.values())).basis.mesh.nelements, []
+    n = next(iter(solids.values())).basis.mesh.nelements
+    profiles = []
     for name, form in solids.items():
         for region in form.regions:
-            if (
-                region.given is None
-                or region.given.cohesion_at(shape.centre[:, None, None]) is None
-            ):
+            given = region.given
+            if given is None or given.cohesion_at(shape.centre[:, None, None]) is None:
                 continue
-            where, share = form.elements[region.elements], np.zeros(n)
-            c, given = (_parameters(region, kind, name)[0] for kind in (flow, "associated"))
-            share[where] = np.divide(c, given, out=np.ones(len(where)), where=given > 0) / unit
-            found.append(Profile(share > 0, partial(_cohesion, region.given, shape, share)))
-    return tuple(found)
+            where = form.elements[region.elements]
+            c = _parameters(region, flow, name)[0]
+            full = _parameters(region, "associated", name)[0]
+            share = np.zeros(n)  # of the function's values, in units of the model
+            share[where] = np.divide(c, full, out=np.ones(len(where)), where=full > 0) / unit
+            profiles.append(Profile(share > 0, partial(_cohesion, given, shape, share)))
+    return tuple(profiles)
 
 
 def _cohesion(
     material: Material, shape: Geometry, share: ndarray, x: ndarray, elements: ndarray
 ) -> ndarray:
-    """Return a share of the cohesion at coordinates (2, n, 3) of the model, by elements of the
-    mesh, (n, 3).
-    """
-    there = shape.centre[:, None, None] + shape.size * x
-    values = np.asarray(material.cohesion_at(there))
-    if (values < -_ROUND_OFF * np.abs(values).max(initial=0.0)).any():
-        where = format_point(there.reshape(2, -1)[:, values.argmin()])
+    """Return a share of the cohesion at coordinates (2, n, 3), by elements of the mesh, (n, 3)."""
+    points = shape.centre[:, None, None] + shape.size * x  # (2, n, 3)
+    values = np.asarray(material.cohesion_at(points))
+    largest = np.abs(values).max(initial=0.0)
+    if (values < -_ROUND_OFF * largest).any():
+        where = format_point(points.reshape(2, -1)[:, values.argmin()])
         raise ValueError(f"the cohesion must not be negative, got {values.min():.4g} at {where}")
     return np.maximum(values, 0.0) * share[elements][:, None]
 
 
-def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
+def _checked_fixed(fixed: ndarray, basis: CellBasis) -> ndarray:
     """Return fixed dofs, checked."""
     fixed = np.unique(fixed)
-    if len(fixed) == 0 or fixed[0] < 0 or fixed[-1] >= basis.N:
-        raise ValueError(
-            f"fixed must hold dofs from 0 to {basis.N - 1}"
-            + (": without supports there are no bounds" if len(fixed) == 0 else "")
-        )
+    message = f"fixed must hold dofs from 0 to {basis.N - 1}"
+    if len(fixed) == 0:
+        raise ValueError(f"{message}: without supports there are no bounds")
+    if fixed[0] < 0 or fixed[-1] >= basis.N:
+        raise ValueError(message)
     return fixed
 
 
@@ -315,36 +325,45 @@ def _contacts(
     pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float
 ) -> tuple[Contact, ...]:
     """Return contacts in units of the model."""
-    contacts: list[Contact] = []
+    contacts = []
     seen: set[str] = set()
     for name, pair in pairs.items():
         if pair.master.rigid:
             raise ValueError(
                 f"contact '{name}' is with the rigid obstacle '{pair.master.name}': bounds know "
-                f"contact "
-                "between bodies; make the obstacle an elastic body, which they take for rigid"
+                "contact between bodies; make the obstacle an elastic body, which they take for "
+                "rigid"
             )
         sides = pair.slave.name, pair.master.name
         if seen.intersection(sides):
             raise ValueError(f"contact '{name}' has a side that another pair has as well")
         seen.update(sides)
-        law = pair.law
-        if isinstance(law, Tied):
-            contacts.append(Contact(*sides, tied=True))
-        elif isinstance(law, Coulomb):
-            if np.ndim(law.mu) or np.ndim(law.adhesion) or np.ndim(law.tension):
-                raise ValueError(
-                    f"contact '{name}' has another strength at every point: bounds know one for a "
-                    f"contact"
-                )
-            strength = float(law.adhesion) / stress, float(law.mu), float(law.tension) / stress
-            contacts.append(Contact(*sides, *strength, name in targets))
-        else:
-            raise ValueError(
-                f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
-                "Coulomb and Tied"
-            )
+        contacts.append(_contact(name, pair, stress, name in targets))
     return tuple(contacts)
+
+
+def _contact(name: str, pair: ContactPair, stress: float, reduced: bool) -> Contact:
+    """Return a contact in units of the model."""
+    law = pair.law
+    if isinstance(law, Tied):
+        return Contact(pair.slave.name, pair.master.name, tied=True)
+    if not isinstance(law, Coulomb):
+        raise ValueError(
+            f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
+            "Coulomb and Tied"
+        )
+    if np.ndim(law.mu) or np.ndim(law.adhesion) or np.ndim(law.tension):
+        raise ValueError(
+            f"contact '{name}' has another strength at every point: bounds know one for a contact"
+        )
+    return Contact(
+        pair.slave.name,
+        pair.master.name,
+        a=float(law.adhesion) / stress,
+        mu=float(law.mu),
+        tension=float(law.tension) / stress,
+        reduced=reduced,
+    )
 
 
 def _slipping(pairs: Mapping[str, ContactPair]) -> tuple[str, ...]:
@@ -352,31 +371,36 @@ def _slipping(pairs: Mapping[str, ContactPair]) -> tuple[str, ...]:
     names = [
         name for name, pair in pairs.items() if isinstance(pair.law, Coulomb) and pair.law.mu > 0
     ]
+    if not names:
+        return ()
     return (
         f"the joints {', '.join(names)} open by mu times their slip here (associated flow) but not "
-        f"in ContactPair: "
-        "for joints without dilation `lower` is an estimate, `safe` a bound",
-    ) * bool(names)
+        "in ContactPair: for joints without dilation `lower` is an estimate, `safe` a bound",
+    )
 
 
 def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     """Return the number of the rigid body of every element of the mesh, -1 for none."""
-    mesh, stiff = triangles.mesh, rigid[triangles.origin]
-    one, other = mesh.f2t[:, mesh.f2t[1] >= 0]
-    both = stiff[one] & stiff[other]
+    # number the rigid triangles that facets connect
+    mesh = triangles.mesh
+    stiff = rigid[triangles.origin]
+    first, second = mesh.f2t[:, mesh.f2t[1] >= 0]
+    both = stiff[first] & stiff[second]
     n = mesh.nelements
-    links = coo_matrix((np.ones(both.sum()), (one[both], other[both])), shape=(n, n))
+    links = coo_matrix((np.ones(both.sum()), (first[both], second[both])), shape=(n, n))
     label = connected_components(links, directed=False)[1]
     number = np.full(n, -1)
     number[stiff] = np.unique(label[stiff], return_inverse=True)[1]
-    nodes = [np.unique(mesh.t[:, number == b]) for b in range(number.max() + 1)]
+
+    # refuse bodies that share a node
+    nodes = [np.unique(mesh.t[:, number == body]) for body in range(number.max() + 1)]
     if nodes and np.bincount(np.concatenate(nodes)).max() > 1:
         raise ValueError(
             "two elastic bodies, which bounds take for rigid, meet in a node: separate or join them"
         )
-    result = np.full(len(rigid), -1)
-    result[triangles.origin] = number
-    return result
+    bodies = np.full(len(rigid), -1)
+    bodies[triangles.origin] = number
+    return bodies
 
 
 def _strong(soil: Strength, carried: float, elements: ndarray) -> ndarray:
@@ -394,13 +418,13 @@ def _stiff(model: LimitModel, rigid: ndarray) -> LimitModel | None:
 
 
 def _names(solids: Mapping[str, SolidForm], where: ndarray) -> list[str]:
-    """Return the names of solids, or of their regions, in which some elements are."""
-    return [
-        name if len(form.regions) == 1 else region.name
-        for name, form in solids.items()
-        for region in form.regions
-        if where[form.elements[region.elements]].any()
-    ]
+    """Return the names of solids, or of their regions, in which some elements lie."""
+    names = []
+    for name, form in solids.items():
+        for region in form.regions:
+            if where[form.elements[region.elements]].any():
+                names.append(name if len(form.regions) == 1 else region.name)
+    return names
 
 
 def _remarks(

@@ -11,7 +11,9 @@ from skfem import MeshTri
 def relative_gap(lower: float, upper: float) -> float:
     """Return the difference of two bounds as a share of their mean; inf where one is not proven."""
     mean = 0.5 * (abs(lower) + abs(upper))
-    return (upper - lower) / mean if 0 < mean < float("inf") else float("inf") if mean else 0.0
+    if mean == 0.0:
+        return 0.0
+    return (upper - lower) / mean if mean < float("inf") else float("inf")
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Bounds:
         True if ``lower`` is no bound but an estimate: the flow of the soil (Davis) or of joints is
         not associated.
     safe
-        Lower bound by the adhesion of joints alone, for those that slip without opening; None
+        Lower bound by the adhesion of joints alone, for joints that slip without opening; None
         without their friction.
     what
         ``"factor of safety"`` or ``"limit load"``.
@@ -86,14 +88,17 @@ class Bounds:
     @property
     def certificates(self) -> tuple[Certificate, Certificate]:
         """Certificates of the lower and of the upper bound."""
-        lower, upper = ([c for c in self.history if c.kind == kind] for kind in ("lower", "upper"))
-        return max(lower, key=lambda c: c.value), min(upper, key=lambda c: c.value)
+        lower = [each for each in self.history if each.kind == "lower"]
+        upper = [each for each in self.history if each.kind == "upper"]
+        return max(lower, key=lambda each: each.value), min(upper, key=lambda each: each.value)
 
     def __str__(self) -> str:
         kind = "estimate (no bound), upper bound" if self.estimate else "gap"
-        kind = kind if self.safe is None else f"safe {self.safe:.5g}, {kind}"
-        head = f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"
-        lines = [head, f"reduced: {', '.join(self.reduced)}"] if self.reduced else [head]
+        if self.safe is not None:
+            kind = f"safe {self.safe:.5g}, {kind}"
+        lines = [f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"]
+        if self.reduced:
+            lines.append(f"reduced: {', '.join(self.reduced)}")
         lines.append("bound  triangles      dofs      value  residual  iterations   cpu s")
         lines += [
             f"{c.kind:5}  {c.elements:9d}  {c.unknowns:8d}  {c.value:9.5g}  {c.residual:8.1e}  "

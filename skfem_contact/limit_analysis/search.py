@@ -28,7 +28,7 @@ _AIM = -1.2
 #: below these.
 _ACCURACY, _COARSE, _FINE = 0.003, 3e-4, 3e-6
 #: Compliance to the mean stress of soil without friction, for the lower bound, whose stresses it
-#: blurs, and for the upper one, whose velocities must keep the volume.
+#: blurs, and for the upper one, whose velocities must be isochoric.
 _VOLUME = (1e-6, 1e-10)
 #: How often the number of triangles around singular points is doubled before the first bounds.
 _FANS = 2
@@ -67,21 +67,32 @@ class Search:
     """Meshes, their bounds and the best of them, with a progress bar."""
 
     def __init__(self, problem: Problem, bar: tqdm[Any]) -> None:
-        self.problem, self.model, self.live, self._bar = problem, problem.model, problem.live, bar
+        self.problem = problem
+        self.model = problem.model
+        self.live = problem.live
+        self._bar = bar
         self._moving = self.model  # model of the mechanisms
+
+        # mesh with many triangles around singular points
         self.triangles = matched(self.model.contacts, self.model.triangles)
         check_closed(self.model.contacts, self.triangles)
         self._singular = _singular_points(self.model, self.triangles)
         for _ in range(_FANS):
             self.triangles = self._fanned(self.triangles)
+
+        # first bounds; mechanisms that leave strong bodies rigid are kept where they are better
         self.history: list[Certificate] = []
-        self._began, self._factor, self._gain, self._accuracy = process_time(), 1.0, np.inf, _COARSE
+        self._began = process_time()
+        self._factor = 1.0
+        self._gain = np.inf
+        self._accuracy = _COARSE
         self.lower = self._first_lower()
         self.upper = self._solve_upper()
-        if (stiff := problem.stiff) is not None:
-            self._moving = stiff
-            if (other := self._solve_upper()).proof.value <= self.upper.proof.value:
-                self.upper = other
+        if problem.stiff is not None:
+            self._moving = problem.stiff
+            stiff = self._solve_upper()
+            if stiff.proof.value <= self.upper.proof.value:
+                self.upper = stiff
             else:
                 self._moving = self.model
         #: Largest factor by which all strength may be divided under the fixed loads; inf where they
@@ -108,7 +119,8 @@ class Search:
                 break
             self.triangles = finer
             self._note(upper=self._solve_upper())
-            grown = finer.mesh.nelements > _GROWN * self.last[0].triangles.mesh.nelements
+            before = self.last[0].triangles.mesh
+            grown = finer.mesh.nelements > _GROWN * before.nelements
             if grown or self._gain > _GAIN * self.gap or self.gap < gap + 2 * self._gain:
                 self._note(lower=self._solve_lower(self.model))
         if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
@@ -118,56 +130,43 @@ class Search:
         """Keep the last bounds, and the best."""
         self.last = lower or self.last[0], upper or self.last[1]
         if lower is not None:
-            self._gain = max(lower.proof.value - self.lower.proof.value, 0.0) / max(
-                self.upper.proof.value, 1e-300
-            )
-            self.lower = max(self.lower, lower, key=lambda found: found.proof.value)
-        if upper is not None:
-            self.upper = min(self.upper, upper, key=lambda found: found.proof.value)
+            gain = max(lower.proof.value - self.lower.proof.value, 0.0)
+            self._gain = gain / max(self.upper.proof.value, 1e-300)
+            if lower.proof.value > self.lower.proof.value:
+                self.lower = lower
+        if upper is not None and upper.proof.value < self.upper.proof.value:
+            self.upper = upper
         self._accuracy = float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE))
 
     def _first_lower(self) -> Bound:
-        """Return the first lower bound, from starts at smaller factors where the iteration does not
-        end.
-        """
+        """Return the first lower bound, from smaller factors where the iteration does not end."""
         for self._factor in _STARTS:
-            found = self._solve_lower(self.model)
-            if self.live or found.solution.iterations < MOST:
-                return found
+            lower = self._solve_lower(self.model)
+            if self.live or lower.solution.iterations < MOST:
+                return lower
         self._factor = _STARTS[0]
-        return found
+        return lower
 
     def _solve_lower(self, model: LimitModel) -> Bound:
-        """Return the lower bound on the present triangles, which become the parents of later
-        ones.
-        """
+        """Return the lower bound on the present triangles, the parents of later ones."""
         self.triangles = replace(self.triangles, parent=np.arange(len(self.triangles.origin)))
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
-        tried: list[tuple[Solution, Proof]] = []
-        for reserve in _RESERVES[: 1 if program.cones.reduced.all() else None]:
+        factor = 1.0 if self.live else self._factor
+        nothing = -np.inf if self.live else 0.0
+        reserves = _RESERVES[:1] if program.cones.reduced.all() else _RESERVES
+        results: list[tuple[Solution, Proof]] = []
+        for reserve in reserves:
             goal = Goal(
-                1.0 if self.live else self._factor, 0.0, not self.live, _VOLUME[0], 1.0 + reserve
+                factor, aim=0.0, moving=not self.live, volume=_VOLUME[0], fixed=1.0 + reserve
             )
-            found = solve(program, goal, self._accuracy)
-            proof = prove_lower(program, found, self.live)
-            if found.factor > HIGHEST:
-                raise ValueError(
-                    f"the factor exceeds {HIGHEST:g}: there is no collapse"
-                    if proof.value > 1.0
-                    else f"no factor up to {HIGHEST:g} was proven or refuted: at any strength the "
-                    f"loads exceed "
-                    "what soil or joint resists (tension beyond c cot(phi), no friction), or it "
-                    "ends in "
-                    "the air"
-                )
-            tried.append((found, proof))
-            if (
-                proof.value > (-np.inf if self.live else 0.0) or proof.residual > UNBALANCED
-            ):  # which no reserve mends
-                break
-        else:
-            del tried[1:]  # reserves did not help
-        return self._found("lower", program, *tried[-1])
+            solution = solve(program, goal, self._accuracy)
+            proof = prove_lower(program, solution, self.live)
+            if solution.factor > HIGHEST:
+                _refuse_highest(proof)
+            results.append((solution, proof))
+            if proof.value > nothing or proof.residual > UNBALANCED:  # which no reserve mends
+                return self._found("lower", program, solution, proof)
+        return self._found("lower", program, *results[0])  # reserves did not help
 
     def _solve_upper(self) -> Bound:
         """Return the upper bound on the present triangles."""
@@ -177,17 +176,16 @@ class Search:
     def _refuted(self, program: Program, live: bool) -> tuple[Solution, Proof]:
         """Solve a program of the upper bound and prove it."""
         factor = 1.0 if self.live else self._factor * _ABOVE
-        goal = Goal(factor, _AIM * self._accuracy, not live, _VOLUME[1])
+        goal = Goal(factor, aim=_AIM * self._accuracy, moving=not live, volume=_VOLUME[1])
         for far in (True, False):  # sand obeys its flow rule to round-off from a near start only
-            found = solve(program, replace(goal, far=far), self._accuracy)
-            proof = prove_upper(program, found, live)
+            solution = solve(program, replace(goal, far=far), self._accuracy)
+            proof = prove_upper(program, solution, live)
             if np.isfinite(proof.value) or not live or not program.dead.any():
                 break
-        return found, proof
+        return solution, proof
 
     def _factor_of_fixed_loads(self) -> float:
-        """Return the upper bound of the fixed loads' factor of safety; inf where a multiplier is
-        proven.
+        """Return an upper bound of the fixed loads' factor; inf where a multiplier is proven.
 
         The mechanism of fixed loads that are too much continues under any live load: its multiplier
         has no optimum, and round-off decides where that iteration ends.
@@ -201,29 +199,23 @@ class Search:
         """Record a bound on the present triangles."""
         if not self.live:
             self._factor = float(np.clip(solution.factor, 1.0 / HIGHEST, HIGHEST))
-        believed, n = (
-            float(solution.theta if self.live else solution.factor),
-            self.triangles.mesh.nelements,
+        n = self.triangles.mesh.nelements
+        certificate = Certificate(
+            kind,
+            n,
+            unknowns=program.size,
+            value=proof.value,
+            solver=float(solution.theta if self.live else solution.factor),
+            residual=proof.residual,
+            iterations=solution.iterations,
+            cpu=process_time() - self._began,
         )
-        self.history.append(
-            Certificate(
-                kind,
-                n,
-                program.size,
-                proof.value,
-                believed,
-                proof.residual,
-                solution.iterations,
-                process_time() - self._began,
-            )
-        )
+        self.history.append(certificate)
         self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
         return Bound(self.triangles, program, solution, proof)
 
     def estimate(self, weaker: LimitModel) -> float:
-        """Return the lower bound of a weaker model on the last triangles, which may resist
-        nothing.
-        """
+        """Return the lower bound of a weaker model on the last triangles, or of no strength."""
         nothing = -np.inf if self.live else 0.0
         if not self.lower.proof.value > nothing:
             return nothing
@@ -233,94 +225,110 @@ class Search:
             return nothing
 
     def _fanned(self, triangles: Triangles) -> Triangles:
+        """Double the triangles around singular points, and match contacts again."""
         return matched(self.model.contacts, _fanned(triangles, self._singular))
 
     def _gap_of_elements(self) -> ndarray:
-        """Return the share of every triangle in the gap between the last bounds; contacts count for
-        both sides.
+        """Return the share of every triangle in the gap between the last bounds.
+
+        Contacts count for both sides.
         """
-        below, (_, program, found, proof) = self.last
+        # dissipation and strains of the upper bound, stresses of the lower one
+        below, (_, program, solution, proof) = self.last
+        factor = 1.0
+        if not self.live:
+            factor = proof.value if np.isfinite(proof.value) else solution.factor
         strain = program.strains(proof.field)
-        factor = 1.0 if self.live else proof.value if np.isfinite(proof.value) else found.factor
         spent = dissipation(program, strain, factor)
         stress = _interpolated(below, self.triangles)
-        gap, soft = np.zeros(self.triangles.mesh.nelements), program.soft
+
+        # gap of the triangles that can yield
+        soft = program.soft
+        gap = np.zeros(self.triangles.mesh.nelements)
         gap[soft] = _gap_of_elements(
             program.of_triangles(spent), stress[soft], program.of_triangles(strain)
         )
-        n = 3 * len(soft)
+
+        # gap of the joints
+        first = 3 * len(soft)
         for joint in program.joints:
-            at = slice(n, n + 3 * len(joint.slave))
-            n = at.stop
+            last = first + 3 * len(joint.slave)
+            spent_there = spent[first:last].reshape(-1, 3)
+            jump = strain[first:last].reshape(-1, 3, 3)  # (n, 3 points, 3)
+            first = last
             for facets in (joint.slave, joint.master):
                 owner = self.triangles.mesh.f2t[0, facets]
-                values = _gap_of_facets(
-                    spent[at].reshape(-1, 3),
-                    _tractions(self.triangles, joint, facets, stress),
-                    strain[at].reshape(-1, 3, 3),
-                )
+                tractions = _tractions(self.triangles, joint, facets, stress)
+                values = _gap_of_facets(spent_there, tractions, jump)
                 gap[owner] += np.where(np.isin(owner, soft), values, 0.0)
         return gap
 
 
+def _refuse_highest(proof: Proof) -> None:
+    """Raise an error for a factor beyond the largest of the search."""
+    if proof.value > 1.0:
+        raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
+    raise ValueError(
+        f"no factor up to {HIGHEST:g} was proven or refuted: at any strength the loads exceed what "
+        "soil or joint resists (tension beyond c cot(phi), no friction), or it ends in the air"
+    )
+
+
 def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndarray) -> ndarray:
-    """Return normal and tangential tractions at the ends of the slave's facets, by stresses of one
-    side, (n, 2, 2).
+    """Return normal and tangential tractions at ends of the slave's facets, (n, 2, 2).
+
+    The stresses belong to the triangles at the facets of one side.
     """
     mesh = triangles.mesh
     owner = mesh.f2t[0, facets]
     normal = outward_normals(mesh, joint.slave, mesh.f2t[0, joint.slave])
     ends = mesh.p[:, mesh.facets[:, joint.slave]]  # (2, 2 ends, n)
-    away = ends[:, :, None] - mesh.p[:, mesh.t[:, owner]][:, None]
+    corners = mesh.p[:, mesh.t[:, owner]]  # (2, 3, n)
+    away = ends[:, :, None] - corners[:, None]
     corner = np.linalg.norm(away, axis=0).argmin(axis=1)  # (2 ends, n)
     xx, yy, xy = stress[owner, corner].transpose(2, 1, 0)  # (n, 2 ends) each
-    (nx, ny) = normal[:, :, None]
-    t = np.stack([xx * nx + xy * ny, xy * nx + yy * ny])
-    return np.stack([t[0] * nx + t[1] * ny, -t[0] * ny + t[1] * nx], axis=2)
+    nx, ny = normal[:, :, None]
+    tx = xx * nx + xy * ny
+    ty = xy * nx + yy * ny
+    return np.stack([tx * nx + ty * ny, -tx * ny + ty * nx], axis=2)
 
 
 def _interpolated(below: Bound, triangles: Triangles) -> ndarray:
-    """Return stresses of a coarser mesh at the corners of the triangles, (n_elements, 3 corners,
-    3).
-    """
+    """Return stresses of a coarser mesh at corners of the triangles, (n_elements, 3 corners, 3)."""
     coarse, parent = below.triangles.mesh, triangles.parent
     stress = np.zeros((coarse.nelements, 3, 3))
     stress[below.program.soft] = below.program.of_triangles(below.proof.field)
     gradient = gradients(coarse)[0][parent]  # (n, 3 corners, 2)
-    away = (
-        triangles.mesh.p[:, triangles.mesh.t] - coarse.p[:, coarse.t[0, parent]][:, None]
-    )  # from the first corner
+    corners = triangles.mesh.p[:, triangles.mesh.t]  # (2, 3 corners, n)
+    first = coarse.p[:, coarse.t[0, parent]]
+    away = corners - first[:, None]
     shares = np.einsum("eic,cve->evi", gradient, away)
     shares[..., 0] += 1.0
     return np.einsum("evi,eis->evs", shares, stress[parent])
 
 
 def _gap_of_elements(dissipation: ndarray, stress: ndarray, strain: ndarray) -> ndarray:
-    """Return dissipation less the power of the lower bound's stresses, by triangle: their sum is
-    the gap.
+    """Return dissipation less the power of stresses by triangle: the sum is the gap.
 
     All are values at the corners, (n, 3, ...); dissipation and strain times weight.
     """
     mass = (np.ones((3, 3)) + np.eye(3)) / 4  # of linear functions, over a third of the area
-    return np.abs(dissipation.sum(axis=1) - np.einsum("evc,ewc,vw->e", stress, strain, mass))
+    power = np.einsum("evc,ewc,vw->e", stress, strain, mass)
+    return np.abs(dissipation.sum(axis=1) - power)
 
 
 def _gap_of_facets(dissipation: ndarray, tractions: ndarray, jump: ndarray) -> ndarray:
-    """Return dissipation less the power of tractions (normal, tangential) at facets' ends, (n, 2,
-    2).
+    """Return dissipation less the power of tractions (normal, tangential) at ends, (n, 2, 2).
 
     Quadratic jumps are given, times weight, by their Bernstein coefficients, (n, 3, 3).
     """
     mass = np.array([[0.75, 0.25, 0.5], [0.25, 0.75, 0.5]])
-    return np.abs(
-        dissipation.sum(axis=1) - np.einsum("fsc,fpc,sp->f", tractions, jump[..., :2], mass)
-    )
+    power = np.einsum("fsc,fpc,sp->f", tractions, jump[..., :2], mass)
+    return np.abs(dissipation.sum(axis=1) - power)
 
 
 def _marked(gap: ndarray) -> ndarray:
-    """Return the triangles with the largest shares of the gap, which together hold a given
-    share.
-    """
+    """Return the triangles with the most of the gap, which together hold a given share."""
     order = np.argsort(-gap, kind="stable")
     count = np.searchsorted(np.cumsum(gap[order]), _SHARE * gap.sum()) + 1
     return np.sort(order[:count])
@@ -330,48 +338,48 @@ def _fanned(triangles: Triangles, points: ndarray) -> Triangles:
     """Double the triangles around singular points, (2, n), until there are enough."""
     mesh = triangles.mesh
     count = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
-    away = np.linalg.norm(
-        mesh.p[:, None] - points[:, :, None], axis=0
-    )  # (n_points, n_nodes); bodies have one each
+    away = np.linalg.norm(mesh.p[:, None] - points[:, :, None], axis=0)  # (n_points, n_nodes)
     few = np.flatnonzero((away < _HERE).any(axis=0) & (count < _FAN))
     return triangles.fanned(few) if len(few) else triangles
 
 
 def _singular_points(model: LimitModel, triangles: Triangles) -> ndarray:
-    """Return corners that point into the ground, and changes of loads or supports at its surface,
-    (2, n).
-    """
-    mesh, rigid = triangles.mesh, model.rigid[triangles.origin]
+    """Return corners into the ground, and changes of loads or supports at its surface, (2, n)."""
+    # facets around the ground that can yield, in pairs that meet at a vertex
+    mesh = triangles.mesh
+    rigid = model.rigid[triangles.origin]
     soft = np.where(mesh.f2t >= 0, rigid[mesh.f2t] < 0, False)
-    edge = np.flatnonzero(soft[0] != soft[1])  # of what can yield
-    kind = _kinds(model, triangles)[edge]
-    order = np.argsort(mesh.facets[:, edge].ravel(), kind="stable")
-    nodes, facet = mesh.facets[:, edge].ravel()[order], np.tile(np.arange(len(edge)), 2)[order]
+    edge = np.flatnonzero(soft[0] != soft[1])
+    nodes = mesh.facets[:, edge].ravel()
+    order = np.argsort(nodes, kind="stable")
+    facet = np.tile(np.arange(len(edge)), 2)[order]
+    nodes = nodes[order]
     same = np.flatnonzero(nodes[1:] == nodes[:-1])
-    vertex, one, other = nodes[same], facet[same], facet[same + 1]
+    vertex, first, second = nodes[same], facet[same], facet[same + 1]
+
+    # compare the angle at the vertex, and the kinds of both facets
     angle = _interior_angles(triangles, rigid)[vertex]
-    differ = kind[one] != kind[other]
+    kind = _kinds(model, triangles)[edge]
+    differ = kind[first] != kind[second]
     pushed = differ[:, 2:-1].any(axis=1)  # a load or a contact ends
-    changes = pushed | (differ.any(axis=1) & (angle > _LEVEL))
-    return mesh.p[:, np.unique(vertex[changes | (angle > _REENTRANT)])]
+    level = angle > _LEVEL
+    changes = pushed | (differ.any(axis=1) & level)
+    singular = vertex[changes | (angle > _REENTRANT)]
+    return mesh.p[:, np.unique(singular)]
 
 
 def _kinds(model: LimitModel, triangles: Triangles) -> ndarray:
     """Return the supports, loads, contacts and rigid bodies on every facet, (n_facets, n_kinds)."""
     mesh, tags = triangles.mesh, triangles.tags
-    parts = [
-        tags[tag]
-        for tag in (("held", 0), ("held", 1), *(load.tag for load in model.loads.tractions))
-    ]
-    parts += [
-        side for contact in model.contacts for side in pairs(contact, triangles)[:2]
-    ]  # where both sides meet
+    parts = [tags["held", 0], tags["held", 1]]
+    parts += [tags[load.tag] for load in model.loads.tractions]
+    for contact in model.contacts:
+        parts += pairs(contact, triangles)[:2]  # where both sides meet
     kinds = np.zeros((mesh.nfacets, len(parts) + 1), bool)
     for i, part in enumerate(parts):
         kinds[part, i] = True
-    kinds[:, -1] = (np.where(mesh.f2t >= 0, model.rigid[triangles.origin][mesh.f2t], -1) >= 0).any(
-        axis=0
-    )
+    body = np.where(mesh.f2t >= 0, model.rigid[triangles.origin][mesh.f2t], -1)
+    kinds[:, -1] = (body >= 0).any(axis=0)
     return kinds
 
 

@@ -1,5 +1,4 @@
-r"""Strength of soil and of joints: second-order cones for the solver, closed forms for the
-certificates.
+r"""Strength of soil and of joints: cones for the solver, closed forms for the certificates.
 
 Both obey two conditions on a mean stress p = k . s and a shear stress r = \|R s\|, with the factor
 F of strength:
@@ -8,7 +7,7 @@ F of strength:
 
 Soil in plane strain has :math:`w = 1`, the centre p and the radius r of Mohr's circle,
 :math:`t = \tan\phi`.  A joint has :math:`w = 0`, its normal and tangential tractions, and the
-friction t = mu.  A curved strength is that of several lines, each with its c and t: chords are
+friction t = mu.  A curved strength is replaced by several lines, each with its c and t: chords are
 inside of it, tangents outside.
 """
 
@@ -37,8 +36,9 @@ _YIELDING = 0.01
 
 @dataclass(frozen=True)
 class Cones:
-    r"""Second-order cones s_0 >= \|(s_1, s_2)\| of s = (h - q k.stress, R stress); h = c g, g = 1 /
-    sqrt(F^2 + t^2).
+    r"""Second-order cones s_0 >= \|(s_1, s_2)\| of s = (h - q k.stress, R stress).
+
+    Here h = c g and g = 1 / sqrt(F^2 + t^2).
     """
 
     at: ndarray  # point of every cone: first one cone for every point, then the second cones
@@ -52,30 +52,27 @@ class Cones:
     @classmethod
     def join(cls, parts: list[Cones]) -> Cones:
         """Join cones of several blocks of points."""
-        return cls(
-            *(
-                np.concatenate([getattr(part, name) for part in parts])
-                for name in cls.__annotations__
-            )
-        )
+        columns = ([getattr(part, name) for part in parts] for name in cls.__annotations__)
+        return cls(*map(np.concatenate, columns))
 
     def taken(self, which: ndarray) -> Cones:
         """Return some of the cones, in a given order."""
         return Cones(*(getattr(self, name)[which] for name in self.__annotations__))
 
     def at_factor(self, factor: float, fixed: float) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-        """Return G (n, 3, 3) and h of s = h - G stress, and the derivatives of h and q by the
-        factor.
+        """Return G (n, 3, 3), h, dh/dF and dq/dF of s = h - G stress at a factor F.
 
         Strength that is not reduced has the factor `fixed`, and its apex is nearer by that.
         """
         F = np.where(self.reduced, factor, fixed)
         g = 1.0 / np.sqrt(F**2 + self.t**2)
-        by_factor = np.where(self.reduced, -F * g**3, 0.0)
+        dg = np.where(self.reduced, -F * g**3, 0.0)
         q = np.where(self.whole, 1.0, g)
-        G = np.concatenate([(q[:, None] * self.k)[:, None], -self.R], axis=1)
+        dq = np.where(self.whole, 0.0, dg)
+        mean = q[:, None] * self.k
+        G = np.concatenate([mean[:, None], -self.R], axis=1)  # (n, 3, 3)
         c = self.c / np.where(self.reduced, 1.0, fixed)
-        return G, c * g, c * by_factor, np.where(self.whole, 0.0, by_factor)
+        return G, c * g, c * dg, dq
 
 
 @dataclass(frozen=True)
@@ -91,12 +88,10 @@ class Strength:
     tension: ndarray
     reduced: ndarray  # divided by the factor
     joint: bool = False
-    lines: ndarray | None = (
-        None  # c and t of further lines, the steepest first, (n, n_lines, 2); c = inf: none
-    )
-    most: ndarray | None = (
-        None  # compression up to which all lines are inside of a curved strength, (n,)
-    )
+    # c and t of further lines, the steepest first, (n, n_lines, 2); c = inf: none
+    lines: ndarray | None = None
+    # compression up to which all lines are inside of a curved strength, (n,)
+    most: ndarray | None = None
 
     @property
     def rigid(self) -> ndarray:
@@ -132,25 +127,24 @@ class Strength:
 
     def at(self, points: ndarray) -> Strength:
         """Return the strength of some points."""
-        lines, most = (
-            None if values is None else values[points] for values in (self.lines, self.most)
-        )
         return Strength(
             self.c[points],
             self.t[points],
-            self.tension[points],
-            self.reduced[points],
-            self.joint,
-            lines,
-            most,
+            tension=self.tension[points],
+            reduced=self.reduced[points],
+            joint=self.joint,
+            lines=None if self.lines is None else self.lines[points],
+            most=None if self.most is None else self.most[points],
         )
 
     def over(self, stress: float) -> Strength:
         """Return the strength in another unit of stress."""
-        lines = None if self.lines is None else self.lines / (stress, 1.0)
-        most = None if self.most is None else self.most / stress
         return replace(
-            self, c=self.c / stress, tension=self.tension / stress, lines=lines, most=most
+            self,
+            c=self.c / stress,
+            tension=self.tension / stress,
+            lines=None if self.lines is None else self.lines / (stress, 1.0),
+            most=None if self.most is None else self.most / stress,
         )
 
     @property
@@ -162,33 +156,37 @@ class Strength:
         return np.concatenate((self.c[None], c)), np.concatenate((self.t[None], t))
 
     def cones(self, first: int) -> tuple[Cones, Cones]:
-        """Return one cone for every point, and the second cones; the points' numbers begin at
-        `first`.
-        """
-        n, no, zero = len(self.c), np.zeros(len(self.c), bool), np.zeros(len(self.c))
-        at, k = first + np.arange(n), self.volume * (1.0 if self.joint else 0.5)
-        shear = np.eye(3)[1:] if self.joint else np.array([[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]])
+        """Return one cone for every point, numbered from `first`, and the second cones."""
+        n = len(self.c)
+        at = first + np.arange(n)
+        zero = np.zeros(n)
+        no = np.zeros(n, bool)
+        if self.joint:
+            k = self.volume
+            shear = np.eye(3)[1:]
+        else:
+            k = 0.5 * self.volume
+            shear = np.array([[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]])
         R = np.broadcast_to(shear, (n, 2, 3))
-        # a smooth joint has no shear traction in its operator: a cone of some size holds the idle
-        # dofs
+
+        # a smooth joint has no shear traction: a cone of some size holds its idle dofs
         size = np.where(self.smooth & self.joint, 1.0, self.c)
-        one = Cones(
-            at, size, zero if self.joint else self.t, self.t[:, None] * k, R, no, self.reduced
-        )
-        two = Cones(
+        friction = zero if self.joint else self.t
+        every = Cones(at, size, friction, self.t[:, None] * k, R, whole=no, reduced=self.reduced)
+        tension = Cones(
             at,
             self.tension,
             zero,
-            np.broadcast_to(k, (n, 3)),
-            R * (not self.joint),
-            ~no,
-            self.reduced,
+            k=np.broadcast_to(k, (n, 3)),
+            R=R * (not self.joint),
+            whole=~no,
+            reduced=self.reduced,
         )
-        rest = [two.taken(np.flatnonzero(self.cut))]
+        second = [tension.taken(np.flatnonzero(self.cut))]
         for c, t in zip(*(values[1:] for values in self._all_lines)):
-            line = Cones(at, c, t, t[:, None] * k, R, no, self.reduced)
-            rest.append(line.taken(np.flatnonzero(np.isfinite(c))))
-        return one, Cones.join(rest)
+            line = Cones(at, c, t, t[:, None] * k, R, whole=no, reduced=self.reduced)
+            second.append(line.taken(np.flatnonzero(np.isfinite(c))))
+        return every, Cones.join(second)
 
     def _invariants(self, values: ndarray) -> tuple[ndarray, ndarray]:
         """Return change of volume and largest shear of strains (n, 3), or opening and slip."""
@@ -201,50 +199,66 @@ class Strength:
 
         Strength that is not reduced admits a stress at all factors or at none.
         """
+        # centre and radius of Mohr's circle, or normal and tangential traction
         p, r = self._invariants(stress)
         if self.joint:
             r = np.where(self.smooth, 0.0, r)
         else:
-            p, r = 0.5 * p, np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
-        found = np.full(len(p), np.inf)
+            p = 0.5 * p
+            r = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
+
+        # F^2 = ((c - t p)^2 - w (t r)^2) / r^2 of the line that admits least
+        result = np.full(len(p), np.inf)
         for c, t in zip(*self._all_lines):
-            left = c - t * p
-            rest = left**2 - (0.0 if self.joint else (t * r) ** 2)
-            none = (r <= round_off) & (left >= -round_off)
-            one = np.where(left > 0, _ratio(np.sqrt(np.maximum(rest, 0.0)), r), 0.0)
-            found = np.minimum(found, np.where(none, np.inf, one))
+            resistance = c - t * p
+            square = resistance**2 - (0.0 if self.joint else (t * r) ** 2)
+            root = np.sqrt(np.maximum(square, 0.0))
+            factor = np.where(resistance > 0, _ratio(root, r), 0.0)
+            unloaded = (r <= round_off) & (resistance >= -round_off)
+            result = np.minimum(result, np.where(unloaded, np.inf, factor))
         if self.most is not None:
-            found = np.where(r - p <= self.most, found, 0.0)
+            result = np.where(r - p <= self.most, result, 0.0)
+
+        # F = T / (p + w r)
         pull = p if self.joint else p + r
-        found = np.where(
-            (pull > round_off) & self.cut, np.minimum(found, _ratio(self.tension, pull)), found
-        )
-        return np.where(self.reduced, found, np.where(found >= 1.0, np.inf, 0.0))
+        torn = np.minimum(result, _ratio(self.tension, pull))
+        result = np.where((pull > round_off) & self.cut, torn, result)
+        return np.where(self.reduced, result, np.where(result >= 1.0, np.inf, 0.0))
 
     def flow_factor(self, strain: ndarray, round_off: ndarray) -> ndarray:
-        """Return the smallest factor for which every strain (n, 3) is a plastic flow: 0 for all,
-        inf for none.
+        """Return the smallest factor at which every strain (n, 3) is a plastic flow, 0 to inf.
+
+        The flow of soil has F volume >= t sqrt(shear^2 - volume^2), of a joint F opening >= t slip.
         """
         volume, shear = self._invariants(strain)
-        root = (
-            shear if self.joint else np.sqrt(np.maximum((shear - volume) * (shear + volume), 0.0))
-        )
-        c, t = self._all_lines
-        flattest = (
-            np.where(np.isfinite(c), t, np.inf).min(axis=0) if self.lines is not None else self.t
-        )
+        root = shear
+        if not self.joint:
+            square = (shear - volume) * (shear + volume)
+            root = np.sqrt(np.maximum(square, 0.0))
+        flattest = self.t
+        if self.lines is not None:
+            c, t = self._all_lines
+            flattest = np.where(np.isfinite(c), t, np.inf).min(axis=0)
+
+        # with friction, with a tensile strength, and of constant volume
         steep = np.where(volume > 0, _ratio(flattest * root, volume), np.inf)
-        flat = np.where(np.abs(volume) <= INCOMPRESSIBLE * shear.max(initial=0.0), 0.0, np.inf)
         opening = np.where(volume >= -round_off, 0.0, np.inf)
-        found = np.where(self.t > 0, steep, np.where(self.cut, opening, flat))
-        size = np.where(self.t > 0, self.t * shear, shear) if self.joint else shear
-        found = np.where((size <= round_off) & (volume >= -round_off), 0.0, found)
-        return np.where(self.reduced, found, np.where(found <= 1.0, 0.0, np.inf))
+        isochoric = np.abs(volume) <= INCOMPRESSIBLE * shear.max(initial=0.0)
+        flat = np.where(isochoric, 0.0, np.inf)
+        factor = np.where(self.cut, opening, flat)
+        factor = np.where(self.t > 0, steep, factor)
+
+        # no flow but round-off
+        size = shear
+        if self.joint:
+            size = np.where(self.t > 0, self.t * shear, shear)
+        none = (size <= round_off) & (volume >= -round_off)
+        factor = np.where(none, 0.0, factor)
+        at_all = np.where(factor <= 1.0, 0.0, np.inf)
+        return np.where(self.reduced, factor, at_all)
 
     def overlap(self, strain: ndarray, factor: float) -> ndarray:
-        """Return twice the opening that jumps (n, 3) lack at a factor, where they lack much; 0 in
-        soil.
-        """
+        """Return twice the opening that jumps (n, 3) lack, where they lack much; 0 in soil."""
         if not self.joint:
             return np.zeros(len(strain))
         opening, slip = self._invariants(strain)
@@ -252,44 +266,51 @@ class Strength:
         return np.where(missing > _YIELDING * self.t * slip, 2.0 * missing, 0.0)
 
     def dissipation(self, strain: ndarray, factor: float) -> ndarray:
-        """Return the largest power of admissible stresses on plastic strains (n, 3), at a
-        factor.
+        r"""Return the largest power of admissible stresses on plastic strains (n, 3), at a factor.
+
+        A line dissipates :math:`c / t\, \dot\varepsilon_V`, or :math:`c / F\, \dot\gamma` without
+        friction. With a tensile strength it is the power at the corner of line and limit,
+        :math:`p\, \dot\varepsilon_V + r\, \dot\gamma`.
         """
         volume, shear = self._invariants(strain)
         F = np.where(self.reduced, factor, 1.0)
         steep = self.t > 0
-        sheared = np.where(
-            steep, self.c / np.where(steep, self.t, 1.0) * volume, self.c / F * shear
-        )
-        limit = np.where(self.cut, self.tension, 0.0) / F
+        t = np.where(steep, self.t, 1.0)
+        sheared = np.where(steep, self.c / t * volume, self.c / F * shear)
         if self.lines is not None:
-            sheared = np.minimum(
-                np.where(volume >= self.t / np.hypot(F, self.t) * shear, sheared, np.inf),
-                self._of_lines(volume, shear, F),
-            )
+            inside = volume >= self.t / np.hypot(F, self.t) * shear
+            first = np.where(inside, sheared, np.inf)
+            sheared = np.minimum(first, self._of_lines(volume, shear, F))
+
+        limit = np.where(self.cut, self.tension, 0.0) / F
         if self.joint:
-            both = limit * volume + (self.c - self.t * limit) / F * shear
+            torn = limit * volume + (self.c - self.t * limit) / F * shear
         else:
             a = np.sqrt(F**2 + self.t**2)
-            p = (a * limit - self.c) / (a - self.t)
-            both = np.maximum(p * volume + (limit - p) * shear, limit * volume)
-        return np.where(self.cut, both, sheared)
+            p = (a * limit - self.c) / (a - self.t)  # at the corner, where r = limit - p
+            torn = np.maximum(p * volume + (limit - p) * shear, limit * volume)
+        return np.where(self.cut, torn, sheared)
 
     def _of_lines(self, volume: ndarray, shear: ndarray, F: ndarray) -> ndarray:
-        """Return the least dissipation that is found for a line or for two that follow each other;
-        inf for none.
+        """Return the least dissipation by one line or two neighbours, inf for none.
 
-        Each is that of a larger strength: of the apex of a line, or of the corner of two.
+        Each belongs to a larger strength: to the apex of a line, or to the corner of two.
         """
         c, t = self._all_lines
         order = np.argsort(t, axis=0)
-        c, t = np.take_along_axis(c, order, 0), np.take_along_axis(t, order, 0)
+        c = np.take_along_axis(c, order, 0)
+        t = np.take_along_axis(t, order, 0)
         a = np.hypot(F, t)
+        c1, t1, a1 = c[:-1], t[:-1], a[:-1]
+        c2, t2, a2 = c[1:], t[1:], a[1:]
         with np.errstate(invalid="ignore", divide="ignore"):
-            apex = np.where(volume * a >= t * shear, c / t * volume, np.inf)
-            p = (c[:-1] * a[1:] - c[1:] * a[:-1]) / (t[:-1] * a[1:] - t[1:] * a[:-1])
-            r = (c[:-1] - t[:-1] * p) / a[:-1]
-            between = (volume * a[:-1] >= t[:-1] * shear) & (volume * a[1:] <= t[1:] * shear)
+            steeper = volume * a >= t * shear
+            apex = np.where(steeper, c / t * volume, np.inf)
+
+            # a r = c - t p on both lines
+            p = (c1 * a2 - c2 * a1) / (t1 * a2 - t2 * a1)
+            r = (c1 - t1 * p) / a1
+            between = steeper[:-1] & (volume * a2 <= t2 * shear)
             corner = np.where(between, p * volume + r * shear, np.inf)
         return np.nanmin(np.concatenate((apex, corner)), axis=0)
 
@@ -305,19 +326,16 @@ class Profile(NamedTuple):
     """Cohesion that varies with the coordinates, linear in every triangle."""
 
     elements: ndarray  # of the first mesh, (n_first,): True where it varies
-    cohesion: Callable[
-        [ndarray, ndarray], ndarray
-    ]  # of coordinates (2, n, 3) and elements (n,) of the first mesh
+    # of coordinates (2, n, 3) and elements (n,) of the first mesh
+    cohesion: Callable[[ndarray, ndarray], ndarray]
 
     def at(self, triangles: Triangles, some: ndarray) -> tuple[ndarray, ndarray]:
-        """Return those of some triangles where the cohesion varies, by position, and its values at
-        their corners.
-        """
+        """Return positions among some triangles where the cohesion varies, and corner values."""
         origin = triangles.origin[some]
-        here = np.flatnonzero(self.elements[origin])
-        x = triangles.mesh.p[:, triangles.mesh.t[:, some[here]]].swapaxes(1, 2)
-        return here, self.cohesion(x, origin[here])
+        varies = np.flatnonzero(self.elements[origin])
+        x = triangles.mesh.p[:, triangles.mesh.t[:, some[varies]]].swapaxes(1, 2)  # (2, n, 3)
+        return varies, self.cohesion(x, origin[varies])
 
     def vanishes(self, triangles: Triangles) -> bool:
-        """Return True if there is no cohesion at some corner."""
+        """Return True if the cohesion is zero at some corner."""
         return not self.at(triangles, np.arange(len(triangles.origin)))[1].all()

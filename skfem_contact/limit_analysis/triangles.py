@@ -51,19 +51,17 @@ class Triangles:
     ) -> Triangles:
         """Make triangles from nodes, corners and the ends, (2, n), of named facets."""
         mesh = MeshTri(np.ascontiguousarray(p), np.ascontiguousarray(t), validate=False)
-        parent = np.arange(t.shape[1]) if parent is None else parent
+        if parent is None:
+            parent = np.arange(t.shape[1])
 
         def number(ends: ndarray) -> ndarray:
+            """Return one number for the two ends of every facet."""
             low, high = np.sort(ends.astype(np.int64), axis=0)
             return low * mesh.nvertices + high
 
         known = number(mesh.facets)
-        return cls(
-            mesh,
-            origin,
-            parent,
-            {name: np.flatnonzero(np.isin(known, number(e))) for name, e in ends.items()},
-        )
+        tags = {name: np.flatnonzero(np.isin(known, number(pair))) for name, pair in ends.items()}
+        return cls(mesh, origin, parent, tags)
 
     def refined(self, elements: ndarray) -> Triangles:
         """Cut some triangles in four, and neighbours so that no angle becomes small.
@@ -71,24 +69,24 @@ class Triangles:
         A facet is halved only together with the longest one of its triangle (A. Plaza, G. F. Carey,
         Applied Numerical Mathematics 32 (2000) 195-218).
         """
-        sides, cut = self.mesh.t2f, np.zeros(self.mesh.nfacets, dtype=bool)
+        sides = self.mesh.t2f
+        cut = np.zeros(self.mesh.nfacets, dtype=bool)
         cut[sides[:, elements]] = True
         lengths = np.round(facet_lengths(self.mesh), _DIGITS)[sides]
         longest = np.take_along_axis(sides, lengths.argmax(axis=0)[None], 0)[0]
-        while (missing := longest[cut[sides].any(axis=0) & ~cut[longest]]).size:
+        missing = longest
+        while missing.size:
+            missing = longest[cut[sides].any(axis=0) & ~cut[longest]]
             cut[missing] = True
         return self.halved(np.flatnonzero(cut))
 
     def fanned(self, vertices: ndarray) -> Triangles:
         """Double the triangles around some vertices: the facets opposite to them are halved."""
-        here = np.isin(self.mesh.t, vertices)
         opposite = self.mesh.t2f[[1, 2, 0]]  # to corner 0 the facet (1, 2), ...
-        return self.halved(np.unique(opposite[here]))
+        return self.halved(np.unique(opposite[np.isin(self.mesh.t, vertices)]))
 
     def halved(self, facets: ndarray, points: ndarray | None = None) -> Triangles:
-        """Cut facets in two, at their middles or at given points (2, n), and their triangles in two
-        to four.
-        """
+        """Cut facets in two, at their middles or at points (2, n), and triangles in two to four."""
         mesh = self.mesh
         if points is None:
             points = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
@@ -98,27 +96,33 @@ class Triangles:
         children, parents = _divided(p, mesh.t, new[mesh.t2f])
         ends = {}
         for name, named in self.tags.items():
-            (a, b), middle = mesh.facets[:, named], new[named]
-            whole = middle < 0
-            halves = [np.stack([a, middle])[:, ~whole], np.stack([middle, b])[:, ~whole]]
-            ends[name] = np.hstack([np.stack([a, b])[:, whole], *halves])
+            a, b = mesh.facets[:, named]
+            middle = new[named]
+            cut = middle >= 0
+            first = np.stack([a, middle])[:, cut]
+            second = np.stack([middle, b])[:, cut]
+            ends[name] = np.hstack([np.stack([a, b])[:, ~cut], first, second])
         return Triangles.of(p, children, self.origin[parents], ends, self.parent[parents])
 
 
 def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]:
-    """Return corners and parents of the parts of all triangles; `middle` is the new node on their
-    facets, or -1.
+    """Return corners and parents of the parts of all triangles.
+
+    Facets have new nodes in their middle, (3, n_elements), or -1.
     """
+    # turn the corners so that of one cut facet, or of two, the first corner begins the first
     count = (middle >= 0).sum(axis=0)
-    # turned so that of one cut facet, or of two, the first corner begins the first
-    first = np.where(
-        count == 1, np.argmax(middle >= 0, axis=0), (np.argmin(middle, axis=0) + 1) % 3
-    )
-    turn = (first + np.arange(3)[:, None]) % 3
-    (a, b, c), (ab, bc, ca) = np.take_along_axis(t, turn, 0), np.take_along_axis(middle, turn, 0)
-    across = np.linalg.norm(p[:, a] - p[:, bc], axis=0) - np.linalg.norm(p[:, ab] - p[:, c], axis=0)
-    short = np.round(across, _DIGITS) <= 0
-    two, three = count == 2, count == 3
+    one_cut = np.argmax(middle >= 0, axis=0)
+    two_cut = (np.argmin(middle, axis=0) + 1) % 3
+    turn = (np.where(count == 1, one_cut, two_cut) + np.arange(3)[:, None]) % 3
+    a, b, c = np.take_along_axis(t, turn, 0)
+    ab, bc, ca = np.take_along_axis(middle, turn, 0)
+
+    # divide the quadrilateral beyond two cut facets by its shorter diagonal
+    diagonals = [np.linalg.norm(p[:, i] - p[:, j], axis=0) for i, j in ((a, bc), (ab, c))]
+    short = np.round(diagonals[0] - diagonals[1], _DIGITS) <= 0
+    two = count == 2
+    three = count == 3
     parts = [
         (count == 0, (a, b, c)),
         (count == 1, (a, ab, c)),
@@ -154,15 +158,17 @@ def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarra
 def gradients(mesh: MeshTri) -> tuple[ndarray, ndarray]:
     """Return gradients of the linear shape functions, (n_elements, 3 corners, 2), and areas."""
     x, y = mesh.p[:, mesh.t]
-    twice = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
-    by_x = np.stack([y[1] - y[2], y[2] - y[0], y[0] - y[1]], 1)
-    by_y = np.stack([x[2] - x[1], x[0] - x[2], x[1] - x[0]], 1)
-    return np.stack([by_x, by_y], 2) / twice[:, None, None], np.abs(twice) / 2
+    by_x = y[[1, 2, 0]] - y[[2, 0, 1]]  # twice the area times the derivatives, (3, n_elements)
+    by_y = x[[2, 0, 1]] - x[[1, 2, 0]]
+    twice = by_y[2] * by_x[1] - by_y[1] * by_x[2]
+    gradient = np.stack([by_x.T, by_y.T], 2) / twice[:, None, None]  # (n_elements, 3 corners, 2)
+    return gradient, np.abs(twice) / 2
 
 
 class Geometry(NamedTuple):
-    """Triangles in coordinates of order one: x = centre + size * coordinates; `origin` counts
-    elements of the mesh.
+    """Triangles in coordinates of order one: x = centre + size * coordinates.
+
+    Their `origin` counts elements of the mesh.
     """
 
     triangles: Triangles
@@ -172,28 +178,38 @@ class Geometry(NamedTuple):
 
 
 def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
-    """Return triangles of some elements of a basis' mesh; dofs must be held along whole facets of
-    its boundary.
+    """Return triangles of some elements of a basis' mesh.
+
+    Dofs must be held along whole facets of its boundary.
     """
+    # name the facets of the boundary, held ones, and the boundaries of the mesh
     mesh = basis.mesh
-    corners = mesh.t[:, elements]
-    nodes, t = np.unique(corners, return_inverse=True)
-    t, p = t.reshape(corners.shape), mesh.p[:, nodes]
-    low, high = p.min(axis=1), p.max(axis=1)
-    centre, size = 0.5 * (low + high), float((high - low).max())
-    facets = np.unique(mesh.t2f[:, elements])
-    count = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)
+    sides = mesh.t2f[:, elements]
+    facets = np.unique(sides)
+    count = np.bincount(sides.ravel(), minlength=mesh.nfacets)
     outer = facets[count[facets] == 1]
-    held = _held(basis, elements, outer, fixed)
-    tags: dict[Tag, ndarray] = {SURFACE: outer, **{("held", k): outer[held[k]] for k in (0, 1)}}
+    tags: dict[Tag, ndarray] = {SURFACE: outer}
+    for k, mask in enumerate(_held(basis, elements, outer, fixed)):
+        tags["held", k] = outer[mask]
     for name, named in (mesh.boundaries or {}).items():
         named = np.unique(np.asarray(named))
         tags[name] = named[count[named] > 0]
+
+    # number the nodes of the elements, and scale their coordinates
+    corners = mesh.t[:, elements]
+    nodes, t = np.unique(corners, return_inverse=True)
+    t = t.reshape(corners.shape)
+    p = mesh.p[:, nodes]
+    low, high = p.min(axis=1), p.max(axis=1)
+    centre = 0.5 * (low + high)
+    size = float((high - low).max())
+    p = (p - centre[:, None]) / size
     number = np.full(mesh.p.shape[1], -1)
     number[nodes] = np.arange(len(nodes))
     ends = {tag: number[mesh.facets[:, named]] for tag, named in tags.items()}
-    p = (p - centre[:, None]) / size
-    if len(t) == 4:  # quadrilaterals in four triangles around their middles
+
+    # cut quadrilaterals in four triangles around their middles
+    if len(t) == 4:
         middle = p.shape[1] + np.arange(len(elements))
         p = np.hstack([p, p[:, t].mean(axis=1)])
         t = np.hstack([np.stack([t[i], t[(i + 1) % 4], middle]) for i in range(4)])
@@ -209,14 +225,14 @@ def _held(basis: CellBasis, elements: ndarray, outer: ndarray, fixed: ndarray) -
         if len(basis.facet_dofs):
             dofs = np.vstack([dofs, basis.facet_dofs[k, outer]])
         held.append(np.asarray(np.isin(dofs, fixed).all(axis=0)))
-        alone = np.setdiff1d(
-            np.intersect1d(fixed, basis.dofs.element_dofs[k::2, elements]), dofs[:, held[k]]
-        )
+
+        # refuse dofs that are held without their facet
+        known = np.intersect1d(fixed, basis.dofs.element_dofs[k::2, elements])
+        alone = np.setdiff1d(known, dofs[:, held[k]])
         if len(alone):
             raise ValueError(
                 f"the node at {format_point(basis.doflocs[:, alone[0]])} is held in {'xy'[k]} "
-                f"though no "
-                "facet of the boundary there is: bounds need supports along facets"
+                "though no facet of the boundary there is: bounds need supports along facets"
             )
     return held
 
@@ -228,14 +244,13 @@ def _curved(mesh: Mesh, facets: ndarray) -> bool:
     ends = mesh.p[:, mesh.facets[:, facets]]
     middle = mesh.doflocs[:, mesh.dofs.facet_dofs[0, facets]]
     off = np.linalg.norm(middle - ends.mean(axis=1), axis=0)
-    return bool((off > _STRAIGHT * np.linalg.norm(ends[:, 0] - ends[:, 1], axis=0)).any())
+    length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=0)
+    return bool((off > _STRAIGHT * length).any())
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Two boundaries in contact, by the tags of their facets; adhesion, friction and tensile
-    strength.
-    """
+    """Two boundaries in contact, with adhesion, friction and tensile strength."""
 
     slave: str
     master: str
@@ -249,48 +264,45 @@ class Contact:
 def matched(contacts: tuple[Contact, ...], triangles: Triangles) -> Triangles:
     """Insert the nodes of each side of a contact into the other side."""
     for contact in contacts:
-        for one, other in ((contact.slave, contact.master), (contact.master, contact.slave)):
-            while (cuts := _missing(triangles, one, other)) is not None:
-                triangles = triangles.halved(*cuts)
+        triangles = _with_nodes(triangles, contact.slave, contact.master)
+        triangles = _with_nodes(triangles, contact.master, contact.slave)
         triangles = _closed(triangles, contact)
     return triangles
 
 
-def _missing(triangles: Triangles, one: str, other: str) -> tuple[ndarray, ndarray] | None:
-    """Return facets of one side that hold nodes of the other, and the node nearest to the middle of
-    each.
-    """
-    mesh, facets = triangles.mesh, triangles.tags[one]
-    nodes = np.unique(mesh.facets[:, triangles.tags[other]])
-    along, away = _local(triangles, facets, nodes)
-    inside = (along > _SAME) & (along < 1 - _SAME) & (np.abs(away) < _GAP)
-    distance = np.where(inside, np.abs(along - 0.5), np.inf)
-    nearest = distance.argmin(axis=1)
-    cut = inside.any(axis=1)
-    return (facets[cut], mesh.p[:, nodes[nearest[cut]]]) if cut.any() else None
+def _with_nodes(triangles: Triangles, side: str, opposite: str) -> Triangles:
+    """Insert the nodes of the opposite side into a side, in each facet its middlemost first."""
+    while True:
+        mesh, facets = triangles.mesh, triangles.tags[side]
+        nodes = np.unique(mesh.facets[:, triangles.tags[opposite]])
+        along, away = _local(triangles, facets, nodes)
+        inside = (along > _SAME) & (along < 1 - _SAME) & (np.abs(away) < _GAP)
+        cut = inside.any(axis=1)
+        if not cut.any():
+            return triangles
+        nearest = np.where(inside, np.abs(along - 0.5), np.inf).argmin(axis=1)
+        triangles = triangles.halved(facets[cut], mesh.p[:, nodes[nearest[cut]]])
 
 
 def _local(triangles: Triangles, facets: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
-    """Return coordinates of nodes along facets and away from them, over their lengths, (n_facets,
-    n_nodes).
-    """
+    """Return coordinates of nodes along and off facets, over their lengths, (n_facets, n_nodes)."""
     mesh = triangles.mesh
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
-    d = b - a
-    x = mesh.p[:, None, nodes] - a[:, :, None]
-    square = (d**2).sum(axis=0)[:, None]
-    along = (x * d[:, :, None]).sum(axis=0) / square
-    return along, (d[0][:, None] * x[1] - d[1][:, None] * x[0]) / square
+    dx, dy = d = (b - a)[:, :, None]  # (2, n_facets, 1)
+    x = mesh.p[:, None, nodes] - a[:, :, None]  # (2, n_facets, n_nodes)
+    square = (d**2).sum(axis=0)
+    along = (x * d).sum(axis=0) / square
+    return along, (dx * x[1] - dy * x[0]) / square
 
 
 def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     """Move the slave's nodes onto nodes of the master that nearly coincide."""
     mesh = triangles.mesh
-    slave, master = (
-        np.unique(mesh.facets[:, triangles.tags[tag]]) for tag in (contact.slave, contact.master)
-    )
-    distance, nearest = map(np.asarray, cKDTree(mesh.p[:, master].T).query(mesh.p[:, slave].T))
-    size = facet_lengths(mesh)[triangles.tags[contact.slave]].min(initial=np.inf)
+    facets = triangles.tags[contact.slave]
+    slave = np.unique(mesh.facets[:, facets])
+    master = np.unique(mesh.facets[:, triangles.tags[contact.master]])
+    distance, nearest = _nearest(mesh.p[:, master], mesh.p[:, slave])
+    size = facet_lengths(mesh)[facets].min(initial=np.inf)
     near = (distance > 0) & (distance <= 2 * _SAME * size)
     if not near.any():
         return triangles
@@ -299,41 +311,50 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     return replace(triangles, mesh=MeshTri(p, mesh.t, validate=False))
 
 
+def _nearest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
+    """Return distances and indices of the nearest of some points, (2, n), to others."""
+    distance, nearest = cKDTree(among.T).query(points.T)
+    return np.asarray(distance), np.asarray(nearest)
+
+
 def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, ndarray]:
-    """Return facets of slave and master that coincide, and True where the master's run the other
-    way.
-    """
-    mesh, one, other = triangles.mesh, triangles.tags[contact.slave], triangles.tags[contact.master]
-    if not len(one) or not len(other):
+    """Return facets of slave and master that coincide, and True where their directions differ."""
+    mesh = triangles.mesh
+    slave, master = triangles.tags[contact.slave], triangles.tags[contact.master]
+    if not len(slave) or not len(master):
         return np.zeros(0, int), np.zeros(0, int), np.zeros(0, bool)
-    middle, length = mesh.p[:, mesh.facets].mean(axis=1), facet_lengths(mesh)[one]
-    distance, nearest = map(np.asarray, cKDTree(middle[:, other].T).query(middle[:, one].T))
-    found = distance <= 1e-9 * length
-    one, other = one[found], other[nearest[found]]
-    ends = mesh.p[:, mesh.facets[0, one]] - mesh.p[:, mesh.facets[0, other]]
-    return one, other, np.linalg.norm(ends, axis=0) > 0.5 * length[found]
+    middle = mesh.p[:, mesh.facets].mean(axis=1)
+    length = facet_lengths(mesh)[slave]
+    distance, nearest = _nearest(middle[:, master], middle[:, slave])
+    same = distance <= 1e-9 * length
+    slave = slave[same]
+    master = master[nearest[same]]
+    first = mesh.p[:, mesh.facets[0]]  # of the two ends of all facets
+    apart = np.linalg.norm(first[:, slave] - first[:, master], axis=0)
+    return slave, master, apart > 0.5 * length[same]
 
 
 def check_closed(contacts: tuple[Contact, ...], triangles: Triangles) -> None:
     """Refuse contacts whose sides face each other, matched, at a small distance."""
     mesh = triangles.mesh
     for contact in contacts:
-        one, other = (
-            np.setdiff1d(triangles.tags[contact.slave], pairs(contact, triangles)[0]),
-            triangles.tags[contact.master],
-        )
-        if not len(one) or not len(other):
+        master = triangles.tags[contact.master]
+        slave = np.setdiff1d(triangles.tags[contact.slave], pairs(contact, triangles)[0])
+        if not len(slave) or not len(master):
             continue
-        normals = [outward_normals(mesh, facets, mesh.f2t[0, facets]) for facets in (other, one)]
-        a, b = mesh.p[:, mesh.facets[:, other]].transpose(1, 0, 2)
-        x = mesh.p[:, mesh.facets[:, one]].mean(axis=1)[:, None] - a[:, :, None]
-        along = (x * (b - a)[:, :, None]).sum(axis=0) / ((b - a) ** 2).sum(axis=0)[:, None]
-        away = np.abs((x * normals[0][:, :, None]).sum(axis=0)) / facet_lengths(mesh)[one]
-        near = (along > 0) & (along < 1) & (away < _GAP) & (normals[0].T @ normals[1] < -_FACING)
+        normal = outward_normals(mesh, master, mesh.f2t[0, master])
+        of_slave = outward_normals(mesh, slave, mesh.f2t[0, slave])
+
+        # middles of the slave's facets, along and off the master's, (n_master, n_slave)
+        a, b = mesh.p[:, mesh.facets[:, master]].transpose(1, 0, 2)
+        d = b - a
+        x = mesh.p[:, mesh.facets[:, slave]].mean(axis=1)[:, None] - a[:, :, None]
+        along = (x * d[:, :, None]).sum(axis=0) / (d**2).sum(axis=0)[:, None]
+        away = np.abs((x * normal[:, :, None]).sum(axis=0)) / facet_lengths(mesh)[slave]
+        near = (along > 0) & (along < 1) & (away < _GAP) & (normal.T @ of_slave < -_FACING)
         if near.any():
             raise ValueError(
                 f"the sides of the contact between '{contact.slave}' and '{contact.master}' are "
                 f"{away[near].max():.2g} of a facet apart: bounds need sides that coincide; move "
-                f"them "
-                "together, or leave the contact out"
+                "them together, or leave the contact out"
             )
