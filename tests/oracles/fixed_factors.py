@@ -13,7 +13,7 @@ import skfem_contact as sc
 def enclosed_factor(
     forms: Mapping[str, Any], fixed: Any, load: ndarray, tolerance: float = 0.01
 ) -> tuple[float, float]:
-    """Return a factor at which a structure stands, and one at which none was found to, by bisection.
+    """Return a factor at which a structure stands, and one at which it was not found to stand.
 
     Without dilatancy an iteration from the unstrained bodies may end without a collapse.
     """
