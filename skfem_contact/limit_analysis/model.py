@@ -480,8 +480,13 @@ def joined(
 def _strength_of(contact: Contact, B: ndarray) -> Strength:
     """Return the strength of a contact at the points of an operator, (n_facets, n_points, ...)."""
     n = B.shape[0] * B.shape[1]
-    values = (contact.a, contact.mu, contact.tension, contact.reduced)
-    return Strength(*(np.full(n, value) for value in values), joint=True)
+    return Strength(
+        c=np.full(n, contact.a),
+        t=np.full(n, contact.mu),
+        tension=np.full(n, contact.tension),
+        reduced=np.full(n, contact.reduced),
+        joint=True,
+    )
 
 
 def _jumps(contact: Contact, triangles: Triangles, elements: Elements, slave: ndarray) -> ndarray:
