@@ -18,7 +18,9 @@ def bounds_beside(monkeypatch) -> None:
 
     Modules that test these have a fixture of this name.
     """
-    monkeypatch.setattr("skfem_contact.collapse.strength.at_hand", lambda *args, **kwargs: None)
+    monkeypatch.setattr(
+        "skfem_contact.collapse.strength.at_hand", lambda *args, **kwargs: (None, "")
+    )
 
 
 @pytest.fixture

@@ -407,7 +407,7 @@ def correct(
 ) -> Point:
     """Return the equilibrium at which the reference load has done some work.
 
-    The unknowns z are the displacements and the parameter. The work of the load is linear in the
+    The vector z holds the displacements and the parameter. The work of the load is linear in the
     displacements, so that each Newton step satisfies it.
     """
     # extrapolate from the last two points; the curve bends, so the parameter goes half as far

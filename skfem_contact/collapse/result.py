@@ -127,7 +127,7 @@ class SearchLog:
         )
 
     def moved(self, x: ndarray | None) -> float:
-        """Return the largest displacement since the beginning, without other unknowns."""
+        """Return the largest displacement since the beginning, without other fields."""
         if x is None:
             return np.nan
         displacements = (x - self._origin)[self._displacements]
@@ -225,8 +225,8 @@ class CollapseResult:
     value
         Largest factor or multiplier with an equilibrium: :attr:`factor`, :attr:`multiplier`.
     bracket
-        The value, and the smallest one that is known not to be reached, by a collapse or by the
-        last slope of the curve; infinite where nothing is known.
+        The value, and the smallest one that is known not to be reached, by a collapse, by the last
+        slope of the curve or by a proven bound; infinite where nothing is known.
     stop
         Reason why the search ended.
     flow
@@ -259,6 +259,8 @@ class CollapseResult:
         its factor is on the safe side.
     proven
         Proven bounds of the value, see ``certify``.
+    unproven
+        Reason why ``certify="auto"`` has proven no bounds.
     """
 
     what: str
@@ -277,6 +279,7 @@ class CollapseResult:
     dilates_less: bool = False
     davis: CollapseResult | None = field(default=None, repr=False)
     proven: Bounds | None = field(default=None, repr=False)
+    unproven: str = ""
 
     @property
     def factor(self) -> float:
@@ -342,6 +345,8 @@ class CollapseResult:
             lines.append(f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side")
         if self.proven:
             lines.append(f"bounds: {str(self.proven).splitlines()[0]}")
+        elif self.unproven:
+            lines.append(f"no bounds: {self.unproven}")
         lines.append(f"flow {self.flow}")
         if self.reduced:
             lines.append(f"reduced: {', '.join(self.reduced)}")
@@ -394,7 +399,10 @@ class CollapseResult:
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
         added = self.added if self.stop.shows_limit else 0.0
         warn_of_mesh(self.what, self.value, added, proven, tolerance)
-        return replace(self, proven=proven)
+        above = self.bracket[1]
+        if proven is not None and proven.upper >= self.value:
+            above = min(above, proven.upper)
+        return replace(self, proven=proven, bracket=(self.bracket[0], above))
 
 
 def conclude(

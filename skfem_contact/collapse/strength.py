@@ -225,7 +225,7 @@ def strength_reduction(
     if certify == "auto" and not undrained:
         iterations = sum(found.iterations for found in (result, davis) if found)
         coarse = result.stop.shows_limit and result.added * result.value > tolerance
-        proven = at_hand(
+        proven, unproven = at_hand(
             begun.forms,
             fixed=begun.system.fixed,
             dead=whole,
@@ -236,6 +236,7 @@ def strength_reduction(
             coarse=coarse and not free,
             at_rest=begun.at_rest,
         )
+        result = replace(result, unproven=unproven)
     return result.beside(proven, tolerance)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -24,8 +23,6 @@ from .reading import Problem, read
 from .result import Bounds
 from .search import Bound, Search
 from .triangles import Triangles
-
-logger = logging.getLogger("skfem_contact")
 
 #: Share of the upper bound below which a lower one is none.
 _NOTHING = 1e-3
@@ -227,11 +224,12 @@ def at_hand(
     work: float,
     coarse: bool,
     at_rest: AtRest,
-) -> Bounds | None:
+) -> tuple[Bounds | None, str]:
     """Compute the bounds of a factor of safety on the mesh of its search.
 
-    The `work` of the search counts dofs times iterations. Returns None where no upper bound is
-    proven, or the bounds cost more than about the search, unless the mesh seems to be coarse.
+    The `work` of the search counts dofs times iterations. Returns None and the reason where no
+    upper bound is proven, or the bounds cost more than about the search, unless the mesh seems to
+    be coarse.
     """
     # compare their cost with the cost of the search
     solids = solids_of(forms).values()
@@ -240,7 +238,7 @@ def at_hand(
     less = any(material.dilates_less for material in materials)
     cost = (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles
     if work < cost and not (coarse and triangles <= _FEW):
-        return None
+        return None, "they would take longer than the search (certify=True computes them)"
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # open ends were not asked for
@@ -256,9 +254,10 @@ def at_hand(
                 elements=1,
             )
     except ValueError as reason:
-        logger.info("no bounds for the search: %s", reason)
-        return None
-    return found if np.isfinite(found.upper) else None
+        return None, str(reason)
+    if not np.isfinite(found.upper):
+        return None, "no upper bound could be proven on the mesh of the search"
+    return found, ""
 
 
 def _bracket(

@@ -321,7 +321,7 @@ class Program:
     def factor(self, D: ndarray) -> Callable[[ndarray], ndarray]:
         """Return the solution of A D A^T y = b for any b (m,), with D (n_points, 3, 3).
 
-        An ArithmeticError tells a matrix without a factor.
+        A matrix without a factor raises an ArithmeticError.
         """
         parts = zip(self._gatherings, self.blocks)
         K = self._total.of(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from skfem import Basis, CellBasis, Mesh
+from skfem import CellBasis, Mesh
 
 from ..checks import format_point, is_number, look_up
 from ..errors import AnalysisWarning
@@ -29,8 +29,10 @@ from .triangles import (
     pairs,
 )
 
-#: A traction or a pressure: a function of coordinates (2, n).
+#: A traction: a function of coordinates (2, n).
 Field = Callable[[ndarray], ndarray]
+#: A pressure: a function of coordinates (2, n) and of their elements of the first mesh, (n,).
+PressureField = Callable[[ndarray, ndarray], ndarray]
 #: A traction: (t_x, t_y), or a function of coordinates (2, n) with values (2, n).
 TractionLike = ArrayLike | Callable[[ndarray], ndarray]
 #: Pressure of water at rest in all pores and on all boundaries, and its load vector; None without
@@ -66,7 +68,7 @@ class Loads(NamedTuple):
     dead: ndarray  # fixed body forces, (n_elements, 2)
     live: ndarray  # multiplied body forces, (n_elements, 2)
     tractions: tuple[Traction, ...] = ()
-    water: Field | None = None  # pressure in the pores, positive
+    water: PressureField | None = None  # pressure in the pores, positive
     submerged: tuple[Tag, ...] = ()  # boundaries with water outside
     remarks: tuple[str, ...] = ()
 
@@ -93,8 +95,13 @@ class Loads(NamedTuple):
             dead=self.dead * unit,
             live=self.live * unit,
             tractions=tuple(each._replace(value=field(each.value)) for each in self.tractions),
-            water=None if self.water is None else field(self.water),
+            water=None if self.water is None else _in_units(self.water, centre, size, stress),
         )
+
+
+def _in_units(water: PressureField, centre: ndarray, size: float, stress: float) -> PressureField:
+    """Return a pressure at coordinates from a centre, in units of a size and of a stress."""
+    return lambda x, elements: water(centre[:, None] + size * x, elements) / stress
 
 
 def named_loads(
@@ -139,7 +146,7 @@ def named_loads(
         dead,
         multiplied,
         tractions=fields,
-        water=_pressure(water, site.basis),
+        water=_pressure(water, mesh),
         submerged=tuple(submerged),
         remarks=remarks,
     )
@@ -167,28 +174,36 @@ def _traction(name: str, value: TractionLike) -> Field:
     return lambda x: np.broadcast_to(constant[:, None], x.shape)
 
 
-def _pressure(water: Pressure | None, basis: CellBasis) -> Field | None:
-    """Return the pressure of water as a function of coordinates."""
+def _pressure(water: Pressure | None, mesh: Mesh) -> PressureField | None:
+    """Return the pressure of water as a function of coordinates and elements."""
     if water is None:
         return None
-    mesh = basis.mesh
     if not callable(water) and np.shape(water) != (mesh.nvertices,):
         raise ValueError(
             f"water is a pressure, hydrostatic(level) or values at {mesh.nvertices} nodes, not "
             f"{water!r}"
         )
-    if callable(water):
-        inside: Callable[[ndarray], Any] = water
-    else:
-        inside = Basis(mesh, linear_element(mesh)).interpolator(np.asarray(water, float))
 
-    def field(x: ndarray) -> ndarray:
-        pressure = np.asarray(inside(x), dtype=float)
+    def field(x: ndarray, elements: ndarray) -> ndarray:
+        values = water(x) if callable(water) else _interpolated(water, mesh, x, elements)
+        pressure = np.asarray(values, dtype=float)
         if not np.isfinite(pressure).all():
             raise ValueError("the pressure of water must be finite everywhere in the bodies")
         return pressure
 
     return field
+
+
+def _interpolated(values: ArrayLike, mesh: Mesh, x: ndarray, elements: ndarray) -> ndarray:
+    """Return values at the nodes of a mesh, interpolated at coordinates (2, n) in elements, (n,).
+
+    Points at a boundary need not lie inside: round-off moves them.
+    """
+    at_nodes = np.asarray(values, dtype=float)[mesh.t[:, elements]]
+    X = mesh.mapping().invF(x[:, :, None], tind=elements)
+    element = linear_element(mesh)
+    shares = [element.lbasis(X, corner)[0][:, 0] for corner in range(len(mesh.t))]
+    return np.einsum("ci,ci->i", at_nodes, np.stack(shares))
 
 
 def vector_loads(
@@ -227,7 +242,7 @@ def vector_loads(
         body,
         multiplied,
         tractions=tractions,
-        water=_pressure(water, basis),
+        water=_pressure(water, basis.mesh),
         submerged=(SURFACE,) if rest is not None else tuple(submerged),
     )
 
@@ -377,7 +392,9 @@ class LimitModel:
             values = np.asarray(value(x.reshape(2, -1)))
             total[live] += elements.of_tractions(facets, values.reshape(x.shape).T)
         if self.loads.water is not None:
-            pressure = self.loads.water(mesh.p)
+            elements_at = np.zeros(mesh.nvertices, int)  # one of every node
+            elements_at[mesh.t] = origin
+            pressure = self.loads.water(mesh.p, elements_at)
             total[0] += self._power_of_water(pressure, triangles, elements)
         return total[0], total[1]
 

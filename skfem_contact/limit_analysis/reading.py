@@ -110,7 +110,7 @@ def read(
             contacts = tuple(replace(contact, mu=0.0) for contact in model.contacts)
             smooth = replace(davis or model, contacts=contacts)
 
-    # tell the simplifications
+    # list the simplifications
     cohesionless = bool(soil.resists_nothing.any()) or any(
         profile.vanishes(triangles) for profile in model.profiles
     )

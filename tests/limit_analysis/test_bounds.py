@@ -115,6 +115,39 @@ def test_water_and_acceleration() -> None:
     assert pushed.upper < dry.lower < dry.upper < back.upper
 
 
+@pytest.mark.parametrize("quadrilaterals", [False, True])
+def test_water_at_nodes_of_a_slope(quadrilaterals) -> None:
+    """[X] A slope under water at rest has the bounds of its weight in water, also at sloping sides.
+
+    The pressures of a seepage are values at nodes; nodes of a slope lie beside it, by round-off.
+    """
+    run = 10.0 * np.sqrt(3.0)
+    flat = MeshQuad.init_tensor(
+        np.concatenate([[-12.0, -6.0], run * np.linspace(0.0, 1.0, 4), [run + 9.0, run + 18.0]]),
+        np.linspace(0.0, 1.0, 4),
+    )
+    surface = np.clip(flat.p[0] / run, 0.0, 1.0) * 10.0
+    flat = MeshQuad(np.stack([flat.p[0], flat.p[1] * (surface + 6.0) - 6.0]), flat.t)
+    mesh = (flat if quadrilaterals else flat.to_meshtri()).with_boundaries(
+        {
+            "sides": lambda x: (x[0] < -12.0 + 1e-6) | (x[0] > run + 18.0 - 1e-6),
+            "bottom": lambda x: x[1] < -6.0 + 1e-6,
+            "ground": lambda x: x[1] > np.clip(x[0] / run, 0.0, 1.0) * 10.0 - 1e-6,
+        }
+    )
+    element = ElementQuad1() if quadrilaterals else ElementTriP2()
+    basis = Basis(mesh, ElementVector(element), intorder=4)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=8.0, phi=25.0, psi=25.0)
+    flow = sc.water.seepage(basis, 1e-5, head={"ground": 15.0}, unit_weight=10.0)
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
+    forms = {"soil": sc.SolidForm(basis, soil)}
+    settings = {"gap": 0.3, "elements": 400}
+    dry = bounds(forms, fixed, weight=10.0, **settings)
+    wet = bounds(forms, fixed, weight=20.0, water=flow.pressure, submerged="ground", **settings)
+    assert wet.lower == pytest.approx(dry.lower, rel=1e-4)
+    assert wet.upper == pytest.approx(dry.upper, rel=1e-4)
+
+
 # -- contact
 
 

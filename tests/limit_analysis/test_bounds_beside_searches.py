@@ -311,22 +311,40 @@ def test_less_dilation() -> None:
 
 
 def test_bounds_at_hand(monkeypatch) -> None:
-    """A plane search is bracketed by default where bounds are cheap, but not beside loads at
-    points.
-    """
+    """A plane search has bounds by default where they are cheap, and says why where it has none."""
     forms, fixed, basis = column()
     model = sc.Model(forms, fixed)
     load = sc.weight(basis, 20.0)
     found = model.strength_reduction(load, progress=False)
     assert found.proven.lower - 0.01 < found.factor < found.proven.upper + 0.01
+    assert found.bracket[1] <= max(found.proven.upper, found.factor)
     assert "bounds: factor of safety in" in str(found)
     assert model.strength_reduction(load, certify=False, progress=False).proven is None
     pushed = load.copy()
     pushed[sc.dofs_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
-    assert model.strength_reduction(pushed, progress=False).proven is None
+    alone = model.strength_reduction(pushed, progress=False)
+    assert alone.proven is None
+    assert "no bounds: bounds need distributed loads" in str(alone)
     for name, value in (("_CHEAP", np.inf), ("_FEW", 0)):
         monkeypatch.setattr(sys.modules["skfem_contact.limit_analysis.bounds"], name, value)
-    assert model.strength_reduction(load, progress=False).proven is None
+    dear = model.strength_reduction(load, progress=False)
+    assert dear.proven is None
+    assert "no bounds: they would take longer than the search" in str(dear)
+
+
+def test_bracket_ends_at_a_proven_bound() -> None:
+    """An upper bound above the value ends its bracket; one below it leaves it, with a warning."""
+    forms, fixed, basis = column()
+    load = sc.weight(basis, 20.0)
+    found = sc.Model(forms, fixed).strength_reduction(load, certify=False, progress=False)
+    low, _ = found.bracket
+    found = replace(found, bracket=(low, low + 0.2))
+    proven = sc.Model(forms, fixed).bounds(weight=20.0, elements=50, gap=1.0)
+    above = replace(proven, lower=low - 0.1, upper=low + 0.1)
+    assert found.beside(above, 0.01).bracket == (low, low + 0.1)
+    below = replace(proven, lower=low - 0.2, upper=low - 0.1)
+    with pytest.warns(sc.AnalysisWarning, match="lies above"):
+        assert found.beside(below, 0.01).bracket == (low, low + 0.2)
 
 
 @pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2()])

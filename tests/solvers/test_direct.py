@@ -356,6 +356,12 @@ def test_function_that_fails_is_refused(blocks):
         solver.factor(blocks.stiffness(1.0, 1.0))(np.ones(blocks.size))
 
 
+def test_function_whose_values_are_no_solution_is_refused(blocks):
+    solver = as_solver(lambda A, b: np.full_like(b, 1e30), blocks.locations, blocks.free)
+    with pytest.raises(NotConverged, match="are no solution: their residual is"):
+        solver.factor(blocks.stiffness(1.0, 1.0))(np.ones(blocks.size))
+
+
 @pytest.mark.parametrize("solver", ["mumps", 1])
 def test_what_is_no_solver_is_refused(blocks, solver):
     with pytest.raises(ValueError, match="pardiso, superlu"):
