@@ -55,14 +55,15 @@ class FunctionSolver:
 
     def _check(self, A: csr_matrix, x: ndarray, b: ndarray) -> None:
         """Refuse a solution that leaves much of the right-hand side."""
-        residual = np.linalg.norm(A @ x - b)
-        size = np.linalg.norm(b)
+        residual = float(np.linalg.norm(A @ x - b))
+        size = float(np.linalg.norm(b))
         if residual <= _WRONG * size:
             return
-        if residual > _ROUND_OFF * np.linalg.norm(abs(A) @ abs(x)):
+        terms = float(np.linalg.norm(abs(A) @ np.abs(x)))
+        if residual > _ROUND_OFF * terms:
             raise NotConverged(
                 f"the linear solver {self.name} returned values that are no solution: their "
-                f"residual is {residual / max(size, 1e-300):.2g} times the right-hand side"
+                f"residual is {residual:.2g}, the right-hand side {size:.2g}"
             )
 
 
