@@ -1,0 +1,84 @@
+"""Mutations: which tokens change, and which of them tests catch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests import mutate
+
+MODULE = '''"""Sums, e.g. of 1 + 2."""
+
+from __future__ import annotations
+
+
+def total(values: list[float | None], *more: float, sign=-1) -> int | None:
+    """Return 3 * x."""
+    if values[0] < 1e-8 and not more:
+        raise ValueError("1 < 2" if 1 < 2 else "")
+    return max(*more, 2.0 * values[-1]) + 0.5
+'''
+TEST = """
+import pytest
+from skfem_contact.room.sums import total
+
+
+def test_total():
+    assert total([1.0, 3.0], 2.0) == 6.5
+
+
+@pytest.mark.slow
+def test_refused():
+    with pytest.raises(ValueError):
+        total([0.0])
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A package of one file, and its tests."""
+    for folder in ("skfem_contact", "skfem_contact/room", "tests", "tests/room"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "__init__.py").touch()
+    (tmp_path / "pyproject.toml").write_text(
+        '[tool.pytest.ini_options]\nmarkers = ["slow: long"]\n'
+    )
+    (tmp_path / "skfem_contact/room/sums.py").write_text(MODULE)
+    (tmp_path / "tests/room/test_sums.py").write_text(TEST)
+    return tmp_path
+
+
+def test_tokens_that_change(project: Path) -> None:
+    """Signs, comparisons, factors, indices and tolerances; no annotations, texts or errors."""
+    found = [(m.old, m.new) for m in mutate.mutations(project, "room/sums.py")]
+    assert found == [
+        *(("-", "+"), ("1", "2")),
+        *(("0", "1"), ("<", ">="), ("1e-8", "1e-06"), ("and", "or"), ("not", "")),
+        *(("max", "min"), ("2.0", "2.2"), ("*", "/"), ("-", "+"), ("1", "2"), ("+", "-")),
+        ("0.5", "0.55"),
+    ]
+
+
+def test_samples_repeat(project: Path) -> None:
+    first = mutate.drawn(project, ("room",), 5, seed=1)
+    assert first == mutate.drawn(project, ("room",), 5, seed=1)
+    assert len(first) == len(set(first)) == 5
+    assert mutate.drawn(project, ("other",), 5, seed=1) == []
+
+
+def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
+    """A default that no test uses survives; a changed factor is caught, and not tried twice."""
+    by_token = {(m.line, m.old): m for m in mutate.mutations(project, "room/sums.py")}
+    chosen = [by_token[6, "-"], by_token[10, "2.0"], by_token[8, "<"]]
+    file = project / "outcomes"
+    outcomes = mutate.tried(project, chosen, 1, file)
+    assert [outcomes[m] and outcomes[m].split("::")[-1] for m in chosen] == [
+        None,
+        "test_total",
+        "test_refused",
+    ]
+    assert mutate.recorded(file) == outcomes
+    capsys.readouterr()
+    assert mutate.tried(project, chosen, 1, file) == outcomes
+    assert not capsys.readouterr().out
