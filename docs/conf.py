@@ -50,7 +50,13 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
 }
-html_sidebars = {"installation": [], "changelog": [], "contributing": [], "benchmarks": []}
+html_sidebars = {
+    "installation": [],
+    "find_example": [],
+    "changelog": [],
+    "contributing": [],
+    "benchmarks": [],
+}
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
@@ -72,7 +78,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "filename_pattern": r"/plot_",
     "ignore_pattern": r"(^|/)(?!plot_)[^/]*\.py$",
-    "within_subsection_order": "FileNameSortKey",
+    "within_subsection_order": "NumberOfCodeLinesSortKey",
     "image_scrapers": ("pyvista", "matplotlib"),
     "capture_repr": ("__repr__",),
     "ignore_repr_types": r"matplotlib|pyvista|skfem_contact\.plot",

@@ -14,7 +14,7 @@ import matplotlib
 from check_pages import browser
 
 DOCS = Path(__file__).parent
-EXAMPLE = DOCS.parent / "examples" / "1_short_scripts" / "plot_propped_excavation.py"
+EXAMPLE = DOCS.parent / "examples" / "4_pits_and_walls" / "plot_propped_excavation.py"
 WIDTH, HEIGHT = 1180, 1500
 
 

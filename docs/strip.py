@@ -19,12 +19,13 @@ PICTURES = (
 COLUMNS, WIDTH, HEIGHT, GAP = 2, 680, 420, 20
 
 
-def strip(folder: Path) -> Image.Image:
+def strip(gallery: Path) -> Image.Image:
     """Return the pictures in rows, each as large as its place allows."""
     rows = -(-len(PICTURES) // COLUMNS)
     sheet = Image.new("RGB", (COLUMNS * (WIDTH + GAP) - GAP, rows * (HEIGHT + GAP) - GAP), "white")
     for number, name in enumerate(PICTURES):
-        picture = Image.open(folder / f"sphx_glr_plot_{name}.png").convert("RGB")
+        (path,) = gallery.glob(f"*/images/sphx_glr_plot_{name}.png")
+        picture = Image.open(path).convert("RGB")
         picture.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
         row, column = divmod(number, COLUMNS)
         left, top = column * (WIDTH + GAP), row * (HEIGHT + GAP)
@@ -35,6 +36,4 @@ def strip(folder: Path) -> Image.Image:
 
 
 if __name__ == "__main__":
-    strip(HERE / "gallery" / "1_short_scripts" / "images").save(
-        HERE / "_static" / "strip.png", optimize=True
-    )
+    strip(HERE / "gallery").save(HERE / "_static" / "strip.png", optimize=True)

@@ -211,7 +211,7 @@ def test_pipe_carries_more_after_the_surcharge(model: Culvert) -> None:
 
 def test_tutorial_is_the_same_analysis(model: Culvert, monkeypatch: pytest.MonkeyPatch) -> None:
     """The flat script of the tutorial and the demonstration describe one model."""
-    script = str(ROOT / "examples" / "3_geotechnics" / "plot_buried_culvert.py")
+    script = str(ROOT / "examples" / "6_tunnels_and_pipes" / "plot_buried_culvert.py")
     monkeypatch.setattr(sys, "argv", [script])
     monkeypatch.setattr(plt, "show", lambda: None)
     monkeypatch.setattr(plot, "contour", lambda *_, **__: None)

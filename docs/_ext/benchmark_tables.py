@@ -1,6 +1,6 @@
 """Tables of the benchmarks, made from the figures that their full runs have printed.
 
-``examples/4_benchmarks/results/<example>.json`` is the last line of ``<example>.py --full``;
+``examples/benchmarks/results/<example>.json`` is the last line of ``<example>.py --full``;
 nothing else holds these numbers.
 """
 
@@ -26,7 +26,7 @@ HIDDEN = {"n", "case", "solver", "peer"}
 
 def write_page(app, config) -> None:
     """Write the tables before Sphinx looks for its sources."""
-    examples = Path(app.srcdir).parent / "examples" / "4_benchmarks"
+    examples = Path(app.srcdir).parent / "examples" / "benchmarks"
     target = Path(app.srcdir, "_build", "generated", "benchmarks.md")
     target.parent.mkdir(parents=True, exist_ok=True)
     sections = [
@@ -43,7 +43,7 @@ def section(examples: Path, path: Path, target: Path) -> str:
     """Heading, a link to the example, the chart and, folded, the table of a benchmark."""
     rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
     title = heading(examples, path)
-    link = f"{{doc}}`The example <gallery/4_benchmarks/{path.stem}>`"
+    link = f"{{doc}}`The example <gallery/benchmarks/{path.stem}>`"
     picture = f"![{title}]({path.stem}.png)\n\n" if chart(rows, target / f"{path.stem}.png") else ""
     return f"## {title}\n\n{link}\n\n{picture}:::{{dropdown}} All figures\n\n{table(rows)}\n:::"
 

@@ -1,4 +1,4 @@
-"""The contact benchmarks of the fourth chapter of the examples at their smallest sizes, and what
+"""The contact benchmarks of the examples at their smallest sizes, and what
 makes them work.
 """
 

@@ -84,6 +84,23 @@ def test_code_on_pages_imports_what_it_needs():
         assert used <= imported, script.stem
 
 
+def test_every_example_is_found_by_its_task():
+    """The page names each example once, with its chapter."""
+    page = (DOCS / "find_example.md").read_text(encoding="utf-8")
+    for script in EXAMPLES:
+        assert page.count(f"</gallery/{script.parent.name}/{script.stem}>") == 1, script.stem
+
+
+def test_links_to_examples_lead_somewhere():
+    """Chapters and names of examples on pages and in examples exist."""
+    known = {f"{script.parent.name}/{script.stem}" for script in EXAMPLES}
+    for page in (*DOCS.rglob("*.md"), *EXAMPLES):
+        if "_build" not in page.parts:
+            text = page.read_text(encoding="utf-8")
+            for chapter, name in re.findall(r"gallery/(\w+)/(?:images/sphx_glr_)?(plot_\w+)", text):
+                assert f"{chapter}/{re.sub(r'_[0-9]{3}$', '', name)}" in known, (page, name)
+
+
 def test_warnings_lose_the_path_of_the_machine():
     """What was warned stays, where in the builder's folders does not."""
     source = [

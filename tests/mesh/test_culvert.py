@@ -13,7 +13,7 @@ from skfem import Basis, FacetBasis, Mesh
 from skfem_contact.mesh import bodies, join_bodies, load_mesh
 
 DATA = files("skfem_contact") / "data"
-SCRIPT = Path(__file__).parents[2] / "examples" / "1_first_steps" / "make_culvert.py"
+SCRIPT = Path(__file__).parents[2] / "examples" / "6_tunnels_and_pipes" / "make_culvert.py"
 BODIES = {"ground": ["soft", "stiff"], "culvert": "culvert"}
 INNER, OUTER = 0.72, 0.90
 DIGITS = 1e-6  # the coordinates in the file are rounded to six digits

@@ -11,7 +11,7 @@ import pytest
 
 from tests.oracles.rings import RingInGround
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "3_geotechnics" / "plot_ring_in_ground.py"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "6_tunnels_and_pipes" / "plot_ring_in_ground.py"
 CASE = {"a": 0.72, "b": 0.9, "E_ring": 2.8e7, "nu_ring": 0.2, "E_ground": 3e4, "nu_ground": 0.3}
 FAR = {"vertical": 100.0, "horizontal": 50.0}
 

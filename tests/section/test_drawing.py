@@ -19,7 +19,7 @@ pytest.importorskip(
     exc_type=(ImportError, OSError),
 )
 
-SHIPPED = Path(__file__).parents[2] / "examples" / "1_short_scripts" / "pit.dxf"
+SHIPPED = Path(__file__).parents[2] / "examples" / "1_first_steps" / "pit.dxf"
 RULES = {
     "soil*": "area",
     "dig *": "lift",

@@ -4,7 +4,7 @@ A pile in a slope, between two bounds
 
 How much safer does a pile make a slope? Strength reduction with contact gives a factor, and a
 coarse mesh or a search that ends early moves it. Here the slope of
-:doc:`the stabilising pile </gallery/3_geotechnics/plot_pile_in_slope>` gets two numbers that
+:doc:`the stabilising pile </gallery/3_slopes/plot_pile_in_slope>` gets two numbers that
 enclose the true factor of the model, with a proof, without the pile and with it, whose interface is
 as strong as the soil (with ``--full`` also two thirds as strong, and smooth). Then strength
 reduction with contact runs on the mesh that the bounds have refined.

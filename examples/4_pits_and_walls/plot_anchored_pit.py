@@ -92,7 +92,7 @@ plot.diagram({stage.name: stage.section_forces("wall") for stage in result}, "M"
 # %%
 # The moments on the wall itself, and what settles behind it.
 # ``model.strength_reduction(start=result)`` computes the factor of safety: see
-# :doc:`an anchored wall in stages </gallery/1_short_scripts/plot_anchored_wall>`.
+# :doc:`an anchored wall in stages </gallery/4_pits_and_walls/plot_anchored_wall>`.
 
 plot.diagram(
     result["street"].section_forces("wall"), "M", on=result["street"], window=(-6, 8, -11, 1)
