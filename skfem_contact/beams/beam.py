@@ -1,6 +1,4 @@
-"""Beams as a form: stiffness, plastic hinges, weight, loads, section forces and sides in
-contact.
-"""
+"""Beams as a form: stiffness, plastic hinges, weight, loads, section forces and contact."""
 
 from __future__ import annotations
 
@@ -32,7 +30,7 @@ _ROUND_OFF = 2e-16
 
 @dataclass(frozen=True)
 class BeamState:
-    """State of beams, arrays (m, 9) of the dofs of the m elements.
+    """State of beams: arrays (m, 9) of the dofs of m elements.
 
     Attributes
     ----------
@@ -50,7 +48,7 @@ class Beam(BeamNodes):
     """Beams: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
     Small displacements and rotations. The beam has nodes of its own, or those of a line of the
-    mesh, to which it is bonded. Section forces are those on the nodes, see
+    mesh, to which it is bonded. Section forces act on the nodes, see
     :meth:`~skfem_contact.results.StageResult.section_forces`.
 
     Parameters
@@ -62,13 +60,12 @@ class Beam(BeamNodes):
         boundary or inside, of a plane mesh with elements of second order. A named line begins at
         its upper end, a level one at its left end, and goes clockwise where it is closed.
     EI, EA, GA
-        Stiffness against bending, stretching and shear. By default ``GA = EA / 3``, that of a
+        Stiffness against bending, stretching and shear. By default ``GA = EA / 3``, as for a
         rectangle with nu = 0.25. In plane strain a wall of thickness t has ``EI = E t**3 / 12 / (1
         - nu**2)``.
     spacing
-        Distance of the members of a row: the stiffnesses, strengths and weights are those of one of
-        them. By default they are those per unit of length out of the plane. Section forces are per
-        unit of length.
+        Distance of the members of a row: stiffnesses, strengths and weights belong to one member.
+        By default they are per unit of length out of the plane, as section forces always are.
     cells
         Nodes of the elements, (m, 2): start and end; or (m, 3): start, end and middle, which lies
         on the curve. By default the nodes are the ends of a chain of straight elements.
@@ -132,7 +129,6 @@ class Beam(BeamNodes):
         "_section",
         "_hinges",
         "_weight",
-        "_EA",
         "_shear",
         "_warm",
     )
@@ -140,6 +136,7 @@ class Beam(BeamNodes):
     _frame: Sequence[Beam] = ()
     _touched: Sequence[Field] = ()
     _ground: float | None = None
+    _wet = False
     _parts: Sequence[tuple[ndarray, ndarray]] = ()
     _stiff: ndarray
     _where: Mapping[int, ndarray]
@@ -165,7 +162,8 @@ class Beam(BeamNodes):
         nu: float = 0.0,
         GJ: float | None = None,
     ) -> None:
-        GA, GJ = EA / 3.0 if GA is None else GA, 0.8 * EI if GJ is None else GJ
+        GA = EA / 3.0 if GA is None else GA
+        GJ = 0.8 * EI if GJ is None else GJ
         check_values(
             Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=spacing or 1.0
         )
@@ -179,86 +177,76 @@ class Beam(BeamNodes):
             "unit_weight": unit_weight,
             "thickness": thickness,
         }
-        self._shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
-        self.coordinates, corners, shell = (
-            coordinates,
-            self.points[self.cells],
-            coordinates == "axisymmetric",
-        )
-        if (shell and (not -1.0 < nu <= 0.5 or spacing is not None or np.isfinite(Mp))) or (
-            not shell and nu
-        ):
-            raise ValueError(
-                f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no "
-                f"Mp"
-            )
-        if space := corners.shape[2] == 3:
-            self.coordinates = "space"
-            if shell or spacing is not None or np.isfinite(Mp) or thickness:
-                raise ValueError("a beam in space has no spacing, Mp or thickness, and is no shell")
-        self._elements = (
-            ShellElements.about_axis(corners, nu)
-            if shell
-            else (SpaceElements if space else BeamElements).of(corners)
-        )
+
+        # Find the nodes and the elements
+        self.shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
+        self.coordinates = "space" if self.dim == 3 else coordinates
+        corners = self.points[self.cells]
+        shell = coordinates == "axisymmetric"
+        self._elements = _elements_of(corners, shell, nu, spacing, Mp, thickness)
+
+        # Number the dofs, some of which are dofs of other beams
         given = np.atleast_2d(finite(hinges, "hinges"))
-        if given.size and (given.ndim, given.shape[1]) != (2, self.points.shape[1]):
+        if given.size and (given.ndim, given.shape[1]) != (2, self.dim):
             raise ValueError(f"hinges of a beam must be points of its line, not {hinges!r}")
-        pins = np.array([self.node(at) for at in given if given.size], int)
+        pins = np.array([self.node(point) for point in given if given.size], int)
         others = (joined_to,) if isinstance(joined_to, BeamNodes) else tuple(joined_to)
-        moves, turned, joined = taken_by(self.points, self._shared is not None, pins, others)
-        self.thickness, self.spacing, self._weight = (
-            thickness,
-            spacing or 1.0,
-            unit_weight / (spacing or 1.0),
-        )
+        moves, turned, joined = taken_by(self.points, self.shared is not None, pins, others)
         self._lay_out(rotations_of(self.points, self.cells, pins, joined), moves, turned)
+
+        # Find stiffness and strength of a row per unit of length
+        self.thickness = thickness
+        self.spacing = spacing or 1.0
+        self._weight = unit_weight / self.spacing
         self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI, GJ)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)
         self._section = self._elements.section(self._root, EA / self.spacing, EI / self.spacing)
-        self._hinges = (
-            Hinges(
+        self._shear = GA / EI
+        self._hinges = None
+        if np.isfinite(Mp):
+            self._hinges = Hinges(
                 self._section,
                 self._root,
-                self.cells[:, :2],
-                joined,
-                Mp / self.spacing,
-                Np / self.spacing,
+                nodes=self.cells[:, :2],
+                joined=joined,
+                Mp=Mp / self.spacing,
+                Np=Np / self.spacing,
             )
-            if np.isfinite(Mp)
-            else None
-        )
-        self._wet, self._EA, self._shear = False, EA, GA / EI
 
     def _lay_out(self, turn: ndarray, moved: Taken, turned: Taken) -> None:
         """Number the dofs: displacements, then rotations, as if the beam were alone."""
-        dim, turns = self.points.shape[1], 1 if self.points.shape[1] == 2 else 3
-        n, n_turns = dim * len(self.points), turns * (int(turn.max()) + 1)
-        at = np.zeros((int(turn.max()) + 1, dim))
-        at[turn] = self.points[self.cells]
-        scale = 1.0 / float(np.median(self._elements.length))
-        self._displacement = Field(
+        # Fields of displacements and of rotations, (m, 3) by element
+        dim = self.dim
+        turns = self._turns
+        n_turns = int(turn.max()) + 1
+        places = np.zeros((n_turns, dim))
+        places[turn] = self.points[self.cells]
+        self.displacement = Field(
             "displacement of a beam", np.repeat(self.points, dim, axis=0).T, taken=moved
         )
-        self._rotation = Field(
-            "rotation of a beam", np.repeat(at, turns, axis=0).T, "rotation", scale, taken=turned
+        self.rotation = Field(
+            "rotation of a beam",
+            np.repeat(places, turns, axis=0).T,
+            kind="rotation",
+            scale=1.0 / float(np.median(self._elements.length)),
+            taken=turned,
         )
-        self.fields = (
-            (self._rotation,) if self._shared is not None else (self._displacement, self._rotation)
-        )
-        u, theta = (
-            k * cells[:, :, None] + np.arange(k) for k, cells in ((dim, self.cells), (turns, turn))
-        )
-        self._rows = np.hstack(
-            (u.reshape(len(self.cells), -1), n + theta.reshape(len(self.cells), -1))
-        )
+        own = () if self.shared is not None else (self.displacement,)
+        self.fields = (*own, self.rotation)
+
+        # Dofs of the elements, and of their middle nodes among them
+        n = dim * len(self.points)
+        m = len(self.cells)
+        u = dim * self.cells[:, :, None] + np.arange(dim)
+        theta = n + turns * turn[:, :, None] + np.arange(turns)
+        self._rows = np.hstack((u.reshape(m, -1), theta.reshape(m, -1)))
         self._middle = np.append(
             np.arange(2 * dim, 3 * dim), 3 * dim + np.arange(2 * turns, 3 * turns)
         )
-        self._size, self._gathering = n + n_turns, Gathering(n + n_turns)
+        self._gathering = Gathering(n + turns * n_turns)
 
     def heated(self, strain: float, curvature: float = 0.0) -> Beam:
-        """Return the beam with a strain and a curvature that it has free of force at a temperature.
+        """Return the beam with a strain and a curvature by temperature, which are free of force.
 
         They count from the beam as built. An elastic one between fixed ends has N = -EA strain and
         M = -EI curvature.
@@ -288,16 +276,17 @@ class Beam(BeamNodes):
         >>> model.run([summer])["summer"].section_forces("strut").N.round(9).tolist()
         [-200.0, -200.0]
         """
-        wanted = np.zeros(self._elements.strains.shape[1])
-        wanted[:: len(wanted) // 2] = strain
         if self.coordinates == "axisymmetric" or (curvature and self.coordinates == "space"):
             raise ValueError(
                 "a shell of revolution has no free strain, and a beam in space no free curvature"
             )
+        # Find the displacements of each element with the strains (eps, gamma, kappa, ...)
+        wanted = np.zeros((2, self._elements.strains.shape[1] // 2))
+        wanted[:, 0] = strain
         if curvature:
-            wanted[2 :: len(wanted) // 2] = -curvature
+            wanted[:, 2] = -curvature
         new = copy(self)
-        new._warm = np.linalg.pinv(self._elements.strains) @ wanted
+        new._warm = np.linalg.pinv(self._elements.strains) @ wanted.ravel()
         return new
 
     def __repr__(self) -> str:
@@ -306,32 +295,27 @@ class Beam(BeamNodes):
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Beam:
         new = copy(self)
-        new._dofs = self._numbers(numbers)
-        new.acts_on, new.changing = new._dofs, new._dofs if self._hinges else np.zeros(0, int)
-        frame = {beam: beam._numbers(numbers) for beam in self._frame}
-        new._parts = [(beam._elements.strains, dofs[beam._rows]) for beam, dofs in frame.items()]
-        new._stiff = np.concatenate(
-            [
-                np.zeros(0, int),
-                *(numbers[field] for field in self._touched),
-                *(beam._shared.ravel() for beam in frame if beam._shared is not None),
-            ]
-        )
-        new._where = {
-            dof: x
-            for beam, dofs in frame.items()
-            for dof, x in zip(
-                dofs.tolist(),
-                np.hstack((beam._displacement.coordinates, beam._rotation.coordinates)).T,
-                strict=True,
-            )
-        }
+        new._dofs = new.acts_on = self._numbers(numbers)
+        new.changing = new._dofs if self._hinges else np.zeros(0, int)
+
+        # Strains, stiff dofs and coordinates of the frame, for the search of mechanisms
+        stiff = [np.zeros(0, int), *(numbers[field] for field in self._touched)]
+        new._parts = []
+        new._where = {}
+        for beam in self._frame:
+            dofs = beam._numbers(numbers)
+            new._parts.append((beam._elements.strains, dofs[beam._rows]))
+            x = np.hstack((beam.displacement.coordinates, beam.rotation.coordinates)).T
+            new._where.update(zip(dofs.tolist(), x, strict=True))
+            if beam.shared is not None:
+                stiff.append(beam.shared.ravel())
+        new._stiff = np.concatenate(stiff)
         return new
 
     def _numbers(self, numbers: Mapping[Field, ndarray]) -> ndarray:
         """Return the dofs of the nodes: displacements, then rotations."""
-        own = numbers[self._displacement] if self._shared is None else self._shared.ravel()
-        return np.concatenate((own, numbers[self._rotation]))
+        moves = numbers[self.displacement] if self.shared is None else self.shared.ravel()
+        return np.concatenate((moves, numbers[self.rotation]))
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Beam:
@@ -340,29 +324,31 @@ class Beam(BeamNodes):
         new.borrowed = tuple(
             field for beam in new._frame for field in beam.fields if beam is not self
         )
-        ground = (
-            stiffest(forms) if self._shared is not None and self.coordinates == "space" else None
-        )
-        new._ground = None if ground is None else float(ground[-1, -1])
+        new._ground = None
+        if self.shared is not None and self.coordinates == "space":
+            C = stiffest(forms)
+            new._ground = None if C is None else float(C[-1, -1])
         new._wet = any(
-            form.law is not None and self._displacement in form.borrowed for form in forms.values()
+            form.law is not None and self.displacement in form.borrowed for form in forms.values()
         )
         return new
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Sequence[Any]:
-        loose = (
-            loose_dof(self._parts, np.concatenate((fixed, held, self._stiff)))
-            if self._parts
-            else None
-        )
+        remarks: list[Remark] = self._elements.remarks(self._shear)
+        if not self._parts:
+            return remarks
+        loose = loose_dof(self._parts, np.concatenate((fixed, held, self._stiff)))
         if loose is not None:
             raise ValueError(
                 "the beam is a mechanism: its supports and hinges leave a motion without force, "
-                "the "
-                f"largest at {format_point(self._where[loose])}"
+                f"the largest at {format_point(self._where[loose])}"
             )
-        return [*self._elements.remarks(self._shear), *turning_ends(self, fixed)]
+        if self.shared is not None and self.coordinates == "plane":
+            corners = self.points[self.cells]
+            met = np.concatenate([dofs[:, 6:8].ravel() for _, dofs in self._parts])
+            remarks += turning_ends(corners, self._parts[0][1], met, fixed)
+        return remarks
 
     @override
     def initial_state(self, x: ndarray | None = None) -> BeamState:
@@ -371,35 +357,35 @@ class Beam(BeamNodes):
 
     @override
     def assemble(self, x: ndarray, state: BeamState) -> Response:
+        # Remove large rigid motions with the middle node, whose round-off would be forces
         u = self._own(x)[self._rows]
         moved = u - state.free - self._warm
-        lost = _ROUND_OFF * np.einsum(
-            "mij,mj->mi", np.abs(self._stiffness), np.abs(u) + np.abs(state.free)
-        )
-        moved = moved - np.einsum(
-            "mij,mj->mi", self._elements.rigid, moved[:, self._middle]
-        )  # of large rigid motions
-        force = np.einsum("mij,mj->mi", self._stiffness, moved)
-        free, flows = state.free, list(self._hinges.flows(force)) if self._hinges else []
+        rigid = np.einsum("mij,mj->mi", self._elements.rigid, moved[:, self._middle])
+        force = np.einsum("mij,mj->mi", self._stiffness, moved - rigid)
+        size = np.abs(u) + np.abs(state.free)
+        round_off = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), size)
+
+        # Let hinges flow
+        free = state.free
+        flows = list(self._hinges.flows(force)) if self._hinges else []
         if flows:
             free = free.copy()
-            for e, flow, _ in flows:
-                free[e] += flow
-                force[e] -= self._stiffness[e] @ flow
-        total, measure, lost = (
-            self._gathering.force(self._rows, f) for f in (force, np.abs(force), lost)
-        )
-        active = b"".join(
-            bytes([*e.to_bytes(4, "big"), *(faces != 0.0).sum(axis=0)]) for e, _, faces in flows
-        )
+        active = []
+        for e, flow, faces in flows:
+            free[e] += flow
+            force[e] -= self._stiffness[e] @ flow
+            active.append(bytes([*e.to_bytes(4, "big"), *(faces != 0.0).sum(axis=0)]))
+
+        def gathered(forces: ndarray) -> ndarray:
+            return self._gathering.force(self._rows, forces)
+
         return Response(
-            total,
+            gathered(force),
             lambda: BeamState(force, free),
             lambda: self._tangent(flows),
-            None,
-            lost,
-            active,
-            measure,
+            round_off=gathered(round_off),
+            active=b"".join(active),
+            measure=gathered(np.abs(force)),
             dofs=self._dofs,
         )
 
@@ -412,9 +398,8 @@ class Beam(BeamNodes):
 
     @override
     def stretched(self, state: BeamState) -> ndarray:
-        inverse = np.linalg.pinv(
-            self._root, rcond=1e-12
-        )  # rigid motions have 1e-16, bending beside stretching 1e-3
+        # Rigid motions have 1e-16 of the largest singular value, bending next to stretching 1e-3
+        inverse = np.linalg.pinv(self._root, rcond=1e-12)
         return np.asarray(np.einsum("mqj,mqk,mk->mj", inverse, inverse, state.force))
 
     @override
@@ -427,12 +412,10 @@ class Beam(BeamNodes):
 
     @override
     def remarks(self, x: ndarray, state: BeamState) -> Iterable[Remark]:
-        moved, G = self._own(x)[self._rows[:, :9]], self._ground
-        return (
-            ()
-            if G is None
-            else of_a_line(self._elements.length, self.cells, state.force[:, :9], moved, G)
-        )
+        if self._ground is None:
+            return ()
+        moved = self._own(x)[self._rows[:, :9]]
+        return of_a_line(self._elements.length, self.cells, state.force[:, :9], moved, self._ground)
 
     @override
     def summary(self, state: BeamState) -> str:
@@ -456,6 +439,7 @@ class Beam(BeamNodes):
 
     @override
     def line_forces(self, state: BeamState) -> tuple[Any, ...]:
+        # Section forces at start and end of each element in turn
         ends = np.cumsum(self._elements.length)
         position = np.column_stack((np.append(0.0, ends[:-1]), ends)).ravel()
         x, y, *z = self.points[self.cells[:, :2].ravel()].T
@@ -463,41 +447,54 @@ class Beam(BeamNodes):
         if not z:
             N, V, M, *hoop = forces.T
             return (position, x, y, N, V, M, *((None, None, None, *hoop) if hoop else ()))
+
+        # In space: normal force and torque along the tangent, shear and moment across it
         t = self._elements.tangents().reshape(-1, 3)
-        N, T = (np.einsum("nc,nc->n", part, t) for part in (forces[:, :3], forces[:, 3:]))
-        return (
-            position,
-            x,
-            y,
-            N,
-            forces[:, :3] - N[:, None] * t,
-            forces[:, 3:] - T[:, None] * t,
-            z[0],
-            T,
-            t,
-        )
+        force = forces[:, :3]
+        moment = forces[:, 3:]
+        N = np.einsum("nc,nc->n", force, t)
+        T = np.einsum("nc,nc->n", moment, t)
+        V = force - N[:, None] * t
+        M = moment - T[:, None] * t
+        return position, x, y, N, V, M, z[0], T, t
 
     @override
     def line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
-        dim, values = self.points.shape[1], {}
+        values = {}
         for key, ends in zip("NVM", self.line_forces(state)[3:6], strict=True):
             both = ends.reshape(len(self.cells), 2, -1)
-            values[key] = np.concatenate((both, both.mean(axis=1, keepdims=True)), axis=1).reshape(
-                -1, *ends.shape[1:]
-            )
-        values["displacement"] = self._own(x)[self._rows[:, : 3 * dim]].reshape(-1, dim)
-        return self._elements.points.reshape(-1, dim), values
+            all_three = np.concatenate((both, both.mean(axis=1, keepdims=True)), axis=1)
+            values[key] = all_three.reshape(-1, *ends.shape[1:])
+        moves = self._rows[:, : 3 * self.dim]
+        values["displacement"] = self._own(x)[moves].reshape(-1, self.dim)
+        return self._elements.points.reshape(-1, self.dim), values
 
     def line_load(self, force: ArrayLike | Callable[[ndarray], ArrayLike]) -> ndarray:
-        """Return the load vector of a force per length, (dim,), on all elements, of a model's beam.
+        """Return the load vector of a force per length, (dim,), on all elements of a model's beam.
 
         It may be a function of coordinates (dim, n) that returns (dim, n). On a shell it is a force
         per area.
         """
         points, lengths, shares = self._elements.gauss()
-        values = (
-            finite(force(points.T), "force").T
-            if callable(force)
-            else vector(force, points.shape[1], "force")
-        )
+        if callable(force):
+            values = finite(force(points.T), "force").T
+        else:
+            values = vector(force, self.dim, "force")
         return self._distributed(shares[:, :, None] * (values * lengths[:, None])[:, None])
+
+
+def _elements_of(
+    corners: ndarray, shell: bool, nu: float, spacing: float | None, Mp: float, thickness: float
+) -> BeamElements:
+    """Return elements in the plane, of a shell or in space, and refuse values they have not."""
+    of_row_or_hinged = spacing is not None or bool(np.isfinite(Mp))
+    wrong = not -1.0 < nu <= 0.5 or of_row_or_hinged if shell else nu != 0.0
+    if wrong:
+        raise ValueError(
+            f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp"
+        )
+    if corners.shape[2] == 3:
+        if shell or of_row_or_hinged or thickness:
+            raise ValueError("a beam in space has no spacing, Mp or thickness, and is no shell")
+        return SpaceElements.of(corners)
+    return ShellElements.about_axis(corners, nu) if shell else BeamElements.of(corners)

@@ -20,25 +20,26 @@ from ..layout import Field
 from .element import shapes
 from .nodes import BeamNodes, stiffest
 
-#: Points of an element of the beam where the skin acts, and their weights; at the nodes of
-#: reinforcement, which then moves across with the ground: at Gauss points springs across resisted
-#: without limit where a slope slid past a nail.
-_GAUSS, _NODES = (
-    np.polynomial.legendre.leggauss(3),
-    (np.array([-1.0, 0.0, 1.0]), np.array([1.0, 4.0, 1.0]) / 3.0),
-)
+#: Points of an element where the skin acts, and their weights: Gauss points of beams.
+_GAUSS = np.polynomial.legendre.leggauss(3)
+#: ... nodes of reinforcement, which then moves across with the ground: at Gauss points springs
+#: across resisted without limit where a slope slid past a nail.
+_NODES = (np.array([-1.0, 0.0, 1.0]), np.array([1.0, 4.0, 1.0]) / 3.0)
 #: Stiffness of the skin by default, over the shear modulus of the ground and the length of the
 #: beam's elements: the settlement of a pile of 10 m under 0.4 of its limit falls by 3 % from 10 to
 #: 87.
 _STIFF = 10.0
-#: ... in space, over the shear modulus, and the number of points on the circle about the beam. A
-#: pile of 25 diameters settles by 9.04 and 9.05 mm in elements of 4 and 2 diameters, a solid one by
-#: 9.32 mm; at a line 10.6 and 12.2 mm.
-_STIFF_IN_SPACE, _ON_CIRCLE = 1e3, 16
-#: Shares of the stiffness that the skin keeps where it slips, in the tangent, as nothing else holds
-#: a beam pulled out, and in the damped one: with 1e-6 nails of 1 kN/m in a slope of 8 m find no
-#: equilibrium, with 1e-4 a search takes 267 iterations, with 1e-3 122, with 1e-2 167.
-_KEPT, _DAMPED = 1e-6, 1e-3
+#: ... in space, over the shear modulus. A pile of 25 diameters settles by 9.04 and 9.05 mm in
+#: elements of 4 and 2 diameters, a solid one by 9.32 mm; at a line 10.6 and 12.2 mm.
+_STIFF_IN_SPACE = 1e3
+#: Number of points on the circle about a beam in space.
+_ON_CIRCLE = 16
+#: Share of its stiffness that a slipping skin keeps in the tangent, as the only support of a beam
+#: that is pulled out.
+_KEPT = 1e-6
+#: ... and in the damped tangent: with 1e-6 nails of 1 kN/m in a slope of 8 m find no equilibrium,
+#: with 1e-4 a search takes 267 iterations, with 1e-3 122, with 1e-2 167.
+_DAMPED = 1e-3
 
 
 @dataclass(frozen=True)
@@ -65,28 +66,27 @@ class Embedded(Form):
 
     Springs join the beam to the ground at three points of each of its elements. Along the beam they
     yield at ``T_max``. Across a beam they are elastic, so that no ground flows between the members
-    of a row; across
-    :class:`~skfem_contact.Reinforcement` there is no force.
+    of a row; across :class:`~skfem_contact.Reinforcement` they have no force.
 
     Parameters
     ----------
     basis
         ``Basis`` of the ground.
     beam
-        Beam or :class:`~skfem_contact.Reinforcement` with nodes of its own; its `spacing` is that
-        of the members.
+        Beam or :class:`~skfem_contact.Reinforcement` with nodes of its own; its `spacing` is the
+        distance of the members.
     T_max
         Skin resistance of one member per length: a number, or a function of the distances from the
         start of the beam.
     F_max
-        Resistance of the foot, the end of the beam, against compression; by default there is none.
+        Resistance of the foot, the end of the beam, against compression; by default none.
     stiffness
         Stiffness of the skin of one member: force per length and displacement. By default 10 times
         the shear modulus of the stiffest ground, times `spacing`, over the length of the beam's
         elements.
     radius
-        Radius of a beam in space. The ground moves with the beam on the mean over a circle: that of
-        the shaft, or half an element wide where this is more; springs stand for the ground in
+        Radius of a beam in space. The ground moves with the beam on the mean over a circle: the
+        shaft, or half an element wide where this is more; springs stand for the ground in
         between. The beam replaces ground: take ``EA = (E_beam - E_soil) * area``. A mesh that is
         cut along the axis has a half or a quarter of the beam, whose stiffnesses and resistances
         are given.
@@ -100,7 +100,7 @@ class Embedded(Form):
     Notes
     -----
     Strength reduction leaves `T_max` and `F_max` as they are; `bounds` refuses embedded beams. In
-    the plane the settlement grows with the logarithm of the mesh size, as that of a line load.
+    the plane the settlement grows with the logarithm of the mesh size, as under a line load.
 
     Examples
     --------
@@ -109,11 +109,12 @@ class Embedded(Form):
     >>> import numpy as np
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
     >>> import skfem_contact as sc
-    >>> mesh = MeshTri.init_tensor(np.linspace(0., 6., 7), np.linspace(0., 3., 4)).with_defaults()
+    >>> mesh = MeshTri.init_tensor(np.linspace(0, 6, 7), np.linspace(0, 3, 4)).with_defaults()
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> nail = sc.Beam(None, np.linspace((.3, 1.6), (4.3, 1.6), 5), EI=10., EA=1e5)
     >>> forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=3e4, nu=.3)), "nail": nail}
-    >>> model = sc.Model({**forms, "skin": sc.Embedded(basis, nail, T_max=15.)}, basis.get_dofs("bottom").all())
+    >>> forms["skin"] = sc.Embedded(basis, nail, T_max=15.)
+    >>> model = sc.Model(forms, basis.get_dofs("bottom").all())
     >>> pull = model.forms["nail"].load((-1., 0.), at=(.3, 1.6))
     >>> f"{model.limit_load(pull, step=20., progress=False).multiplier:.2f}"
     '60.00'
@@ -124,7 +125,8 @@ class Embedded(Form):
     _across: ndarray
     _at_foot: float
     _dofs: ndarray
-    _same, _brought = ("_where", "_given", "radius"), ("parameters", "T_max", "F_max")
+    _same = ("_where", "_given", "radius")
+    _brought = ("parameters", "T_max", "F_max")
 
     def __init__(
         self,
@@ -135,41 +137,49 @@ class Embedded(Form):
         stiffness: float | None = None,
         radius: float | None = None,
     ) -> None:
+        # Check the input
         check_basis(basis)
-        if (dim := beam.points.shape[1]) != basis.mesh.dim():
+        dim = beam.dim
+        if dim != basis.mesh.dim():
             raise ValueError(f"the beam has {dim} coordinates, the ground {basis.mesh.dim()}")
-        if (dim == 3) == (radius is None) or not (radius is None or is_number(radius, 0.0, np.inf)):
+        known = radius is None if dim == 2 else is_number(radius, 0.0, np.inf)
+        if not known:
             raise ValueError(
                 f"a beam in space, and no other, has a radius, not {radius!r}: beside a line the "
-                f"ground "
-                "moves without bounds as the mesh becomes finer"
+                f"ground moves without bounds as the mesh becomes finer"
             )
-        self.coordinates, self.radius = ("plane", "space")[dim - 2], radius
-        if not any(field.kind == "displacement" for field in beam.fields):
+        if beam.shared is not None:
             raise ValueError(
                 "the beam is bonded to the ground along a line: embed one with nodes of its own"
             )
         if not is_number(F_max, -1e-300, np.inf):
             raise ValueError(f"F_max must not be negative, not {F_max!r}")
-        self._spacing, self._EA, self.borrowed = beam.spacing, beam._EA, beam.fields[:1]
+        self.coordinates = "plane" if dim == 2 else "space"
+        self.radius = radius
+        self.borrowed = (beam.displacement,)
+        self._spacing = beam.spacing
+        self._replacing = beam.parameters["EA"]
         self._given = None if stiffness is None else positive(stiffness, "stiffness")
+
+        # Find the points and the skin resistance at each of them
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
         self._where = points[:-1]
         self._lengths = self._weight.reshape(len(beam.cells), -1).sum(axis=1)
-        n = len(self.positions)
         limit = finite(T_max(self.positions) if callable(T_max) else T_max, "T_max")
         if limit.shape not in ((), self.positions.shape) or not (limit >= 0.0).all():
             raise ValueError(
                 "T_max must be a skin resistance that is finite and not negative, or a function of "
-                "the "
-                f"distances, (n,), not {T_max!r}"
+                f"the distances, (n,), not {T_max!r}"
             )
-        self.T_max, self.F_max = np.broadcast_to(limit, n), float(F_max)
+        self.T_max = np.broadcast_to(limit, len(self.positions))
+        self.F_max = float(F_max)
         self.parameters = {
             "T_max": limit if limit.ndim else float(limit),
             "F_max": float(F_max),
             "radius": radius,
         }
+
+        # Displacements of the ground less displacements of the beam at the points and the foot
         if radius is None:
             of_ground = _values_at(basis, points)
         else:
@@ -182,37 +192,36 @@ class Embedded(Form):
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Embedded:
-        new = copy(self)
         C = stiffest(forms)
         if C is None and (self._given is None or self.radius is not None):
             raise ValueError("an embedded beam needs ground: a SolidForm among the forms")
-        C = np.zeros((4, 4)) if C is None else C
-        G, length = C[-1, -1], float(np.median(self._lengths))
-        k = self._given or (
-            _STIFF * G * self._spacing / length if self.radius is None else _STIFF_IN_SPACE * G
-        )
-        ones = np.ones(len(self.positions))
-        new._k, new._across, new._at_foot = k * ones, k * ones, k * self._lengths[-1]
-        if (
-            self.radius is not None
-        ):  # the ground between the shaft and the circle as springs in series
-            part, nu = (
-                np.log(self._wide / self.radius) / (2.0 * np.pi * G),
-                C[0, 1] / (C[0, 0] + C[0, 1]),
+        new = copy(self)
+        if C is None or self.radius is None:
+            G = 0.0 if C is None else C[-1, -1]
+            length = float(np.median(self._lengths))
+            k = self._given or _STIFF * G * self._spacing / length
+            new._k = new._across = np.full(len(self.positions), k)
+            new._at_foot = k * self._lengths[-1]
+            return new
+
+        # In space the ground between the shaft and the circle acts as springs in series
+        G = C[-1, -1]
+        nu = C[0, 1] / (C[0, 0] + C[0, 1])
+        k = self._given or _STIFF_IN_SPACE * G
+        between = np.log(self._wide[:-1] / self.radius) / (2.0 * np.pi * G)
+        across = (3.0 - 4.0 * nu) / (4.0 - 4.0 * nu)
+        new._k = self._part[:-1] / (1.0 / k + between)
+        new._across = self._part[:-1] / (1.0 / k + across * between)
+        base = (1.0 - nu) / (4.0 * G) * (1.0 / self.radius - 1.0 / self._wide[-1])
+        new._at_foot = self._part[-1] / (1.0 / (k * self._lengths[-1]) + base)
+
+        # The beam must be stiffer than the ground in its place
+        own = 2.0 * (1.0 + nu) * G * np.pi * self.radius**2 * float(self._part.mean())
+        if own > self._replacing:
+            raise ValueError(
+                f"EA={self._replacing:g} of the embedded beam is less than that of the ground it "
+                f"replaces, {own:g}: check units, and that `radius` is that of the shaft"
             )
-            new._k, new._across = (
-                self._part[:-1] / (1.0 / k + share * part[:-1])
-                for share in (1.0, (3.0 - 4.0 * nu) / (4.0 - 4.0 * nu))
-            )
-            own = 2.0 * (1.0 + nu) * G * np.pi * self.radius**2 * float(self._part.mean())
-            if own > self._EA:
-                raise ValueError(
-                    f"EA={self._EA:g} of the embedded beam is less than that of the ground it "
-                    f"replaces, "
-                    f"{own:g}: check units, and that `radius` is that of the shaft"
-                )
-            base = (1.0 - nu) / (4.0 * G) * (1.0 / self.radius - 1.0 / self._wide[-1])
-            new._at_foot = self._part[-1] / (1.0 / new._at_foot + base)
         return new
 
     @override
@@ -226,9 +235,7 @@ class Embedded(Form):
         return f"<Embedded {self.positions[-1]:.4g} long, T_max {self.T_max.min():.4g} to {self.T_max.max():.4g}>"
 
     def _jumps(self, x: ndarray) -> tuple[ndarray, float]:
-        """Return displacements of the ground against the beam at the points, (n, 2), and along it
-        at the foot.
-        """
+        """Return displacements of the ground less the beam's, (n, dim), and along it at the foot."""
         jump = (self._jump @ x[self._dofs]).reshape(len(self._along), -1)
         return jump[:-1], float(jump[-1] @ self._along[-1])
 
@@ -240,50 +247,52 @@ class Embedded(Form):
 
     @override
     def assemble(self, x: ndarray, state: EmbeddedState) -> Response:
+        # Skin: a spring k along the beam, which slips at T_max, and elastic springs across
         jump, foot = self._jumps(x)
-        t, k, at_foot, dim = self._along[:-1], self._k, self._at_foot, self._along.shape[1]
+        t = self._along[:-1]
         moved = jump - state.free
         slip = (moved * t).sum(axis=1)
-        skin = np.clip(k * slip, -self.T_max, self.T_max)
-        slips = skin != k * slip
-        thrust = at_foot * (foot - state.foot[1])
+        elastic = self._k * slip
+        skin = np.clip(elastic, -self.T_max, self.T_max)
+        slips = skin != elastic
+        across = self._across[:, None] * (moved - slip[:, None] * t)
+
+        # Foot: a spring in compression alone, which is crushed at F_max
+        t_foot = self._along[-1]
+        thrust = self._at_foot * (foot - state.foot[1])
         force = np.clip(thrust, -self.F_max, 0.0)
-        stands, crushed = thrust == force and self.F_max > 0.0, thrust < force
-        q = (
-            self._across[:, None] * (moved - slip[:, None] * t) + skin[:, None] * t
-        ) * self._weight[:, None]
-        forces = np.append(q, force * self._along[-1]) / self._spacing
+        stands = thrust == force and self.F_max > 0.0
+        crushed = thrust < force
+
+        q = (across + skin[:, None] * t) * self._weight[:, None]
+        forces = np.append(q, force * t_foot) / self._spacing
 
         def after() -> EmbeddedState:
-            free = state.free + (slip - skin / k)[:, None] * t
-            return EmbeddedState(
-                skin, free, np.array([force, foot - force / at_foot if crushed else state.foot[1]])
-            )
+            free = state.free + (slip - skin / self._k)[:, None] * t
+            free_foot = foot - force / self._at_foot if crushed else state.foot[1]
+            return EmbeddedState(skin, free, np.array([force, free_foot]))
 
         def stiffness(kept: float = _KEPT) -> csr_matrix:
-            tt = t[:, :, None] * t[:, None]
+            dim = t.shape[1]
+            tt = t[:, :, None] * t[:, None]  # (n, dim, dim)
+            k = np.where(slips, kept, 1.0) * self._k
             blocks = self._weight[:, None, None] * (
-                self._across[:, None, None] * (np.eye(dim) - tt)
-                + (np.where(slips, kept, 1.0) * k)[:, None, None] * tt
+                self._across[:, None, None] * (np.eye(dim) - tt) + k[:, None, None] * tt
             )
-            own = at_foot * (1.0 if stands else kept) * np.outer(self._along[-1], self._along[-1])
-            blocks = np.concatenate((blocks, own[None])) / self._spacing
-            at = dim * np.arange(len(blocks))[:, None] + np.arange(dim)
-            rows, columns = np.broadcast_arrays(at[:, :, None], at[:, None, :])
-            D = csr_matrix(
-                (blocks.ravel(), (rows.ravel(), columns.ravel())),
-                shape=(at.max() + 1, at.max() + 1),
-            )
+            at_foot = self._at_foot * (1.0 if stands else kept) * np.outer(t_foot, t_foot)
+            blocks = np.concatenate((blocks, at_foot[None])) / self._spacing
+            rows = np.repeat(np.arange(dim * len(blocks)), dim)
+            columns = np.tile(np.arange(dim * len(blocks)).reshape(-1, 1, dim), (1, dim, 1))
+            D = csr_matrix((blocks.ravel(), (rows, columns.ravel())))
             return csr_matrix(self._jump.T @ D @ self._jump)
 
-        active, measure = slips.tobytes() + bytes([int(stands)]), abs(self._jump).T @ abs(forces)
         return Response(
             self._jump.T @ forces,
             after,
             stiffness,
             lambda: stiffness(_DAMPED),
-            active=active,
-            measure=measure,
+            active=slips.tobytes() + bytes([int(stands)]),
+            measure=abs(self._jump).T @ abs(forces),
             dofs=self._dofs,
         )
 
@@ -318,56 +327,62 @@ class Embedded(Form):
 
 
 def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:
-    """Return distances and lengths, (n,); coordinates, tangents and displacements of the beam, also
-    of its foot.
+    """Return distances and lengths at the points, (n,), and for these and the foot the rest.
+
+    The rest are coordinates and tangents, (n + 1, dim), and displacements by the dofs of the beam.
     """
-    corners, m = beam.points[beam.cells], len(beam.cells)
-    at, weight = _GAUSS if any(field.kind == "rotation" for field in beam.fields) else _NODES
-    values, slopes = (
-        np.array(parts) for parts in zip(*map(shapes, at), strict=True)
-    )  # (3 points, 3 nodes)
-    way = np.einsum("qk,mkc->mqc", slopes, corners)
-    weights = weight * np.linalg.norm(way, axis=2)
+    # Interpolate at the points of all elements, (m, points, ...), and at the foot
+    corners = beam.points[beam.cells]
+    turns = any(field.kind == "rotation" for field in beam.fields)
+    xi, weight = _GAUSS if turns else _NODES
+    N, dN = (np.array(parts) for parts in zip(*map(shapes, xi), strict=True))  # (points, nodes)
+    N_foot, dN_foot = shapes(1.0)
+    tangents = np.einsum("qk,mkc->mqc", dN, corners)
+    t = np.vstack((tangents.reshape(-1, beam.dim), np.einsum("k,kc->c", dN_foot, corners[-1])))
+    values = np.vstack((np.tile(N, (len(corners), 1)), N_foot))
+    cells = np.vstack((np.repeat(beam.cells, len(xi), axis=0), beam.cells[-1]))
+    points = np.einsum("pk,pkc->pc", values, beam.points[cells])
+
+    # Measure lengths along the beam
+    weights = weight * np.linalg.norm(tangents, axis=2)
     lengths = weights.sum(axis=1)
     begin = np.cumsum(lengths) - lengths
-    s = begin[:, None] + 0.5 * (1.0 + at) * lengths[:, None]
-    dim = beam.points.shape[1]
-    t = np.vstack((way.reshape(-1, dim), np.einsum("k,kc->c", shapes(1.0)[1], corners[-1])))
-    N = np.vstack((np.tile(values, (m, 1)), shapes(1.0)[0]))
-    cells = np.vstack((np.repeat(beam.cells, len(at), axis=0), beam.cells[-1]))
-    row, column = (
-        dim * at[..., None] + np.arange(dim) for at in (np.arange(len(N))[:, None], cells)
-    )
-    row, column, value = np.broadcast_arrays(row, column, N[:, :, None])
-    of_beam = csr_matrix(
-        (value.ravel(), (row.ravel(), column.ravel())), shape=(dim * len(N), dim * len(beam.points))
-    )
-    points = np.einsum("pk,pkc->pc", N, beam.points[cells])
+    s = begin[:, None] + 0.5 * (1.0 + xi) * lengths[:, None]
+
+    rows = np.repeat(np.arange(len(values)), values.shape[1])
+    shape = (len(values), len(beam.points))
+    of_beam = _by_component(coo_matrix((values.ravel(), (rows, cells.ravel())), shape), beam.dim)
     return s.ravel(), points, t / np.linalg.norm(t, axis=1)[:, None], weights.ravel(), of_beam
+
+
+def _by_component(matrix: coo_matrix, dim: int) -> csr_matrix:
+    """Return the matrix that acts on each component of vectors as this one on scalars."""
+    row, column = (dim * number[:, None] + np.arange(dim) for number in (matrix.row, matrix.col))
+    data = np.repeat(matrix.data, dim)
+    shape = (dim * matrix.shape[0], dim * matrix.shape[1])
+    return csr_matrix((data, (row.ravel(), column.ravel())), shape)
 
 
 def _values_at(basis: CellBasis, points: ndarray) -> csr_matrix:
     """Return the displacements of the ground at points, (dim n, N)."""
     try:
-        P = _probes(basis.with_element(basis.elem.elem), points)
+        values = _probes(basis.with_element(basis.elem.elem), points)
     except ValueError:
-        if len(outside := points[_elements_at(basis.mesh, points) < 0]):
-            raise ValueError(
-                f"the embedded beam leaves the mesh at {format_point(outside[0])}"
-            ) from None
+        outside = _elements_at(basis.mesh, points) < 0
+        if outside.any():
+            raise _leaving(points[outside]) from None
         raise
-    dim = basis.mesh.dim()
-    row, column = (dim * number[:, None] + np.arange(dim) for number in (P.row, P.col))
-    return csr_matrix(
-        (np.repeat(P.data, dim), (row.ravel(), column.ravel())), shape=(dim * len(points), basis.N)
-    )
+    return _by_component(values, basis.mesh.dim())
+
+
+def _leaving(points: ndarray) -> ValueError:
+    return ValueError(f"the embedded beam leaves the mesh at {format_point(points[0])}")
 
 
 def _probes(basis: CellBasis, points: ndarray) -> coo_matrix:
     """Return the values of a scalar field at points, (n, N), also in elements of second order.
 
-    Those with a curved side are found by its chord: between the two the values of an element
-    continue.
+    Elements with a curved side are found by its chord: between the two their values continue.
     """
     cells = _finder(basis.mesh)(*points.T)
     local = basis.mapping.invF(points.T[:, :, None], tind=cells)
@@ -376,10 +391,8 @@ def _probes(basis: CellBasis, points: ndarray) -> coo_matrix:
         for k in range(basis.Nbfun)
     ]
     rows = np.tile(np.arange(len(points)), basis.Nbfun)
-    return coo_matrix(
-        (np.concatenate(values), (rows, basis.dofs.element_dofs[:, cells].ravel())),
-        shape=(len(points), basis.N),
-    )
+    columns = basis.dofs.element_dofs[:, cells].ravel()
+    return coo_matrix((np.concatenate(values), (rows, columns)), shape=(len(points), basis.N))
 
 
 def _finder(mesh: Mesh) -> Callable[..., ndarray]:
@@ -390,11 +403,12 @@ def _finder(mesh: Mesh) -> Callable[..., ndarray]:
 
 def _elements_at(mesh: Mesh, points: ndarray) -> ndarray:
     """Return the numbers of the elements at points, (n,); -1 outside of the mesh."""
-    finder, found = _finder(mesh), np.full(len(points), -1)
+    finder = _finder(mesh)
+    elements = np.full(len(points), -1)
     for k, point in enumerate(points):
         with suppress(ValueError):
-            found[k] = finder(*point[:, None])[0]
-    return found
+            elements[k] = finder(*point[:, None])[0]
+    return elements
 
 
 def _across(along: ndarray) -> tuple[ndarray, ndarray]:
@@ -406,11 +420,10 @@ def _across(along: ndarray) -> tuple[ndarray, ndarray]:
 
 def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
     """Return the sizes across the beam of the elements at points, (n,)."""
-    mesh, elements = basis.mesh, _elements_at(basis.mesh, points)
+    mesh = basis.mesh
+    elements = _elements_at(mesh, points)
     if (elements < 0).any():
-        raise ValueError(
-            f"the embedded beam leaves the mesh at {format_point(points[elements < 0][0])}"
-        )
+        raise _leaving(points[elements < 0])
     corners = mesh.p[:, mesh.t[:, elements]].transpose(2, 1, 0)  # (n, corners, 3)
     widths = [np.ptp(np.einsum("nkc,nc->nk", corners, axis), axis=1) for axis in _across(along)]
     return np.asarray(np.max(widths, axis=0))
@@ -419,26 +432,27 @@ def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
 def _around(
     basis: CellBasis, points: ndarray, along: ndarray, radius: ndarray
 ) -> tuple[csr_matrix, ndarray]:
-    """Return means of the displacements of the ground over circles about points, (3 n, N), and
-    parts in the mesh, (n,).
+    """Return mean displacements over circles about points, (3 n, N), and their parts in the mesh.
 
     Points of a circle that lie outside of the mesh are left out: it is then cut along a plane of
     symmetry.
     """
+    # Place points on the circles
     first, second = _across(along)
     angle = 2.0 * np.pi * (np.arange(_ON_CIRCLE) + 0.5) / _ON_CIRCLE
+    cos = np.cos(angle)[:, None]
+    sin = np.sin(angle)[:, None]
     rim = points[:, None] + radius[:, None, None] * (
-        np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * second[:, None]
-    )
+        cos * first[:, None] + sin * second[:, None]
+    )  # (n, points, 3)
     inside = _elements_at(basis.mesh, rim.reshape(-1, 3)).reshape(rim.shape[:2]) >= 0
-    if not inside.any(axis=1).all():
-        raise ValueError(
-            f"the embedded beam leaves the mesh at {format_point(points[~inside.any(axis=1)][0])}"
-        )
+    outside = ~inside.any(axis=1)
+    if outside.any():
+        raise _leaving(points[outside])
+
+    # Average the displacements of the points inside
     share = (inside / inside.sum(axis=1, keepdims=True))[inside]
-    row = np.repeat(3 * np.nonzero(inside)[0], 3) + np.tile(np.arange(3), len(share))
-    mean = csr_matrix(
-        (np.repeat(share, 3), (row, np.arange(3 * len(share)))),
-        shape=(3 * len(points), 3 * len(share)),
-    )
-    return csr_matrix(mean @ _values_at(basis, rim[inside])), inside.mean(axis=1)
+    row = np.nonzero(inside)[0]
+    column = np.arange(len(share))
+    mean = coo_matrix((share, (row, column)), shape=(len(points), len(share)))
+    return csr_matrix(_by_component(mean, 3) @ _values_at(basis, rim[inside])), inside.mean(axis=1)

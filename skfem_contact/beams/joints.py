@@ -1,6 +1,4 @@
-"""Joints of beams: dofs that the nodes of several beams have in common, and mechanisms that are
-left.
-"""
+"""Joints of beams: dofs that nodes of several beams have in common, and mechanisms."""
 
 from __future__ import annotations
 
@@ -18,45 +16,43 @@ from ..errors import Remark
 from ..layout import Field, FieldDofs
 from .nodes import AT
 
-#: Squared strain of a motion, relative to the largest one, below which it is none: that of a chain
-#: of n elements is about n**-4, that of a mechanism 1e-16.
+#: Squared strain of a motion without strain, relative to the largest one: a chain of n elements has
+#: about n**-4, a mechanism 1e-16.
 _NO_STRAIN = 1e-13
-
-#: Shares of start, end and middle of an element in a uniform load, and how many times the median of
-#: the line load that on a node may be without being that of a single force.
-_OF_LENGTH, _SINGLE = np.array([1.0, 1.0, 4.0]) / 6.0, 3.0
+#: Shares of start, end and middle of an element in a uniform load.
+_OF_LENGTH = np.array([1.0, 1.0, 4.0]) / 6.0
+#: Largest line load on a node over the median that is not taken for a single force.
+_SINGLE = 3.0
 #: Share by which a beam bonded to a line in space may move more in the next mesh without a remark:
 #: 2 % along the corner of a quarter of the ground, which moves four times as much as the ground all
 #: around that the formula is for.
 _TOLD = 0.005
-#: Cosine of the angle between a beam and the direction in which its end is held, in a plane of
-#: symmetry.
+#: Cosine of the angle between a beam and the direction in which a plane of symmetry fixes its end.
 _ALONG = 0.99
-#: Dofs that a field takes: pairs of indices and of what they are.
+#: Dofs that a field takes: pairs of indices and of the dofs that they are.
 Taken = tuple[tuple[ndarray, Any], ...]
 
 
 def rotations_of(points: ndarray, cells: ndarray, hinges: ndarray, joined: ndarray) -> ndarray:
-    """Return numbers of the rotations of the elements' nodes, (m, 3): beyond a hinge another
-    one.
-    """
-    turn, last = cells.copy(), len(points)
+    """Return numbers of the rotations of the elements' nodes, (m, 3): others beyond a hinge."""
+    turn = cells.copy()
+    count = len(points)
     for node in hinges:
         met = np.argwhere(cells[:, :2] == node)
         if len(met) < (1 if node in joined else 2):
             raise ValueError(f"no elements meet at the hinge at {format_point(points[node])}")
         for k, end in met[1:]:
-            turn[k, end], last = last, last + 1
+            turn[k, end] = count
+            count += 1
     return turn
 
 
 def taken_by(
     points: ndarray, bonded: bool, hinges: ndarray, others: Sequence[Any]
 ) -> tuple[Taken, Taken, ndarray]:
-    """Return the displacements and the rotations that nodes (n, dim) take from other beams, and
-    these nodes.
+    """Return displacements and rotations that nodes take from other beams, and these nodes.
 
-    Nodes at hinges keep their rotations, and those of a bonded beam their displacements.
+    Nodes at hinges keep their rotations, and nodes of a bonded beam their displacements.
     """
     dim = points.shape[1]
     owners: dict[int, Any] = {}
@@ -67,122 +63,122 @@ def taken_by(
             raise ValueError(
                 f"a beam with {dim} coordinates is joined to beams with as many, not to {other!r}"
             )
-        if bonded and other._shared is None:
+        if bonded and other.shared is None:
             raise ValueError("a bonded beam moves with the ground: join the other beam to it")
-        here, there = _common(points, other.points)
-        known = [_owner(other, int(node)) for node in there]
-        wrong = [
-            k
-            for k, owner in zip(here.tolist(), known, strict=True)
-            if owners.get(k, owner) != owner
-        ]
-        if wrong:
-            raise ValueError(
-                f"beams in `joined_to` meet at {format_point(points[wrong[0]])}, but are not "
-                f"joined to "
-                "each other"
-            )
+
+        # Find the owners of common nodes, which other beams may have given before
+        here, nodes = _common(points, other.points)
         new = np.array([k not in owners for k in here.tolist()])
-        owners.update(zip(here.tolist(), known, strict=True))
+        for k, node in zip(here.tolist(), nodes.tolist(), strict=True):
+            owner = _owner(other, node)
+            if owners.setdefault(k, owner) != owner:
+                raise ValueError(
+                    f"beams in `joined_to` meet at {format_point(points[k])}, but are not joined "
+                    f"to each other"
+                )
+
+        # Take the dofs of nodes without an owner before
         if not bonded:
-            moves.append(_pair(here[new], there[new], dim, other._displacement, other._shared))
+            moved = _numbers(here[new], dim)
+            if other.shared is None:
+                moves.append((moved, FieldDofs(other.displacement, _numbers(nodes[new], dim))))
+            else:
+                moves.append((moved, other.shared[nodes[new]].ravel()))
         new &= ~np.isin(here, hinges)
-        turned.append(_pair(here[new], there[new], 1 if dim == 2 else 3, other._rotation, None))
+        turns = 1 if dim == 2 else 3
+        rotations = FieldDofs(other.rotation, _numbers(nodes[new], turns))
+        turned.append((_numbers(here[new], turns), rotations))
     return tuple(moves), tuple(turned), np.array(list(owners), int)
 
 
 def _common(points: ndarray, others: ndarray) -> tuple[ndarray, ndarray]:
     """Return the numbers of points that lie on other ones, and the numbers of these, (n,) each."""
-    distance, there = map(np.asarray, cKDTree(others).query(points))
-    here = np.flatnonzero(
-        distance <= AT * max(np.ptp(points, axis=0).max(), np.ptp(others, axis=0).max())
-    )
+    distance, nearest = map(np.asarray, cKDTree(others).query(points))
+    size = max(np.ptp(points, axis=0).max(), np.ptp(others, axis=0).max())
+    here = np.flatnonzero(distance <= AT * size)
     if not len(here):
         k = int(np.argmin(distance))
         raise ValueError(
             "the beam has no node in common with a beam that it is joined to; the nearest ones are "
-            "at "
-            f"{format_point(points[k])} and {format_point(others[there[k]])}"
+            f"at {format_point(points[k])} and {format_point(others[nearest[k]])}"
         )
-    return here, there[here]
+    return here, nearest[here]
 
 
 def _owner(beam: Any, node: int) -> Any:
-    """Return the field and the index, or the number in the basis, of a node's first
-    displacement.
-    """
-    if beam._shared is not None:
-        return int(beam._shared[node, 0])
-    field, index = beam._displacement, beam.points.shape[1] * node
-    while found := [(at.tolist().index(index), other) for at, other in field.taken if index in at]:
-        here, other = found[0]
-        if not isinstance(other, FieldDofs):
-            return int(other[here])
-        field, index = other.field, int(other.indices[here])
+    """Return the field and index, or the number in the basis, of a node's first displacement."""
+    if beam.shared is not None:
+        return int(beam.shared[node, 0])
+    field = beam.displacement
+    index = beam.points.shape[1] * node
+    while taken := [(own, others) for own, others in field.taken if index in own]:
+        own, others = taken[0]
+        position = own.tolist().index(index)
+        if not isinstance(others, FieldDofs):
+            return int(others[position])
+        field = others.field
+        index = int(others.indices[position])
     return field.key, index
 
 
-def _pair(
-    here: ndarray, there: ndarray, k: int, field: Field, ground: ndarray | None
-) -> tuple[ndarray, Any]:
-    """Return the indices of k dofs of nodes, and the dofs of the nodes of another beam that they
-    are.
-    """
-    at, dofs = ((k * nodes[:, None] + np.arange(k)).ravel() for nodes in (here, there))
-    return at, FieldDofs(field, dofs) if ground is None else ground[there].ravel()
+def _numbers(nodes: ndarray, k: int) -> ndarray:
+    """Return the indices of k dofs of each node."""
+    return (k * nodes[:, None] + np.arange(k)).ravel()
 
 
 def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field]]:
-    """Return a beam with those among the forms that are joined to it, and fields of theirs that
-    other forms act on.
+    """Return a beam with the beams joined to it, and their fields that other forms act on.
 
-    There are no beams where a form may act on any dof: nobody knows what it holds.
+    No beams are returned where a form may act on any dof, whose supports are unknown.
     """
     beams = [form for form in forms.values() if isinstance(form, type(beam))]
     others = [form for form in forms.values() if form not in beams]
-    if any(
-        f.basis is None and f.law is None and f.size is None and not (f.borrowed or f.fields)
-        for f in others
-    ):
-        return [], []
-    frame = [beam]
-    while more := [b for b in beams if b not in frame and any(_linked(a, b) for a in frame)]:
+    for form in others:
+        local = form.borrowed or form.fields
+        if form.basis is None and form.law is None and form.size is None and not local:
+            return [], []
+    frame: list[Any] = []
+    more = [beam]
+    while more:
         frame += more
+        more = [b for b in beams if b not in frame and any(_linked(a, b) for a in frame)]
     touched = {field for form in others for field in form.borrowed}
-    return frame, [field for b in frame for field in b.fields if field in touched]
+    return frame, [field for member in frame for field in member.fields if field in touched]
 
 
-def _linked(a: Any, b: Any) -> bool:
+def _linked(first: Any, second: Any) -> bool:
     """Return True if one of two beams takes dofs of the other."""
-    return any(
-        other.field in two.fields
-        for one, two in ((a, b), (b, a))
-        for field in one.fields
-        for _, other in field.taken
-        if isinstance(other, FieldDofs)
-    )
+    return _takes(first, second) or _takes(second, first)
+
+
+def _takes(beam: Any, other: Any) -> bool:
+    """Return True if a beam takes dofs of another one."""
+    for field in beam.fields:
+        for _, dofs in field.taken:
+            if isinstance(dofs, FieldDofs) and dofs.field in other.fields:
+                return True
+    return False
 
 
 def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int | None:
-    """Return the dof that moves most in a motion without strain, or None if there is none.
+    """Return the dof that moves most in a motion without strain, or None if none exists.
 
-    Parts are strains of elements, (m, q, n), and their dofs, (m, n); dofs that are stiff do not
-    move.
+    Parts are strains of elements, (m, q, n), and their dofs, (m, n); stiff dofs do not move.
     """
-    dofs, rows = np.unique(np.concatenate([rows for _, rows in parts]), return_inverse=True)
+    # Assemble the strains, each of unit size, of all free dofs
+    dofs, columns = np.unique(np.concatenate([rows for _, rows in parts]), return_inverse=True)
     strains = np.concatenate([strains for strains, _ in parts])
     size = np.linalg.norm(strains, axis=2, keepdims=True)
-    blocks = strains / np.where(size > 0.0, size, 1.0)
-    row = np.broadcast_to(
-        np.arange(blocks[..., 0].size).reshape(*blocks.shape[:2], 1), blocks.shape
-    )
-    column = np.broadcast_to(rows.reshape(len(strains), 1, -1), blocks.shape)
+    blocks = strains / np.where(size > 0.0, size, 1.0)  # (m, q, n)
+    m, q, n = blocks.shape
+    row = np.repeat(np.arange(m * q), n)
+    column = np.repeat(columns.reshape(m, 1, n), q, axis=1).ravel()
     free = np.flatnonzero(~np.isin(dofs, stiff))
-    B = coo_matrix(
-        (blocks.ravel(), (row.ravel(), column.ravel())), shape=(row.max() + 1, len(dofs))
-    ).tocsc()[:, free]
     if not len(free):
         return None
+    B = coo_matrix((blocks.ravel(), (row, column)), shape=(m * q, len(dofs))).tocsc()[:, free]
+
+    # Find the motion with the smallest strain by inverse iteration
     K = csc_matrix(B.T @ B)
     solve = splu(csc_matrix(K + _NO_STRAIN * eye_array(K.shape[0])), permc_spec="MMD_AT_PLUS_A")
     motion = np.random.default_rng(0).standard_normal(K.shape[0])
@@ -197,18 +193,20 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
 def of_a_line(
     length: ndarray, cells: ndarray, force: ndarray, moved: ndarray, G: float
 ) -> Iterator[Remark]:
-    """Yield a remark where a beam bonded to a line in space would move more in elements half as
-    large.
+    """Yield a remark where a beam bonded to a line in space moves more in elements half as large.
 
-    Beside a line load q the ground of shear modulus G moves by q log(2) / (2 pi G) more. The work
-    of that, over that of all forces, is the share by which the beam moves more. Forces on single
-    nodes, of loads and supports, do not count.
+    Near a line load q the ground of shear modulus G moves by q log(2) / (2 pi G) more. Its work
+    over the work of all forces is the share by which the beam moves more. Forces on single nodes,
+    of loads and supports, do not count.
     """
-    nodes, share = cells.ravel(), np.outer(length, _OF_LENGTH).ravel()
+    # Sum forces f, displacements u and lengths of the nodes
+    nodes = cells.ravel()
     f = np.column_stack([np.bincount(nodes, force[:, c::3].ravel()) for c in range(3)])
     u = np.zeros_like(f)
     u[nodes] = moved.reshape(-1, 3)
-    part = np.bincount(nodes, share)
+    part = np.bincount(nodes, np.outer(length, _OF_LENGTH).ravel())
+
+    # Compare the works of the line load q
     q = np.linalg.norm(f, axis=1) / part
     q = np.minimum(q, _SINGLE * np.median(q))
     work = part @ (q * np.linalg.norm(u, axis=1)) + abs((f * u).sum())
@@ -223,29 +221,33 @@ def of_a_line(
         )
 
 
-def turning_ends(beam: Any, fixed: ndarray) -> Iterator[Remark]:
-    """Yield a remark on an end in the ground that supports hold along the beam alone, as in a plane
-    of symmetry.
+def turning_ends(corners: ndarray, rows: ndarray, met: ndarray, fixed: ndarray) -> Iterator[Remark]:
+    """Yield a remark on an end in the ground that supports fix along the beam alone.
 
-    Supports of the ground do not hold its rotation there, which makes it a hinge.
+    Supports of the ground in a plane of symmetry do not fix its rotation, which makes it a hinge.
+
+    Parameters
+    ----------
+    corners, rows
+        Coordinates, (m, 3, 2), and dofs, (m, 9), of the elements.
+    met
+        Rotations at the ends of all elements that are joined.
+    fixed
+        Dofs with supports.
     """
-    if not beam._parts or beam._shared is None or beam.coordinates != "plane":
-        return
-    corners, rows = beam.points[beam.cells], beam._parts[0][1]
-    met = np.concatenate([dofs[:, 6:8].ravel() for _, dofs in beam._parts])
     for end in (0, 1):
         tangent = 3.0 * corners[:, end] - 4.0 * corners[:, 2] + corners[:, 1 - end]
         along = np.abs(tangent) / np.linalg.norm(tangent, axis=1)[:, None]
-        held, theta = np.isin(rows[:, 2 * end : 2 * end + 2], fixed), rows[:, 6 + end]
-        cut = (
-            ~np.isin(theta, fixed) & (held.sum(axis=1) == 1) & ((held * along).sum(axis=1) > _ALONG)
-        )
-        cut &= (theta[:, None] == met).sum(axis=1) == 1  # no other element meets there
+        held = np.isin(rows[:, 2 * end : 2 * end + 2], fixed)
+        theta = rows[:, 6 + end]
+        cut = (held.sum(axis=1) == 1) & ((held * along).sum(axis=1) > _ALONG)
+        alone = (theta[:, None] == met).sum(axis=1) == 1  # no other element meets it
+        cut &= alone & ~np.isin(theta, fixed)
         if cut.any():
-            at = format_point(corners[cut, end][0])
+            point = format_point(corners[cut, end][0])
             yield Remark(
                 "turns",
                 0.0,
-                f"its end at {at} is held along the beam and may turn, as at a hinge: in a "
-                f"plane of symmetry hold beam.dofs({at}, ['theta']) as well",
+                f"its end at {point} is held along the beam and may turn, as at a hinge: in a "
+                f"plane of symmetry hold beam.dofs({point}, ['theta']) as well",
             )

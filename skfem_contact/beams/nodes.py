@@ -1,6 +1,4 @@
-"""Nodes of beams and reinforcement: their dofs for supports and bars, loads on them, and contact of
-their sides.
-"""
+"""Nodes of beams and reinforcement: their dofs, loads on them, and contact of their sides."""
 
 from __future__ import annotations
 
@@ -21,7 +19,7 @@ from ..layout import Field, FieldDofs
 from ..surfaces.surface import Surface
 from .lines import touching
 
-#: Coordinates are those of a node if they are nearer than this share of the beam.
+#: Largest distance of coordinates from the node that they name, as a share of the beam.
 AT = 1e-6
 #: Names of the dofs of a node.
 DofName = Literal["u^1", "u^2", "u^3", "theta", "theta^1", "theta^2", "theta^3"]
@@ -44,19 +42,33 @@ def check_values(
 
 def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
     """Return the elasticity, (4, 4), of the stiffest material of the forms; None without one."""
-    found = [
-        m.elasticity(4).reshape(-1, 4, 4)
-        for form in forms.values()
-        for m in form.materials.values()
-    ]
-    return max(
-        (C[C[:, -1, -1].argmax()] for C in found), key=lambda C: float(C[-1, -1]), default=None
-    )
+    result = None
+    for form in forms.values():
+        for material in form.materials.values():
+            C = material.elasticity(4).reshape(-1, 4, 4)  # (points, 4, 4)
+            stiff = C[C[:, -1, -1].argmax()]
+            if result is None or stiff[-1, -1] > result[-1, -1]:
+                result = stiff
+    return result
 
 
 class BeamNodes(Form):
-    """Form of nodes with displacements, its own or those of the ground, and with or without
-    rotations.
+    """Form of nodes with displacements, with or without rotations.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, dim)
+        Coordinates of the nodes.
+    cells : ndarray, shape (m, 3)
+        Nodes of the elements: start, end and middle.
+    spacing
+        Distance of the members of a row; 1 without rows.
+    thickness
+        Distance of the two sides.
+    shared : ndarray, shape (n, dim)
+        Displacements of the basis that the nodes have; None for nodes of their own.
+    displacement, rotation
+        Fields of nodes of their own, and of the rotations.
     """
 
     _same = ("points", "cells", "_rows", "coordinates", "thickness")
@@ -64,23 +76,32 @@ class BeamNodes(Form):
     cells: ndarray
     spacing: float
     thickness: float
-    _shared: ndarray | None
-    _displacement: Field
-    _rotation: Field
-    _EA: float
+    shared: ndarray | None
+    displacement: Field
+    rotation: Field
     _rows: ndarray
     _dofs: ndarray | None = None
 
     @property
+    def dim(self) -> int:
+        """Number of coordinates."""
+        return int(self.points.shape[1])
+
+    @property
     def _names(self) -> tuple[DofName, ...]:
         """Names of the dofs of a node."""
-        if self.points.shape[1] == 2:
+        if self.dim == 2:
             return "u^1", "u^2", "theta"
         return "u^1", "u^2", "u^3", "theta^1", "theta^2", "theta^3"
 
+    @property
+    def _turns(self) -> int:
+        """Number of rotations of a node."""
+        return len(self._names) - self.dim
+
     def node(self, at: ArrayLike) -> int:
         """Return the number of the node at coordinates (dim,)."""
-        point = vector(at, self.points.shape[1], "at")
+        point = vector(at, self.dim, "at")
         distance, node = cKDTree(self.points).query(point)
         if distance > AT * np.ptp(self.points, axis=0).max():
             raise ValueError(
@@ -90,33 +111,31 @@ class BeamNodes(Form):
         return int(node)
 
     def dofs(self, at: ArrayLike, names: Sequence[DofName] | None = None) -> list[Any]:
-        """Return the dofs of the node at coordinates (dim,), by default all, for the supports of a
-        model.
+        """Return dofs of the node at coordinates (dim,), by default all, for supports of a model.
 
         In space the rotations are ``"theta^1"``, ``"theta^2"`` and ``"theta^3"``. At a hinge
-        ``"theta"`` is that of the first element that meets there.
+        ``"theta"`` is the rotation of the first element at it.
         """
-        node, dim = self.node(at), self.points.shape[1]
-        found: list[Any] = []
-        for name in self._names if names is None else names:
-            if name not in self._names:
+        node = self.node(at)
+        known = self._names
+        dofs: list[Any] = []
+        for name in known if names is None else names:
+            if name not in known:
                 raise ValueError(
-                    f"a node of the beam has the dofs {', '.join(self._names)}, not {name!r}"
+                    f"a node of the beam has the dofs {', '.join(known)}, not {name!r}"
                 )
-            k, turns = self._names.index(name), len(self._names) - dim
-            if k >= dim:
-                found.append(FieldDofs(self._rotation, np.array([turns * node + k - dim])))
+            k = known.index(name)
+            if k >= self.dim:
+                turn = self._turns * node + k - self.dim
+                dofs.append(FieldDofs(self.rotation, np.array([turn])))
+            elif self.shared is None:
+                dofs.append(FieldDofs(self.displacement, np.array([self.dim * node + k])))
             else:
-                found.append(
-                    FieldDofs(self._displacement, np.array([dim * node + k]))
-                    if self._shared is None
-                    else self._shared[node, [k]]
-                )
-        return found
+                dofs.append(self.shared[node, [k]])
+        return dofs
 
     def at(self, points: ArrayLike) -> ndarray | FieldDofs:
-        """Return nodes at coordinates (n, 2) or (2,) as ends of bars: ``Bar(basis, wall.at((0.,
-        -1.5)), ...)``.
+        """Return nodes at coordinates (n, 2) or (2,) as ends of :class:`~skfem_contact.Bar`.
 
         Examples
         --------
@@ -126,41 +145,34 @@ class BeamNodes(Form):
         <Bar 1 bars, EA/L 1.414e+04 to 1.414e+04>
         """
         nodes = np.array([self.node(point) for point in np.atleast_2d(finite(points, "points"))])
-        if self._shared is not None:
+        if self.shared is not None:
             return self.points[nodes]
-        dim = self.points.shape[1]
-        return FieldDofs(self._displacement, dim * nodes[:, None] + np.arange(dim))
+        return FieldDofs(self.displacement, self.dim * nodes[:, None] + np.arange(self.dim))
 
     def numbers(self, at: ArrayLike) -> ndarray:
-        """Return the numbers of all dofs of the node at coordinates (dim,), displacements first, of
-        a model's beam.
-        """
-        node, dim = self.node(at), self.points.shape[1]
-        turns = len(self._names) - dim
-        return self._of_model()[
-            [
-                *(dim * node + np.arange(dim)),
-                *(dim * len(self.points) + turns * node + np.arange(turns)),
-            ]
-        ]
+        """Return all dofs of the node at coordinates (dim,) of a model's beam, rotations last."""
+        node = self.node(at)
+        moves = self.dim * node + np.arange(self.dim)
+        turns = self.dim * len(self.points) + self._turns * node + np.arange(self._turns)
+        return self._of_model()[np.append(moves, turns)]
 
     def load(self, force: ArrayLike, at: ArrayLike, moment: ArrayLike = 0.0) -> ndarray:
-        """Return the load vector of a force and a moment, anticlockwise or (3,), at a node, of a
-        model's beam.
+        """Return the load vector of a force and a moment at a node of a model's beam.
+
+        The moment is anticlockwise, in space a vector (3,).
         """
-        load, dim = np.zeros(self._of_model().max() + 1), self.points.shape[1]
-        turn = np.broadcast_to(finite(moment, "moment"), (len(self._names) - dim,))
-        load[self.numbers(at)] = [*vector(force, dim, "force"), *turn]
+        load = np.zeros(self._of_model().max() + 1)
+        turn = np.broadcast_to(finite(moment, "moment"), (self._turns,))
+        load[self.numbers(at)] = [*vector(force, self.dim, "force"), *turn]
         return load
 
     def _distributed(self, forces: ndarray) -> ndarray:
         """Return the load vector of forces (n, 3, dim) on the nodes of all elements in turn."""
-        load, rows = np.zeros(self._of_model().max() + 1), self._rows[:, : forces[0].size]
-        np.add.at(
-            load,
-            self._of_model()[np.tile(rows, (len(forces) // len(rows), 1))],
-            forces.reshape(len(forces), -1),
-        )
+        dofs = self._of_model()
+        load = np.zeros(dofs.max() + 1)
+        rows = self._rows[:, : forces[0].size]
+        repeated = np.tile(rows, (len(forces) // len(rows), 1))
+        np.add.at(load, dofs[repeated], forces.reshape(len(forces), -1))
         return load
 
     def _of_model(self) -> ndarray:
@@ -178,15 +190,14 @@ class BeamNodes(Form):
         boundaries: str | Sequence[str] | None = None,
         **options: Any,
     ) -> dict[str, ContactPair]:
-        """Return contact pairs of the sides, half a thickness off the axis, by the names of the
-        boundaries there.
+        """Return contact pairs of the sides, half a thickness off the axis, by boundary.
 
         Parameters
         ----------
         basis, law
             Basis and law of :class:`~skfem_contact.ContactPair`.
         boundaries
-            Boundaries that touch the beam, each one side; by default all that lie there.
+            Boundaries that touch the beam, each one side; by default all that lie on a side.
         options
             Further arguments of the pairs; ``quadrature=2`` unless it is given.
 
@@ -198,26 +209,25 @@ class BeamNodes(Form):
         """
         if self.coordinates == "space":
             raise ValueError("contact of a beam is in the plane")
-        if self._shared is not None:
+        if self.shared is not None:
             raise ValueError("a bonded beam has no contact: give it nodes of its own, bonded=False")
-        if self.thickness and self._rotation.n > len(self.points):
+        if self.thickness and self.rotation.n > len(self.points):
             raise ValueError("contact of a beam with hinges is on its axis: thickness=0")
-        found = touching(basis.mesh, boundaries, self.points[self.cells], 0.5 * self.thickness)
+        sides = touching(basis.mesh, boundaries, self.points[self.cells], 0.5 * self.thickness)
         options = {"quadrature": 2, **options}
         return {
             name: ContactPair(basis, name, self._side(side), law, **options)
-            for name, side in found.items()
+            for name, side in sides.items()
         }
 
     def _side(self, sign: int) -> Surface:
         """Return the left side, 1, or the right side, -1."""
-        n = len(self.points)
-        turned = (self._rotation, np.arange(n)) if "theta" in self._names else None
+        nodes = np.arange(len(self.points))
         return Surface.from_cells(
             self.points,
-            (self._displacement, np.arange(2 * n).reshape(n, 2)),
-            self.cells if sign > 0 else self.cells[:, [1, 0, 2]],
-            f"{'left' if sign > 0 else 'right'} side of a beam",
-            rotations=turned,
+            (self.displacement, np.arange(2 * len(nodes)).reshape(-1, 2)),
+            cells=self.cells if sign > 0 else self.cells[:, [1, 0, 2]],
+            name=f"{'left' if sign > 0 else 'right'} side of a beam",
+            rotations=(self.rotation, nodes) if self._turns else None,
             thickness=self.thickness,
         )

@@ -22,8 +22,8 @@ from .element import GAUSS, BeamElements, SpaceElements
 from .lines import nodes_of
 from .nodes import BeamNodes, DofName
 
-#: Share of its stiffness that slack or yielding reinforcement keeps in the tangent: nothing else
-#: may hold its nodes.
+#: Share of its stiffness that slack or yielding reinforcement keeps in the tangent, as the only
+#: support of its nodes.
 _KEPT = 1e-6
 
 
@@ -48,13 +48,13 @@ class Reinforcement(BeamNodes):
 
     Small displacements: it resists no displacement across its line. It has three-node elements
     without rotations, with nodes of its own or those of a line of the mesh, to which it is bonded.
-    Nodes of its own need contact on both sides,
-    :meth:`contact`, or :class:`~skfem_contact.Embedded`.
+    Nodes of its own need contact on both sides, :meth:`contact`, or
+    :class:`~skfem_contact.Embedded`.
 
     Parameters
     ----------
     basis, line, cells, bonded
-        As of :class:`~skfem_contact.Beam`.
+        Basis, line, elements and bond, see :class:`~skfem_contact.Beam`.
     EA
         Stiffness against stretching, of a geogrid its stiffness J: force per strain, in the plane
         per unit of length out of it.
@@ -63,7 +63,7 @@ class Reinforcement(BeamNodes):
     tension_only
         True for a geogrid, which falls slack where it would be compressed.
     spacing
-        Distance of the members of a row in the plane: EA and Np are those of one of them. Section
+        Distance of the members of a row in the plane: EA and Np belong to one member. Section
         forces are per unit of length.
 
     Raises
@@ -73,7 +73,7 @@ class Reinforcement(BeamNodes):
 
     Notes
     -----
-    Section forces are those at the Gauss points, two an element. `Np` holds there: a head that is
+    Section forces are given at the Gauss points, two an element. `Np` holds there: a head that is
     pulled has the skin of a tenth of its element more. Strength reduction leaves `Np` as it is;
     `bounds` refuses reinforcement.
 
@@ -83,7 +83,8 @@ class Reinforcement(BeamNodes):
 
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
     >>> import skfem_contact as sc
-    >>> mesh = MeshTri().refined(1).with_defaults().with_boundaries({"grid": lambda x: x[1] == .5}, False)
+    >>> middle = {"grid": lambda x: x[1] == .5}
+    >>> mesh = MeshTri().refined(1).with_defaults().with_boundaries(middle, False)
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> grid = sc.Reinforcement(basis, "grid", EA=500., tension_only=True)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.)), "grid": grid}
@@ -116,29 +117,35 @@ class Reinforcement(BeamNodes):
             if not (is_number(value, 0.0, np.inf) or (name == "Np" and value == np.inf)):
                 raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
         self.parameters = {"EA": EA, "Np": Np, "spacing": spacing, "tension_only": tension_only}
-        self._shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
-        dim = self.points.shape[1]
+        self.shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
+        dim = self.dim
         if dim == 3 and spacing is not None:
             raise ValueError("reinforcement in space has no spacing")
         self.coordinates, kind = ("plane", BeamElements) if dim == 2 else ("space", SpaceElements)
+
+        # Axial strains of both Gauss points by the displacements, lengths and coordinates
         elements = kind.of(self.points[self.cells])
-        self._strain = elements.strains[:, :: elements.strains.shape[1] // 2, : 3 * dim]
-        self._length, self._where = (
-            elements.weights,
-            elements.gauss()[0].reshape(2, -1, dim).transpose(1, 0, 2),
-        )
-        self.spacing = spacing or 1.0
-        self._displacement = Field(
+        per_point = elements.strains.shape[1] // 2
+        self._strain = elements.strains[:, ::per_point, : 3 * dim]
+        self._length = elements.weights
+        self._where = elements.gauss()[0].reshape(2, -1, dim).transpose(1, 0, 2)
+
+        # Dofs of the elements
+        self.displacement = Field(
             "displacement of reinforcement", np.repeat(self.points, dim, axis=0).T
         )
-        self.fields = (self._displacement,) if self._shared is None else ()
+        self.fields = (self.displacement,) if self.shared is None else ()
         self._rows = (dim * self.cells[:, :, None] + np.arange(dim)).reshape(len(self.cells), -1)
         self._gathering = Gathering(self.points.size)
-        self._EA, self._most = EA / self.spacing, Np / self.spacing
+        if self.shared is not None:
+            self._connect(self.shared.ravel())
+
+        # Stiffness and strength of a row per unit of length
+        self.spacing = spacing or 1.0
+        self._EA = EA / self.spacing
+        self._most = Np / self.spacing
         self._least = 0.0 if tension_only else -self._most
         self.unilateral = tension_only
-        if self._shared is not None:
-            self._connect(self._shared.ravel())
 
     def _connect(self, dofs: ndarray) -> None:
         self._dofs = self.acts_on = self.changing = dofs
@@ -146,7 +153,7 @@ class Reinforcement(BeamNodes):
     @property
     @override
     def _names(self) -> tuple[DofName, ...]:
-        return super()._names[: self.points.shape[1]]
+        return super()._names[: self.dim]
 
     def __repr__(self) -> str:
         return f"<Reinforcement {len(self.cells)} elements, {self._length.sum():.4g} long>"
@@ -154,8 +161,8 @@ class Reinforcement(BeamNodes):
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Reinforcement:
         new = copy(self)
-        if self._shared is None:
-            new._connect(numbers[self._displacement])
+        if self.shared is None:
+            new._connect(numbers[self.displacement])
         return new
 
     def _strains(self, x: ndarray) -> ndarray:
@@ -168,28 +175,32 @@ class Reinforcement(BeamNodes):
 
     @override
     def assemble(self, x: ndarray, state: ReinforcementState) -> Response:
+        # N = EA (eps - eps_free), between the strengths
         strain = self._strains(x)
         elastic = self._EA * (strain - state.free)
         force = np.clip(elastic, self._least, self._most)
-        flows, changed = abs(force) == self._most, force != elastic
-        share = np.where(changed, _KEPT, 1.0) * self._EA * self._length
+        changed = force != elastic
+        flows = changed & (abs(force) == self._most)
 
         def after() -> ReinforcementState:
-            return ReinforcementState(
-                force, np.where(flows & changed, strain - force / self._EA, state.free)
-            )
+            return ReinforcementState(force, np.where(flows, strain - force / self._EA, state.free))
 
         def stiffness() -> csr_matrix:
-            return self._gathering.matrix(
-                self._rows, np.einsum("mg,mgi,mgj->mij", share, self._strain, self._strain)
-            )
+            share = np.where(changed, _KEPT, 1.0) * self._EA * self._length
+            blocks = np.einsum("mg,mgi,mgj->mij", share, self._strain, self._strain)
+            return self._gathering.matrix(self._rows, blocks)
 
-        total, measure = (
-            self._gathering.force(self._rows, np.einsum("mg,mgj->mj", self._length * f, B))
-            for f, B in ((force, self._strain), (abs(force), abs(self._strain)))
-        )
+        def gathered(N: ndarray, B: ndarray) -> ndarray:
+            forces = np.einsum("mg,mgj->mj", self._length * N, B)
+            return self._gathering.force(self._rows, forces)
+
         return Response(
-            total, after, stiffness, active=changed.tobytes(), measure=measure, dofs=self._dofs
+            gathered(force, self._strain),
+            after,
+            stiffness,
+            active=changed.tobytes(),
+            measure=gathered(abs(force), abs(self._strain)),
+            dofs=self._dofs,
         )
 
     @override
@@ -210,9 +221,10 @@ class Reinforcement(BeamNodes):
 
     @override
     def line_forces(self, state: ReinforcementState) -> tuple[Any, ...]:
-        begin = np.cumsum(self._length.sum(axis=1)) - self._length.sum(axis=1)
-        position = begin[:, None] + self._length.sum(axis=1)[:, None] * (0.5 + 0.5 * GAUSS)
-        x, y, *z = self._where.reshape(-1, self.points.shape[1]).T
+        lengths = self._length.sum(axis=1)
+        begin = np.cumsum(lengths) - lengths
+        position = begin[:, None] + lengths[:, None] * (0.5 + 0.5 * GAUSS)
+        x, y, *z = self._where.reshape(-1, self.dim).T
         N = state.force.ravel()
         nothing = np.zeros((len(N), 3) if z else len(N))
         return position.ravel(), x, y, N, nothing, nothing, *z
@@ -221,9 +233,8 @@ class Reinforcement(BeamNodes):
     def line_points(
         self, x: ndarray, state: ReinforcementState
     ) -> tuple[ndarray, dict[str, ndarray]]:
-        dim, N = self.points.shape[1], state.force
-        values = {
-            "N": np.column_stack((N, N.mean(axis=1))).ravel()
-        }  # not extrapolated: no thrust in a geogrid
-        values["displacement"] = x[self._of_model()][self._rows].reshape(-1, dim)
-        return self.points[self.cells].reshape(-1, dim), values
+        # Forces are not extrapolated to the nodes: a geogrid would have a thrust
+        N = np.column_stack((state.force, state.force.mean(axis=1)))
+        displacement = x[self._of_model()][self._rows].reshape(-1, self.dim)
+        values = {"N": N.ravel(), "displacement": displacement}
+        return self.points[self.cells].reshape(-1, self.dim), values

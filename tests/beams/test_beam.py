@@ -40,7 +40,7 @@ class Winkler(sc.Form):
     symmetric = True
 
     def __init__(self, beam, k):
-        self.borrowed, self.K = (beam._displacement,), np.zeros((2 * len(beam.points),) * 2)
+        self.borrowed, self.K = (beam.displacement,), np.zeros((2 * len(beam.points),) * 2)
         for xi, w in zip((-np.sqrt(0.6), 0.0, np.sqrt(0.6)), (5 / 9, 8 / 9, 5 / 9), strict=True):
             for nodes, h in zip(beam.cells, beam._elements.length, strict=True):
                 v = 2 * nodes + 1

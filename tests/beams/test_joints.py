@@ -398,7 +398,7 @@ def test_where_bodies_touch_the_basis_says_which():
         sc.Beam(basis, [(0.0, 1.0), (1.0, 1.0)], **STIFF, bonded=True)
     beam = sc.Beam(basis.with_elements("high"), [(0.0, 1.0), (1.0, 1.0)], **STIFF, bonded=True)
     assert np.isin(
-        beam._shared, np.unique(basis.dofs.element_dofs[:, two.subdomains["high"]])
+        beam.shared, np.unique(basis.dofs.element_dofs[:, two.subdomains["high"]])
     ).all()
 
 
