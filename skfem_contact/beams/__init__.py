@@ -1,6 +1,4 @@
-"""Beams: walls, linings and frames, with plastic hinges, alone or in contact with the ground;
-reinforcement.
-"""
+"""Beams as walls, linings and frames, with plastic hinges or in contact; reinforcement."""
 
 from .beam import Beam
 from .embedded import Embedded

@@ -214,7 +214,7 @@ class Beam(BeamNodes):
             )
 
     def _lay_out(self, turn: ndarray, moved: Taken, turned: Taken) -> None:
-        """Number the dofs: displacements, then rotations, as if the beam were alone."""
+        """Give numbers to the dofs of the beam alone: displacements, then rotations."""
         # Fields of displacements and of rotations, (m, 3) by element
         dim = self.dim
         turns = self._turns

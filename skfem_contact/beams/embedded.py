@@ -232,10 +232,12 @@ class Embedded(Form):
         return new
 
     def __repr__(self) -> str:
-        return f"<Embedded {self.positions[-1]:.4g} long, T_max {self.T_max.min():.4g} to {self.T_max.max():.4g}>"
+        low = self.T_max.min()
+        high = self.T_max.max()
+        return f"<Embedded {self.positions[-1]:.4g} long, T_max {low:.4g} to {high:.4g}>"
 
     def _jumps(self, x: ndarray) -> tuple[ndarray, float]:
-        """Return displacements of the ground less the beam's, (n, dim), and along it at the foot."""
+        """Return ground less beam displacements, (n, dim), and along it at the foot."""
         jump = (self._jump @ x[self._dofs]).reshape(len(self._along), -1)
         return jump[:-1], float(jump[-1] @ self._along[-1])
 
