@@ -1,5 +1,4 @@
-"""Three-node Timoshenko elements, straight or curved, in the plane, of shells and in space; hinges
-at their ends.
+"""Three-node Timoshenko elements in the plane, of shells and in space; hinges at their ends.
 
 Displacements and rotations are quadratic, and two Gauss points integrate all terms: no locking. The
 dofs of an element are the displacements of its nodes (start, end, middle), then their rotations,
@@ -11,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -25,11 +25,10 @@ GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 _CURVATURE = np.array([1.0, 1.0, -2.0])
 #: Share of the force on the middle node that a uniform load on the element leaves at either end.
 _AT_END = 0.25
-#: Stiffness against shear, times the squared length of the beam and over that against bending, up
-#: to which a cantilever bends by 7e-9 of the exact value; with ten times as much its system is
-#: singular.
+#: Largest GA L**2 / EI: a cantilever then bends by the exact value up to 7e-9; with ten times as
+#: much its system is singular.
 _RIGID = 1e9
-#: Length of an element, as a share of the size of the beam, that is none.
+#: Largest length of an element without length, as a share of the size of the beam.
 _NO_LENGTH = 1e-6
 #: Share of the stiffness that a hinge keeps in the tangent, as it flows: a mechanism of beams is
 #: singular to the last bit. The limit loads of a propped cantilever, a portal and a column end in a
@@ -44,21 +43,30 @@ _DEPENDENT = 1e-8
 
 def shapes(xi: float) -> tuple[ndarray, ndarray]:
     """Return the quadratic functions of the nodes (-1, 1, 0) at a point, and their derivatives."""
-    return (
-        np.array([0.5 * xi * (xi - 1.0), 0.5 * xi * (xi + 1.0), 1.0 - xi * xi]),
-        np.array([xi - 0.5, xi + 0.5, -2.0 * xi]),
-    )
+    N = np.array([0.5 * xi * (xi - 1.0), 0.5 * xi * (xi + 1.0), 1.0 - xi * xi])
+    dN = np.array([xi - 0.5, xi + 0.5, -2.0 * xi])
+    return N, dN
+
+
+def left_of(t: ndarray) -> ndarray:
+    """Return the vectors to the left of others in the plane, (m, 2)."""
+    return np.column_stack((-t[:, 1], t[:, 0]))
+
+
+def across(t: ndarray) -> tuple[ndarray, ndarray]:
+    """Return two unit vectors across unit tangents in space, (m, 3) each."""
+    first = np.cross(t, np.eye(3)[np.abs(t).argmin(axis=1)])
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return first, np.cross(t, first)
 
 
 def _along(points: ndarray, xi: float) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Return lengths, (m,), tangents, (m, dim), functions and their derivatives by the arc length,
-    (3,) and (m, 3).
-    """
+    """Return J, (m,), tangents, (m, dim), N, (3,), and its derivatives by length, (m, 3)."""
     N, dN = shapes(xi)
-    along, chord = np.einsum("k,mkc->mc", dN, points), points[:, 1] - points[:, 0]
-    if not (
-        (along * chord).sum(axis=1) > _NO_LENGTH * np.ptp(points) * np.linalg.norm(chord, axis=1)
-    ).all():
+    along = np.einsum("k,mkc->mc", dN, points)
+    chord = points[:, 1] - points[:, 0]
+    least = _NO_LENGTH * np.ptp(points) * np.linalg.norm(chord, axis=1)
+    if not ((along * chord).sum(axis=1) > least).all():
         raise ValueError("an element of a beam has no length, or its middle lies beyond its ends")
     J = np.linalg.norm(along, axis=1)[:, None]
     return J[:, 0], along / J, N, dN / J
@@ -85,17 +93,17 @@ class BeamElements:
     @classmethod
     def of(cls, points: ndarray) -> BeamElements:
         """Return the elements between nodes (m, 3, 2)."""
-        strains, weights = np.zeros((len(points), 6, 9)), np.zeros((len(points), 2))
+        # eps = t . u', gamma = n . u' - theta, kappa = theta'
+        m = len(points)
+        strains = np.zeros((m, 2, 3, 9))  # (elements, Gauss points, strains, dofs)
+        weights = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             weights[:, g], t, N, slope = _along(points, xi)
-            n = np.column_stack((-t[:, 1], t[:, 0]))
-            for row, direction in enumerate((t, n)):
-                strains[:, 3 * g + row, :6] = (slope[:, :, None] * direction[:, None]).reshape(
-                    -1, 6
-                )
-            strains[:, 3 * g + 1, 6:] = -N
-            strains[:, 3 * g + 2, 6:] = slope
-        return cls(points, strains, weights)
+            for row, direction in enumerate((t, left_of(t))):
+                strains[:, g, row, :6] = (slope[:, :, None] * direction[:, None]).reshape(m, 6)
+            strains[:, g, 1, 6:] = -N
+            strains[:, g, 2, 6:] = slope
+        return cls(points, strains.reshape(m, 6, 9), weights)
 
     def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
         """Return the matrices R of the stiffness R R', (m, 9, 2 q)."""
@@ -107,23 +115,15 @@ class BeamElements:
         return self.resultants
 
     def remarks(self, shear: float) -> list[Remark]:
-        """Return a remark on a stiffness against shear, over that against bending, that hides
-        bending in round-off.
-        """
+        """Return a remark on GA / EI that hides bending in round-off."""
         stiff = shear * float(self.weights.sum()) ** 2
-        return (
-            []
-            if stiff <= _RIGID
-            else [
-                Remark(
-                    "shear",
-                    stiff,
-                    f"GA is {stiff:.1e} EI / L**2: beyond {_RIGID:.0e} round-off may hide the "
-                    f"bending, and the "
-                    "system be singular; deflections of less GA differ by 3 EI / GA / L**2 only",
-                )
-            ]
+        if stiff <= _RIGID:
+            return []
+        text = (
+            f"GA is {stiff:.1e} EI / L**2: beyond {_RIGID:.0e} round-off may hide the bending, and "
+            "the system be singular; deflections of less GA differ by 3 EI / GA / L**2 only"
         )
+        return [Remark("shear", stiff, text)]
 
     @property
     def length(self) -> ndarray:
@@ -132,9 +132,8 @@ class BeamElements:
 
     def tangents(self) -> ndarray:
         """Return unit tangents at start and end, (m, 2, dim)."""
-        along = np.stack(
-            [np.einsum("k,mkc->mc", shapes(xi)[1], self.points) for xi in (-1.0, 1.0)], axis=1
-        )
+        dN = np.array([shapes(xi)[1] for xi in (-1.0, 1.0)])
+        along = np.einsum("ek,mkc->mec", dN, self.points)
         return np.asarray(along / np.linalg.norm(along, axis=2, keepdims=True))
 
     @property
@@ -143,66 +142,62 @@ class BeamElements:
         motion = np.zeros((len(self.points), 9, 3))
         arm = self.points - self.points[:, [2]]
         motion[:, 0:6:2, 0] = motion[:, 1:6:2, 1] = motion[:, 6:, 2] = 1.0
-        motion[:, 0:6:2, 2], motion[:, 1:6:2, 2] = -arm[:, :, 1], arm[:, :, 0]
+        motion[:, 0:6:2, 2] = -arm[:, :, 1]
+        motion[:, 1:6:2, 2] = arm[:, :, 0]
         return motion
 
     def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
-        """Return points, (n, dim), lengths, (n,), and the shares of the nodes in a force, (n, 3),
-        at n = 2 m points.
-        """
-        values = np.array([shapes(xi)[0] for xi in GAUSS])
-        points = np.einsum("gk,mkc->gmc", values, self.points).reshape(-1, self.points.shape[2])
-        return points, self.weights.T.ravel(), np.repeat(values, len(self.points), axis=0)
+        """Return the n = 2 m Gauss points, (n, dim), their lengths, (n,), and N there, (n, 3)."""
+        N = np.array([shapes(xi)[0] for xi in GAUSS])
+        points = np.einsum("gk,mkc->gmc", N, self.points).reshape(-1, self.points.shape[2])
+        return points, self.weights.T.ravel(), np.repeat(N, len(self.points), axis=0)
 
     def sides(self, half: float) -> tuple[ndarray, ...]:
         """Return both sides, half a thickness off the axis, at the Gauss points: n = 4 m.
 
         Points and outward normals, (n, 2) each, lengths, (n,), and the shares of the nodes in a
-        force there, (n, 3).
+        force on them, (n, 3).
         """
-        found = []
+        parts = []
         for g, xi in enumerate(GAUSS):
+            # Axis x, its normal n and curvature
             N, dN = shapes(xi)
-            x, along, turn = (
-                np.einsum("k,mkc->mc", part, self.points) for part in (N, dN, _CURVATURE)
-            )
-            J = self.weights[:, [g]]
-            left = np.column_stack((-along[:, 1], along[:, 0])) / J
-            bend = (turn * left).sum(axis=1) / J[:, 0] ** 2
-            found += [
-                (
-                    x + sign * half * left,
-                    sign * left,
-                    J[:, 0] * (1.0 - sign * half * bend),
-                    np.tile(N, (len(J), 1)),
-                )
-                for sign in (1.0, -1.0)
-            ]
-        return tuple(np.concatenate(parts) for parts in zip(*found, strict=True))
+            J = self.weights[:, g]
+            x = np.einsum("k,mkc->mc", N, self.points)
+            along = np.einsum("k,mkc->mc", dN, self.points)
+            turn = np.einsum("k,mkc->mc", _CURVATURE, self.points)
+            n = left_of(along) / J[:, None]
+            curvature = (turn * n).sum(axis=1) / J**2
+            shares = np.tile(N, (len(J), 1))
+            for sign in (1.0, -1.0):
+                length = J * (1.0 - sign * half * curvature)
+                parts.append((x + sign * half * n, sign * n, length, shares))
+        return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
 
     @property
     def resultants(self) -> ndarray:
-        """N, V and M at start and end by the forces on the nodes, (m, 2, 3, 9); signs of
-        ``SectionForces``.
+        """N, V and M at start and end by the forces on the nodes, (m, 2, 3, 9).
 
-        Of the forces on an end node, those count that the neighbour exerts: not the share of a load
-        on the element, a quarter of the force on the middle node.
+        Signs are those of ``SectionForces``. On an end node the forces of the neighbour count
+        alone: not the share of a load on the element, a quarter of the force on the middle node.
         """
-        found = np.zeros((len(self.points), 2, 3, 9))
+        result = np.zeros((len(self.points), 2, 3, 9))
+        tangents = self.tangents()
         for end, sign in ((0, -1.0), (1, 1.0)):
-            t = self.tangents()[:, end]
-            n = np.column_stack((-t[:, 1], t[:, 0]))
+            t = tangents[:, end]
+            n = left_of(t)
             for node, share in ((end, sign), (2, -sign * _AT_END)):
-                found[:, end, 0, 2 * node : 2 * node + 2] = share * t
-                found[:, end, 1, 2 * node : 2 * node + 2] = share * n
-                found[:, end, 2, 6 + node] = -share
-        return found
+                result[:, end, 0, 2 * node : 2 * node + 2] = share * t
+                result[:, end, 1, 2 * node : 2 * node + 2] = share * n
+                result[:, end, 2, 6 + node] = -share
+        return result
 
 
 @dataclass(frozen=True, eq=False)
 class ShellElements(BeamElements):
-    """Elements of shells of revolution about x = 0, per radian: q = 5 with the hoop strains u_x / x
-    and theta t_x / x.
+    """Elements of shells of revolution about x = 0, per radian.
+
+    They have q = 5 strains: the hoop strains u_x / x and theta t_x / x as well.
 
     Attributes
     ----------
@@ -221,41 +216,45 @@ class ShellElements(BeamElements):
         if points[..., 0].min() <= _NO_LENGTH * np.ptp(points):
             raise ValueError("a shell of revolution lies at x > 0; at a pole leave a small hole")
         plane = BeamElements.of(points)
-        strains, radius = np.zeros((len(points), 2, 5, 9)), np.zeros((len(points), 2))
-        strains[:, :, :3] = plane.strains.reshape(-1, 2, 3, 9)
+        m = len(points)
+        x = points[:, :, 0]
+        strains = np.zeros((m, 2, 5, 9))  # (elements, Gauss points, strains, dofs)
+        strains[:, :, :3] = plane.strains.reshape(m, 2, 3, 9)
+        radius = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             N, dN = shapes(xi)
-            radius[:, g] = points[:, :, 0] @ N
+            radius[:, g] = x @ N
+            t_x = x @ dN / plane.weights[:, g]
             strains[:, g, 3, 0:6:2] = N / radius[:, [g]]
-            strains[:, g, 4, 6:] = (
-                N * (points[:, :, 0] @ dN / plane.weights[:, g] / radius[:, g])[:, None]
-            )
-        return cls(points, strains.reshape(-1, 10, 9), plane.weights, nu, radius)
+            strains[:, g, 4, 6:] = N * (t_x / radius[:, g])[:, None]
+        return cls(points, strains.reshape(m, 10, 9), plane.weights, nu, radius)
 
     @override
     def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
+        # D couples eps with the hoop strain, and kappa with the hoop curvature, by nu
         D = np.diag([EA, GA, EI, EA, EI])
-        D[[0, 3, 2, 4], [3, 0, 4, 2]] = self.nu * np.array([EA, EA, EI, EI])
-        half = np.sqrt(self.weights * self.radius)[:, :, None, None] * np.linalg.cholesky(D)
-        return np.asarray(
-            np.einsum("mgqj,mgqr->mjgr", self.strains.reshape(-1, 2, 5, 9), half).reshape(-1, 9, 10)
-        )
+        D[[0, 3], [3, 0]] = self.nu * EA
+        D[[2, 4], [4, 2]] = self.nu * EI
+        area = np.sqrt(self.weights * self.radius)
+        half = area[:, :, None, None] * np.linalg.cholesky(D)
+        B = self.strains.reshape(-1, 2, 5, 9)
+        return np.asarray(np.einsum("mgqj,mgqr->mjgr", B, half).reshape(-1, 9, 10))
 
     @override
     def section(self, root: ndarray, EA: float, EI: float) -> ndarray:
-        """Return N, V and M per width at start and end, then N and M around the axis, by strains
-        from the forces.
-        """
-        moved = np.linalg.pinv(
-            root @ root.transpose(0, 2, 1), hermitian=True
-        )  # but for a rise along the axis
-        at, full = self.points[:, :2, 0], 1.0 - self.nu**2
-        found = np.zeros((len(self.points), 2, 5, 9))
-        found[:, :, :3] = self.resultants / at[:, :, None, None]
-        found[:, :, 3] = self.nu * found[:, :, 0] + full * EA * moved[:, [0, 2]] / at[..., None]
-        turned = moved[:, 6:8] * (self.tangents()[..., 0] / at)[..., None]
-        found[:, :, 4] = self.nu * found[:, :, 2] - full * EI * turned
-        return found
+        """Return N, V and M per width at start and end, then N and M around the axis."""
+        # Displacements by the forces, but for a rise along the axis
+        moved = np.linalg.pinv(root @ root.transpose(0, 2, 1), hermitian=True)
+        x = self.points[:, :2, 0]
+        turned = moved[:, 6:8] * (self.tangents()[..., 0] / x)[..., None]
+
+        # N_h = nu N + (1 - nu**2) EA u_x / x, M_h = nu M - (1 - nu**2) EI theta t_x / x
+        full = 1.0 - self.nu**2
+        result = np.zeros((len(self.points), 2, 5, 9))
+        result[:, :, :3] = self.resultants / x[:, :, None, None]
+        result[:, :, 3] = self.nu * result[:, :, 0] + full * EA * moved[:, [0, 2]] / x[..., None]
+        result[:, :, 4] = self.nu * result[:, :, 2] - full * EI * turned
+        return result
 
     @property
     @override
@@ -276,23 +275,24 @@ class ShellElements(BeamElements):
 
 
 class SpaceElements(BeamElements):
-    """Elements in space, of round sections: q = 6 with two shear strains, two curvatures and the
-    twist.
+    """Elements in space, of round sections.
+
+    They have q = 6 strains: stretching, two shear strains, two curvatures and the twist.
     """
 
     @classmethod
     @override
     def of(cls, points: ndarray) -> SpaceElements:
         m = len(points)
-        strains, weights = np.zeros((m, 2, 6, 18)), np.zeros((m, 2))
+        strains = np.zeros((m, 2, 6, 18))  # (elements, Gauss points, strains, dofs)
+        weights = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             weights[:, g], t, N, slope = _along(points, xi)
-            first = np.cross(t, np.eye(3)[np.abs(t).argmin(axis=1)])
-            first /= np.linalg.norm(first, axis=1)[:, None]
-            second = np.cross(t, first)
-            for row, axis in enumerate((t, first, second)):
-                strains[:, g, row, :9] = (slope[:, :, None] * axis[:, None]).reshape(m, 9)
-                strains[:, g, (5, 3, 4)[row], 9:] = strains[:, g, row, :9]
+            first, second = across(t)
+            for row, axis, turned in ((0, t, 5), (1, first, 3), (2, second, 4)):
+                along = (slope[:, :, None] * axis[:, None]).reshape(m, 9)
+                strains[:, g, row, :9] = along
+                strains[:, g, turned, 9:] = along
             strains[:, g, 1, 9:] = -(N[:, None] * second[:, None]).reshape(m, 9)
             strains[:, g, 2, 9:] = (N[:, None] * first[:, None]).reshape(m, 9)
         return cls(points, strains.reshape(m, 12, 18), weights)
@@ -305,9 +305,11 @@ class SpaceElements(BeamElements):
     @property
     @override
     def rigid(self) -> ndarray:
-        motion, arm = np.zeros((len(self.points), 18, 6)), self.points - self.points[:, [2]]
+        motion = np.zeros((len(self.points), 18, 6))
+        arm = self.points - self.points[:, [2]]
         for c in range(3):
-            motion[:, c:9:3, c] = motion[:, 9 + c :: 3, 3 + c] = 1.0
+            motion[:, c:9:3, c] = 1.0
+            motion[:, 9 + c :: 3, 3 + c] = 1.0
             motion[:, :9, 3 + c] = np.cross(np.eye(3)[c], arm).reshape(-1, 9)
         return motion
 
@@ -315,18 +317,18 @@ class SpaceElements(BeamElements):
     @override
     def resultants(self) -> ndarray:
         """Force and moment at start and end by the forces on the nodes, (m, 2, 6, 18)."""
-        found = np.zeros((len(self.points), 2, 6, 18))
+        result = np.zeros((len(self.points), 2, 6, 18))
+        unit = np.eye(6)
+        forces = result.reshape(-1, 2, 6, 6, 3)  # nodes' displacements, then rotations
         for end, sign in ((0, -1.0), (1, 1.0)):
             for node, share in ((end, sign), (2, -sign * _AT_END)):
-                for c in range(3):
-                    found[:, end, c, 3 * node + c] = found[:, end, 3 + c, 9 + 3 * node + c] = share
-        return found
+                forces[:, end, :, node] = share * unit[:, :3]
+                forces[:, end, :, 3 + node] = share * unit[:, 3:]
+        return result
 
 
 class Flow(NamedTuple):
-    """Flow of one element: its number, change of its dofs without force, and the faces in force,
-    (k, 9).
-    """
+    """Flow of one element: its number, change of dofs without force, and faces in force, (k, 9)."""
 
     element: int
     free: ndarray
@@ -363,47 +365,40 @@ class Hinges:
         Mp: float,
         Np: float,
     ) -> None:
-        signs = np.array(
-            [(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
-            if np.isfinite(Np)
-            else [(0, -1), (0, 1)]
-        )
+        # Faces f of the strength, f . force <= 1: (+-N / Np +- M / Mp), or +-M / Mp alone
+        normal = (-1.0, 1.0) if np.isfinite(Np) else (0.0,)
+        signs = np.array(list(product(normal, (-1.0, 1.0))))
         faces = np.einsum("fr,merj->mefj", signs / [Np, Mp], resultants[:, :, [0, 2]])
         later = _ranks(nodes.ravel()).reshape(nodes.shape) + np.isin(nodes, joined)
-        self._faces = (faces / (1.0 + _WEAKEST * later)[:, :, None, None]).reshape(
-            len(nodes), -1, 9
-        )
+        faces /= (1.0 + _WEAKEST * later)[:, :, None, None]
+        self._faces = faces.reshape(len(nodes), -1, 9)
         self._root = root
 
     def flows(self, force: ndarray) -> Iterator[Flow]:
-        """Yield the flow of every element whose forces on the nodes, (m, 9), exceed its
-        strength.
-        """
+        """Yield the flow of every element whose forces, (m, 9), exceed its strength."""
         excess = np.einsum("mfj,mj->mf", self._faces, force) - 1.0
         for e in np.flatnonzero((excess > 0.0).any(axis=1)):
             faces = self._faces[e]
             way = faces @ self._root[e]
             size = np.linalg.norm(way, axis=1)
+
+            # Solve in units of the largest distance: the solution is of order one
             far = (excess[e] / size).max()
-            beyond = (
-                excess[e] / size / far
-            )  # all of them in units of the largest: the solution is of order one
-            multiplier, _ = nnls(
-                np.vstack((way.T / size, beyond)), np.append(np.zeros(way.shape[1]), 1.0)
-            )
+            beyond = excess[e] / size / far
+            A = np.vstack((way.T / size, beyond))
+            multiplier, _ = nnls(A, np.append(np.zeros(way.shape[1]), 1.0))
             multiplier *= far / size / (1.0 - beyond @ multiplier)
             yield Flow(int(e), faces.T @ multiplier, faces[multiplier > 0.0])
 
     def tangent(self, stiffness: ndarray, flows: list[Flow]) -> ndarray:
-        """Return the tangents of all elements, (m, 9, 9), some of which flow, from the elastic
-        ones.
-        """
+        """Return the tangents, (m, 9, 9), of elastic elements and of elements that flow."""
         tangent = stiffness.copy() if flows else stiffness
         for e, _, faces in flows:
             root = self._root[e]
-            across = np.linalg.svd((faces @ root).T, full_matrices=False)
-            lost = root @ across.U[:, _DEPENDENT * across.S[0] < across.S]
-            tangent[e] -= (1.0 - _KEPT) * lost @ lost.T
+            modes = np.linalg.svd((faces @ root).T, full_matrices=False)
+            independent = modes.U[:, _DEPENDENT * modes.S[0] < modes.S]
+            released = root @ independent
+            tangent[e] -= (1.0 - _KEPT) * released @ released.T
         return tangent
 
 

@@ -17,7 +17,7 @@ from typing_extensions import override
 from ..checks import check_basis, finite, format_point, is_number, positive
 from ..forms.base import Form, Response
 from ..layout import Field
-from .element import shapes
+from .element import across, shapes
 from .nodes import BeamNodes, stiffest
 
 #: Points of an element where the skin acts, and their weights: Gauss points of beams.
@@ -413,13 +413,6 @@ def _elements_at(mesh: Mesh, points: ndarray) -> ndarray:
     return elements
 
 
-def _across(along: ndarray) -> tuple[ndarray, ndarray]:
-    """Return two directions across unit tangents, (n, 3) each."""
-    first = np.cross(along, np.eye(3)[np.abs(along).argmin(axis=1)])
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return first, np.cross(along, first)
-
-
 def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
     """Return the sizes across the beam of the elements at points, (n,)."""
     mesh = basis.mesh
@@ -427,7 +420,7 @@ def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
     if (elements < 0).any():
         raise _leaving(points[elements < 0])
     corners = mesh.p[:, mesh.t[:, elements]].transpose(2, 1, 0)  # (n, corners, 3)
-    widths = [np.ptp(np.einsum("nkc,nc->nk", corners, axis), axis=1) for axis in _across(along)]
+    widths = [np.ptp(np.einsum("nkc,nc->nk", corners, axis), axis=1) for axis in across(along)]
     return np.asarray(np.max(widths, axis=0))
 
 
@@ -440,7 +433,7 @@ def _around(
     symmetry.
     """
     # Place points on the circles
-    first, second = _across(along)
+    first, second = across(along)
     angle = 2.0 * np.pi * (np.arange(_ON_CIRCLE) + 0.5) / _ON_CIRCLE
     cos = np.cos(angle)[:, None]
     sin = np.sin(angle)[:, None]

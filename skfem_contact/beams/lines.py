@@ -18,6 +18,7 @@ from ..layout import elements_of
 from ..mesh.check import check_topology, own_tags
 from ..mesh.join import moved, owners_of, renumbered
 from ..surfaces.topology import ordered
+from .element import left_of
 
 #: Largest distance of a boundary from the side of a beam on which it lies, in facets.
 _NEAR = 0.1
@@ -249,7 +250,7 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     end = points[:, [2, 1]].reshape(-1, 2)
     length = np.linalg.norm(end - start, axis=1)
     t = (end - start) / length[:, None]
-    n = np.column_stack((-t[:, 1], t[:, 0]))
+    n = left_of(t)
 
     # Find the nearest chord of each facet, by distances across and beyond its ends
     offset = middle[:, None] - start  # (facets, chords, 2)
