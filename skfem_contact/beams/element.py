@@ -396,7 +396,7 @@ class Hinges:
         for e, _, faces in flows:
             root = self._root[e]
             modes = np.linalg.svd((faces @ root).T, full_matrices=False)
-            independent = modes.U[:, _DEPENDENT * modes.S[0] < modes.S]
+            independent = modes.U[:, modes.S / modes.S[0] > _DEPENDENT]
             released = root @ independent
             tangent[e] -= (1.0 - _KEPT) * released @ released.T
         return tangent

@@ -1,4 +1,4 @@
-"""Checks of meshes: the error names the elements and their coordinates."""
+"""Checks of meshes, whose errors name the elements and their coordinates."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ _MESH_TYPES = (
     skfem.MeshHex1,
     skfem.MeshHex2,
 )
-# An element is flat if its Jacobian is below this part of its size squared (cubed in space): far
-# below any shape of use (a needle of aspect ratio 1e6 has 1e-6), and above the round-off of
-# coordinates (1e-13 at a distance of 1000 element sizes).
+#: Jacobian of a flat element over its size squared (cubed in space): far below any shape of use (a
+#: needle of aspect ratio 1e6 has 1e-6), and above the round-off of coordinates (1e-13 at a distance
+#: of 1000 element sizes).
 _FLAT = 1e-10
+#: Number of wrong nodes or elements that a message names.
 _SHOWN = 5
-# Distance from the origin over the size of elements: squares fail from 3200 diagonals on, where
-# Newton's method of scikit-fem for points in them does not reach 1e-12, and `with_defaults` takes
-# wrong facets from 35,000 on.
+#: Distance from the origin over the size of elements: squares fail from 3200 diagonals on, where
+#: Newton's method of scikit-fem for points in them does not reach 1e-12, and `with_defaults` takes
+#: wrong facets from 35,000 on.
 _FAR = 2000.0
 
 
 def check_mesh(mesh: Mesh) -> None:
-    """Raise a ValueError with the first wrong elements or nodes if a mesh is not fit for an
-    analysis.
+    """Raise a ValueError with the first wrong elements or nodes of a mesh unfit for an analysis.
 
     A mesh is fit if it consists of triangles, quadrilaterals, tetrahedra or hexahedra of first or
     second order.  No elements may be duplicate, flat, inverted or folded.  All coordinates are
@@ -61,43 +61,42 @@ def check_mesh(mesh: Mesh) -> None:
     """
     check_topology(mesh)
     nodes = np.arange(mesh.doflocs.shape[1])
-    free = np.setdiff1d(nodes, mesh.dofs.element_dofs)
-    if len(free):
-        raise _error("nodes of no element (join_bodies drops them)", "node", free, mesh.doflocs)
-    lost = nodes[~np.isfinite(mesh.doflocs).all(axis=0)]
-    if len(lost):
-        raise _error("coordinates that are not finite", "node", lost, mesh.doflocs)
+    unused = np.setdiff1d(nodes, mesh.dofs.element_dofs)
+    if len(unused):
+        raise _error("nodes of no element (join_bodies drops them)", "node", unused, mesh.doflocs)
+    infinite = nodes[~np.isfinite(mesh.doflocs).all(axis=0)]
+    if len(infinite):
+        raise _error("coordinates that are not finite", "node", infinite, mesh.doflocs)
 
-    corners = mesh.p[:, mesh.t]
-    points = (ElementHex2() if mesh.dim() == 3 and len(mesh.t) == 8 else mesh.elem()).doflocs.T
+    # Compare the Jacobian at the nodes with the size of the elements, and its signs
+    corners = mesh.p[:, mesh.t]  # (dim, corners, elements)
+    centres = corners.mean(axis=1)
+    hexahedra = mesh.dim() == 3 and len(mesh.t) == 8
+    points = (ElementHex2() if hexahedra else mesh.elem()).doflocs.T
     J = _derivatives(mesh, points)
-    jacobian = (J[:, 0] * _cofactors(J)[0]).sum(axis=0)  # (n_elements, n_points)
+    jacobian = (J[:, 0] * _cofactors(J)[0]).sum(axis=0)  # (elements, points)
     size = np.linalg.norm(np.ptp(corners, axis=1), axis=0)
     flat = np.flatnonzero(np.abs(jacobian).min(axis=1) <= _FLAT * size ** mesh.dim())
     if len(flat):
-        raise _error("flat elements", "element", flat, corners.mean(axis=1))
+        raise _error("flat elements", "element", flat, centres)
     inverted = np.flatnonzero(jacobian.min(axis=1) * jacobian.max(axis=1) < 0)
     if len(inverted):
-        raise _error("inverted elements", "element", inverted, corners.mean(axis=1))
+        raise _error("inverted elements", "element", inverted, centres)
+
     middle = corners.mean(axis=(1, 2))
     if np.abs(middle).max() > _FAR * size.max():
         warn(
             f"the mesh lies at {format_point(middle)}, more than {_FAR:g} of its elements from the "
-            f"origin, where "
-            "`with_defaults` takes wrong facets and quadrilaterals fail: move it by "
+            "origin, where `with_defaults` takes wrong facets and quadrilaterals fail: move it by "
             "`mesh.translated` before"
         )
     folded = _folded(mesh, np.sign(jacobian[:, 0]))
     if len(folded):
-        raise _error(
-            "elements folded over their neighbours", "element", folded, corners.mean(axis=1)
-        )
+        raise _error("elements folded over their neighbours", "element", folded, centres)
 
 
 def check_topology(mesh: Mesh) -> None:
-    """Check what the renumbering of nodes relies on: element type, numbers of nodes, facets and
-    tags.
-    """
+    """Check element type and numbers of nodes, facets and tags, which new numbers rely on."""
     if type(mesh) not in _MESH_TYPES:
         names = ", ".join(kind.__name__ for kind in _MESH_TYPES)
         raise ValueError(
@@ -123,20 +122,19 @@ def check_topology(mesh: Mesh) -> None:
 
 
 def own_tags(tags: Mapping[str, Indices] | None) -> dict[str, Indices]:
-    """Return the tags without those of Gmsh's bookkeeping."""
+    """Return the tags without the bookkeeping of Gmsh."""
     return {name: part for name, part in (tags or {}).items() if not name.startswith("gmsh:")}
 
 
 def _derivatives(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return dx_i/dX_j at points of the reference element: (dim, dim, n_elements, n_points)."""
-    mapping, axes = MappingIsoparametric(mesh, mesh.elem()), range(mesh.dim())
+    mapping = MappingIsoparametric(mesh, mesh.elem())
+    axes = range(mesh.dim())
     return np.array([[mapping.J(i, j, points) for j in axes] for i in axes])
 
 
 def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the derivatives of det J by its columns, the first axis: (dim, dim, n_elements,
-    n_points).
-    """
+    """Return the derivatives of det J by its columns: (dim, dim, n_elements, n_points)."""
     if len(J) == 2:
         return np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]])
     return np.array([np.cross(J[:, k - 2], J[:, k - 1], axis=0) for k in range(3)])
@@ -145,14 +143,13 @@ def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
 def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:
     """Return the elements that lie on the same side of a facet as their neighbour.
 
-    In the middle of such a facet both have the same outward normal, by Nanson's formula that of the
-    reference element times the cofactors.  `sign` is the sign of the Jacobian of every element.
+    In the middle of such a facet both have the same outward normal: by Nanson's formula the normal
+    of the reference element times the cofactors.  `sign` is the sign of each element's Jacobian.
     """
     refdom = mesh.elem.refdom
-    J = _derivatives(
-        mesh, np.column_stack([refdom.p[:, corners].mean(axis=1) for corners in refdom.facets])
-    )
-    normals = sign[:, None] * np.einsum("jcef,fj->cef", _cofactors(J), refdom.normals)
+    middles = [refdom.p[:, corners].mean(axis=1) for corners in refdom.facets]
+    cofactors = _cofactors(_derivatives(mesh, np.column_stack(middles)))
+    normals = sign[:, None] * np.einsum("jcef,fj->cef", cofactors, refdom.normals)
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
     first, second = (
         normals[:, element, np.argmax(mesh.t2f[:, element] == inner, axis=0)]

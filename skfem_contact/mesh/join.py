@@ -27,8 +27,7 @@ Tags = dict[str, Indices]
 def join_bodies(
     mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None
 ) -> Mesh:
-    """Join bodies in one mesh in which they share no node; keep all tags and name both sides of
-    every interface.
+    """Join bodies in one mesh without common nodes, with all tags and both sides of interfaces.
 
     **One mesh**, whose bodies share the nodes of their interfaces, as from Gmsh: `bodies` names the
     subdomains of every body.  Nodes on an interface are doubled, and elements keep their numbers.
@@ -99,7 +98,8 @@ def join_bodies(
     ['block:left', 'block:bottom', 'block:right', 'block:top']
     """
     if isinstance(mesh, Mapping):
-        if wrong := [name for name in mesh if not isinstance(name, str)]:
+        wrong = [name for name in mesh if not isinstance(name, str)]
+        if wrong:
             raise ValueError(f"bodies have names, not {wrong}")
         if bodies is not None:
             raise ValueError("bodies= is for a single mesh; of several meshes, each is one body")
@@ -111,8 +111,7 @@ def join_bodies(
 
 
 def bodies(mesh: Mesh) -> Tags:
-    """Return name and element numbers of the bodies of a mesh, in the order of their first
-    elements.
+    """Return names and elements of the bodies of a mesh, in the order of their first elements.
 
     A body has the name of the subdomain that consists of exactly its elements (the last of
     several), else the names of all subdomains with elements of the body, joined by "+", else
@@ -126,22 +125,22 @@ def bodies(mesh: Mesh) -> Tags:
     {'base': array([0, 1]), 'block': array([2, 3])}
     """
     parts = _connected_elements(mesh)
-    names = [_name_of(part, own_tags(mesh.subdomains)) for part in parts]
-    numbered = [
-        name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}"
-        for k, name in enumerate(names)
-    ]
-    return dict(zip(numbered, parts, strict=True))
+    subdomains = own_tags(mesh.subdomains)
+    names = [_name_of(part, subdomains) for part in parts]
+    result: Tags = {}
+    for k, (name, part) in enumerate(zip(names, parts, strict=True)):
+        several = names.count(name) > 1
+        result[f"{name} {names[:k].count(name) + 1}" if several else name] = part
+    return result
 
 
 def _connected_elements(mesh: Mesh) -> list[Indices]:
     """Return the elements of every connected part."""
     n_corners, n_elements = mesh.t.shape
-    element = np.tile(np.arange(n_elements), n_corners)
     size = n_elements + mesh.nvertices
-    links = coo_matrix(
-        (np.ones(mesh.t.size), (element, n_elements + mesh.t.ravel())), shape=(size, size)
-    )
+    element = np.tile(np.arange(n_elements), n_corners)
+    node = n_elements + mesh.t.ravel()
+    links = coo_matrix((np.ones(mesh.t.size), (element, node)), shape=(size, size))
     label = connected_components(links, directed=False)[1][:n_elements]
     return [np.flatnonzero(label == k) for k in np.unique(label)]
 
@@ -165,17 +164,16 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
 
     counts = [part.nelements for part in meshes.values()]
     mesh = renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
-    subdomains, boundaries, first = Tags(), Tags(), 0
+    subdomains: Tags = {}
+    boundaries: Tags = {}
+    first = 0
     for name, part in meshes.items():
         _add(subdomains, name, np.arange(first, first + part.nelements))
         for tag, elements in own_tags(part.subdomains).items():
             _add(subdomains, f"{name}:{tag}", elements + first)
         for tag, facets in own_tags(part.boundaries).items():
-            _add(
-                boundaries,
-                f"{name}:{tag}",
-                moved(part, mesh, facets, owners_of(part, facets), first),
-            )
+            new = moved(part, mesh, facets, owners_of(part, facets), first)
+            _add(boundaries, f"{name}:{tag}", new)
         first += part.nelements
     return replace(mesh, _boundaries=boundaries, _subdomains=subdomains)
 
@@ -203,8 +201,8 @@ def _separate_parts(mesh: Mesh) -> Tags:
     if len(parts) == 1:
         raise ValueError(
             "the mesh is one connected body; name the subdomains of every body, bodies={'name': "
-            "[...]}; "
-            f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
+            "[...]}; existing: "
+            f"{', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
         )
     return parts
 
@@ -230,27 +228,22 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
         if len(twice):
             raise ValueError(
                 f"{len(twice)} elements belong both to '{names[body[twice[0]]]}' and to "
-                f"'{names[k]}' "
-                f"(element {twice[0]} is the first)"
+                f"'{names[k]}' (element {twice[0]} is the first)"
             )
         body[elements] = k
-    left = np.flatnonzero(body < 0)
-    if len(left):
-        touched = [
-            name
-            for name, elements in own_tags(mesh.subdomains).items()
-            if np.isin(elements, left).any()
-        ]
+    missing = np.flatnonzero(body < 0)
+    if len(missing):
+        subdomains = own_tags(mesh.subdomains)
+        touched = [name for name, part in subdomains.items() if np.isin(part, missing).any()]
         raise ValueError(
-            f"{len(left)} elements belong to no body (element {left[0]} is the first); add their "
-            f"subdomains to bodies=: {', '.join(touched) or 'none, name them first'}"
+            f"{len(missing)} elements belong to no body (element {missing[0]} is the first); add "
+            f"their subdomains to bodies=: {', '.join(touched) or 'none, name them first'}"
         )
     return body
 
 
 def renumbered(parts: Sequence[Mesh], body: Indices, copy: Indices | int = 0) -> Mesh:
-    """Join the elements of meshes of one type, without tags; every body, and every copy of a node,
-    gets its own nodes.
+    """Join meshes of one type without tags; every body and every copy of a node has own nodes.
 
     Nodes are sorted by body and keep their order within.  The corners of an element therefore keep
     their order, also where scikit-fem sorts them, and side `k` of an element remains its side `k`.
@@ -269,10 +262,9 @@ def renumbered(parts: Sequence[Mesh], body: Indices, copy: Indices | int = 0) ->
         _boundaries=None,
         _subdomains=None,
     )
+    coordinates = [part.doflocs[:, part.dofs.element_dofs] for part in parts]
     doflocs = np.zeros((mesh.dim(), mesh.dofs.N))
-    doflocs[:, mesh.dofs.element_dofs] = np.dstack(
-        [part.doflocs[:, part.dofs.element_dofs] for part in parts]
-    )
+    doflocs[:, mesh.dofs.element_dofs] = np.dstack(coordinates)
     return replace(mesh, doflocs=doflocs)
 
 
@@ -286,23 +278,27 @@ def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[st
         if not np.isin(facets, between).any():
             _add(result, tag, moved(mesh, apart, facets, owners))
             continue
-        others = mesh.f2t[:, np.asarray(facets)].sum(axis=0) - owners
+        # Split a boundary on an interface by body
+        numbers = np.asarray(facets)
+        others = mesh.f2t[:, numbers].sum(axis=0) - owners
         for k, name in enumerate(names):
-            here = (sides[:, np.asarray(facets)] == k).any(axis=0)
-            if here.any():
-                mine = np.where(body[owners] == k, owners, others)[here]
-                _add(result, f"{name}:{tag}", moved(mesh, apart, facets[here], mine))
+            part = (sides[:, numbers] == k).any(axis=0)
+            if part.any():
+                mine = np.where(body[owners] == k, owners, others)[part]
+                _add(result, f"{name}:{tag}", moved(mesh, apart, facets[part], mine))
 
-    facets, owners = np.tile(between, 2), mesh.f2t[:, between].ravel()
+    # Name the sides of interfaces by bodies, and by subdomains of bodies that have several
+    facets = np.tile(between, 2)
+    owners = mesh.f2t[:, between].ravel()
     pairs = np.hstack((sides[:, between], sides[::-1, between]))
     for a, b in np.unique(pairs, axis=1).T:
-        here = (pairs == [[a], [b]]).all(axis=0)
-        name, other = names[a], names[b]
-        _add(result, f"{name}|{other}", moved(mesh, apart, facets[here], owners[here]))
-        for tag, part in own_tags(mesh.subdomains).items():  # a body of several subdomains
-            inside = here & np.isin(owners, part)
-            if inside.any() and (inside != here).any() and f"{tag}|{other}" not in result:
-                _add(result, f"{tag}|{other}", moved(mesh, apart, facets[inside], owners[inside]))
+        other = names[b]
+        side = (pairs == [[a], [b]]).all(axis=0)
+        _add(result, f"{names[a]}|{other}", moved(mesh, apart, facets[side], owners[side]))
+        for tag, elements in own_tags(mesh.subdomains).items():
+            part = side & np.isin(owners, elements)
+            if part.any() and (part != side).any() and f"{tag}|{other}" not in result:
+                _add(result, f"{tag}|{other}", moved(mesh, apart, facets[part], owners[part]))
     return result
 
 
@@ -314,9 +310,7 @@ def owners_of(mesh: Mesh, facets: Indices) -> Indices:
 
 
 def moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:
-    """Return a boundary of the new mesh, whose element `first + n` has the corners of the old
-    element `n`.
-    """
+    """Return a boundary of a new mesh, whose elements `first + n` are the old elements `n`."""
     side = np.argmax(old.t2f[:, owners] == np.asarray(facets), axis=0)
     moved = new.t2f[side, owners + first]
     if isinstance(facets, OrientedBoundary):
