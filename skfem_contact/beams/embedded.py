@@ -215,7 +215,7 @@ class Embedded(Form):
         base = (1.0 - nu) / (4.0 * G) * (1.0 / self.radius - 1.0 / self._wide[-1])
         new._at_foot = self._part[-1] / (1.0 / (k * self._lengths[-1]) + base)
 
-        # The beam must be stiffer than the ground in its place
+        # The beam must be stiffer than the ground that it replaces
         own = 2.0 * (1.0 + nu) * G * np.pi * self.radius**2 * float(self._part.mean())
         if own > self._replacing:
             raise ValueError(
@@ -432,7 +432,7 @@ def _around(
     Points of a circle that lie outside of the mesh are left out: it is then cut along a plane of
     symmetry.
     """
-    # Place points on the circles
+    # Take points on the circles
     first, second = across(along)
     angle = 2.0 * np.pi * (np.arange(_ON_CIRCLE) + 0.5) / _ON_CIRCLE
     cos = np.cos(angle)[:, None]

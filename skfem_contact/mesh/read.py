@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skfem import Mesh
 from skfem.io.meshio import from_meshio
 
-# Supported elements by meshio's names: number of corners, name of the lines along their sides.
+#: Supported elements by meshio's names: number of corners, name of the lines along their sides.
 _ELEMENTS = {
     "triangle": (3, "line"),
     "triangle6": (3, "line3"),
@@ -20,14 +20,14 @@ _ELEMENTS = {
 _LOWER = {"vertex", "line", "line3"}
 
 Integers = NDArray[np.integer]
-#: A plane mesh has heights below this share of its size.
+#: Largest height of a plane mesh, as a share of its size.
 _FLAT = 1e-9
 
 
 def load_mesh(path: str | PathLike[str]) -> Mesh:
-    """Load the plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves
-    as boundaries.
+    """Load the plane mesh of a Gmsh file, with its physical surfaces and curves.
 
+    Physical surfaces become subdomains, and physical curves become boundaries.
     ``skfem.Mesh.load`` loses the curves of second-order meshes, the curves between two surfaces in
     format 2.2, and the quadrilaterals of meshes that have triangles as well.
 
@@ -73,39 +73,34 @@ def load_mesh(path: str | PathLike[str]) -> Mesh:
 def _plane_mesh(file: meshio.Mesh) -> Mesh:
     """Return the mesh of a file."""
     kind = _element_type(file)
+    n_corners, line = _ELEMENTS[kind]
+    elements = file.cells_dict[kind]
+    lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
+
+    # Refuse points that are no plane mesh
     if not np.isfinite(file.points).all():
         raise ValueError("the mesh has coordinates that are not finite")
     if np.ptp(file.points[:, 2:]) > _FLAT * np.ptp(file.points[:, :2]):
         raise ValueError(
             "the mesh does not lie in the x-y plane: rotate it, or export the coordinates x and y"
         )
-    n_corners, line = _ELEMENTS[kind]
-    elements = file.cells_dict[kind]
     if elements.max(initial=0) >= len(file.points):
         raise ValueError(
             f"an element names node {elements.max() + 1}, but there are {len(file.points)}"
         )
-    lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
     curves = _physical_groups(file, 1, line)
     _check_curves(curves, lines, elements[:, :n_corners])
 
-    corners = np.unique(
-        elements[:, :n_corners]
-    )  # scikit-fem wants corners first, and all nodes used
+    # Number the nodes of elements, corners first, as scikit-fem wants it
+    corners = np.unique(elements[:, :n_corners])
     kept = np.concatenate((corners, np.setdiff1d(elements, corners)))
     number = np.zeros(len(file.points), dtype=int)
     number[kept] = np.arange(len(kept))
-    named_lines = {name: [members, None] for name, members in curves.items()}
-    named_elements = {
-        name: [None, members] for name, members in _physical_groups(file, 2, kind).items()
-    }
-    return from_meshio(
-        meshio.Mesh(
-            file.points[kept],
-            [("line", number[lines]), (kind, number[elements])],
-            cell_sets={**named_lines, **named_elements},
-        )
-    )
+    cell_sets = {name: [members, None] for name, members in curves.items()}
+    for name, members in _physical_groups(file, 2, kind).items():
+        cell_sets[name] = [None, members]
+    cells = [("line", number[lines]), (kind, number[elements])]
+    return from_meshio(meshio.Mesh(file.points[kept], cells, cell_sets=cell_sets))
 
 
 def _element_type(file: meshio.Mesh) -> str:
@@ -116,7 +111,10 @@ def _element_type(file: meshio.Mesh) -> str:
     found = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no elements"
     remedy = ""
     if len(counts) > 1:
-        remedy = "; in Gmsh, recombine all surfaces or none (Mesh.SubdivisionAlgorithm = 1 makes quads only)"
+        remedy = (
+            "; in Gmsh, recombine all surfaces or none (Mesh.SubdivisionAlgorithm = 1 makes quads "
+            "only)"
+        )
     elif "quad8" in counts:
         remedy = "; in Gmsh, set Mesh.SecondOrderIncomplete = 0"
     raise ValueError(
@@ -137,12 +135,14 @@ def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[
 
 def _check_curves(curves: dict[str, Integers], lines: Integers, corners: Integers) -> None:
     """Check that every line of a named curve is a side of an element."""
+    # Give every pair of nodes a number
     size = 1 + max(corners.max(), lines.max(initial=0))
 
     def keys(pairs: Integers) -> Integers:
         return pairs.min(axis=-1) * size + pairs.max(axis=-1)
 
-    is_side = np.isin(keys(lines), keys(np.stack((corners, np.roll(corners, -1, axis=1)), axis=-1)))
+    sides = np.stack((corners, np.roll(corners, -1, axis=1)), axis=-1)  # (elements, sides, 2)
+    is_side = np.isin(keys(lines), keys(sides))
     for name, members in curves.items():
         stray = np.sum(~is_side[members])
         if stray:
