@@ -211,8 +211,8 @@ assert rows[-1]["error"] < 0.002
 # A layer that becomes tighter
 # The load compresses the layer by a tenth, its void ratio falls from 1 to .8, and its permeability
 # to .4 of that at the start, see
-# :class:`CompactingPoreWater <skfem_contact.water.CompactingPoreWater>`. A plain script of finite
-# volumes stands beside it. With the permeability at the start half of the settlement has happened
+# :class:`Permeability <skfem_contact.water.Permeability>`. A plain script of finite volumes is
+# compared with it. With the permeability at the start half of the settlement has happened
 # at T = .197.
 
 
@@ -240,7 +240,7 @@ mesh = MeshTri.init_tensor(np.array([0.0, 0.1]), 1 - np.linspace(1, 0, 21) ** 1.
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 forms = {
     "ground": sc.SolidForm(basis, sc.LinearElastic(E=10 * Q, nu=0.0)),
-    "water": sc.water.CompactingPoreWater(basis, K, void_ratio=1.0, change=0.5, unit_weight=1.0),
+    "water": sc.PoreWater(basis, sc.water.Permeability(K, 1.0, 0.5), unit_weight=1.0),
 }
 load = sc.traction(basis, "top", (0, -Q))
 stages = [

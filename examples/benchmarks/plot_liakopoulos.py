@@ -11,8 +11,8 @@ curves of its saturation S and its relative permeability for a suction s,
 \qquad \text{(Pa)},
 
 and elastic ground for the column.
-:class:`UnsaturatedPoreWater <skfem_contact.water.UnsaturatedPoreWater>` is compared with a plain
-script of finite volumes. ``error`` is that of the pressures, over the largest suction of 9.81 kPa.
+:class:`PoreWater <skfem_contact.PoreWater>` with a retention is compared with a plain script of
+finite volumes. ``error`` is that of the pressures, over the largest suction of 9.81 kPa.
 """
 
 import json
@@ -76,9 +76,7 @@ def column(n):
     """
     mesh = MeshTri.init_tensor(np.array([0.0, 0.1]), np.linspace(0, 1, n + 1)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    water = sc.water.UnsaturatedPoreWater(
-        basis, K, retention=Sand(), start=lambda x: x[1], unit_weight=WATER
-    )
+    water = sc.PoreWater(basis, K, retention=Sand(), start=lambda x: x[1], unit_weight=WATER)
     forms = {"sand": sc.SolidForm(basis, sc.LinearElastic(E, NU)), "water": water}
     model = sc.Model(forms, [sc.box_supports(basis, base="rollers"), water.dofs("bottom")])
     lengths = np.diff(MINUTES, prepend=0)

@@ -1,21 +1,20 @@
-"""Water in the ground: seepage, steady or in time, confined or with a free surface, and
-consolidation.
-"""
+"""Water in the ground: seepage, steady or in time, and consolidation."""
 
-from .compacting import CompactingPoreWater
-from .consolidation import PoreWater
+from .conductivity import Permeability
+from .deprecated import CompactingPoreWater, UnsaturatedPoreWater
 from .inflow import Inflow
+from .pore_water import PoreWater
 from .porous import PoreState
 from .retention import BrooksCorey, Ramp, Retention, VanGenuchten
 from .seepage import Seepage, seepage
 from .seepage_face import SeepageFace
 from .transient import TransientSeepage, transient_seepage
-from .unsaturated import UnsaturatedPoreWater
 
 __all__ = [
     "BrooksCorey",
     "CompactingPoreWater",
     "Inflow",
+    "Permeability",
     "PoreState",
     "PoreWater",
     "Ramp",

@@ -12,7 +12,7 @@ from numpy import ndarray
 from typing_extensions import Self, override
 
 from ..forms.base import Form
-from .consolidation import PoreWater
+from .pore_water import PoreWater
 
 
 class AtNodes(Form):

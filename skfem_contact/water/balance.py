@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -17,12 +17,9 @@ from ..errors import NotConverged, warn
 from ..solvers.direct import DirectSolver
 from .boundary import Conditions, nodes_on
 from .darcy import DarcyFlow
-from .retention import Retention
+from .retention import Laws
 
 logger = logging.getLogger("skfem_contact")
-
-#: Elements and their retention.
-Laws = Sequence[tuple[ndarray, Retention]]
 
 #: The transition between wet and dry is so many times as wide at first and shrinks by this ratio;
 #: the square root of the ratio is tried where Newton's method fails. Rectangular dams of 200 to

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TypeVar
 
@@ -15,11 +15,11 @@ from skfem import Basis, CellBasis, FacetBasis
 from ..checks import format_point, look_up
 from ..errors import warn
 from ..layout import elements_of, linear_element
-from .retention import Retention
+from .retention import Laws, Retention
 
 T = TypeVar("T")
 #: Permeability of a region: a number, one number for each axis, or a symmetric tensor (dim, dim).
-Permeability = ArrayLike
+Tensor = ArrayLike
 #: Largest ratio of permeabilities: the flow through a dam is known to 5e-4 with a core 1e10 times
 #: as permeable as the rest, and the matrix is singular with 1e12.
 _MOST = 1e10
@@ -55,9 +55,18 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
     return found
 
 
-def permeability_tensors(
-    basis: CellBasis, permeability: Permeability | Mapping[str, Permeability]
-) -> ndarray:
+def laws_with_content(basis: CellBasis, retention: Retention | Mapping[str, Retention]) -> Laws:
+    """Return elements of a basis and their retention, which must know the content of water."""
+    laws = regions(basis, retention, "retention")
+    if any(law.content is None for _, law in laws):
+        raise ValueError(
+            "retention has no content: give the residual and the saturated content of water, "
+            "content=(0.05, 0.4)"
+        )
+    return laws
+
+
+def permeability_tensors(basis: CellBasis, permeability: Tensor | Mapping[str, Tensor]) -> ndarray:
     """Return the permeability of every element of a basis, (n_elements, dim, dim)."""
     dim = basis.mesh.dim()
     tensors = np.empty((basis.nelems, dim, dim))
@@ -166,9 +175,7 @@ class DarcyFlow:
         one = np.ones_like(self._weight)
         return DarcyFlow.tangent(self, self.elevation, one, np.zeros(1))
 
-    def relative(
-        self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]
-    ) -> tuple[ndarray, ndarray]:
+    def relative(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         """Return the relative permeability, (n_elements, n_points), and its slope over the heads of
         the corners.
         """
@@ -179,9 +186,7 @@ class DarcyFlow:
             slope[part] = -falling
         return relative, slope[:, :, None] * self._shape
 
-    def filled(
-        self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]
-    ) -> tuple[ndarray, ndarray]:
+    def filled(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         """Return the effective saturation and its slope over the suction at the corners,
         (n_elements, n_corners).
         """
@@ -197,9 +202,7 @@ class DarcyFlow:
             self.dofs.ravel(), (self.corners * corners).ravel(), minlength=len(self.elevation)
         )
 
-    def moved(
-        self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]
-    ) -> ndarray:
+    def moved(self, head: ndarray, change: ndarray, laws: Laws) -> ndarray:
         """Return the heads after a change by Newton's method; nodes stop at the free surface before
         they cross it.
         """

@@ -18,7 +18,7 @@ from ..forms.base import Response
 from ..layout import Field
 from .at_nodes import AtNodes
 from .boundary import Given, sourced, through
-from .consolidation import PoreWater
+from .pore_water import PoreWater
 
 #: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
 _IDLE, _ALL = 0.2, 1e-9
@@ -129,7 +129,7 @@ class Inflow(AtNodes):
         """
         water, p = self._water, self._water.fields[0].coordinates
         open_ = np.setdiff1d(self._surface(), water.around.leaks if water.around else ())
-        level = (x[self._at] + water._start)[open_] / water.unit_weight
+        level = (x[self._at] + water.start)[open_] / water.unit_weight
         if level.max(initial=0.0) > _PONDS * np.ptp(p[-1]):
             at = p[:, open_[level.argmax()]]
             yield Remark(

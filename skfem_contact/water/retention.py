@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -53,6 +53,10 @@ class Retention(Protocol):
         suction (K. Brenner and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
         """
         return suction + change
+
+
+#: Elements and their retention.
+Laws = Sequence[tuple[ndarray, Retention]]
 
 
 class _Limited(Retention):

@@ -30,7 +30,7 @@ from .boundary import (
 )
 from .darcy import (
     DarcyFlow,
-    Permeability,
+    Tensor,
     head_basis,
     permeability_tensors,
     radius,
@@ -38,7 +38,7 @@ from .darcy import (
     warn_of_dry_ground,
 )
 from .points import interpolated, zero_lines
-from .retention import Ramp, Retention
+from .retention import Laws, Ramp, Retention
 
 _RAMP = Ramp()
 _NOTHING: Mapping[str, float] = MappingProxyType({})
@@ -311,7 +311,7 @@ class Seepage:
 
 def seepage(
     basis: CellBasis,
-    permeability: Permeability | Mapping[str, Permeability],
+    permeability: Tensor | Mapping[str, Tensor],
     head: Mapping[str, Given],
     *,
     unit_weight: float,
@@ -449,7 +449,7 @@ def described(
     flow: DarcyFlow,
     found: Balance,
     given: Conditions,
-    laws: Sequence[tuple[ndarray, Retention]],
+    laws: Laws,
     flux: Mapping[str, Given],
     from_sources: ndarray,
     unit_weight: float,

@@ -16,7 +16,7 @@ from ..forms.base import Response
 from ..layout import Field
 from .at_nodes import AtNodes
 from .boundary import Given
-from .consolidation import PoreWater
+from .pore_water import PoreWater
 
 #: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth
 #: of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass

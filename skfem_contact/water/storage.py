@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import copy
 
 import numpy as np
@@ -12,7 +11,7 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from .darcy import DarcyFlow
-from .retention import Retention
+from .retention import Laws
 
 
 class StoringFlow(DarcyFlow):
@@ -29,7 +28,7 @@ class StoringFlow(DarcyFlow):
         self,
         basis: CellBasis,
         tensors: ndarray,
-        laws: Sequence[tuple[ndarray, Retention]],
+        laws: Laws,
         storage: ndarray,
         axisymmetric: bool,
         datum: float,
@@ -86,9 +85,7 @@ class StoringFlow(DarcyFlow):
         return float(np.inf if (self._storage > 0.0).any() else free.sum())
 
     @override
-    def relative(
-        self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]
-    ) -> tuple[ndarray, ndarray]:
+    def relative(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         suction = (self.elevation - head)[self.dofs]
         relative, slope = np.ones_like(suction), np.zeros_like(suction)
         for part, law in laws:
@@ -116,9 +113,7 @@ class StoringFlow(DarcyFlow):
         ).tocsr()
 
     @override
-    def moved(
-        self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]
-    ) -> ndarray:
+    def moved(self, head: ndarray, change: ndarray, laws: Laws) -> ndarray:
         new, suction, size = head + change, self.elevation - head, np.zeros(len(head))
         ranges, pressed = self.span(1.0)
         flat = (pressed + self._duration * self.saturated.diagonal()) / np.where(

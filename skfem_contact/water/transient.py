@@ -29,8 +29,8 @@ from .boundary import (
     sourced,
     values_at,
 )
-from .darcy import Permeability, head_basis, permeability_tensors, regions
-from .retention import Retention
+from .darcy import Tensor, head_basis, laws_with_content, permeability_tensors, regions
+from .retention import Laws, Retention
 from .seepage import Seepage, described
 from .storage import StoringFlow
 
@@ -97,7 +97,7 @@ class TransientSeepage(Sequence[Seepage]):
 
 def transient_seepage(
     basis: CellBasis,
-    permeability: Permeability | Mapping[str, Permeability],
+    permeability: Tensor | Mapping[str, Tensor],
     head: Varying = _NOTHING,
     *,
     retention: Retention | Mapping[str, Retention],
@@ -177,12 +177,7 @@ def transient_seepage(
         seepage_face,
         axisymmetric,
     )
-    laws = regions(porous, retention, "retention")
-    if any(law.content is None for _, law in laws):
-        raise ValueError(
-            "retention has no content: give the residual and the saturated content of water, "
-            "content=(0.05, 0.4)"
-        )
+    laws = laws_with_content(porous, retention)
     specific = np.zeros(porous.nelems)
     for part, value in regions(porous, storage, "storage"):
         specific[part] = number(value, "storage", -1e-300)
@@ -284,7 +279,7 @@ class _March:
         self,
         flow: StoringFlow,
         given: _Given,
-        laws: Sequence[tuple[ndarray, Retention]],
+        laws: Laws,
         connected: Sequence[tuple[str, str]],
         head: ndarray,
         times: ndarray,

@@ -26,10 +26,14 @@ def column(element: str = "P2", n: int = 20, width: float = 0.1) -> Basis:
 
 
 def compacting(
-    basis: Basis, change: float | dict[str, float] = 0.5, **options
-) -> sc.water.CompactingPoreWater:
-    known = {"permeability": K, "void_ratio": 1.0, "change": change, "unit_weight": WATER}
-    return sc.water.CompactingPoreWater(basis, **known | options)
+    basis: Basis,
+    change: float | dict[str, float] = 0.5,
+    permeability: float = K,
+    void_ratio: float | dict[str, float] = 1.0,
+    **options,
+) -> sc.PoreWater:
+    by_strain = sc.water.Permeability(permeability, void_ratio, change)
+    return sc.PoreWater(basis, by_strain, **{"unit_weight": WATER, **options})
 
 
 def clay(basis: Basis, water: sc.PoreWater, *drained: str) -> tuple[sc.Model, np.ndarray]:
@@ -193,7 +197,7 @@ def test_water_of_another_kind() -> None:
     model, load = clay(basis, compacting(basis))
     for other, reason in (
         (compacting(basis, 0.6), "its void ratio or the change is another"),
-        (sc.PoreWater(basis, K, unit_weight=WATER), "CompactingPoreWater cannot become PoreWater"),
+        (sc.PoreWater(basis, K, unit_weight=WATER), "its void ratio or the change is another"),
     ):
         stages = [
             sc.Stage("wait", load, duration=1.0),

@@ -51,7 +51,7 @@ def test_level_beside_suction():
     """
     basis, clay, _ = ground()
     law = sc.water.VanGenuchten(alpha=0.5, n=2.0, content=(0.05, 0.4))
-    moist = sc.water.UnsaturatedPoreWater(basis, 1e-3, retention=law, start=-1.0, unit_weight=9.81)
+    moist = sc.PoreWater(basis, 1e-3, retention=law, start=-1.0, unit_weight=9.81)
     fixed = [sc.box_supports(basis, base="rollers"), moist.dofs("bottom")]
     model = sc.Model({"clay": clay, "water": moist}, fixed, water_unit_weight=9.81)
     initial = model.forms["water"].initial

@@ -30,12 +30,8 @@ def column(element: str = "P2", n: int = 20, height: float = 1.0) -> Basis:
     return vector_basis(mesh, element, intorder=2)
 
 
-def pores(
-    basis: Basis, retention=LOAM, start=1.0, k: float = 0.08, **options
-) -> sc.water.UnsaturatedPoreWater:
-    return sc.water.UnsaturatedPoreWater(
-        basis, k, retention=retention, start=start, unit_weight=WATER, **options
-    )
+def pores(basis: Basis, retention=LOAM, start=1.0, k: float = 0.08, **options) -> sc.PoreWater:
+    return sc.PoreWater(basis, k, retention=retention, start=start, unit_weight=WATER, **options)
 
 
 def model(
@@ -134,7 +130,7 @@ def test_saturated_ground_is_that_of_pore_water(element: str, coordinates: str) 
     laws = {"a": LOAM, "b": SAND}
     for water in (
         sc.PoreWater(basis, **known),
-        sc.water.UnsaturatedPoreWater(basis, **known, retention=laws, start=50.0),
+        sc.PoreWater(basis, **known, retention=laws, start=50.0),
     ):
         solid = sc.SolidForm(
             basis,
@@ -260,9 +256,7 @@ def test_tangent(element: str, coordinates: str) -> None:
         "unit_weight": WATER,
         "storage": 1e-5,
     }
-    water = sc.water.UnsaturatedPoreWater(
-        two_soils(element), {"a": 1e-2, "b": (3e-2, 1e-2)}, **soils
-    )
+    water = sc.PoreWater(two_soils(element), {"a": 1e-2, "b": (3e-2, 1e-2)}, **soils)
     form, x = check_tangent_of_water(water, 1e3, coordinates)
     state = form.initial_state(0.3 * x)
     assert form.assemble(x, state).state.stored == pytest.approx(
@@ -301,7 +295,7 @@ def test_units() -> None:
         mesh = column(n=4).mesh.scaled(length)
         basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
         law = sc.water.VanGenuchten(alpha=1.0 / length, n=3.0, content=(0.05, 0.4))
-        water = sc.water.UnsaturatedPoreWater(
+        water = sc.PoreWater(
             basis,
             1e-2 * length / time,
             retention=law,
@@ -351,7 +345,7 @@ def test_bad_input(changes: dict, message: str) -> None:
         "unit_weight": WATER,
     } | changes
     with pytest.raises(ValueError, match=message):
-        sc.water.UnsaturatedPoreWater(column(n=2), **arguments)
+        sc.PoreWater(column(n=2), **arguments)
 
 
 def test_bad_surroundings() -> None:
@@ -379,7 +373,7 @@ def test_bad_surroundings() -> None:
     linear = sc.PoreWater(basis, 0.08, unit_weight=WATER)
     for other, reason in (
         (pores(basis, SILT), "its retention or its start is another"),
-        (linear, "UnsaturatedPoreWater cannot become PoreWater"),
+        (linear, "its retention or its start is another"),
     ):
         stages = [
             sc.Stage("wait", duration=1.0),

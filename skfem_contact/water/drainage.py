@@ -1,0 +1,168 @@
+"""Checks of consolidation: units, drains, fineness of the mesh at drains, and tight contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+from skfem import CellBasis, Mesh
+
+from ..errors import Remark
+from ..layout import elements_of
+from .surroundings import Ground
+
+#: Ground so many times as permeable drains its neighbours: a column on a drained layer of the same
+#: stiffness has up to 1.26 q with 100, 1.0 q with 10, once c_v t of the layer passes a tenth of its
+#: height squared, and 1.003 q before.
+_DRAINS, _DRAINED = 100.0, 0.1
+#: Time over h² / c_v from which on elements at drains are fine enough: pressures in columns of 2, 4
+#: and 8 elements are up to 1.40 q at a tenth of 1 / 6, 1.15 q at 1 / 6 (P. A. Vermeer and A.
+#: Verruijt 1981), 1.04 q from 1 / 3 on.
+_RESOLVED = 1.0 / 3.0
+#: Before, under a load that grows evenly to q, they are up to 1.46 q (5 % of that time), 1.41 q (10
+#: %), 1.30 q (25 %), 1.18 q (50 %) and 1.10 q (75 %): q and q / 2 times this power of the rest of
+#: the time.
+_POWER = 1.3
+#: Share of the largest pressure up to which such an excess is not remarked on.
+_EXCESS = 0.05
+#: Pull on the ground under tight contact, as a share of the force of contact, that is remarked on.
+_PULLED = 0.05
+#: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
+_LEAST, _MOST = 1e-10, 1e8
+#: From here on round-off of the pressures moves as much water as the ground holds.
+_LOST = 1e12
+
+
+def check_step(
+    basis: CellBasis,
+    grounds: Sequence[Ground],
+    drained: ndarray,
+    leaks: ndarray,
+    duration: float,
+    first: int,
+) -> Iterator[Remark]:
+    """Report ground without drains, and a duration too short for the elements at drains.
+
+    The grounds are the elements of the basis, and further active ones. Drained nodes have given
+    pressures, and water leaves by leaks. The pressures begin at the dof `first`.
+    """
+    own = grounds[0]
+    ground = Ground(*map(np.hstack, zip(*grounds, strict=True)))
+    if not np.isin(drained, ground.corners).any() and not len(leaks):
+        yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+    element, size = _at_drains(basis, ground, own, np.union1d(drained, leaks), duration)
+    times = size**2 * _RESOLVED / own.diffusivity[element]
+    shortest = float(times.max(initial=0.0))
+    if duration >= shortest:
+        return
+    excess = 0.5 * np.clip(1.0 - duration / times, 0.0, None) ** _POWER
+
+    def holds(x: ndarray) -> bool:
+        p = x[first + own.corners]
+        error = excess * np.ptp(p[:, element], axis=0)
+        return float(error.max()) > _EXCESS * np.abs(p).max()
+
+    yield Remark(
+        "short",
+        shortest / duration,
+        f"it ends after {duration:.3g}, less than h² / 3 c_v = "
+        f"{shortest:.3g} of the elements beside drains, where changes of pressure may be up to "
+        f"{excess.max():.0%} too large at its end: refine them, or let it last longer",
+        holds,
+    )
+
+
+def _at_drains(
+    basis: CellBasis, ground: Ground, own: Ground, drained: ndarray, duration: float
+) -> tuple[ndarray, ndarray]:
+    """Return own elements that drain through a facet, also to permeable ground, and their sizes."""
+    mesh = basis.mesh
+    n_nodes = mesh.nvertices
+    sides = mesh.t2f[:, elements_of(basis)]  # (n_facets, n_elements)
+    # Find the least permeable way through the nodes of each facet: drains are without resistance.
+    best = np.zeros(n_nodes)
+    np.maximum.at(best, ground.corners.ravel(), np.tile(ground.mobility, len(ground.corners)))
+    best[drained] = np.inf
+    through = best[mesh.facets].min(axis=0)[sides]
+    result = [np.nonzero(np.isinf(through))]
+    # Find permeable ground that is itself drained by now.
+    permeable = np.isfinite(through) & (through >= _DRAINS * own.mobility)
+    values = np.unique(own.mobility[permeable.any(axis=0)])
+    if len(values):
+        distance = cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :n_nodes].T)[0]
+    for value in values:
+        drain = ground.mobility >= _DRAINS * value
+        part = _parts(ground.corners[:, drain], n_nodes)
+        spread = ground.diffusivity[drain].max(initial=0.0) * duration
+        open_ = np.isin(part, part[drained]) & (_DRAINED * distance**2 <= spread)
+        on_drain = open_[mesh.facets].all(axis=0)[sides]
+        result.append(np.nonzero(on_drain & (own.mobility == value)))
+    side, element = np.hstack(result)
+    area = _areas(mesh, sides[side, element])
+    # Divide the volume by the area: simplices have a third or half of the volume of a prism.
+    simplex = len(mesh.t) == mesh.dim() + 1
+    factor = mesh.dim() if simplex else 1
+    return element, factor * basis.dx.sum(axis=1)[element] / area
+
+
+def _parts(corners: ndarray, n_nodes: int) -> ndarray:
+    """Return the number of the connected part of elements in which each node lies, (n_nodes,)."""
+    first, others = np.broadcast_arrays(corners[:1], corners)
+    edges = (np.ones(others.size), (first.ravel(), others.ravel()))
+    graph = coo_matrix(edges, (n_nodes, n_nodes))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _areas(mesh: Mesh, facets: ndarray) -> ndarray:
+    """Return lengths or areas of facets, (n,)."""
+    p = mesh.p[:, mesh.facets[:, facets]]  # (dim, n_corners, n)
+    if mesh.dim() == 2:
+        normal = p[:, 1] - p[:, 0]
+    else:
+        normal = 0.5 * np.cross(p[:, 2] - p[:, 0], p[:, -1] - p[:, 1], axis=0)
+    return np.asarray(np.linalg.norm(normal, axis=0))
+
+
+def pulled(
+    name: str, pair: Any, state: Any, coordinates: ndarray, pressure: ndarray
+) -> Iterator[Remark]:
+    """Report tight contact whose pressure is less than the excess pressure at nodes, (n,)."""
+    points = pair.points(state)
+    closed = state.status > 0
+    positions = points.positions(pair.slave.nodes)[closed]
+    near = cKDTree(coordinates.T).query(positions)[1]
+    total = -state.traction[0, closed]
+    weight = pair.share * points.weight[closed]
+    pull = np.clip(pressure[near] - total, 0.0, None)
+    if weight @ pull > _PULLED * np.abs(weight @ total):
+        yield Remark(
+            f"{name} pulled",
+            float(weight @ pull),
+            f"under '{name}' the water presses with up to {pressure[near].max():.4g}, and contact "
+            f"transfers {total[pull.argmax()]:.4g} there in total: the ground is pulled, what lies "
+            "on it would be lifted; drain the joint, or let the pressure act on the body above as "
+            "well",
+        )
+
+
+def check_units(basis: CellBasis, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
+    """Report a degree of consolidation that no analysis has; refuse one lost in round-off."""
+    used = basis.mesh.p[:, np.unique(basis.mesh.t[:, elements_of(basis)])]
+    length = float(np.ptp(used, axis=1).max())
+    fastest = float(diffusivity.max()) * duration / length**2
+    slowest = float(diffusivity.min()) * duration / length**2
+    if fastest >= _LEAST and slowest <= _MOST:
+        return
+    worst = fastest if fastest < _LEAST else slowest
+    text = (
+        f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} "
+        f"to {diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?"
+    )
+    if worst > _LOST:
+        raise ValueError(text)
+    yield Remark("units", abs(np.log10(worst)), text)
