@@ -38,7 +38,7 @@ from .surfaces import rigid
 from .versions import show_versions
 from .water import PoreWater
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 __all__ = [
     "AnalysisWarning",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 import subprocess
 import sys
 from importlib import resources
@@ -54,3 +55,20 @@ def test_import_needs_no_graphics() -> None:
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "set()"
+
+
+def test_version_is_the_same_everywhere() -> None:
+    """The first version of the changelog and the citation are those of the package."""
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    versions = re.findall(r"^## \[([0-9.]+)\]", changes, re.MULTILINE)
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert versions[0] == skfem_contact.__version__
+    assert f"\nversion: {skfem_contact.__version__}\n" in citation
+
+
+def test_lines_of_the_changelog_are_short() -> None:
+    """At most 15 words a change, from version 0.3 on."""
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("## [0.2.0]")[0]
+    for line in changes.splitlines():
+        if line.startswith("- "):
+            assert len(line[2:].split()) <= 15, line

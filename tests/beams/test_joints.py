@@ -397,9 +397,7 @@ def test_where_bodies_touch_the_basis_says_which():
     with pytest.raises(ValueError, match="2 vertices of the mesh lie"):
         sc.Beam(basis, [(0.0, 1.0), (1.0, 1.0)], **STIFF, bonded=True)
     beam = sc.Beam(basis.with_elements("high"), [(0.0, 1.0), (1.0, 1.0)], **STIFF, bonded=True)
-    assert np.isin(
-        beam.shared, np.unique(basis.dofs.element_dofs[:, two.subdomains["high"]])
-    ).all()
+    assert np.isin(beam.shared, np.unique(basis.dofs.element_dofs[:, two.subdomains["high"]])).all()
 
 
 @pytest.mark.parametrize("ground", [False, True])
