@@ -1,6 +1,6 @@
-"""Return mapping of NGI-ADP, see :mod:`.ngi_adp`, by Newton's method for the stress and the root of
-w.
+"""Return mapping of NGI-ADP, see :mod:`.ngi_adp`, by Newton's method.
 
+The unknowns are the stress and the root of w, the share of the shear strain at failure.
 Engineering shear strains belong to the shear stresses: derivatives by stresses are strains. The
 norm of a plastic strain is its engineering shear strain in plane strain, sqrt(2 e:e).
 """
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .base import Array
+from .local_newton import damped_newton
 
 # Residuals over the strength at which Newton's method ends, iterations and halvings of a step: 4 to
 # 8 are needed.
@@ -25,24 +26,18 @@ _SIDE = 1.25
 
 
 class ADPConstants(NamedTuple):
-    """Constants at points, (n,): moduli, (A + P) / 2, A - P, scale of horizontal shear, rounding,
-    failure strains.
-    """
+    """Constants at points, (n,)."""
 
     lam: Array
     mu: Array
-    radius: Array
-    shift: Array
-    scale: Array
-    rounding: Array
-    active: Array
+    radius: Array  # (A + P) / 2
+    shift: Array  # A - P
+    scale: Array  # of shear on horizontal planes
+    rounding: Array  # of the corners
+    active: Array  # strains at failure
     dss: Array
     passive: Array
     plastic: bool  # perfectly
-
-    def at(self, points: NDArray[np.intp]) -> ADPConstants:
-        """Return the constants of some points."""
-        return ADPConstants(*(v if isinstance(v, bool) else v[points] for v in self))  # type: ignore[arg-type]
 
     def stiffness(self, ncomp: int) -> Array:
         """Return the elastic moduli, (n, ncomp, ncomp)."""
@@ -56,6 +51,11 @@ def _vertical(ncomp: int) -> int:
     return 1 if ncomp == 4 else 2
 
 
+def _horizontal(ncomp: int) -> list[int]:
+    """Return the rows of the shear stresses on horizontal planes."""
+    return [3] if ncomp == 4 else [4, 5]
+
+
 def _twice_shear(ncomp: int) -> Array:
     """Return the weights of the components in the product of two stresses."""
     return np.r_[1.0, 1.0, 1.0, np.full(ncomp - 3, 2.0)]
@@ -66,15 +66,13 @@ def _projection(k: ADPConstants, ncomp: int) -> Array:
     result = np.zeros((k.scale.size, ncomp, ncomp))
     result[:] = np.eye(ncomp)
     result[:, :3, :3] -= 1 / 3
-    for row in (3,) if ncomp == 4 else (4, 5):
+    for row in _horizontal(ncomp):
         result[:, row, row] = k.scale
     return result
 
 
 def _offset(first: Array, k: ADPConstants) -> Array:
-    """Return the change of the origin by the mobilisation, from the initial stress to the middle of
-    the strengths.
-    """
+    """Return the way of the origin from the initial stress to the middle of the strengths."""
     result = -first
     result[:3] += k.shift / 3
     result[_vertical(len(first))] -= k.shift
@@ -89,77 +87,77 @@ def modified(stress: Array, first: Array, kappa: Array, k: ADPConstants) -> Arra
 
 def mobilised_by(root: Array) -> tuple[Array, Array]:
     """Return the mobilisation kappa of the root of w, and its derivative."""
-    at = np.minimum(root, 1.0)
-    return 2 * at / (1 + at * at), 2 * (1 - at * at) / (1 + at * at) ** 2
+    u = np.minimum(root, 1.0)
+    return 2 * u / (1 + u * u), 2 * (1 - u * u) / (1 + u * u) ** 2
 
 
 class _Measure(NamedTuple):
-    """Measure of shear (n,), its gradient (ncomp, n) and its second derivative (ncomp, ncomp, n) by
-    the deviator.
+    """Measure of shear (n,); ``slopes()`` computes gradient and second derivative.
+
+    They are derivatives by the deviator, (ncomp, n) and (ncomp, ncomp, n).
     """
 
     value: Array
-    gradient: Callable[[], Array]
-    both: Callable[[], tuple[Array, Array]]
+    slopes: Callable[[], tuple[Array, Array]]
 
 
 def measure(s: Array, k: ADPConstants) -> _Measure:
-    """Return the largest shear stress of deviators, rounded."""
+    """Return the largest shear stress of deviators, rounded.
+
+    F^2 = h J2 with h = (1 + g(y)) / 2, g = cos(arccos(y) / 3) and y = 1 - 2 a 27/4 J3^2 / J2^3.
+    """
     weight = _twice_shear(len(s))
     J2 = 0.5 * np.einsum("i,in->n", weight, s * s)
     safe = np.where(J2 > 0, J2, 1.0)
     unit = s / np.sqrt(safe)
-    third = _third(unit)
-    y = 1 - 13.5 * k.rounding * third**2
+    J3 = _third(unit)
+    y = 1 - 13.5 * k.rounding * J3**2
     g, slope, bend = _cosine(y)
     h = 0.5 * (1 + g)
-    value = np.sqrt(J2 * h)
 
-    def both() -> tuple[Array, Array]:
-        d2, d3, d33 = weight[:, None] * unit, _third_gradient(unit), _third_hessian(unit)
-        q, dh, ddh = third, 0.5 * slope, 0.5 * bend  # at J2 = 1
-        dy = -13.5 * k.rounding * (2 * q * d3 - 3 * q * q * d2)
-        mixed = np.einsum("in,jn->ijn", d3, d2)
-        ddy = (
-            -13.5
-            * k.rounding
-            * (
-                2 * np.einsum("in,jn->ijn", d3, d3)
-                + 2 * q * d33
-                - 6 * q * (mixed + mixed.swapaxes(0, 1))
-                - 3 * q * q * np.diag(weight)[:, :, None]
-                + 12 * q * q * np.einsum("in,jn->ijn", d2, d2)
-            )
-        )
+    def slopes() -> tuple[Array, Array]:
+        # differentiate y at J2 = 1
+        d2 = weight[:, None] * unit
+        d22 = np.diag(weight)[:, :, None]
+        d3 = _third_gradient(unit)
+        d33 = _third_hessian(unit)
+        dy = -13.5 * k.rounding * (2 * J3 * d3 - 3 * J3 * J3 * d2)
+        mixed = _dyad(d3, d2)
+        ddy = 2 * _dyad(d3, d3) + 2 * J3 * d33 - 6 * J3 * (mixed + mixed.swapaxes(0, 1))
+        ddy = ddy - 3 * J3 * J3 * d22 + 12 * J3 * J3 * _dyad(d2, d2)
+        ddy = -13.5 * k.rounding * ddy
+
+        # differentiate F^2
+        dh = 0.5 * slope
+        ddh = 0.5 * bend
         first = h * d2 + dh * dy
-        cross = np.einsum("in,jn->ijn", d2, dy)
-        second = (
-            h * np.diag(weight)[:, :, None]
-            + dh * (cross + cross.swapaxes(0, 1) + ddy)
-            + ddh * np.einsum("in,jn->ijn", dy, dy)
-        )
-        root = np.sqrt(h)
-        gradient = first / (2 * root)
-        return gradient, (
-            second / (2 * root) - np.einsum("in,jn->ijn", gradient, gradient) / root
-        ) / np.sqrt(safe)
+        cross = _dyad(d2, dy)
+        second = h * d22 + dh * (cross + cross.swapaxes(0, 1) + ddy) + ddh * _dyad(dy, dy)
 
-    return _Measure(value, lambda: both()[0], both)
+        # differentiate F
+        F = np.sqrt(h)
+        gradient = first / (2 * F)
+        return gradient, (second / (2 * F) - _dyad(gradient, gradient) / F) / np.sqrt(safe)
+
+    return _Measure(np.sqrt(J2 * h), slopes)
+
+
+def _dyad(a: Array, b: Array) -> Array:
+    """Return the dyads of vectors, (ncomp, ncomp, n)."""
+    return a[:, None] * b
 
 
 def _cosine(y: Array) -> tuple[Array, Array, Array]:
     """Return cos(arccos(y) / 3) and its first two derivatives; near y = 1 by their series."""
     y = np.clip(y, -1.0, 1.0)
     angle = np.arccos(y)
-    near, gap = y > 1 - 1e-5, y - 1
+    near = y > 1 - 1e-5
+    gap = y - 1
     sine = np.where(near, 1.0, np.sin(angle))
     value = np.cos(angle / 3)
-    slope = np.where(
-        near, 1 / 9 - 8 / 243 * gap + 28 / 2187 * gap**2, np.sin(angle / 3) / (3 * sine)
-    )
-    bend = np.where(
-        near, -8 / 243 + 56 / 2187 * gap, (y * slope - value / 9) / np.where(near, 1.0, sine**2)
-    )
+    series = 1 / 9 - 8 / 243 * gap + 28 / 2187 * gap**2
+    slope = np.where(near, series, np.sin(angle / 3) / (3 * sine))
+    bend = np.where(near, -8 / 243 + 56 / 2187 * gap, (y * slope - value / 9) / sine**2)
     return value, slope, bend
 
 
@@ -205,149 +203,170 @@ def _third_hessian(s: Array) -> Array:
 
 
 class _Returned(NamedTuple):
-    """Returned stresses (ncomp, n), plastic shear strains and shares of failure (n,), points
-    without a solution.
+    """Returned stresses (ncomp, n), plastic shear strains and shares of failure (n,).
 
-    ``tangent()`` computes d stress / d strain, (n, ncomp, ncomp).
+    Points without a solution have `failed`. ``tangent()`` computes d stress / d strain, (n, ncomp,
+    ncomp).
     """
 
     stress: Array
     strain: Array
     share: Array
-    lost: NDArray[np.intp]
+    failed: NDArray[np.intp]
     tangent: Callable[[], Array]
 
 
 class _System(NamedTuple):
-    """Residuals of stress and yield over the strength, (ncomp + 1, n), their Jacobian, and the
-    plastic strain.
-    """
+    """Residuals of stress and yield over the strength, their Jacobian, and the plastic strain."""
 
-    residual: Array
-    jacobian: Callable[[], Array]
+    residual: Array  # (ncomp + 1, n)
+    jacobian: Callable[[], Array]  # (n, ncomp + 1, ncomp + 1)
     strain: Array
 
 
 def returned(trial: Array, first: Array, share: Array, k: ADPConstants) -> _Returned:
     """Return trial stresses (ncomp, n) outside of the yield surface, from shares of failure w."""
     ncomp, n = trial.shape
-    z, open_ = _start(trial, first, share, k), np.arange(n)
-    step, base, least, halved = np.zeros_like(z), z.copy(), np.full(n, np.inf), np.zeros(n, int)
-    for _ in range(_ITERATIONS):
-        here = k.at(open_)
-        now = _system(z[:, open_], trial[:, open_], first[:, open_], share[open_], here)
-        error = np.abs(now.residual).max(axis=0)
-        size = np.abs(trial[:, open_]).max(axis=0) / here.radius
-        done = error <= _SOLVED * np.maximum(size, 1.0)
-        better = (error < least[open_]) | (halved[open_] >= _HALVINGS)
-        change = -np.linalg.solve(now.jacobian(), now.residual.T[:, :, None])[:, :, 0].T
-        step[:, open_] = np.where(better, change, 0.5 * step[:, open_])
-        base[:, open_] = np.where(better, z[:, open_], base[:, open_])
-        halved[open_] = np.where(better, 0, halved[open_] + 1)
-        least[open_] = np.where(better, error, least[open_])
-        z[:, open_] = np.where(done, z[:, open_], base[:, open_] + step[:, open_])
-        z[ncomp] = np.maximum(z[ncomp], 0.0)
-        open_ = open_[~done]
-        if not open_.size:
-            break
+    size = np.maximum(np.abs(trial).max(axis=0) / k.radius, 1.0)
+    least = np.r_[np.full(ncomp, -np.inf), 0.0][:, None]
+    z, failed = damped_newton(
+        _newton,
+        _start(trial, first, share, k),
+        data=(trial, first, share, k, size),
+        last=_SOLVED,
+        iterations=_ITERATIONS,
+        halvings=_HALVINGS,
+        least=least,
+    )
     final = _system(z, trial, first, share, k)
 
     def tangent() -> Array:
-        right = (
-            np.concatenate((k.stiffness(ncomp), np.zeros((n, 1, ncomp))), axis=1)
-            / k.radius[:, None, None]
-        )
+        none = np.zeros((n, 1, ncomp))
+        right = np.concatenate((k.stiffness(ncomp), none), axis=1) / k.radius[:, None, None]
         return np.asarray(np.linalg.solve(final.jacobian(), right), dtype=float)[:, :ncomp]
 
-    return _Returned(z[:ncomp], final.strain, z[ncomp] ** 2, open_, tangent)
+    return _Returned(z[:ncomp], final.strain, z[ncomp] ** 2, failed, tangent)
+
+
+def _newton(
+    z: Array, trial: Array, first: Array, share: Array, k: ADPConstants, size: Array
+) -> tuple[Array, Array]:
+    """Return the step of Newton's method, none in solved points, and the size of the residual."""
+    system = _system(z, trial, first, share, k)
+    residual = system.residual
+    error = np.abs(residual).max(axis=0) / size
+    step = -np.linalg.solve(system.jacobian(), residual.T[:, :, None])[:, :, 0].T
+    return np.where(error < _SOLVED, 0.0, step), error
 
 
 def _start(trial: Array, first: Array, share: Array, k: ADPConstants) -> Array:
-    """Return stress and root of w from which Newton's method begins: the mobilisation of the
-    elastic stress.
+    """Return the stress and the root of w from which Newton's method begins.
+
+    The mobilisation is that of the elastic stress; beyond the strength its excess is strain.
     """
+    # find the mobilisation by the elastic stress
     root = np.sqrt(share)
-    kappa = np.ones_like(share) if k.plastic else mobilised_by(root)[0]
-    shear = measure(modified(trial, first, kappa, k), k)
-    reached = np.clip(shear.value / k.radius, kappa, 1.0)
-    excess = np.maximum(shear.value - k.radius, 0.0) / k.mu
-    failure = _at_failure(modified(trial, first, kappa, k), k)[0]
+    kappa = _mobilisation(root, k)[0]
+    s = modified(trial, first, kappa, k)
+    shear = measure(s, k).value
+    reached = np.clip(shear / k.radius, kappa, 1.0)
     if not k.plastic:
         root = np.maximum(root, reached / (1 + np.sqrt(1 - reached * reached)))
-    back = np.minimum(1.0, reached * k.radius / np.maximum(shear.value, 1e-300))
+
+    # add the strain of the excess over the strength
+    excess = np.maximum(shear - k.radius, 0.0) / k.mu
+    root = np.sqrt(root * root + excess / _at_failure(s, k)[0])
+
+    # shrink the deviator to the mobilised strength
     centre = first + reached * _offset(first, k)
     deviator = trial - centre
     deviator[:3] -= deviator[:3].mean(axis=0)
-    return np.concatenate(
-        (trial - (1 - back) * deviator, np.sqrt(root * root + excess / failure)[None])
-    )
+    back = np.minimum(1.0, reached * k.radius / np.maximum(shear, 1e-300))
+    return np.concatenate((trial - (1 - back) * deviator, root[None]))
 
 
 def _at_failure(s: Array, k: ADPConstants) -> tuple[Array, Array]:
-    """Return the plastic shear strain at failure in the direction of a deviator, and its gradient
-    by the deviator.
+    """Return the plastic shear strain at failure along a deviator, and its gradient.
 
-    That of direct simple shear counts by the share of shear on horizontal planes in J2. The rest is
-    of the active side where the vertical axis is compressed, of the passive one where it is
+    The strain of direct simple shear counts by the share of shear on horizontal planes in J2. The
+    rest is of the active side where the vertical axis is compressed, of the passive one where it is
     extended, between them where it is neither.
     """
-    weight, rows = _twice_shear(len(s))[:, None], [3] if len(s) == 4 else [4, 5]
+    weight = _twice_shear(len(s))[:, None]
+    rows = _horizontal(len(s))
+    up = _vertical(len(s))
+
+    # find the share of horizontal shear, and the side v from -1, passive, to 1, active
     J2 = np.maximum(0.5 * (weight * s * s).sum(axis=0), 1e-300)
     horizontal = (s[rows] ** 2).sum(axis=0)
-    rest, up = np.maximum(J2 - horizontal, 1e-14 * J2), _vertical(len(s))
-    flat, along = horizontal / J2, -_SIDE * s[up] / np.sqrt(rest)
-    v, mean, half = (
-        np.clip(along, -1, 1),
-        0.5 * (k.active + k.passive),
-        0.5 * (k.active - k.passive),
-    )
+    flat = horizontal / J2
+    rest = np.maximum(J2 - horizontal, 1e-14 * J2)
+    along = -_SIDE * s[up] / np.sqrt(rest)
+    v = np.clip(along, -1, 1)
+
+    # differentiate them
     by_rest = weight * s
     by_flat = -flat * by_rest / J2
     by_flat[rows] += 2 * s[rows] / J2
     by_rest[rows] = 0.0
     by_v = -0.5 * along * by_rest / rest
     by_v[up] -= _SIDE / np.sqrt(rest)
+
+    # mix the strains
+    mean = 0.5 * (k.active + k.passive)
+    half = 0.5 * (k.active - k.passive)
     of_side = mean + half * v * (1.5 - 0.5 * v * v)
     failure: Array = k.dss * flat + of_side * (1 - flat)
     return failure, (k.dss - of_side) * by_flat + 1.5 * half * (1 - v * v) * (1 - flat) * by_v
 
 
+def _mobilisation(root: Array, k: ADPConstants) -> tuple[Array, Array]:
+    """Return kappa, all of it in perfect plasticity, and its derivative by the root of w."""
+    return (np.ones_like(root), np.zeros_like(root)) if k.plastic else mobilised_by(root)
+
+
 def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants) -> _System:
-    """Return the equations of the return: the elastic stress less that of the plastic strain, and
-    the yield surface.
+    """Return the equations of the return, over the strength r = (A + P) / 2.
+
+    With the flow m = dF / d stress, of length 1, and the strain at failure f the equations are
+
+        stress - trial + f (w - w_0) C m = 0,    F - kappa r = 0
     """
     ncomp = len(trial)
-    stress, root = z[:ncomp], z[ncomp]
-    kappa, rate = (np.ones_like(root), np.zeros_like(root)) if k.plastic else mobilised_by(root)
-    s, C, project = modified(stress, first, kappa, k), k.stiffness(ncomp), _projection(k, ncomp)
-    shear = measure(s, k)
-    by_s, second = shear.both()
+    stress = z[:ncomp]
+    root = z[ncomp]
+    kappa, rate = _mobilisation(root, k)
+    s = modified(stress, first, kappa, k)
+    C = k.stiffness(ncomp)
+    project = _projection(k, ncomp)
+
+    # compute flow and plastic strain
+    F, slopes = measure(s, k)
+    by_s, second = slopes()
     failure, by_direction = _at_failure(s, k)
     normal = np.einsum("nij,in->jn", project, by_s)
     metric = np.r_[2.0, 2.0, 2.0, np.ones(ncomp - 3)][:, None]
     length = np.sqrt((metric * normal * normal).sum(axis=0))
-    flow, grown = normal / length, root * root - share
+    flow = normal / length
+    grown = root * root - share
     strain = failure * grown
     relaxed = np.einsum("nij,jn->in", C, flow)
-    residual = (
-        np.concatenate((stress - trial + strain * relaxed, (shear.value - kappa * k.radius)[None]))
-        / k.radius
-    )
+    excess = F - kappa * k.radius
+    residual = np.concatenate((stress - trial + strain * relaxed, excess[None])) / k.radius
 
     def jacobian() -> Array:
+        # differentiate C times the plastic strain by the modified deviator
         turned = np.einsum("nki,kln->nil", project, second) / length[:, None, None]
         turned -= flow.T[:, :, None] * np.einsum("in,nil->nl", metric * flow, turned)[:, None, :]
-        to_s = np.matmul(
-            C,
-            strain[:, None, None] * turned
-            + (grown * flow).T[:, :, None] * by_direction.T[:, None, :],
-        )
+        by_flow = (grown * flow).T[:, :, None] * by_direction.T[:, None, :]
+        to_s = np.matmul(C, strain[:, None, None] * turned + by_flow)  # (n, ncomp, ncomp)
+
+        # collect the derivatives by stress and root
         moved = -rate[:, None] * np.einsum("nij,jn->ni", project, _offset(first, k))
+        by_root = np.einsum("nij,nj->ni", to_s, moved) + (2 * root * failure * relaxed).T
         result = np.zeros((root.size, ncomp + 1, ncomp + 1))
         result[:, :ncomp, :ncomp] = np.eye(ncomp) + np.matmul(to_s, project)
-        result[:, :ncomp, ncomp] = (
-            np.einsum("nij,nj->ni", to_s, moved) + (2 * root * failure * relaxed).T
-        )
+        result[:, :ncomp, ncomp] = by_root
         result[:, ncomp, :ncomp] = normal.T
         result[:, ncomp, ncomp] = np.einsum("in,ni->n", by_s, moved) - rate * k.radius
         return result / k.radius[:, None, None]

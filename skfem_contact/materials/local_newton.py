@@ -51,8 +51,9 @@ def bracketed_root(
         low = np.where(value > 0, x, low)
         high = np.where(value > 0, high, x)
         newton = x - value / slope
-        inside = (slope < 0) & (newton >= low) & (newton <= high)
-        new = np.where(inside, newton, 0.5 * (low + high))
+        inside = (newton > low) & (newton < high)
+        usable = (slope < 0) & (inside | (newton == x))
+        new = np.where(usable, newton, 0.5 * (low + high))
         result[active] = new
         remaining = np.flatnonzero(np.abs(new - x) > last)
         x = new
@@ -68,34 +69,35 @@ def damped_newton(
     last: float,
     iterations: int,
     halvings: int,
+    least: Array | float = -np.inf,
 ) -> tuple[Array, NDArray[np.intp]]:
     """Return the solutions x of systems, (m, n), from a start, and the points without one.
 
-    A step is halved until the residual falls, but not more than `halvings` times. The call
-    ``function(x, *data)`` returns the goal of Newton's step, (m, n), within the limits of x, and
-    the size of the residual at x, (n,). From a residual below `last` the step is the last one.
+    A step is halved until the residual falls, but not more than `halvings` times, and does not lead
+    below the `least` values, (m, 1). The call ``function(x, *data)`` returns Newton's step, (m, n),
+    and the size of the residual at x, (n,). From a size below `last` the step is the last one.
     """
     result = start.copy()
     active = np.arange(start.shape[1])
     x = base = start
     step = np.zeros_like(start)
-    least = np.full(active.size, np.inf)
+    smallest = np.full(active.size, np.inf)
     halved = np.zeros(active.size, int)
     for _ in range(iterations):
         if not active.size:
             break
-        goal, error = function(x, *data)
-        falls = (error < least) | (halved >= halvings)
-        step = np.where(falls, goal - x, 0.5 * step)
+        newton, error = function(x, *data)
+        falls = (error < smallest) | (halved >= halvings)
+        step = np.where(falls, newton, 0.5 * step)
         base = np.where(falls, x, base)
         halved = np.where(falls, 0, halved + 1)
-        least = np.where(falls, error, least)
-        x = base + step
+        smallest = np.where(falls, error, smallest)
+        x = np.maximum(base + step, least)
         remaining = np.flatnonzero(~(error < last))
         if remaining.size < active.size:
             result[:, active] = x
-            active, x, base, step, halved, least, data = take(
-                (active, x, base, step, halved, least, data), remaining
+            active, x, base, step, halved, smallest, data = take(
+                (active, x, base, step, halved, smallest, data), remaining
             )
     result[:, active] = x
     return result, active

@@ -1,10 +1,10 @@
 """NGI-ADP: clay whose undrained strength depends on the direction of shearing.
 
 The law is one of total stresses (G. Grimstad, L. Andresen, H. P. Jostad, Int. J. Numer. Anal. Meth.
-Geomech. 36 (2012) 483-497). With compression along the vertical axis the strength is that of the
-active side, with extension that of the passive side, and on horizontal planes that of direct simple
-shear. In terms of the mobilisation kappa, which grows from 0 at the initial stress s0 to 1 at
-failure, the modified deviator of the stress s (tension positive) is
+Geomech. 36 (2012) 483-497). The strength is active with compression along the vertical axis,
+passive with extension, and of direct simple shear on horizontal planes. In terms of the
+mobilisation kappa, which grows from 0 at the initial stress s0 to 1 at failure, the modified
+deviator of the stress s (tension positive) is
 
     S (s - (1 - kappa) s0 - kappa (A - P) (1/3, -2/3, 1/3)),
 
@@ -14,8 +14,8 @@ with a = 1 it is Tresca's largest shear stress, with less it has no corners. In 
 them are one ellipse of (sxx - syy) / 2 and sxy, whose vertices are the strengths. Flow is
 associated, without change of volume.
 
-Mobilisation follows from the plastic shear strain over that at failure, w, by kappa = 2 sqrt(w) /
-(1 + w).
+Mobilisation follows from w, the plastic shear strain over its value at failure, by kappa = 2
+sqrt(w) / (1 + w).
 """
 
 from __future__ import annotations
@@ -39,19 +39,18 @@ from .base import (
     require,
 )
 from .elastic import Isotropic
+from .local_newton import take
 
 # Excess of the yield function that is round-off, as a share of the strength.
 _ROUND_OFF = 1e-12
-
-
 # Plastic shear strains at failure, and strengths.
-_GAMMAS, _STRENGTHS = ("gamma_A", "gamma_DSS", "gamma_P"), ("s_uA", "s_uDSS", "s_uP")
+_GAMMAS = ("gamma_A", "gamma_DSS", "gamma_P")
+_STRENGTHS = ("s_uA", "s_uDSS", "s_uP")
 
 
 @dataclass(frozen=True, eq=False)
 class NgiAdp(Isotropic):
-    """Undrained clay with three strengths: active, direct simple shear, passive (NGI-ADP, total
-    stresses).
+    """Undrained clay with active, direct simple shear and passive strength, in total stresses.
 
     The vertical axis is y in the plane and z in space. Strengths are reached exactly in plane
     strain; in triaxial compression the strength is a little smaller than the active one, by
@@ -76,9 +75,9 @@ class NgiAdp(Isotropic):
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> clay = sc.NgiAdp.from_ratios(s_uA=20.0, s_uDSS=0.7, s_uP=0.4, G_ur=500.0, gamma_A=0.01, gamma_DSS=0.02,
-    ...                              gamma_P=0.04)
-    >>> active = sc.laboratory.PathStep(stress={"xx": None}, strain={"yy": -0.2, "zz": 0.0}, increments=20)
+    >>> clay = sc.NgiAdp.from_ratios(
+    ...     20.0, s_uDSS=0.7, s_uP=0.4, G_ur=500.0, gamma_A=0.01, gamma_DSS=0.02, gamma_P=0.04)
+    >>> active = sc.laboratory.PathStep({"xx": None}, {"yy": -0.2, "zz": 0.0}, increments=20)
     >>> test = sc.element_test(clay, 0.0, active)
     >>> ((test.stress[-1, 0] - test.stress[-1, 1]) / 2.0).round(4)
     array([20.])
@@ -133,34 +132,34 @@ class NgiAdp(Isotropic):
         A strength that rises by 2 per unit of depth below y = 0:
 
         >>> import skfem_contact as sc
-        >>> sc.NgiAdp.from_ratios(lambda x: 10.0 - 2.0 * x[1], 0.7, 0.4, 500.0, 0.01, 0.02, 0.04).functions
+        >>> strength = lambda x: 10.0 - 2.0 * x[1]
+        >>> sc.NgiAdp.from_ratios(strength, 0.7, 0.4, 500.0, 0.01, 0.02, 0.04).functions
         ('E', 's_uA', 's_uDSS', 's_uP')
         """
 
         def times(ratio: float) -> Given:
-            return (
-                (lambda x: ratio * np.asarray(s_uA(x)))
-                if callable(s_uA)
-                else ratio * np.asarray(s_uA)
-            )
+            if callable(s_uA):
+                return lambda x: ratio * np.asarray(s_uA(x))
+            return ratio * np.asarray(s_uA)
 
         return cls(
-            times(2 * (1 + nu) * G_ur),
-            nu,
-            s_uA,
-            times(s_uDSS),
-            times(s_uP),
-            gamma_A,
-            gamma_DSS,
-            gamma_P,
-            triaxial,
+            E=times(2 * (1 + nu) * G_ur),
+            nu=nu,
+            s_uA=s_uA,
+            s_uDSS=times(s_uDSS),
+            s_uP=times(s_uP),
+            gamma_A=gamma_A,
+            gamma_DSS=gamma_DSS,
+            gamma_P=gamma_P,
+            triaxial=triaxial,
         )
 
     @override
     def _check(self) -> None:
         super()._check()
         for name in (*_STRENGTHS, *_GAMMAS):
-            if (value := getattr(self, name)) is not None:
+            value = getattr(self, name)
+            if value is not None:
                 require(name, value, np.greater(value, 0), "be positive")
         require("s_uP", self.s_uP, np.less_equal(self.s_uP, self.s_uA), "not exceed s_uA")
         missing = [name for name in _GAMMAS if getattr(self, name) is None]
@@ -169,52 +168,54 @@ class NgiAdp(Isotropic):
                 f"{' and '.join(missing)} missing: give the shear strains at failure of all three "
                 "strengths, or none of them"
             )
-        least = (
-            0.5 * (self.s_uA - self.s_uP) + np.sqrt(0.1875) * (self.s_uA + self.s_uP)
-        ) / self.s_uA
+        A, P = self.s_uA, self.s_uP
+        least = (0.5 * (A - P) + np.sqrt(0.1875) * (A + P)) / A
         inside = np.less(self.triaxial, 1) & np.greater_equal(self.triaxial, least)
-        require(
-            "triaxial",
-            self.triaxial,
-            inside,
-            f"lie between {float(np.max(least)):.4g}, without corners, and 1",
-        )
+        demand = f"lie between {float(np.max(least)):.4g}, without corners, and 1"
+        require("triaxial", self.triaxial, inside, demand)
 
     def _constants(self, shape: tuple[int, ...]) -> ADPConstants:
         """Return the constants at the points of a stress of a shape, flattened to (n,)."""
-        lam, mu = self.lame
         A, D, P = self.s_uA, self.s_uDSS, self.s_uP
-        radius, shift = 0.5 * (A + P), A - P
+        radius = 0.5 * (A + P)
+        shift = A - P
+
+        # round the corners so that triaxial compression fails at its strength
         cosine = np.sqrt(0.75) * radius / (self.triaxial * A - 0.5 * shift)
         rounding = 0.5 * (1 - np.cos(6 * np.arccos(np.clip(cosine, -1, 1))))
-        plastic = self.gamma_A is None or self.gamma_DSS is None or self.gamma_P is None
+
+        plastic = self.gamma_A is None
         gammas = (1.0, 1.0, 1.0) if plastic else (self.gamma_A, self.gamma_DSS, self.gamma_P)
-        values = lam, mu, radius, shift, radius / D, rounding, *gammas
+        values = (*self.lame, radius, shift, radius / D, rounding, *gammas)
         flat = [np.broadcast_to(along_elements(v, shape), shape[1:]).ravel() for v in values]
         return ADPConstants(*flat, plastic)  # type: ignore[call-arg, arg-type]
+
+    def _shear(self, stress: Array, k: ADPConstants) -> Array:
+        """Return the measure of shear of stresses at full mobilisation, (n,)."""
+        flat = stress.reshape(len(stress), -1)
+        return measure(modified(flat, flat, np.ones(flat.shape[1]), k), k).value
 
     @override
     def initial_internal(self, stress: Array) -> Array:
         memory = np.zeros((self.n_internal, *stress.shape[1:]))
         memory[2 : 2 + len(stress)] = stress
-        k, flat = self._constants(stress.shape), stress.reshape(len(stress), -1)
-        excess = measure(modified(flat, flat, np.ones(flat.shape[1]), k), k).value / k.radius
-        if (wrong := excess > 1 + 1e-6).any():
+        k = self._constants(stress.shape)
+        excess = self._shear(stress, k) / k.radius
+        wrong = excess > 1 + 1e-6
+        if wrong.any():
             worst = int(np.argmax(excess))
             raise InadmissibleStress(
                 f"initial stress of NgiAdp outside the failure surface at "
-                f"{np.count_nonzero(wrong)} of {wrong.size} "
-                f"points: {excess[worst]:.4g} of the strength is mobilised at point {worst}; "
-                f"change K0, or give more "
-                "strength",
+                f"{np.count_nonzero(wrong)} of {wrong.size} points: {excess[worst]:.4g} of the "
+                f"strength is mobilised at point {worst}; change K0, or give more strength",
                 worst,
             )
         return memory
 
     @override
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
-        k, flat = self._constants(stress.shape), stress.reshape(len(stress), -1)
-        shear = measure(modified(flat, flat, np.ones(flat.shape[1]), k), k).value
+        k = self._constants(stress.shape)
+        shear = self._shear(stress, k)
         return shear.reshape(stress.shape[1:]), k.radius.reshape(stress.shape[1:])
 
     @override
@@ -226,18 +227,24 @@ class NgiAdp(Isotropic):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        trial, n = self.elastic_stress(strain_increment, stress), len(stress)
-        k, flat = self._constants(stress.shape), trial.reshape(n, -1)
+        # find the points where the elastic stress lies outside of the yield surface
+        n = len(stress)
+        trial = self.elastic_stress(strain_increment, stress)
+        flat = trial.reshape(n, -1)
+        k = self._constants(stress.shape)
         memory = internal.reshape(len(internal), -1).copy()
-        first, share = memory[2 : 2 + n], memory[1]
+        share = memory[1]
+        first = memory[2 : 2 + n]
         kappa = np.ones_like(share) if k.plastic else mobilised_by(np.sqrt(share))[0]
-        s = modified(flat, first, kappa, k)
-        points = np.flatnonzero(measure(s, k).value > kappa * k.radius + _ROUND_OFF * k.radius)
-        new = returned(flat[:, points], first[:, points], share[points], k.at(points))
-        if new.lost.size:
+        shear = measure(modified(flat, first, kappa, k), k).value
+        points = np.flatnonzero(shear > kappa * k.radius + _ROUND_OFF * k.radius)
+
+        # return them
+        new = returned(*take((flat, first, share, k), points))
+        if new.failed.size:
             raise IncrementTooLarge(
-                f"{new.lost.size} of {points.size} yielding points of NgiAdp have no solution: the "
-                f"stress of the first would be {flat[:, points[new.lost[0]]]}"
+                f"{new.failed.size} of {points.size} yielding points of NgiAdp have no solution: "
+                f"the stress of the first would be {flat[:, points[new.failed[0]]]}"
             )
         flat[:, points] = new.stress
         memory[0, points] += new.strain
