@@ -28,6 +28,7 @@ from .base import (
 )
 from .hardening_return import Returned, hardening_return
 from .hardening_stiffness import LEAST, Constants, Points, elastic_scale
+from .local_newton import take
 from .mohr_coulomb import CohesiveFrictional, MohrCoulomb
 from .plastic import BLOCK, ROUND_OFF, equivalent_shear_strain
 from .small_strain import SMALL_STRAIN, SmallStrain, Stiffening
@@ -320,7 +321,7 @@ class HardeningSoil(CohesiveFrictional):
             self._return_block(increment, result, new, slice(start, start + BLOCK))
             for start in starts
         ]
-        found = (start + block.at[block.returned.lost] for start, block in zip(starts, blocks))
+        found = (start + block.at[block.returned.failed] for start, block in zip(starts, blocks))
         lost = np.concatenate([np.zeros(0, np.intp), *found])
         if lost.size and halvings == 0:
             raise IncrementTooLarge(
@@ -388,7 +389,7 @@ class HardeningSoil(CohesiveFrictional):
         outside = ~(np.maximum(sheared, crushed) <= ROUND_OFF * size)
         part[...] = t.stress + scale * push
         points = np.flatnonzero(outside)
-        t = t.take(points)
+        t = take(t, points)
         returned = hardening_return(t, k)
         frame, scale[points] = t.trial(returned.scale), returned.scale
         values = k.shift - returned.c[::-1]

@@ -1,5 +1,4 @@
-"""Constants of the Hardening Soil, its stiffness by stress, elastic increments, and the modes of
-return that follow.
+"""Constants of the Hardening Soil, its stiffness by stress, elastic increments, modes of return.
 
 Stresses are positive in compression here and measured from the apex of the failure cone, c1 >= c2
 >= c3. The elastic stiffness of an increment is the reference stiffness times a scale, the mean of
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .base import Array
+from .local_newton import bracketed_root
 from .plastic import ROUND_OFF
 from .spectral import Frame, principal
 
@@ -29,21 +29,21 @@ _GOOD, _LAST_STEP = 0.3, 1e-8
 
 
 class Constants(NamedTuple):
-    """Constants of the law: ``initial`` and ``unloading`` are moduli, ``failure`` is q_f / c3."""
+    """Constants of the law."""
 
-    shift: float
-    reference: float
+    shift: float  # c cot(phi)
+    reference: float  # stress
     m: float
-    initial: float
-    unloading: float
+    initial: float  # modulus E_i
+    unloading: float  # modulus E_ur
     nu: float
-    failure: float
-    asymptote: float
+    failure: float  # q_f / c3
+    asymptote: float  # q_a / c3
     sin_cv: float
     sin_psi: float
-    cap_slope: float  # squared
+    cap_slope: float  # M squared
     cap_modulus: float
-    lode: float
+    lode: float  # weight of c3 in the deviatoric measure of the cap
 
     @property
     def lam(self) -> float:
@@ -54,6 +54,12 @@ class Constants(NamedTuple):
     def mu(self) -> float:
         """Shear modulus of unloading at the reference stress."""
         return self.unloading / (2 * (1 + self.nu))
+
+    def stiffness(self, ncomp: int) -> Array:
+        """Return the elastic moduli of unloading at the reference stress, (ncomp, ncomp)."""
+        D = 2 * self.mu * np.diag(np.r_[np.ones(3), np.full(ncomp - 3, 0.5)])
+        D[:3, :3] += self.lam
+        return D
 
     def scale(self, least: Array) -> Array:
         """Return the ratio of a stiffness to its reference value at the least compression."""
@@ -68,23 +74,29 @@ class Constants(NamedTuple):
     def shear_strength(
         self, least: Array, gamma: Array, scale: Array
     ) -> tuple[Array, Array, Array]:
-        """Return the smaller of hyperbola and failure, and its derivatives to the least compression
-        and to gamma.
+        """Return the smaller of hyperbola and failure, and its derivatives by c3 and gamma.
+
+        With a = 2 / E_i and b = 2 / E_ur at a scale, the hyperbola q(gamma) fulfils
+
+            gamma = a q / (1 - q / q_a) - b q
         """
-        at = np.maximum(least, LEAST * self.reference)
-        a, b, qa = 2 / (self.initial * scale), 2 / (self.unloading * scale), self.asymptote * at
+        bounded = np.maximum(least, LEAST * self.reference)
+        a = 2 / (self.initial * scale)
+        b = 2 / (self.unloading * scale)
+        qa = self.asymptote * bounded
         linear = a - b + gamma / qa
         q = 2 * gamma / (linear + np.sqrt(linear * linear + 4 * b * gamma / qa))
-        left = 1 / (1 - np.minimum(q, self.failure * at) / qa)
-        soft = 1 / (a * left * left - b)
-        to_least = np.where(
-            least > at * (1 - 1e-12), soft * (self.m * gamma + a * (q * left) ** 2 / qa) / at, 0.0
-        )
+
+        # differentiate the hyperbola, not beyond failure
+        growth = 1 / (1 - np.minimum(q, self.failure * bounded) / qa)
+        to_gamma = 1 / (a * growth * growth - b)
+        to_least = to_gamma * (self.m * gamma + a * (q * growth) ** 2 / qa) / bounded
+        to_least = np.where(least > bounded * (1 - 1e-12), to_least, 0.0)
         failed = q >= self.failure * least
         return (
             np.where(failed, self.failure * least, q),
             np.where(failed, self.failure, to_least),
-            np.where(failed, 0.0, soft),
+            np.where(failed, 0.0, to_gamma),
         )
 
     def hardened(self, cap: Array, volume: Array) -> tuple[Array, Array]:
@@ -103,24 +115,19 @@ class Constants(NamedTuple):
 
 
 class Points(NamedTuple):
-    """Accepted stresses (ncomp, n), their elastic change at the scale 1, memory, and the accepted
-    scale (n,).
+    """Accepted states of points, and their strain increments as elastic stresses.
 
     At small strains the scale of the increment is stiffened by a factor, and plastic strains harden
     faster.
     """
 
-    stress: Array
-    push: Array
-    gamma: Array
+    stress: Array  # (ncomp, n)
+    push: Array  # elastic change of the stress at the scale 1, (ncomp, n)
+    gamma: Array  # (n,)
     cap: Array
-    scale: Array
+    scale: Array  # of the accepted stress
     factor: Array
     faster: Array
-
-    def take(self, at: NDArray[np.intp]) -> Points:
-        """Return some of the points."""
-        return Points(*(values[..., at] for values in self))
 
     def trial(self, scale: Array) -> Frame:
         """Return the principal axes and stresses of the elastic stress."""
@@ -128,75 +135,68 @@ class Points(NamedTuple):
 
 
 def elastic_scale(t: Points, k: Constants) -> Array:
-    """Return the scales of elastic increments.
+    """Return the scales x of elastic increments, x = factor (scale_0 + scale(c3(x))) / 2.
 
     The scale at the end is a concave function of that of the increment: repeated insertion
     converges, and so does Newton's method from where its slope is good. Near the least stiffness
     steps that overshoot are bisected. Beyond the limit, without a solution, a point lies outside
     the cap.
     """
-    result = t.factor * t.scale
+    start = t.factor * t.scale
     if k.m == 0.0:
-        return result
-    open_, here = np.arange(result.size), result.copy()
-    low, high = 0.5 * here, _LARGEST * here
-    for _ in range(_ITERATIONS):
-        frame = t.trial(here)
-        least, change = k.shift - frame.values[0], -frame.along(t.push)[0]
+        return start
+
+    def missing(x: Array, t: Points) -> tuple[Array, Array, Array]:
+        frame = t.trial(x)
+        least = k.shift - frame.values[0]
+        change = -frame.along(t.push)[0]
         reached = k.scale(least)
-        excess = here - 0.5 * t.factor * (t.scale + reached)
+        excess = x - 0.5 * t.factor * (t.scale + reached)
         slope = 1 - 0.5 * t.factor * k.scale_slope(least, reached) * change
-        low, high = np.where(excess <= 0, here, low), np.where(excess >= 0, here, high)
-        new = here - excess / np.where(slope > _GOOD, slope, 1.0)
-        new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
-        result[open_] = new
-        left = np.flatnonzero(
-            np.abs(new - here) > np.where(slope > _GOOD, _LAST_STEP, ROUND_OFF) * new
-        )
-        if not left.size:
-            break
-        open_, t, here, low, high = open_[left], t.take(left), new[left], low[left], high[left]
-    return result
+        good = slope > _GOOD
+        return -excess, -np.where(good, slope, 1.0), np.where(good, _LAST_STEP, ROUND_OFF) * x
+
+    return bracketed_root(missing, start, 0.5 * start, _LARGEST * start, (t,), _ITERATIONS)[0]
 
 
 def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return the modes in which points return by one step of shear and then of the cap, and both
-    multipliers.
+    """Return modes by one step of shear and then of the cap, and the multipliers of both.
 
-    0 is the face, 1 the edge c2 = c3 and 2 the edge c1 = c2: there the step exceeds the distance of
-    the trial stresses. The step has no dilatancy and the scale of the accepted stresses, by which
-    the multipliers are multiplied.
+    0 is the face, 1 the edge c2 = c3 and 2 the edge c1 = c2: an edge is likely where the step
+    exceeds the distance of the trial stresses. The step has no dilatancy and the scale of the
+    accepted stresses, by which the multipliers are multiplied.
     """
+    # take one step of Newton's method of the shear
     scale = t.factor * t.scale
     c = k.shift - t.trial(scale).values[::-1]
     strength, to_least, to_gamma = k.shear_strength(c[2], t.gamma, k.scale(c[2]))
-    shear = np.maximum(c[0] - c[2] - strength, 0.0) / (
-        2 + to_least + to_gamma * t.faster / (k.mu * scale)
-    )
-    w, p = np.array([1, k.lode - 1, -k.lode]), np.maximum(c.mean(axis=0), 0.0)
-    q, N, K = w @ c - (1 + k.lode) * shear, 4 * k.mu / k.cap_slope, k.lam + 2 * k.mu / 3
+    excess = np.maximum(c[0] - c[2] - strength, 0.0)
+    shear = excess / (2 + to_least + to_gamma * t.faster / (k.mu * scale))
+
+    # take one step of the cap, F = ln((q^2 / M^2 + p^2) / p_p^2)
+    w = np.array([1, k.lode - 1, -k.lode])
+    p = np.maximum(c.mean(axis=0), 0.0)
+    q = w @ c - (1 + k.lode) * shear
+    N = 4 * k.mu / k.cap_slope
+    K = k.lam + 2 * k.mu / 3
     squares = q * q / k.cap_slope
     radius = np.maximum(squares + p * p, (LEAST * t.cap) ** 2)  # the cap is far where it is less
     softer = (N * (w @ w) * squares + 2 * K * p * p) / radius
     harder = 2 * p * k.hardened(t.cap, 0.0 * p)[1] * t.faster / (scale * t.cap)
-    multiplier = np.maximum(np.log(radius / t.cap**2), 0.0) / (
-        2 * np.maximum(softer + harder, K * LEAST)
-    )
+    excess = np.maximum(np.log(radius / t.cap**2), 0.0)
+    multiplier = excess / (2 * np.maximum(softer + harder, K * LEAST))
+
+    # compare the change of the meeting stresses with their distance
     cap = N * q * multiplier
-    mode = np.where(
-        c[1] - c[2] <= shear + (2 * k.lode - 1) * cap,
-        1,
-        np.where(c[0] - c[1] <= shear + (2 - k.lode) * cap, 2, 0),
-    )
-    return mode, shear / k.mu, multiplier
+    minor = c[1] - c[2] <= shear + (2 * k.lode - 1) * cap
+    major = c[0] - c[1] <= shear + (2 - k.lode) * cap
+    return np.where(minor, 1, np.where(major, 2, 0)), shear / k.mu, multiplier
 
 
 def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:
-    """Return a mask of the points whose shear would vanish in tension: no face or edge has a
-    result.
-    """
-    trial = k.shift - t.trial(scale).values[::-1]
-    to_minor = (trial[0] - 0.5 * (trial[1] + trial[2])) / (3 - k.sin_psi)
-    to_major = (0.5 * (trial[0] + trial[1]) - trial[2]) / (3 + k.sin_psi)
+    """Return a mask of points whose shear would vanish in tension: no face or edge has a result."""
+    c = k.shift - t.trial(scale).values[::-1]
+    to_minor = (c[0] - 0.5 * (c[1] + c[2])) / (3 - k.sin_psi)
+    to_major = (0.5 * (c[0] + c[1]) - c[2]) / (3 + k.sin_psi)
     multiplier = 2 * np.maximum(to_minor, to_major) / k.mu
-    return trial.mean(axis=0) + (k.lam + 2 * k.mu / 3) * k.sin_psi * multiplier <= 0
+    return c.mean(axis=0) + (k.lam + 2 * k.mu / 3) * k.sin_psi * multiplier <= 0
