@@ -1,6 +1,4 @@
-"""Hardening Soil: stiffness that depends on stress, shear and cap hardening, failure by
-Mohr-Coulomb.
-"""
+"""Hardening Soil: stiffness by stress, shear and cap hardening, failure by Mohr-Coulomb."""
 
 from __future__ import annotations
 
@@ -44,12 +42,11 @@ _HALVINGS, _DIFFERENCE = 6, 1e-5
 
 @dataclass(frozen=True, eq=False)
 class HardeningSoil(CohesiveFrictional):
-    """Hardening Soil of Schanz, Vermeer and Bonnier (1999): hyperbola in shear, cap, Rowe's
-    dilatancy.
+    """Hardening Soil of Schanz, Vermeer and Bonnier (1999): hyperbola, cap, Rowe's dilatancy.
 
-    The stiffness grows with the power m of the least compression; that of an increment is the mean
-    of its values at both ends, so that reversed cycles of strain do not drift and errors fall with
-    the square of the increment. Shear hardening follows the hyperbola of drained triaxial tests up
+    The stiffness grows with the power m of the least compression. In an increment it is the mean of
+    its values at both ends, so that reversed cycles of strain do not drift and errors fall with the
+    square of the increment. Shear hardening follows the hyperbola of drained triaxial tests up
     to Mohr-Coulomb failure; the cap ``q~^2 / M^2 + p^2 = p_p^2`` hardens with plastic compression.
     M and the modulus of the cap follow in closed form from ``K0nc`` and ``Eoed_ref``. The mobilised
     dilatancy is Rowe's, without contraction and not over ``psi``. Stresses count from c cot(phi).
@@ -74,14 +71,14 @@ class HardeningSoil(CohesiveFrictional):
     R_f : float
         Failure ratio, the share of the hyperbola's asymptote that can be reached.
     OCR, POP : float
-        Overconsolidation: the largest vertical stress of the past is ``OCR`` times that of now,
-        plus ``POP``.
+        Overconsolidation: the largest vertical stress of the past is ``OCR`` times the present
+        one, plus ``POP``.
     G0_ref, gamma_07 : float, optional
         Small-strain stiffness (Benz): shear modulus at very small strains at the pressure `p_ref`,
         and shear strain at which the secant modulus has fallen to 0.722 of it. The elastic
-        stiffness follows this curve from the last reversal of the strain down to that of unloading;
-        plastic strains harden faster by ``(G / G_ur)**(1 + E_ur / (2 E_i))``. Closed loops obey
-        Masing's rule.
+        stiffness follows this curve from the last reversal of the strain down to unloading; plastic
+        strains harden faster by ``(G / G_ur)**(1 + E_ur / (2 E_i))``. Closed loops obey Masing's
+        rule.
 
     Examples
     --------
@@ -115,44 +112,50 @@ class HardeningSoil(CohesiveFrictional):
     stress_dependent = True
 
     def __post_init__(self) -> None:
-        for name in (field.name for field in fields(self)):
-            value = getattr(self, name)
-            if value is None and name in ("K0nc", "G0_ref", "gamma_07"):
-                continue
-            object.__setattr__(self, name, number(value, name))
-        for name in ("E50_ref", "Eoed_ref", "Eur_ref", "p_ref"):
-            require(name, getattr(self, name), getattr(self, name) > 0, "be positive")
-        require("m", self.m, 0 <= self.m <= 1, "lie in 0..1")
-        require("c", self.c, self.c >= 0, "not be negative")
-        require("phi", self.phi, 0 < self.phi < 90, "lie between 0 and 90 degrees")
-        require("psi", self.psi, 0 <= self.psi <= self.phi, "lie between 0 and phi")
-        require("nu_ur", self.nu_ur, 0 <= self.nu_ur < 0.5, "lie in [0, 0.5)")
-        require("R_f", self.R_f, 0 < self.R_f < 1, "lie between 0 and 1")
-        require("OCR", self.OCR, self.OCR >= 1, "be at least 1")
-        require("POP", self.POP, self.POP >= 0, "not be negative")
-        least = 2 * self.E50_ref / (2 - self.R_f)
-        require(
-            "Eur_ref",
-            self.Eur_ref,
-            self.Eur_ref > least,
-            f"exceed the initial modulus {least:.6g} of E50_ref",
-        )
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None or field.default is not None:
+                object.__setattr__(self, field.name, number(value, field.name))
+        for name, holds, demand in (
+            ("E50_ref", self.E50_ref > 0, "be positive"),
+            ("Eoed_ref", self.Eoed_ref > 0, "be positive"),
+            ("Eur_ref", self.Eur_ref > 0, "be positive"),
+            ("p_ref", self.p_ref > 0, "be positive"),
+            ("m", 0 <= self.m <= 1, "lie in 0..1"),
+            ("c", self.c >= 0, "not be negative"),
+            ("phi", 0 < self.phi < 90, "lie between 0 and 90 degrees"),
+            ("psi", 0 <= self.psi <= self.phi, "lie between 0 and phi"),
+            ("nu_ur", 0 <= self.nu_ur < 0.5, "lie in [0, 0.5)"),
+            ("R_f", 0 < self.R_f < 1, "lie between 0 and 1"),
+            ("OCR", self.OCR >= 1, "be at least 1"),
+            ("POP", self.POP >= 0, "not be negative"),
+        ):
+            require(name, getattr(self, name), holds, demand)
+        initial = 2 * self.E50_ref / (2 - self.R_f)
+        demand = f"exceed the initial modulus {initial:.6g} of E50_ref"
+        require("Eur_ref", self.Eur_ref, self.Eur_ref > initial, demand)
         if self.K0nc is not None:
             require("K0nc", self.K0nc, 0 < self.K0nc < 1, "lie between 0 and 1")
-        if (self.G0_ref is None) != (self.gamma_07 is None):
-            raise ValueError("small-strain stiffness needs both G0_ref and gamma_07")
-        if self.G0_ref is not None and self.gamma_07 is not None:
-            unloading = self.Eur_ref / (2 * (1 + self.nu_ur))
-            require(
-                "G0_ref",
-                self.G0_ref,
-                self.G0_ref > unloading,
-                f"exceed the shear modulus {unloading:.6g} of Eur_ref",
-            )
-            require("gamma_07", self.gamma_07, 0 < self.gamma_07 < 0.1, "lie between 0 and 0.1")
-            object.__setattr__(self, "internal", (*type(self).internal, *SMALL_STRAIN))
+        self._check_small_strains()
         warn_of_radians(phi=self.phi)
         self.constants  # noqa: B018  a cap that cannot be met is refused here
+
+    def _check_small_strains(self) -> None:
+        """Check the parameters of small strains, and declare their memory."""
+        if (self.G0_ref is None) != (self.gamma_07 is None):
+            raise ValueError("small-strain stiffness needs both G0_ref and gamma_07")
+        if self.G0_ref is None or self.gamma_07 is None:
+            return
+        G_ur = self.Eur_ref / (2 * (1 + self.nu_ur))
+        demand = f"exceed the shear modulus {G_ur:.6g} of Eur_ref"
+        require("G0_ref", self.G0_ref, self.G0_ref > G_ur, demand)
+        require("gamma_07", self.gamma_07, 0 < self.gamma_07 < 0.1, "lie between 0 and 0.1")
+        object.__setattr__(self, "internal", (*type(self).internal, *SMALL_STRAIN))
+
+    @property
+    def _K0(self) -> float:
+        """Ratio of horizontal to vertical stress in normal consolidation."""
+        return 1 - float(np.sin(np.radians(self.phi))) if self.K0nc is None else self.K0nc
 
     @cached_property
     def constants(self) -> Constants:
@@ -161,184 +164,184 @@ class HardeningSoil(CohesiveFrictional):
         Normal consolidation goes along the K0 line; the two rates of its plastic strain give slope
         and modulus.
         """
-        sin, sin_psi = (float(np.sin(np.radians(angle))) for angle in (self.phi, self.psi))
-        shift, sin_cv = (
-            self.c / float(np.tan(np.radians(self.phi))),
-            (sin - sin_psi) / (1 - sin * sin_psi),
-        )
+        sin = float(np.sin(np.radians(self.phi)))
+        sin_psi = float(np.sin(np.radians(self.psi)))
+        shift = self.c / float(np.tan(np.radians(self.phi)))
+        sin_cv = (sin - sin_psi) / (1 - sin * sin_psi)
         failure = 2 * sin / (1 - sin)
-        K0, initial = 1 - sin if self.K0nc is None else self.K0nc, 2 * self.E50_ref / (2 - self.R_f)
+        initial = 2 * self.E50_ref / (2 - self.R_f)
+        nu = self.nu_ur
+
+        # shear along the K0 line at the vertical stress 1, by the hyperbola
+        K0 = self._K0
         reached = (1 - K0) * self.R_f / (failure * K0)
         if reached >= self.R_f:
             raise ValueError(
                 f"K0nc is {K0:.4g}: beyond failure, which begins at {(1 - sin) / (1 + sin):.4g}"
             )
-        scale, q, p, nu = K0**self.m, 1 - K0, (1 + 2 * K0) / 3, self.nu_ur
+        scale = K0**self.m
+        q = 1 - K0
+        p = (1 + 2 * K0) / 3
         gamma = 2 * q / scale * (1 / (initial * (1 - reached)) - 1 / self.Eur_ref)
-        mobilised, sheared = q / (1 + K0), (1 - self.m) * gamma
+
+        # subtract elastic strains and strains of shear from the oedometer's strains
+        mobilised = q / (1 + K0)
+        sheared = (1 - self.m) * gamma
         s = max((mobilised - sin_cv) / (1 - mobilised * sin_cv), 0.0)
-        axial = (
-            1 / self.Eoed_ref - (1 - 2 * nu * K0) / (self.Eur_ref * scale) - 0.5 * sheared * (1 - s)
-        )
-        lateral = -(K0 - nu * (1 + K0)) / (self.Eur_ref * scale) + 0.25 * sheared * (1 + s)
-        if axial + 2 * lateral <= 0 or axial <= lateral:
+        unloading = self.Eur_ref * scale
+        axial = 1 / self.Eoed_ref - (1 - 2 * nu * K0) / unloading - 0.5 * sheared * (1 - s)
+        lateral = -(K0 - nu * (1 + K0)) / unloading + 0.25 * sheared * (1 + s)
+        volume = axial + 2 * lateral
+        if volume <= 0 or axial <= lateral:
             raise ValueError(
                 f"Eoed_ref={self.Eoed_ref:g} and K0nc={K0:.4g} cannot both be met with "
                 f"E50_ref={self.E50_ref:g} and Eur_ref={self.Eur_ref:g}: "
-                + ("lower Eoed_ref" if axial + 2 * lateral <= 0 else "raise K0nc")
+                + ("lower Eoed_ref" if volume <= 0 else "raise K0nc")
             )
-        multiplier = (axial + 2 * lateral) / (2 * p)
+
+        # the rest is plastic compression of the cap, and normal to it
+        multiplier = volume / (2 * p)
         slope = 3 * q * multiplier / (axial - lateral)
         cap = float(np.sqrt(q * q / slope + p * p))
         return Constants(
             shift,
-            self.p_ref + shift,
-            self.m,
-            initial,
-            self.Eur_ref,
-            nu,
-            failure,
-            failure / self.R_f,
-            sin_cv,
-            sin_psi,
-            slope,
-            cap ** (1 - self.m) / (2 * p * multiplier),
-            (3 + sin) / (3 - sin),
+            reference=self.p_ref + shift,
+            m=self.m,
+            initial=initial,
+            unloading=self.Eur_ref,
+            nu=nu,
+            failure=failure,
+            asymptote=failure / self.R_f,
+            sin_cv=sin_cv,
+            sin_psi=sin_psi,
+            cap_slope=slope,
+            cap_modulus=cap ** (1 - self.m) / (2 * p * multiplier),
+            lode=(3 + sin) / (3 - sin),
         )
 
     @cached_property
     def _small(self) -> SmallStrain | None:
-        """Small-strain stiffness, if there is any."""
+        """Small-strain stiffness, if it is given."""
         if self.G0_ref is None or self.gamma_07 is None:
             return None
         return SmallStrain(self.G0_ref * 2 * (1 + self.nu_ur) / self.Eur_ref, self.gamma_07)
 
     def _stiffening(self, strain: Array, memory: Array) -> Stiffening:
-        """Return the stiffening of small strains, one without them."""
-        if self._small is None:
-            return Stiffening(np.ones(strain.shape[1]), np.zeros((1, strain.shape[1])), memory)
-        return self._small.stiffening(strain, memory)
+        """Return the stiffening of small strains, or none."""
+        if self._small is not None:
+            return self._small.stiffening(strain, memory)
+        n = strain.shape[1]
+        return Stiffening(np.ones(n), np.zeros((1, n)), memory)
 
     @override
     def elasticity(
         self, ncomp: int, stress: Array | None = None, internal: Array | None = None
     ) -> Array:
         k = self.constants
-        scale = k.scale(
-            np.array(k.reference) if stress is None else k.shift - principal_stresses(stress)[0]
-        )
+        if stress is None:
+            scale = k.scale(np.array(k.reference))
+        else:
+            scale = k.scale(k.shift - principal_stresses(stress)[0])
         if internal is not None and self._small is not None:
-            none = np.zeros((ncomp, internal[0].size))
-            scale = scale * self._stiffening(none, internal[3:].reshape(13, -1)).factor.reshape(
-                scale.shape
-            )
-        stiffness = 2 * k.mu * np.diag(np.r_[np.ones(3), np.full(ncomp - 3, 0.5)])
-        stiffness[:3, :3] += k.lam
-        return scale[..., None, None] * stiffness
+            no_strain = np.zeros((ncomp, internal[0].size))
+            factor = self._stiffening(no_strain, internal[3:].reshape(13, -1)).factor
+            scale = scale * factor.reshape(scale.shape)
+        return scale[..., None, None] * k.stiffness(ncomp)
 
     @override
     def initial_internal(self, stress: Array) -> Array:
         k = self.constants
         c = k.shift - principal_stresses(stress)[::-1].reshape(3, -1)
         self._check_initial(c)
-        gamma, least = np.zeros(c.shape[1]), np.maximum(c[2], LEAST * k.reference)
-        scale, q = k.scale(c[2]), np.minimum(c[0] - c[2], k.failure * least)
-        gamma = (
-            2 * q / scale * (1 / (k.initial * (1 - q / (k.asymptote * least))) - 1 / k.unloading)
-        )
+
+        # find the shear strain on the hyperbola
+        least = np.maximum(c[2], LEAST * k.reference)
+        scale = k.scale(c[2])
+        q = np.minimum(c[0] - c[2], k.failure * least)
+        growth = 1 / (k.initial * (1 - q / (k.asymptote * least)))
+        gamma = 2 * q / scale * (growth - 1 / k.unloading)
+
+        # find the cap through the present stress or the vertical stress of the past
         vertical = self.OCR * (c[0] - k.shift) + self.POP + k.shift
-        K0 = 1 - np.sin(np.radians(self.phi)) if self.K0nc is None else self.K0nc
-        past = np.maximum(
-            k.cap_stress(np.stack((vertical, K0 * vertical, K0 * vertical))), k.cap_stress(c)
-        )
+        lateral = self._K0 * vertical
+        past = np.maximum(k.cap_stress(np.stack((vertical, lateral, lateral))), k.cap_stress(c))
         cap = np.maximum(past, LEAST * k.reference)
         history = np.zeros((self.n_internal - 3, gamma.size))
         return np.concatenate(([0 * gamma, gamma, cap], history)).reshape(-1, *stress.shape[1:])
 
     def _check_initial(self, c: Array) -> None:
-        """Refuse initial stresses, shifted and compression positive, in tension or outside the
-        failure surface.
-        """
-        k, size = self.constants, np.abs(c).max(axis=0)
+        """Refuse stresses (3, n), compression positive, in tension or outside of the surface."""
+        k = self.constants
+        size = np.abs(c).max(axis=0)
         excess = c[0] - c[2] - k.failure * c[2]
         outside = np.flatnonzero(excess > _OUTSIDE * np.maximum(size, LEAST * k.reference))
         if outside.size:
             worst = outside[np.argmax(excess[outside])]
             s3, s1 = k.shift - c[[0, 2], worst]
-            where = (
-                "in tension"
-                if c[2, worst] < 0
-                else f"outside the failure surface by {excess[worst]:.4g}"
-            )
+            where = f"outside the failure surface by {excess[worst]:.4g}"
+            if c[2, worst] < 0:
+                where = "in tension"
             raise InadmissibleStress(
                 f"initial stress of HardeningSoil {where} at {outside.size} of {c.shape[1]} "
-                f"points, most at point "
-                f"{worst}: principal stresses {s1:.4g} and {s3:.4g} with c={self.c:g}, "
-                f"phi={self.phi:g}; change K0, or "
-                "give more cohesion",
+                f"points, most at point {worst}: principal stresses {s1:.4g} and {s3:.4g} with "
+                f"c={self.c:g}, phi={self.phi:g}; change K0, or give more cohesion",
                 int(worst),
             )
         bare = np.count_nonzero(c[2] < LEAST * k.reference)
         if bare and size.max() > 0:
             warn(
                 f"{bare} points of HardeningSoil are compressed by less than "
-                f"{LEAST * k.reference:.3g}, where the "
-                "stiffness does not fall with the stress any more: give a small cohesion c, or a "
-                "surcharge"
+                f"{LEAST * k.reference:.3g}, where the stiffness does not fall with the stress any "
+                "more: give a small cohesion c, or a surcharge"
             )
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        if (
-            strain_increment.shape != stress.shape
-            or stress.ndim < 2
-            or stress.shape[0] not in (4, 6)
-        ):
+        if strain_increment.shape != stress.shape or stress.ndim < 2 or len(stress) not in (4, 6):
             raise ValueError(
                 "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
                 f"got {strain_increment.shape} and {stress.shape}"
             )
-        increment, start, before = (
-            values.reshape(len(values), -1) for values in (strain_increment, stress, internal)
+        increment = strain_increment.reshape(len(stress), -1)
+        before = internal.reshape(len(internal), -1)
+        new, memory, tangent = self._followed(
+            increment, stress.reshape(len(stress), -1), before, _HALVINGS
         )
-        result, memory, tangent = self._followed(increment, start, before, _HALVINGS)
-        return Update(
-            result.reshape(stress.shape),
-            memory.reshape(internal.shape),
-            np.arange(result.shape[1]),
-            tangent,
-        )
+        points = np.arange(new.shape[1])
+        return Update(new.reshape(stress.shape), memory.reshape(internal.shape), points, tangent)
 
     def _followed(
         self, increment: Array, stress: Array, memory: Array, halvings: int
     ) -> tuple[Array, Array, Callable[[], Array]]:
-        """Return stresses, internal variables and tangent; halve the increments of points without a
-        result.
-        """
-        result, new = stress.copy(), memory.copy()
-        starts = range(0, stress.shape[1], BLOCK)
-        blocks = [
-            self._return_block(increment, result, new, slice(start, start + BLOCK))
-            for start in starts
-        ]
-        found = (start + block.at[block.returned.failed] for start, block in zip(starts, blocks))
-        lost = np.concatenate([np.zeros(0, np.intp), *found])
-        if lost.size and halvings == 0:
+        """Return stresses, internal variables and tangent; halve increments without a result."""
+        # return the points in blocks
+        new = stress.copy()
+        after = memory.copy()
+        blocks = []
+        failures = [np.zeros(0, np.intp)]
+        for start in range(0, stress.shape[1], BLOCK):
+            block = self._return_block(increment, new, after, slice(start, start + BLOCK))
+            blocks.append(block)
+            failures.append(start + block.points[block.returned.failed])
+
+        # halve the increments of the others
+        failed = np.concatenate(failures)
+        if failed.size and halvings == 0:
             raise IncrementTooLarge(
-                f"{lost.size} of {stress.shape[1]} points of HardeningSoil have no admissible "
-                f"stress: the increment of the first is {increment[:, lost[0]]}"
+                f"{failed.size} of {stress.shape[1]} points of HardeningSoil have no admissible "
+                f"stress: the increment of the first is {increment[:, failed[0]]}"
             )
-        given = stress[:, lost], memory[:, lost], halvings - 1
-        if lost.size:
-            result[:, lost], new[:, lost] = self._by_halves(increment[:, lost], *given)
+        remaining = take((increment, stress, memory), failed)
+        if failed.size:
+            new[:, failed], after[:, failed] = self._by_halves(*remaining, halvings - 1)
 
         def tangent() -> Array:
             slopes = np.concatenate([_tangent(block, self.constants) for block in blocks])
-            if lost.size:
-                slopes[lost] = self._differences(increment[:, lost], *given)
+            if failed.size:
+                slopes[failed] = self._differences(*remaining, halvings - 1)
             return slopes
 
-        return result, new, tangent
+        return new, after, tangent
 
     def _by_halves(
         self, increment: Array, stress: Array, memory: Array, halvings: int
@@ -349,54 +352,64 @@ class HardeningSoil(CohesiveFrictional):
         return stress, memory
 
     def _differences(self, increment: Array, stress: Array, memory: Array, halvings: int) -> Array:
-        """Return the tangent of halved increments, (n, ncomp, ncomp), by central differences, all
-        of them at once.
-        """
-        (ncomp, n), size = increment.shape, _DIFFERENCE * np.abs(increment).max(axis=0)
-        steps = np.concatenate((np.eye(ncomp), -np.eye(ncomp)))[:, :, None] * size
+        """Return the tangent of halved increments, (n, ncomp, ncomp), by central differences."""
+        ncomp, n = increment.shape
+        size = _DIFFERENCE * np.abs(increment).max(axis=0)
+        units = np.concatenate((np.eye(ncomp), -np.eye(ncomp)))
+        steps = units[:, :, None] * size  # (2 ncomp, ncomp, n)
         ends = np.concatenate(list(increment + steps), axis=1)
-        there = self._by_halves(
-            ends, np.tile(stress, 2 * ncomp), np.tile(memory, 2 * ncomp), halvings
-        )[0]
-        ahead, behind = there.reshape(ncomp, 2, ncomp, n).transpose(1, 3, 0, 2)
+        stresses = np.tile(stress, 2 * ncomp)
+        memories = np.tile(memory, 2 * ncomp)
+        results = self._by_halves(ends, stresses, memories, halvings)[0]
+        ahead, behind = results.reshape(ncomp, 2, ncomp, n).transpose(1, 3, 0, 2)
         return (ahead - behind) / (2 * size[:, None, None])
 
-    def _return_block(self, increment: Array, stress: Array, memory: Array, at: slice) -> _Block:
-        """Update the points of a block in place: stress (ncomp, n) and internal variables
-        (n_internal, n).
-        """
-        k, part, own = self.constants, stress[:, at], memory[:, at]
-        push = 2 * k.mu * increment[:, at]
-        push[3:] *= 0.5
-        push[:3] += k.lam * increment[:3, at].sum(axis=0)
-        small = self._stiffening(increment[:, at], own[3:])
+    def _return_block(self, increment: Array, stress: Array, memory: Array, block: slice) -> _Block:
+        """Update the points of a block in place: stress (ncomp, n), memory (n_internal, n)."""
+        k = self.constants
+        strain = increment[:, block]
+        new = stress[:, block]
+        own = memory[:, block]
+
+        # stiffen the increment at small strains
+        small = self._stiffening(strain, own[3:])
         own[3:] = small.memory
         faster = small.factor ** (1 + 0.5 * k.unloading / k.initial)
+
+        # try the elastic stress
+        push = 2 * k.mu * strain
+        push[3:] *= 0.5
+        push[:3] += k.lam * strain[:3].sum(axis=0)
         t = Points(
-            part.copy(),
+            new.copy(),
             push,
-            own[1].copy(),
-            own[2].copy(),
-            k.scale(k.shift - principal_stresses(part)[0]),
-            small.factor,
-            faster,
+            gamma=own[1].copy(),
+            cap=own[2].copy(),
+            scale=k.scale(k.shift - principal_stresses(new)[0]),
+            factor=small.factor,
+            faster=faster,
         )
         scale = elastic_scale(t, k)
+        new[...] = t.stress + scale * push
+
+        # find the points outside of the yield surface
         c = k.shift - t.trial(scale).values[::-1]
         size = np.maximum(np.maximum(np.abs(c[0]), np.abs(c[2])), LEAST * k.reference)
         sheared = c[0] - c[2] - k.shear_strength(c[2], own[1], k.scale(c[2]))[0]
         crushed = np.where(c.sum(axis=0) > 0, k.cap_stress(c) - own[2], 0.0)
-        outside = ~(np.maximum(sheared, crushed) <= ROUND_OFF * size)
-        part[...] = t.stress + scale * push
-        points = np.flatnonzero(outside)
+        points = np.flatnonzero(~(np.maximum(sheared, crushed) <= ROUND_OFF * size))
+
+        # return them
         t = take(t, points)
         returned = hardening_return(t, k)
-        frame, scale[points] = t.trial(returned.scale), returned.scale
+        scale[points] = returned.scale
+        frame = t.trial(returned.scale)
         values = k.shift - returned.c[::-1]
-        part[:, points] = frame.stress(values)
+        new[:, points] = frame.stress(values)
         own[0, points] += equivalent_shear_strain(frame.values - values, k.mu * returned.scale)
-        own[1, points], own[2, points] = returned.gamma, returned.cap
-        return _Block(points, increment[:, at], part, push, scale, small, frame, values, returned)
+        own[1, points] = returned.gamma
+        own[2, points] = returned.cap
+        return _Block(points, strain, new, push, scale, small, frame, values, returned)
 
     @property
     def strength(self) -> MohrCoulomb:
@@ -414,47 +427,53 @@ class HardeningSoil(CohesiveFrictional):
 
 
 class _Block(NamedTuple):
-    """Points of a block: strain increments, stresses, elastic changes at the scale 1, scales; those
-    that yield.
-    """
+    """Increments of a block of points, and the data of the points that yield."""
 
-    at: NDArray[np.intp]
-    strain: Array
-    stress: Array
-    push: Array
-    scale: Array
+    points: NDArray[np.intp]  # that yield
+    strain: Array  # (ncomp, n)
+    stress: Array  # (ncomp, n)
+    push: Array  # elastic change of the stress at the scale 1, (ncomp, n)
+    scale: Array  # (n,)
     small: Stiffening
-    frame: Frame
-    values: Array
+    frame: Frame  # of the yielding points
+    values: Array  # their principal stresses, (3, n)
     returned: Returned
 
 
 def _tangent(block: _Block, k: Constants) -> Array:
-    """Return the tangent, (n, ncomp, ncomp): that of a held scale, and its change with stress and
-    strain.
+    """Return the tangent, (n, ncomp, ncomp): of a fixed scale, and of its change.
+
+    d stress = D d strain + by_scale d scale, with d scale by stress and strain at the end.
     """
-    n, ncomp, factor = block.scale.size, len(block.stress), block.small.factor
-    elastic = np.diag(np.r_[np.full(3, 2 * k.mu), np.full(ncomp - 3, k.mu)])
-    elastic[:3, :3] += k.lam
-    result, by_scale = block.scale[:, None, None] * elastic, block.push.copy()
+    points = block.points
+    ncomp = len(block.stress)
+    n = block.scale.size
+
+    # differentiate the stress with the scale fixed
+    result = block.scale[:, None, None] * k.stiffness(ncomp)
     slopes, own = block.returned.slopes()
-    scale, at = block.scale[block.at], block.at
+    scale = block.scale[points]
     moduli = (2 * k.mu * slopes + k.lam * slopes.sum(axis=1, keepdims=True)) * scale
-    result[at] = block.frame.tangent(moduli[::-1, ::-1], block.values, k.mu * scale)
+    result[points] = block.frame.tangent(moduli[::-1, ::-1], block.values, k.mu * scale)
+
+    # differentiate it by the scale
+    by_scale = block.push.copy()
     hardened = block.frame.stress(own[::-1])
-    by_scale[:, at] = (np.einsum("nij,jn->in", result[at], block.strain[:, at]) - hardened) / scale
+    pushed = np.einsum("nij,jn->in", result[points], block.strain[:, points])
+    by_scale[:, points] = (pushed - hardened) / scale
+
+    # add the change of the factor of small strains
+    factor = block.small.factor
     if len(block.small.slope) == ncomp:
         by_factor = block.scale / factor * by_scale
-        by_factor[:, at] += (1 + 0.5 * k.unloading / k.initial) / factor[at] * hardened
+        by_factor[:, points] += (1 + 0.5 * k.unloading / k.initial) / factor[points] * hardened
         result += by_factor.T[:, :, None] * block.small.slope.T[:, None, :]
+
+    # add the change of the scale by the stress at the end
     axes = principal(block.stress)
     least = k.shift - axes.values[0]
-    rate = (
-        -0.5
-        * factor
-        * k.scale_slope(least, k.scale(least))
-        * axes.stress(np.eye(3)[:, :1] * np.ones(n))
-    )
+    direction = axes.stress(np.eye(3)[:, :1] * np.ones(n))
+    rate = -0.5 * factor * k.scale_slope(least, k.scale(least)) * direction
     rate[3:] *= 2
     gain = np.einsum("in,nij->nj", rate, result) / (1 - (rate * by_scale).sum(axis=0))[:, None]
     return result + by_scale.T[:, :, None] * gain[:, None, :]
