@@ -44,6 +44,11 @@ _FAR = 0.1
 #: under rigid strips and even loads with phi of 0 and 20 degrees, whether elements shrink towards
 #: the edge or not; .6 under rigid strips on sand with a weight.
 _ADDED = 2.0
+#: Largest part of one element in the power that the stresses lose, over the power of its strength
+#: and over the whole power. At singular points the projection loses more than the stresses: where
+#: the mesh adds 8.9 and 4.6 % to vertical cuts without tensile strength, the estimate is 7.3 % for
+#: both, and 67 and 76 % without these; under an even load on sand 5.8 and 15.7 % for 5.6 %.
+_OF_ELEMENT, _OF_WHOLE = 0.04, 0.005
 #: Share of the way from the lower to the upper bound on a mesh at which the exact value lies: .24
 #: to .33 on these slopes, if the bounds are closer than the second number, as a share of the upper
 #: one.
@@ -193,7 +198,8 @@ def added_by_mesh(
     less from it. Bands are these strains by solid, (n_elements, n_points). The whole power is the
     given one of a limit load, or the power of the strength.
     """
-    lost = strength = 0.0
+    lost = [np.zeros(0)]
+    strength = [np.zeros(0)]
     for name, form in solids_of(forms).items():
         if name not in bands:
             continue
@@ -204,16 +210,23 @@ def added_by_mesh(
         # int (sigma - sigma_projected) : strain
         at, _, smooth = projected(form, stress)
         excess = stress - (at @ smooth).T.reshape(stress.shape)
-        lost += float((form.weight * (excess * strain).sum(axis=0)).sum())
+        lost.append((form.weight * (excess * strain).sum(axis=0)).sum(axis=1))
 
         # int tau (gamma^2 - eps_V^2) / gamma
         volume = strain[:3].sum(axis=0)
         less = np.divide(volume**2, slip, out=np.zeros_like(slip), where=slip > 0.0)
         largest, _, smallest = principal_stresses(stress)
         spent = form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)
-        strength += 0.5 * float(spent.sum())
-    whole = strength if power is None else power
-    return max(_ADDED * lost / whole, 0.0) if whole > 0.0 else 0.0
+        strength.append(0.5 * spent.sum(axis=1))
+
+    # limit the part of every element
+    of_elements = np.concatenate(strength)
+    whole = float(of_elements.sum()) if power is None else power
+    if not whole > 0.0:
+        return 0.0
+    most = np.maximum(_OF_ELEMENT * of_elements, _OF_WHOLE * whole)
+    share = float(np.clip(np.concatenate(lost), -most, most).sum()) / whole
+    return max(_ADDED * share, 0.0)
 
 
 def warn_of_mesh(

@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from bound_cases import ground, slope_mesh
+from scipy.optimize import brentq
 from skfem import (
     Basis,
     ElementQuad1,
@@ -495,6 +496,39 @@ def test_shares_of_meshes_that_shrink_towards_an_edge(element) -> None:
     found = model.limit_load(model.traction("strip", (0.0, -1.0)), progress=False)
     added = found.multiplier / (2 + np.pi) - 1.0
     assert added > 0.01 and 0.5 * added < found.added < 2.0 * added
+
+
+def test_share_of_a_mesh_below_a_vertical_cut_without_tensile_strength() -> None:
+    """[B] Drucker (1953): 2 c / (gamma H) = 0.5; one element at the toe moves most."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 8, 21), np.linspace(0, 4, 11))
+    mesh = mesh.remove_elements(mesh.elements_satisfying(lambda x: (x[0] < 4) & (x[1] > 2)))
+    basis = Basis(mesh.with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    clay = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=0.0, psi=0.0, tension=0.0)
+    model = sc.Model({"cut": sc.SolidForm(basis, clay, unit_weight=20.0)}, sc.box_supports(basis))
+    found = model.strength_reduction(certify=False, progress=False)
+    added = found.factor / 0.5 - 1.0
+    assert 0.04 < added < 0.15 and 0.5 * added < found.added < 2.0 * added
+
+
+def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
+    """[X] Prandtl and Reissner: N_q = 9.2 at tan(30) / F, for the even load and the rigid strip."""
+
+    def bearing(t: float) -> float:
+        return np.exp(np.pi * t) * np.tan(np.pi / 4 + np.arctan(t) / 2) ** 2
+
+    mesh = MeshTri.init_tensor(np.linspace(0, 10, 21), np.linspace(0, 6, 13)).with_boundaries(
+        {
+            "strip": lambda x: (x[1] > 6 - 1e-9) & (x[0] < 0.5 + 1e-9),
+            "rest": lambda x: (x[1] > 6 - 1e-9) & (x[0] > 0.5 - 1e-9),
+        }
+    )
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0, psi=30.0)
+    model = sc.Model({"sand": sc.SolidForm(basis, sand)}, sc.box_supports(basis))
+    load = model.traction("strip", (0.0, -92.0)) + model.traction("rest", (0.0, -10.0))
+    found = model.strength_reduction(load, certify=False, progress=False)
+    added = found.factor * brentq(lambda t: bearing(t) - 9.2, 0.1, 0.6) / np.tan(np.pi / 6) - 1.0
+    assert 0.03 < added < 0.1 and 0.5 * added < found.added < 2.0 * added
 
 
 def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
