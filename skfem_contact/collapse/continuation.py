@@ -54,7 +54,8 @@ _CAUTIOUS = 1.3
 _CUTS = {"stall": 6, "peak": 1}
 #: Iterations of failed steps after which the curve ends, too, and least count of one: 30 halved
 #: steps are round-off.
-_MOST_FAILED, _LEAST_FAILED = 150, 5
+_MOST_FAILED = 150
+_LEAST_FAILED = 5
 _MOST_STEPS = 100
 #: Iterations of a step with contact: a pit beside a wall takes 210, 470, 211 and 176 with 30 of
 #: them, and 190, 226, 147 and 172 with 15, for the same factors. Without contact steps that take
@@ -66,7 +67,8 @@ _CHORD = 0.7
 #: again, and the share of its rise that shows a straight one: a block on five bars of which two
 #: flow rises by .05 % over twice the work, and by 1.2 % until the next one flows, another one by
 #: 1.3 % over 340 lengths.
-_BEYOND, _STRAIGHT = (512.0, 128.0, 32.0, 8.0, 2.0), 0.5
+_BEYOND = (512.0, 128.0, 32.0, 8.0, 2.0)
+_STRAIGHT = 0.5
 #: Attributes of a stage that a search does not change.
 _KEPT = ("time", "water", "unreleased", "placed", "changed", "supports")
 
@@ -117,7 +119,7 @@ class SearchStart:
     system, origin
         Their system, in the geometry of the start, and the start itself.
     weight, load
-        Weights and load on top, (N,); without a load of its own, that of the start.
+        Weights and load on top, (N,); by default the load of the start.
     kept
         Attributes of the stage at the start that the end of the search keeps.
     at_rest
@@ -166,16 +168,7 @@ def loaded_start(
         active, fixed = without_drainage(active, fixed, flow)
     system = setup.checked_system(active, fixed)
 
-    # begin from the displacements and states of the last stage, in their geometry
-    if last is None:
-        x = np.zeros(system.size)
-        states = {name: form.initial_state() for name, form in system.forms.items()}
-    else:
-        x, states = last.x, dict(last.states)
-    forms = {}
-    for name, form in system.forms.items():
-        forms[name], states[name] = form.fixed_geometry(x, states[name])
-    system = system.with_forms(forms)
+    system, origin = _fixed_geometry(system, last)
 
     # put the load on top of the weights
     if water is None and last is not None:
@@ -186,14 +179,15 @@ def loaded_start(
         cause = "the load is zero" if load is not None else "there is no load"
         raise ValueError(f"{cause}: give a `load`, unit weights of the forms, or a loaded `start`")
     if last is not None and not undrained:
-        warn_of_fresh_pressures(system, x, states, weight + on_top)
+        warn_of_fresh_pressures(system, origin.x, origin.states, weight + on_top)
 
-    kept = {} if last is None else {name: getattr(last, name) for name in _KEPT}
-    kept["water_unit_weight"] = setup.water_unit_weight
+    kept: dict[str, Any] = {"water_unit_weight": setup.water_unit_weight}
+    if last is not None:
+        kept.update((name, getattr(last, name)) for name in _KEPT)
     return SearchStart(
         forms=dict(active),
         system=system,
-        origin=Point(x, states, 0.0),
+        origin=origin,
         weight=weight,
         load=on_top,
         kept=kept,
@@ -202,7 +196,7 @@ def loaded_start(
 
 
 def _warn_of_unreleased(last: StageResult) -> None:
-    """Raise a warning where a stage holds back forces of what it deactivates."""
+    """Raise a warning where a stage holds back forces of deactivated bodies."""
     if last.unreleased is None:
         return
     share = np.linalg.norm(last.unreleased) / np.linalg.norm(last.load)
@@ -223,6 +217,17 @@ def _active_forms(setup: Setup, last: StageResult | None) -> Mapping[str, Form]:
         unknown = [name for name, form in setup.forms.items() if form.fields and name not in active]
         raise ValueError(f"the start does not hold {unknown}: activate them in a stage")
     return active
+
+
+def _fixed_geometry(system: System, last: StageResult | None) -> tuple[System, Point]:
+    """Return forms in the geometry at the end of a stage, with its displacements and states."""
+    x = np.zeros(system.size) if last is None else last.x
+    forms = {}
+    states = {}
+    for name, form in system.forms.items():
+        state = form.initial_state() if last is None else last.states[name]
+        forms[name], states[name] = form.fixed_geometry(x, state)
+    return system.with_forms(forms), Point(x, states, 0.0)
 
 
 def _load_on_top(
@@ -390,7 +395,8 @@ def _rises(
 ) -> bool:
     """Return True if a curve ends with a straight piece that rises by more than a margin."""
     before, last = points[-2:]
-    length, rise = last.work - before.work, last.parameter - before.parameter
+    length = last.work - before.work
+    rise = last.parameter - before.parameter
     if not log.straight or not _BEYOND[0] * rise > margin:
         return False
     for times in _BEYOND:
@@ -427,7 +433,8 @@ def correct(
     def direction(now: Evaluation, damped: bool) -> ndarray:
         """Solve for the Newton step of residual and work, by two solutions with one factor."""
         solve = system.factor(system.tangent(now, damped))
-        balance, drift = solve(now.residual), solve(branch.slope(now, last.states))
+        balance = solve(now.residual)
+        drift = solve(branch.slope(now, last.states))
         lag = target - system.work(control, now.z[:-1] + balance)
         slope = system.work(control, drift)
         if slope == 0.0:

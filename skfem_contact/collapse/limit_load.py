@@ -44,7 +44,7 @@ class _Load(Branch):
         return self.system, self.dead + parameter * self.reference
 
     def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
-        """Return the load that is multiplied, less what the supports take."""
+        """Return the load that is multiplied, at free dofs."""
         slope = self.reference.copy()
         slope[self.system.fixed] = 0.0
         return slope

@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
+from ..forms.base import dilate_less
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.stage import StageResult
@@ -162,8 +163,8 @@ class Stop:
     Attributes
     ----------
     kind
-        Two kinds show the limit. ``"plateau"``: the curve has levelled off; ``"collapse"``: there
-        is no equilibrium close above. Four do not. ``"peak"``: the curve falls, and another path
+        Two kinds show the limit. ``"plateau"``: the curve has levelled off; ``"collapse"``: no
+        equilibrium exists close above. Four do not. ``"peak"``: the curve falls, and another path
         may lead higher; ``"stall"``: neither equilibrium nor collapse was found; ``"max_value"``:
         the parameter has exceeded `max_value`; ``"steps"``: the search took too many steps.
     text
@@ -369,7 +370,7 @@ class CollapseResult:
         return "\n".join(lines)
 
     def _advice(self) -> str:
-        """Return what may help where no limit was shown."""
+        """Return advice where no limit was shown, for a message."""
         if self.stop.kind in ("max_value", "steps"):
             return (
                 "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced "
@@ -405,6 +406,16 @@ class CollapseResult:
         return replace(self, proven=proven, bracket=(self.bracket[0], above))
 
 
+def _bands(system: System, mechanism: ndarray) -> dict[str, ndarray]:
+    """Return the largest shear strain of a mechanism by solid, (n_elements, n_points)."""
+    bands = {}
+    for name, form in system.forms.items():
+        band = form.shear_strain(mechanism)
+        if band is not None:
+            bands[name] = band
+    return bands
+
+
 def conclude(
     what: str,
     search: SearchResult,
@@ -425,16 +436,13 @@ def conclude(
     if motion is None:
         motion = search.points[-1].x - search.points[-2].x
     mechanism = motion / (np.abs(motion).max() or 1.0)
-    bands = {}
-    for name, form in system.forms.items():
-        band = form.shear_strain(mechanism)
-        if band is not None:
-            bands[name] = band
+    bands = _bands(system, mechanism)
     power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
     added = added_by_mesh(system.forms, bands, last.states, mechanism, power)
 
     # make a stage of the last equilibrium, with geometry that follows the displacements again
-    forms, states = {}, {}
+    forms = {}
+    states = {}
     for name, form in system.forms.items():
         forms[name], states[name] = form.released(last.x, last.states[name])
     iterations = sum(step.iterations for step in steps)
@@ -451,7 +459,6 @@ def conclude(
     )
 
     value = search.best.parameter
-    materials = [each for form in system.forms.values() for each in form.materials.values()]
     return CollapseResult(
         what=what,
         value=value,
@@ -466,6 +473,6 @@ def conclude(
         bands=bands,
         added=added,
         path=tuple((point.parameter, point.x) for point in search.points),
-        dilates_less=any(material.dilates_less for material in materials),
+        dilates_less=dilate_less(system.forms),
         davis=davis,
     )

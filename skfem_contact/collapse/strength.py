@@ -44,13 +44,15 @@ _DIFFERENCE = 1e-6
 #: Residual over the tolerance of the factor, and with psi < phi: there 0.03 costs 145 iterations
 #: for 91, 181 for 120 and 367 for 208 (ACADS 1(a), 1(c), 3(a)), and the factors differ by at most
 #: 0.002.
-_BALANCE, _LOOSE = 0.03, 0.1
+_BALANCE = 0.03
+_LOOSE = 0.1
 #: Share of the tolerance that the curve's end may leave open.
 _OPEN = 0.25
 #: Work, as a share of the elastic work of the whole load and of what the residual's tolerance
 #: leaves, from which it can be prescribed: a block that sticks does .6 times its residual, 1.1e-4,
 #: without any motion.
-_NOTICEABLE, _BY_RESIDUAL = 1e-4, 3.0
+_NOTICEABLE = 1e-4
+_BY_RESIDUAL = 3.0
 
 
 class _Strength(Branch):
@@ -95,12 +97,11 @@ class _Strength(Branch):
 
     def bound(self, davis: CollapseResult) -> float:
         """Return a factor that no dilatancy reaches, where Radenkovic's theorem holds, or inf."""
-        associated = [
-            form.reduced(1.0, "associated", self.targets.get(name, ()))
-            for name, form in self.system.forms.items()
-        ]
-        if not davis.stop.shows_limit or not all(form.symmetric for form in associated):
+        if not davis.stop.shows_limit:
             return np.inf
+        for name, form in self.system.forms.items():
+            if not form.reduced(1.0, "associated", self.targets.get(name, ())).symmetric:
+                return np.inf
         return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
@@ -116,7 +117,8 @@ class _Strength(Branch):
 
     def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
         """Return the difference quotient of the residual by the factor, of the reduced forms."""
-        x, factor = now.z[:-1], now.z[-1]
+        x = now.z[:-1]
+        factor = now.z[-1]
         step = _DIFFERENCE * max(factor, _DIFFERENCE)
         weaker = self.system.with_forms(self._reduced(float(factor) + step))
         responses = weaker.responses(x, states)
@@ -183,6 +185,7 @@ def strength_reduction(
             "tolerance and step must be positive and max_value above 1, not "
             f"{tolerance!r}, {step!r} and {max_value!r}"
         )
+
     # read the structure and its load
     begun = loaded_start(setup, load, start, water, undrained, flow)
     forms = begun.system.forms
@@ -195,18 +198,16 @@ def strength_reduction(
     newton = setup.newton or Newton(tolerance=balance * tolerance, max_iterations=30)
 
     # prove bounds that were asked for
-    proven = beside(
-        certify,
-        begun.forms,
-        fixed=begun.system.fixed,
-        dead=whole,
-        live=None,
-        reduce=reduce,
-        exclude=exclude,
-        flow=flow,
-        progress=progress,
-        at_rest=begun.at_rest,
-    )
+    structure: dict[str, Any] = {
+        "forms": begun.forms,
+        "fixed": begun.system.fixed,
+        "dead": whole,
+        "reduce": reduce,
+        "exclude": exclude,
+        "flow": flow,
+        "at_rest": begun.at_rest,
+    }
+    proven = beside(certify, live=None, progress=progress, **structure)
 
     # search, after Davis first where dilatancy is less than friction
     search = partial(
@@ -225,17 +226,8 @@ def strength_reduction(
     if certify == "auto" and not undrained:
         iterations = sum(found.iterations for found in (result, davis) if found)
         coarse = result.stop.shows_limit and result.added * result.value > tolerance
-        proven, unproven = at_hand(
-            begun.forms,
-            fixed=begun.system.fixed,
-            dead=whole,
-            reduce=reduce,
-            exclude=exclude,
-            flow=flow,
-            work=float(len(whole)) * iterations,
-            coarse=coarse and not free,
-            at_rest=begun.at_rest,
-        )
+        work = float(len(whole)) * iterations
+        proven, unproven = at_hand(work=work, coarse=coarse and not free, **structure)
         result = replace(result, unproven=unproven)
     return result.beside(proven, tolerance)
 
@@ -270,7 +262,8 @@ def _search(
     """Search for the factor of one flow rule."""
     log = SearchLog(branch.system, bar, origin)
     if davis is not None:
-        branch.safe, branch.above = davis.factor, branch.bound(davis)
+        branch.safe = davis.factor
+        branch.above = branch.bound(davis)
     first = _first(branch, origin, newton, log)
     result = _continued(branch, first, newton, tolerance, step, max_value, log)
     if np.isfinite(branch.above) and result.stop.kind != "collapse":

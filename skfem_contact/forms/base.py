@@ -318,6 +318,13 @@ def reduced_parts(
     return targets
 
 
+def dilate_less(forms: Mapping[str, Form]) -> bool:
+    """Return True if a material of some forms dilates less than its friction."""
+    return any(
+        material.dilates_less for form in forms.values() for material in form.materials.values()
+    )
+
+
 def part_names(parts: Mapping[str, Collection[str]]) -> tuple[str, ...]:
     """Return names such as ``soil.clay`` of parts by form; a form as a whole has its own name."""
     return tuple(

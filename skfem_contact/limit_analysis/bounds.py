@@ -14,7 +14,7 @@ from skfem import MeshTri
 from ..checks import format_point, names_of
 from ..display import progress_bar
 from ..errors import AnalysisWarning, warn
-from ..forms.base import solids_of
+from ..forms.base import dilate_less, solids_of
 from ..loads import Pressure, by_element
 from ..solvers import single_threaded
 from .certify import dissipation
@@ -159,13 +159,14 @@ def bounds(
 
 def _own(forms: Mapping[str, Any]) -> ndarray | float:
     """Return the unit weights that the solids bring, (n_elements,), or zero."""
-    solids = [form for form in solids_of(forms).values() if form.unit_weight is not None]
-    if not solids:
-        return 0.0
-    weights = np.zeros(solids[0].basis.mesh.nelements)
-    for form in solids:
-        weights[form.elements] = by_element(form.basis.mesh, form.unit_weight)[form.elements]
-    return weights
+    weights: ndarray | None = None
+    for form in solids_of(forms).values():
+        if form.unit_weight is not None:
+            mesh = form.basis.mesh
+            if weights is None:
+                weights = np.zeros(mesh.nelements)
+            weights[form.elements] = by_element(mesh, form.unit_weight)[form.elements]
+    return 0.0 if weights is None else weights
 
 
 def beside(
@@ -187,12 +188,16 @@ def beside(
     """
     if certify is False or certify == "auto":
         return None
-    if certify is not True and (not isinstance(certify, Mapping) or set(certify) - set(_OPTIONS)):
+    given: dict[str, Any] = {}
+    if isinstance(certify, Mapping):
+        given.update(certify)
+    elif certify is not True:
+        given["certify"] = certify
+    if not set(given) <= set(_OPTIONS):
         raise ValueError(
             f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not "
             f"{certify!r}"
         )
-    given = dict(certify) if isinstance(certify, Mapping) else {}
     loads = partial(
         vector_loads,
         dead=dead,
@@ -232,11 +237,12 @@ def at_hand(
     be coarse.
     """
     # compare their cost with the cost of the search
-    solids = solids_of(forms).values()
-    triangles = sum(form.basis.nelems * len(form.basis.mesh.t) / 3 for form in solids)
-    materials = [material for form in solids for material in form.materials.values()]
-    less = any(material.dilates_less for material in materials)
-    cost = (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles
+    solids = solids_of(forms)
+    bases = [form.basis for form in solids.values()]
+    triangles = sum(basis.nelems * len(basis.mesh.t) / 3 for basis in bases)
+    cost = _CHEAP * triangles
+    if flow == "given" and dilate_less(solids):  # an estimate as well
+        cost *= 1.5
     if work < cost and not (coarse and triangles <= _FEW):
         return None, "they would take longer than the search (certify=True computes them)"
     try:
@@ -283,8 +289,8 @@ def _bracket(
     with progress_bar(progress, desc="bounds", bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)
-        davis = None if problem.davis is None else search.estimate(problem.davis)
-        smooth = None if problem.smooth is None else search.estimate(problem.smooth)
+        davis = search.estimate(problem.davis)
+        smooth = search.estimate(problem.smooth)
     _tell(search, gap)
     return _result(search, davis, smooth)
 
@@ -292,7 +298,11 @@ def _bracket(
 def _tell(search: Search, gap: float) -> None:
     """Warn about a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
-    unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
+    unproven = []
+    if not np.isfinite(low):
+        unproven.append("lower")
+    if not np.isfinite(high):
+        unproven.append("upper")
     missing = search.problem.missing
     if missing and not low > _NOTHING * high:
         warn(
@@ -330,10 +340,12 @@ def _too_strong(search: Search) -> str:
 def _blocked(search: Search) -> str:
     """Return the point where contact ends at a support, for a message.
 
-    No velocity without jumps can begin there.
+    No velocity without jumps can begin at such a point.
     """
-    triangles, shape = search.upper.triangles, search.problem.geometry
-    facets, tags = triangles.mesh.facets, triangles.tags
+    triangles = search.upper.triangles
+    shape = search.problem.geometry
+    tags = triangles.tags
+    facets = triangles.mesh.facets
     held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
     sides = [held[:0]]
     for contact in search.model.contacts:
@@ -360,7 +372,7 @@ def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds
         lower=float(low.proof.value if davis is None else davis),
         upper=float(high.proof.value),
         estimate=davis is not None or smooth is not None,
-        safe=None if smooth is None else float(smooth),
+        safe=smooth,
         what="limit load" if search.live else "factor of safety",
         reduced=problem.reduced,
         mesh=_named(problem, high.triangles),
@@ -375,25 +387,30 @@ def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds
 
 def _named(problem: Problem, triangles: Triangles) -> MeshTri:
     """Return a mesh in the user's coordinates, with the names of the given mesh."""
-    subdomains = problem.mesh.subdomains or {}
-    tags = triangles.tags.items()
     shape = problem.geometry
+    boundaries = {}
+    for tag, facets in triangles.tags.items():
+        if isinstance(tag, str):
+            boundaries[tag] = facets
+    subdomains = {}
+    for name, part in (problem.mesh.subdomains or {}).items():
+        subdomains[name] = np.flatnonzero(np.isin(triangles.origin, part))
     return MeshTri(
         shape.centre[:, None] + shape.size * triangles.mesh.p,
         triangles.mesh.t,
         validate=False,
-        _boundaries={name: facets for name, facets in tags if isinstance(name, str)},
-        _subdomains={
-            name: np.flatnonzero(np.isin(triangles.origin, part))
-            for name, part in subdomains.items()
-        },
+        _boundaries=boundaries,
+        _subdomains=subdomains,
     )
 
 
 def _shares(high: Bound, live: bool) -> ndarray:
     """Return the share of the dissipation in every triangle; the rest is in contacts."""
-    program, proof = high.program, high.proof
-    factor = proof.value if np.isfinite(proof.value) and not live else 1.0
+    program = high.program
+    proof = high.proof
+    factor = 1.0
+    if not live and np.isfinite(proof.value):
+        factor = proof.value
     strain = program.strains(proof.field)
     spent = dissipation(program, strain, factor)
     whole = spent.sum() or 1.0

@@ -16,7 +16,7 @@ from skfem import CellBasis, Mesh
 from ..checks import format_point
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
-from ..forms.base import as_forms, pairs_of, part_names, reduced_parts
+from ..forms.base import as_forms, dilate_less, pairs_of, part_names, reduced_parts
 from ..forms.regions import Region
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
@@ -98,28 +98,16 @@ def read(
         outer=outer,
     )
 
-    # derive models that are stiffer or weaker
+    # derive a model of rigid strong bodies, and weaker ones without associated flow
     strong = _strong(soil, carried, elements)
     davis = smooth = None
     if not associated:
-        if _dilates_less(solids):
-            weaker = _strengths(solids, targets, "davis_a", carried).over(unit)
-            profiles = _profiles(solids, "davis_a", shape, unit)
-            davis = replace(model, soil=weaker, profiles=profiles)
-        if any(contact.mu for contact in model.contacts):
-            contacts = tuple(replace(contact, mu=0.0) for contact in model.contacts)
-            smooth = replace(davis or model, contacts=contacts)
+        davis = _davis(model, solids, targets, carried, shape, unit)
+        smooth = _without_friction(davis or model)
 
     # list the simplifications
-    cohesionless = bool(soil.resists_nothing.any()) or any(
-        profile.vanishes(triangles) for profile in model.profiles
-    )
-    missing = ""
-    if cohesionless:
-        missing = "cohesion"
-    elif (soil.tension == 0).any():
-        missing = "tension"
-    remarks = _remarks(solids, shape, given, soil, cohesionless)
+    missing = _missing(model)
+    remarks = _remarks(solids, shape, given, soil, missing == "cohesion")
     if not associated:
         remarks += _slipping(pairs)
     return Problem(
@@ -138,10 +126,36 @@ def read(
     )
 
 
-def _dilates_less(solids: Mapping[str, SolidForm]) -> bool:
-    """Return True if some soil dilates less than its friction."""
-    materials = [each for form in solids.values() for each in form.materials.values()]
-    return any(material.dilates_less for material in materials)
+def _davis(
+    model: LimitModel,
+    solids: Mapping[str, SolidForm],
+    targets: Mapping[str, Collection[str]],
+    stress: float,
+    shape: Geometry,
+    unit: float,
+) -> LimitModel | None:
+    """Return the model with associated soil after Davis, where soil dilates less."""
+    if not dilate_less(solids):
+        return None
+    weaker = _strengths(solids, targets, "davis_a", stress).over(unit)
+    return replace(model, soil=weaker, profiles=_profiles(solids, "davis_a", shape, unit))
+
+
+def _without_friction(model: LimitModel) -> LimitModel | None:
+    """Return the model without friction in joints, where some have it."""
+    if not any(contact.mu for contact in model.contacts):
+        return None
+    contacts = tuple(replace(contact, mu=0.0) for contact in model.contacts)
+    return replace(model, contacts=contacts)
+
+
+def _missing(model: LimitModel) -> str:
+    """Return the strength that some soil has not: "cohesion", "tension" or ""."""
+    if model.soil.resists_nothing.any():
+        return "cohesion"
+    if any(profile.vanishes(model.triangles) for profile in model.profiles):
+        return "cohesion"
+    return "tension" if (model.soil.tension == 0).any() else ""
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -247,7 +261,7 @@ def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
             f"the cohesion of '{name}' is known at integration points alone, as after a reduction "
             "of its strength: give the body with the function of the coordinates"
         )
-    c, t, tension = (np.mean(value, axis=1) if np.ndim(value) == 2 else value for value in cone)
+    c, t, tension = map(_mean, cone)
     friction = np.asarray(t)
     if ((friction > 0) & (friction < FLAT)).any():
         raise ValueError(
@@ -257,6 +271,11 @@ def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
     if ((np.asarray(c) == 0) & (friction == 0)).any():
         raise ValueError(f"'{name}' has neither cohesion nor friction")
     return c, t, tension
+
+
+def _mean(value: Any) -> Any:
+    """Return the mean of a value at points by element, (n,); others as they are."""
+    return np.mean(value, axis=1) if np.ndim(value) == 2 else value
 
 
 def _profiles(
@@ -368,9 +387,10 @@ def _contact(name: str, pair: ContactPair, stress: float, reduced: bool) -> Cont
 
 def _slipping(pairs: Mapping[str, ContactPair]) -> tuple[str, ...]:
     """Return a remark on joints whose friction is not associated."""
-    names = [
-        name for name, pair in pairs.items() if isinstance(pair.law, Coulomb) and pair.law.mu > 0
-    ]
+    names = []
+    for name, pair in pairs.items():
+        if isinstance(pair.law, Coulomb) and pair.law.mu > 0:
+            names.append(name)
     if not names:
         return ()
     return (

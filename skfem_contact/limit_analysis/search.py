@@ -214,13 +214,15 @@ class Search:
         self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
         return Bound(self.triangles, program, solution, proof)
 
-    def estimate(self, weaker: LimitModel) -> float:
+    def estimate(self, weaker: LimitModel | None) -> float | None:
         """Return the lower bound of a weaker model on the last triangles, or of no strength."""
+        if weaker is None:
+            return None
         nothing = -np.inf if self.live else 0.0
         if not self.lower.proof.value > nothing:
             return nothing
         try:
-            return self._solve_lower(weaker).proof.value
+            return float(self._solve_lower(weaker).proof.value)
         except ValueError:
             return nothing
 
@@ -335,7 +337,7 @@ def _marked(gap: ndarray) -> ndarray:
 
 
 def _fanned(triangles: Triangles, points: ndarray) -> Triangles:
-    """Double the triangles around singular points, (2, n), until there are enough."""
+    """Double the triangles around singular points, (2, n), until they are enough."""
     mesh = triangles.mesh
     count = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
     away = np.linalg.norm(mesh.p[:, None] - points[:, :, None], axis=0)  # (n_points, n_nodes)
@@ -370,7 +372,8 @@ def _singular_points(model: LimitModel, triangles: Triangles) -> ndarray:
 
 def _kinds(model: LimitModel, triangles: Triangles) -> ndarray:
     """Return the supports, loads, contacts and rigid bodies on every facet, (n_facets, n_kinds)."""
-    mesh, tags = triangles.mesh, triangles.tags
+    mesh = triangles.mesh
+    tags = triangles.tags
     parts = [tags["held", 0], tags["held", 1]]
     parts += [tags[load.tag] for load in model.loads.tractions]
     for contact in model.contacts:
