@@ -11,6 +11,7 @@ Units are kN and m. Tension is positive, and so is a gap; a *traction* is a forc
 
 # %%
 # Two bodies, one mesh
+# --------------------
 # Every body is an ordinary scikit-fem mesh. ``with_defaults`` names its sides ``left``, ``right``,
 # ``bottom`` and ``top``. The meshes need not match: the plate's elements are 5 mm long, the
 # sample's 4 mm.
@@ -134,6 +135,7 @@ plot.contour(result["1.0 mm"], "syy", deformed=10.0)
 
 # %%
 # What happens at the joint
+# -------------------------
 # A stage's result has the displacements ``x`` and the *state* of every form. From the state of a
 # contact pair, ``tractions`` takes pressure, shear, gap, slip and status at each of its points,
 # here the nodes of the sample's lower side.
@@ -194,6 +196,7 @@ axes[1].legend(frameon=False)
 
 # %%
 # A Newton loop of your own
+# -------------------------
 # ``run`` adds a line search, automatic steps and a progress bar. The method itself takes ten lines:
 # sum up the forces, stop if they balance the load, else solve with the sum of the stiffnesses.
 # Nothing is changed by a form's ``assemble``: it takes the last *accepted* state and proposes a new

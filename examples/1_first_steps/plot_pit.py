@@ -97,6 +97,7 @@ plot.stages(result, "ux", deformed=50.0)
 
 # %%
 # 6. What the wall bears
+# ----------------------
 #
 # Tables are text here; they also go to CSV, Markdown and data frames. The envelope holds the
 # largest and smallest section forces of all stages.

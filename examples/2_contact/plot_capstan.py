@@ -141,6 +141,7 @@ plot.contour(result[-1], "s1", deformed=1000.0)
 
 # %%
 # How the belt begins to slide
+# ----------------------------
 # The pressure times the radius is the tension. At first it falls by :math:`e^{-\mu\varphi}` from
 # the weight to the right end. Where the slip has been reversed it rises by :math:`e^{\mu\varphi}`;
 # the kink is the point that slip has reached.

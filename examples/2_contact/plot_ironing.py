@@ -88,6 +88,7 @@ def ironed(n, **options):
 
 # %%
 # Three contacts, two meshes
+# --------------------------
 # The block's nodes on the slab's facets; the same on facets whose joints are rounded off, which a
 # bent slab needs as much as a round drum; and the contact integrated between the cuts of both
 # meshes, on rounded facets.

@@ -137,6 +137,7 @@ plot.contour(result[n_steps], "syy", deformed=1.0)
 
 # %%
 # The force on the way
+# --------------------
 # It is constant while the wedge slides, over the joints of the mesh too. Two of the wedges come
 # back only when they are pulled: on the way their force passes through zero while everything
 # sticks.

@@ -76,6 +76,7 @@ def slope(with_pile):
 
 # %%
 # Soils, pile and interface
+# -------------------------
 # The pile yields at a moment of 150 kNm/m. An interface of strength :math:`R` has :math:`R\, c` and
 # :math:`R \tan\phi` of the layer that it touches. The pile keeps its strength, all else is reduced.
 
@@ -107,6 +108,7 @@ def model(mesh, share=None, stiffness=2.8e7):
 
 # %%
 # Bounds, and strength reduction on their mesh
+# --------------------------------------------
 # A factor of strength reduction above its bracket is the mesh's, one below would be an error. A
 # weaker interface never raises a factor.
 

@@ -79,6 +79,7 @@ plt.show()
 
 # %%
 # Strength reduction on the mesh of the bounds
+# --------------------------------------------
 # And on a uniform one, for comparison. The factor of finite elements converges from above: no
 # theorem says so, but the bracket tells how far it is.
 

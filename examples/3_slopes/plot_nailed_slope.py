@@ -300,6 +300,7 @@ plt.show()
 
 # %%
 # Beside solid inclusions
+# -----------------------
 # Three layers in an elastic cut, as bonded reinforcement and as solid strips of 1 cm with the same
 # ``EA``.
 

@@ -140,6 +140,7 @@ def slender(n):
 
 # %%
 # Soil, pile and contact
+# ----------------------
 # Two Mohr-Coulomb soils without dilatancy: a clay, and firm ground below. The pile is a wall of
 # reinforced concrete, elastic up to a moment of 150 kNm/m, where it yields: in plane strain a
 # Tresca material with the yield stress
@@ -223,6 +224,7 @@ print(piled)
 
 # %%
 # How the factor is found
+# -----------------------
 # Without the pile, the curve is level once the ground has moved by a decimetre. With the pile it
 # goes on rising: a pile this slender must bend a long way before it resists, and only when it has
 # yielded does the ground collapse. The factor at a displacement of one pile width is given as well.
@@ -255,6 +257,7 @@ ax.legend(frameon=False)
 
 # %%
 # Displacements at failure
+# ------------------------
 # The horizontal displacement from gravity to the greatest factor: above the interface of the layers
 # the ground moves to the left and takes the upper part of the pile along.
 
@@ -271,6 +274,7 @@ plot.contour(moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 # %%
 # What the soil does to the pile
+# ------------------------------
 # Pressure and friction along the right side of the pile, circles where the soil slips. Friction is
 # positive where the soil drags the pile down.
 
@@ -291,6 +295,7 @@ plot.diagram(right, along="y")
 
 # %%
 # What the pile carries
+# ---------------------
 # Section forces at cuts across the pile, from the head downwards. The moment is positive where it
 # stretches the right side. At failure the pile bears all it can in its two hinges, the 150 kNm/m of
 # its cross section.

@@ -18,6 +18,7 @@ finer meshes; the default is two of them.
 
 # %%
 # Geometry and strength
+# ---------------------
 
 import json
 import sys

@@ -18,6 +18,7 @@ plot.set_units("kN", "m")
 
 # %%
 # From the file to a mesh with a slit
+# -----------------------------------
 # ``split_along`` doubles the nodes of the curve, so that the ground can slip along the wall, and
 # names the two sides. The toe stays single. The left side belongs to three bodies, two of which
 # will be dug out: each part of it gets a name of its own, which later names the contact of the wall
@@ -33,6 +34,7 @@ basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 
 # %%
 # Ground, wall and anchor
+# -----------------------
 # The wall is a beam along the slit with nodes of its own. ``wall.contact`` makes one contact pair
 # for each side that is named, with two thirds of the strength of the sand. The anchor is a bar from
 # a node of the wall to the head of its grouted body, a beam inside the elements whose skin resists

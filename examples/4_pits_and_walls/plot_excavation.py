@@ -188,6 +188,7 @@ assert difference < 1e-10
 
 # %%
 # Pressures and moments
+# ---------------------
 # Contact pressure on the side of the ground and on that of the pit, and the moment in the wall.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 4.5), sharey=True, layout="constrained")

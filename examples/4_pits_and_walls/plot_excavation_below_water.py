@@ -291,6 +291,7 @@ plot.contour(last, "ux", deformed=20.0, window=(0, 20, -17, 1))
 
 # %%
 # The bottom of the pit
+# ---------------------
 # Exit gradient at the wall, and Terzaghi's block, lifted by the water under it.
 
 D, critical = LEVELS[3] - TOE, (WEIGHT - WATER) / WATER

@@ -38,6 +38,7 @@ LAWS = {
 
 # %%
 # The ground in four parts
+# ------------------------
 # Half of the pit. The wall is a beam on the nodes of the ground; the prop is a bar to the axis of
 # symmetry, prepared at once and installed in its stage.
 x = np.concatenate(
@@ -127,6 +128,7 @@ for name, law in LAWS.items():
 
 # %%
 # Wall, street and bottom
+# -----------------------
 # With Hardening Soil every increment takes at most five iterations. Unloading is 2.4 times as stiff
 # as first loading, and stiffer with depth: the bottom heaves a quarter of what it does with
 # Mohr-Coulomb. There the street rises by four centimetres; with Hardening Soil it settles by a

@@ -177,6 +177,7 @@ for (delta, side), (low, high) in cases.items():
 
 # %%
 # From rest to both sides
+# -----------------------
 # The thrust on a wall with a friction angle of 20°. The active state needs next to no movement.
 
 fig, (curve, pressure) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")

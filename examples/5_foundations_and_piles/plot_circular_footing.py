@@ -83,6 +83,7 @@ def axisymmetric(kind):
 
 # %%
 # Settlement and pressure
+# -----------------------
 
 rows = []
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
@@ -113,6 +114,7 @@ plt.show()
 
 # %%
 # Under the rough disc
+# --------------------
 # The ground moves down with the disc, sideways, and up beside it.
 
 plot.cutaway(

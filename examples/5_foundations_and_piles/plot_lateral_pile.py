@@ -93,6 +93,7 @@ for alpha, (force, *_) in slices.items():
 
 # %%
 # The clay flows around the rough pile
+# ------------------------------------
 # What moves from the third stage to the last: rigid caps before and behind the pile stay
 # with it, and beside it a body turns.
 

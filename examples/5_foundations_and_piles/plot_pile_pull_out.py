@@ -69,6 +69,7 @@ def pull(soil, shaft, held, displacements):
 
 # %%
 # Rigid pile, elastic ground
+# --------------------------
 
 elastic = sc.LinearElastic(E=2e4, nu=0.3)
 steel = sc.LinearElastic(E=3e7, nu=0.2)
@@ -79,6 +80,7 @@ print(rigid[2]["10 mm"].report("shaft"))
 
 # %%
 # Concrete pile in sand
+# ---------------------
 
 sand = sc.MohrCoulomb(E=2e4, nu=0.3, c=1.0, phi=30.0, psi=0.0)
 displacements = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0]) * 1e-3
@@ -94,6 +96,7 @@ plt.show()
 
 # %%
 # Force along the pile
+# --------------------
 # The force at the head goes into the ground along the shaft, first near the head. What the pile
 # carried at rest is subtracted.
 
@@ -109,6 +112,7 @@ plt.show()
 
 # %%
 # The ground that is drawn along
+# ------------------------------
 
 plot.cutaway(
     result["8 mm"],

@@ -51,6 +51,7 @@ def level(start, end, n):
 
 # %%
 # A long beam on springs
+# ----------------------
 # A force P on a beam on springs k per length: with :math:`\lambda^4 = k / 4 EI` the deflection
 # below it is
 # :math:`P \lambda / 2 k` and the moment :math:`P / 4 \lambda`. The springs are a form of their own,
@@ -120,6 +121,7 @@ ax.legend(frameon=False)
 
 # %%
 # A ring of 16 curved elements
+# ----------------------------
 # Two forces P press a ring of radius R: it gives way by :math:`(\pi/4 - 2/\pi) P R^3 / EI`, and the
 # moment below them is :math:`P R / \pi`. The way is anticlockwise, and the left fibres are the
 # inner ones. The middle nodes lie on the circle; 16 straight elements err by 3 % and 1.3 %.
@@ -253,6 +255,7 @@ for n, largest in ((4, 1e-3), (8, 1e-4)):
 
 # %%
 # A beam bonded to a half-plane
+# -----------------------------
 # The name of a line instead of points: the beam has the nodes of the ground there. Under a force on
 # a long beam the moment is :math:`2 P a / 3 \sqrt 3` with :math:`a^3 = 2 EI (1 - \nu^2) / E`.
 for per, largest in ((1, 3.5e-3), (2, 1e-3)):

@@ -115,6 +115,7 @@ plot.contour(
 
 # %%
 # What presses on the pipe
+# ------------------------
 # ``tractions`` lists pressure, friction, gap, slip and status at the points of the interface.
 # Angles are measured from the crown, clockwise. Friction is that on the pipe, positive clockwise.
 
@@ -143,6 +144,7 @@ for name, points in skin.items():
 
 # %%
 # What the wall carries
+# ---------------------
 # ``section_forces`` cuts the ring and sums the nodal forces at every cut. The normal force is
 # positive in tension, so that a thrust is negative; the moment is positive where it stretches the
 # outer fibres.

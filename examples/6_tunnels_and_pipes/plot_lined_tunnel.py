@@ -276,6 +276,7 @@ for label, mu in (("full slip", 0.0), ("no slip", 1.0)):
 
 # %%
 # The lining as a beam
+# --------------------
 # A :class:`skfem_contact.Beam` along the wall of the tunnel, bonded to it or in contact without
 # friction: a thin ring. Movements :math:`u=a\cos 2\theta` outwards and :math:`v=b\sin 2\theta`
 # along it with rotations :math:`c\sin 2\theta` have the strains :math:`(a + 2 b)/R`,
@@ -498,6 +499,7 @@ for left in (0.4, 0.2):
 
 # %%
 # Elastic ground: pressure, thrust and moment
+# -------------------------------------------
 # Lines are exact, points are computed. A lining along which the ground slides has next to no
 # variation in pressure and thrust, and a greater moment.
 
@@ -529,6 +531,7 @@ axes[0].legend(frameon=False)
 
 # %%
 # Yielding ground: where the lining meets it
+# ------------------------------------------
 # The lining starts without pressure where the ground has got to, and hardly moves. Placed after 80
 # % it carries half as much as after 60 %. Friction rises steeply to its bound where the soil begins
 # to slip: within that element its course is not resolved.

@@ -168,6 +168,7 @@ for psi in (0.0, 8.0):
 
 # %%
 # Reaction curve and support
+# --------------------------
 # The lining is a shell of concrete, 20 cm thick, installed when a part of the displacement has
 # happened: the longitudinal profile of N. Vlachopoulos and M. S. Diederichs (Rock Mech. Rock Eng.
 # 42 (2009) 131-146) gives 2 m behind the face. Both curves meet at the equilibrium.

@@ -194,6 +194,7 @@ def plastic_radius(form: sc.SolidForm, state: SolidState) -> float:
 
 # %%
 # Soil: the ground reaction curve
+# -------------------------------
 # Without dilatancy, and with as much as there is friction; the pressure along the tunnel is
 # :math:`p_0` too.
 
@@ -249,6 +250,7 @@ assert abs(on_edge) < 5e-4
 
 # %%
 # Rock: stresses around an unsupported hole
+# -----------------------------------------
 # In MPa: the whole pressure of 30 MPa is taken away in one stage. With the pressure
 # :math:`2\nu p_0` along the tunnel the axial stress stays the intermediate one, and the closed form
 # is exact; with :math:`p_0` it is not.

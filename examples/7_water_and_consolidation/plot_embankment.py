@@ -33,6 +33,7 @@ FULL = "--full" in sys.argv
 
 # %%
 # The ground and the lifts
+# ------------------------
 # Half of the road. The fill is a grid whose outer side is drawn in to the slope; it stands on the
 # nodes of the clay.
 
@@ -148,6 +149,7 @@ for psi in (0.0, 5.0, PHI) if FULL else (0.0, PHI):
 
 # %%
 # Without the time to wait
+# ------------------------
 # The same lifts, one right after the other.
 
 quick, hurried = build(0.0, wait=1.0)

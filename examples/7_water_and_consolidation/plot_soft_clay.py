@@ -167,6 +167,7 @@ axes.legend(frameon=False)
 
 # %%
 # Pore pressure under the centre
+# ------------------------------
 
 depths = {f"{z} m": (0.0, -z) for z in (2.0, 4.0, 8.0)}
 plot.history(results["Modified Cam Clay"], "pore", depths, time=True)

@@ -49,6 +49,7 @@ def clay(OCR=1.0):
 
 # %%
 # Isotropic compression and unloading
+# -----------------------------------
 # The logarithm of the volume falls by :math:`\lambda` and rises by :math:`\kappa` times the change
 # of :math:`\ln p`: one increment is as exact as many.
 
@@ -65,6 +66,7 @@ for increments in (1, 10):
 
 # %%
 # Undrained triaxial compression
+# ------------------------------
 # On the yield surface the volume stays if
 # :math:`\lambda \ln(p / p_0) = \eta^2 / (6 g)
 # + (\lambda - \kappa) [\ln OCR - \ln(1 + \eta^2 / M^2)]`
@@ -97,6 +99,7 @@ for OCR in (1.0, 1.5, 4.0):
 
 # %%
 # Drained triaxial compression
+# ----------------------------
 # The stress path is the straight line :math:`p = 3 p_0 / (3 - \eta)`. The shear strain is a
 # quadrature over the stress ratio. The flow is taken at the end of an increment: the error halves
 # with the increments.
@@ -128,6 +131,7 @@ assert 1.8 < errors[1] / errors[2] < 2.2
 
 # %%
 # Many samples at once
+# --------------------
 # An array of stresses gives one sample each. The four diagrams show three cell pressures in drained
 # compression, an unloading and a second compression.
 
@@ -177,6 +181,7 @@ for name, step in {
 
 # %%
 # Sand at small strains
+# ---------------------
 # :class:`~skfem_contact.HardeningSoil` with ``G0_ref`` and ``gamma_07``: dense sand is loaded in
 # triaxial compression, unloaded, and goes through two cycles. From each reversal on, the secant
 # modulus falls with the strain as
@@ -215,6 +220,7 @@ assert np.abs(q[tips[3:]] - q[tips[1:4]]).max() < 1e-6 * np.abs(q).max()
 
 # %%
 # Secondary compression
+# ---------------------
 # An oedometer sample of Soft Soil Creep under a constant load, at the stress ratio whose flow has
 # no lateral strain. The axial strain is :math:`\mu \ln(1 + (1 - \eta^2 / M^2)\, t / \tau)`, a
 # straight line over the logarithm of time.
@@ -244,6 +250,7 @@ assert rows[-1]["error"] < 1e-6 and abs(slope - 1) < 1e-3
 
 # %%
 # Strength by direction
+# ---------------------
 # Clay that is weaker in simple and in passive shearing (NGI-ADP), strained in 24 directions of the
 # plane from its stress at rest. All of them end on the ellipse through the three strengths.
 
@@ -290,6 +297,7 @@ ax.set(xlabel="shear strain [1/1000]", ylabel="q [kPa]")
 
 # %%
 # Creep, and paths to the ellipse of strengths
+# --------------------------------------------
 
 fig, axes = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
 axes[0].semilogx(days, 100 * strain, "o", markersize=3, label="element test")

@@ -46,6 +46,7 @@ def row(method, n, step, error, begin):
 
 # %%
 # Level ground with a pile
+# ------------------------
 # 4 m of clay under 4 m of sand, a water table 2 m below the surface, and a surcharge of 10 kPa. The
 # pile is a body of its own in the middle. Its weight is that of the ground for now: the difference
 # can be added as a load later.
@@ -151,6 +152,7 @@ ax.legend(frameon=False, loc="upper right")
 
 # %%
 # K0 that the ground cannot bear
+# ------------------------------
 # With :math:`K_0 = 0.2` sand of :math:`\varphi = 30°` would slide. The stresses return to the yield
 # surface at once, the user is told, and the null step brings them into equilibrium.
 
@@ -178,6 +180,7 @@ row("K0 too small, after the null step", 16, settled["null step"], max(bound, 0.
 
 # %%
 # Ground that is not level
+# ------------------------
 # A slope under its own weight. Gravity is turned on in elastic ground whose Poisson's ratio gives
 # the K0 that was asked for, then the soil finds its equilibrium, and the displacements are set to
 # zero.

@@ -44,6 +44,7 @@ from skfem_contact.contact.laws import Status
 
 # %%
 # A joint that dilates
+# --------------------
 # Asperities ride up on each other: a plastic slip :math:`\Delta\lambda` opens the joint by
 # :math:`\Delta w = \tan\psi\,\Delta\lambda`, and :math:`t_N = \epsilon_N (g - w)`. The condition
 # :math:`|t_T| + \mu\, t_N = 0` at the end of the step gives
@@ -103,6 +104,7 @@ class Dilatant(sc.InterfaceLaw):
 
 # %%
 # A bond that is damaged
+# ----------------------
 # The bond carries a traction that falls with the largest separation :math:`\kappa` that it has
 # seen, from its strength f to zero at :math:`\delta_f = 2 G / f`, where G is the energy that it
 # takes to part a unit of surface. It unloads along the secant, and pressed it stays a contact
@@ -152,6 +154,7 @@ class Cohesive(sc.InterfaceLaw):
 
 # %%
 # Checked without a mesh
+# ----------------------
 # :func:`~skfem_contact.testing.check_interface_law` leads random points to random jumps, in the
 # plane and in space: shapes, tangents against differences, admissibility, dissipation.
 

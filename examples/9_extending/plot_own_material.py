@@ -136,6 +136,7 @@ ax.legend(frameon=False)
 
 # %%
 # A load on ground with a history
+# -------------------------------
 # A strip of 60 kPa on 8 m of clay, normally consolidated and overconsolidated. The K0 procedure
 # fills the memory of every point from its own stress. Newton's method converges in a few
 # iterations, because the tangent is consistent.

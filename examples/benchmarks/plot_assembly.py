@@ -66,6 +66,7 @@ def tangent(u, v, w):
 
 # %%
 # A layer of soil of which a fifth yields
+# ---------------------------------------
 # Everything is compressed, and what lies left of ``x = 0.2`` is sheared far beyond its strength.
 
 soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=25.0, psi=5.0)

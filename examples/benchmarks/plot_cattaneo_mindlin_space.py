@@ -175,6 +175,7 @@ for n in (6, 8) if FULL else (5,):
 
 # %%
 # Shear over the distance from the axis
+# -------------------------------------
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 r = np.linspace(0, 1.15, 400)

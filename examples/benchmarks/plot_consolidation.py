@@ -209,6 +209,7 @@ assert rows[-1]["error"] < 0.002
 
 # %%
 # A layer that becomes tighter
+# ----------------------------
 # The load compresses the layer by a tenth, its void ratio falls from 1 to .8, and its permeability
 # to .4 of that at the start, see
 # :class:`Permeability <skfem_contact.water.Permeability>`. A plain script of finite volumes is
@@ -480,6 +481,7 @@ plt.show()
 
 # %%
 # Beside another program
+# ----------------------
 # OpenGeoSys steps by Euler's backward method. Here this does so too: five equal steps until T =
 # 0.01, and nine to each further power of ten. The results then are the same, with its error; one
 # iteration a step is enough for both. The first step is shorter than the elements beside the drain

@@ -83,6 +83,7 @@ for name, (up, down, length) in CASES.items():
 
 # %%
 # Pressure, flow, and the free surface
+# ------------------------------------
 # Above the free surface the pores suck a little water from element to element: the permeability
 # there is a thousandth.
 

@@ -253,6 +253,7 @@ for near in (0.2, 0.1):
 
 # %%
 # The table between the ditches and above the drains
+# --------------------------------------------------
 
 figure, (left, right, last) = plt.subplots(1, 3, figsize=(12, 3.2), layout="constrained")
 x = np.linspace(0, LENGTH, 101)

@@ -136,6 +136,7 @@ assert EXACT[0] < good.multiplier < 1.05 * EXACT[0] and locked.multiplier > 20 *
 
 # %%
 # Flow at constant volume, :math:`\psi = 0`
+# -----------------------------------------
 # Step by step, with the friction of the pressure at the start of each step (``flow="lagged"``),
 # every increment has a solution; the law as it is takes hundreds of iterations or stalls. In steps
 # that grow to the end the lag carries more than the given law. For :math:`\phi = 20°` B-bar then

@@ -121,6 +121,7 @@ axes[1].axhline(0, color="0.6", lw=0.8)
 # with that.
 #
 # Error against effort
+# --------------------
 
 fig, ax = plt.subplots(figsize=(8, 4.6), layout="constrained")
 for method in dict.fromkeys(row["method"] for row in rows):
@@ -153,6 +154,7 @@ ax.grid(alpha=0.3, which="both")
 ax.legend(frameon=False)
 # %%
 # What the error is made of
+# -------------------------
 # With 10 and 20 elements the penalty seems to be two to three times as accurate as the augmented
 # Lagrangian method, which leaves no penetration; with 5 it is the other way round. Neither is true.
 # The force on a node over its length is a mean of the pressure over the two elements beside it,

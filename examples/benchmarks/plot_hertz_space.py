@@ -152,6 +152,7 @@ plot.cutaway(
 
 # %%
 # Where the contact ends
+# ----------------------
 # Dual multipliers have better pressures at the nodes than the augmented method, and worse nodal
 # forces. A node is open or closed: an open one beside the edge has no force, although the pressure
 # reaches into its facets. The augmented method evaluates its law at points of the facets. There its

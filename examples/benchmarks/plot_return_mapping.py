@@ -70,6 +70,7 @@ def points(n: int, share: float, ncomp: int) -> tuple[np.ndarray, np.ndarray]:
 
 # %%
 # The independent solution
+# ------------------------
 # Koiter's rule in principal stresses: of all sets of up to three active planes that one holds whose
 # multipliers and yield functions have the right signs. Where :math:`\psi < \varphi` no set may
 # hold: these stresses belong to the apex.

@@ -30,6 +30,7 @@ THICKNESS, WIDTH, DROP, K = 1.0, 3.0, 1.0, 1.0
 
 # %%
 # Two bodies and a joint
+# ----------------------
 # The ground on both sides is meshed by itself; below the toe a joint lets the water through. There
 # is no wall to be meshed: where there is no joint, there is no flow. The elements shrink towards
 # the toe.
@@ -98,6 +99,7 @@ def flow(n: int, toe: float) -> sc.water.Seepage:
 
 # %%
 # Refinement at s/T = 0.5, where q / kh = 0.5, and other depths of the wall
+# -------------------------------------------------------------------------
 
 SIZES = (12, 24, 34, 68) if "--full" in sys.argv else (12, 24, 34)
 flows = {n: flow(n, 0.5) for n in SIZES}

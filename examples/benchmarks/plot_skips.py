@@ -98,6 +98,7 @@ def footing(m):
 
 # %%
 # What is skipped, and the switches
+# ---------------------------------
 
 
 def everywhere(self, *args, update=IsotropicPlasticity.update):

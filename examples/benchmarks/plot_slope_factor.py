@@ -143,6 +143,7 @@ if FULL:
 
 # %%
 # Davis' associated soils instead of :math:`\psi = 0`
+# ---------------------------------------------------
 
 for flow in ("davis_a", "davis_b"):
     for mesh in meshes:
@@ -152,6 +153,7 @@ for row in rows:
 
 # %%
 # Other elements, and a sweep of settings
+# ---------------------------------------
 
 if FULL:
     for mesh in meshes[:2]:
@@ -200,6 +202,7 @@ if FULL:
 
 # %%
 # A peer on the same soil
+# -----------------------
 
 if PEERS:
     from xslope.fem import build_fem_data, solve_ssrm
@@ -255,6 +258,7 @@ if PEERS:
 
 # %%
 # The curve, the mechanism, and what they cost
+# --------------------------------------------
 # The curve of the factor over the work levels off; the displacement increment there is the
 # mechanism, and its shear strain the slip surface.
 

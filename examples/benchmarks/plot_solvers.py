@@ -14,6 +14,7 @@ Compared is what an iteration pays: a tangent with new values is factored and a 
 
 # %%
 # Two blocks in frictional contact
+# --------------------------------
 # On a structured mesh; on meshes of triangles without any structure, graded towards the contact by
 # 1:20; and on structured triangles of second order.
 
@@ -212,6 +213,7 @@ if "--full" in sys.argv:
 
 # %%
 # An elastic block in space
+# -------------------------
 # Clamped at one side and loaded by its weight, in hexahedra of first and tetrahedra of second
 # order.
 

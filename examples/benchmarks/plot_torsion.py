@@ -121,6 +121,7 @@ for n in (8, 12) if FULL else (8,):
 
 # %%
 # Shear around the axis
+# ---------------------
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 r = np.linspace(1e-3, 1.2, 400)
@@ -150,6 +151,7 @@ plt.show()
 
 # %%
 # The block, turned with half of the contact's radius stuck
+# ---------------------------------------------------------
 # Largest shear strain, in front of the axis.
 
 plot.cutaway(

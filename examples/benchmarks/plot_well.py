@@ -162,6 +162,7 @@ for n, time_error in ((60, 1e-3), (120, 1e-4)):
 
 # %%
 # Drawdown in the course of time
+# ------------------------------
 
 figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 for i, distance in enumerate(r):
@@ -173,6 +174,7 @@ ax.legend()
 
 # %%
 # A pump below the surface
+# ------------------------
 # A point at the depth h takes the discharge Q from a half-space with a drained surface. In the end
 # the settlement of the surface is
 # :math:`(1 - 2 \nu) \, Q \gamma_w h / (4 \pi k G \sqrt{r^2 + h^2})`. Until then it is an integral
