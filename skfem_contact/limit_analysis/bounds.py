@@ -304,10 +304,16 @@ def _tell(search: Search, gap: float) -> None:
     if not np.isfinite(high):
         unproven.append("upper")
     missing = search.problem.missing
-    if missing and not low > _NOTHING * high:
+    if missing == "cohesion" and not low > _NOTHING * high:
         warn(
-            f"soil without {missing} resists nothing at a free surface, and there is no lower "
-            f"bound: give it a small {missing}; the upper bound is {high:.5g}"
+            "soil without cohesion resists nothing at a free surface, and there is no lower bound: "
+            f"give it a small cohesion; the upper bound is {high:.5g}"
+        )
+    elif missing and not low > _NOTHING * high:
+        warn(
+            "no lower bound could be proven on these meshes: soil without tensile strength may "
+            "resist nothing at a free surface; give it a small one, or allow more `elements`; the "
+            f"upper bound is {high:.5g}"
         )
     elif search.overloaded:
         reason = f"they need {1 / search.fixed_factor:.4g} times the strength"

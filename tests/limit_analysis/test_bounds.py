@@ -496,6 +496,17 @@ def test_clean_sand() -> None:
     assert any("without cohesion" in remark for remark in found.remarks)
 
 
+def test_clay_without_tensile_strength_may_have_a_lower_bound() -> None:
+    """A coarse mesh proves none; the warning speaks of these meshes and not of the soil."""
+    mesh = slope_mesh(5.0, 10.0, 10.0, 5.0, 10.0)
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    clay = sc.MohrCoulomb(E=1e4, nu=0.3, c=15.0, phi=0.0, tension=0.0)
+    forms = {"soil": sc.SolidForm(basis, clay)}
+    with pytest.warns(sc.AnalysisWarning, match="no lower bound could be proven on these meshes"):
+        found = bounds(forms, sc.box_supports(basis), weight=18.0, elements=1)
+    assert found.lower < 1e-3 * found.upper < 10.0
+
+
 def test_no_collapse() -> None:
     """Soil in a box cannot fail."""
     forms, _ = column(SOIL)
