@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Collection, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,9 @@ from .scene import Cut, Cutaway, Scene
 from .sheet import Frame, Scale, Window, can_draw, finish, make_scale
 from .units import labelled
 
-_FRAMES_A_SECOND, _WIDTH = 12, 960  # of films
+#: Pictures a second, and width in pixels, of films.
+_FRAMES_A_SECOND = 12
+_WIDTH = 960
 
 
 def contour(
@@ -63,13 +65,13 @@ def contour(
     deformed
         Factor of the displacements, or ``"auto"``; the undeformed outline is drawn too.
     limits
-        Values at the ends of the colour scale; by default those of the field, rounded.
+        Values at the ends of the colour scale; by default the rounded extremes of the field.
     window
         Part to show, ``(xmin, xmax, ymin, ymax)``; by default everything.
     levels
         Number of bands, about.
     colors
-        Name of a matplotlib colour map instead of the default ones.
+        Name of a matplotlib colour map; by default the map depends on the signs.
     mesh
         Draw the elements.
     bodies
@@ -77,7 +79,7 @@ def contour(
     water
         Draw the water table: the free surface of a :class:`~skfem_contact.Seepage`, or the line on
         which the pore pressure, a function of coordinates such as
-        :func:`~skfem_contact.hydrostatic`, falls to zero; True: that of the stage's own water.
+        :func:`~skfem_contact.hydrostatic`, falls to zero; True: the stage's own water.
     supports
         Fixed dofs, drawn as triangles.
     loads : ndarray, (N,)
@@ -85,14 +87,14 @@ def contour(
     vectors
         Draw the displacements as arrows.
     points
-        Mark the integration points that yield, and those at their tensile strength.
+        Mark the integration points that yield or have reached the tensile strength.
     contact
         Mark the contact points by their status and draw the tractions between the bodies.
     file
         Name of a picture to write, ``.png``.
     show
-        Open a window in which the picture can be moved; the plotter's ``export_html`` writes a page
-        that can do so.
+        Open a window in which the picture can be moved; ``export_html`` of the plotter writes a
+        page with such a picture.
 
     Returns
     -------
@@ -147,8 +149,8 @@ def stages(
     result
         Result, or some stages of it: ``[result["dig"], result["filled"]]``.
     quantity, window, mesh, file, show, style
-        As for :func:`contour`; an automatic factor of the displacements is that of the stage that
-        has moved most.
+        As for :func:`contour`; the stage that has moved most determines an automatic factor of the
+        displacements.
 
     Examples
     --------
@@ -178,8 +180,8 @@ def cutaway(
         As for :func:`contour`; style is ``since``, ``deformed``, ``limits``, ``levels``,
         ``colors``, ``bodies``.
     cuts
-        Planes, each by its normal, which points to what is cut away, and a point on it, before
-        anything has moved.
+        Planes, each by its normal, which points to the part that is cut away, and a point on it in
+        the undeformed bodies.
     towards
         Direction of view; the last axis is upright.
     mesh
@@ -233,8 +235,11 @@ def animate(
     if file.suffix not in (".gif", ".mp4"):
         raise ValueError(f"a film is a .gif or an .mp4 file, not '{file.name}'")
     picture = contours(list(result), quantity, **style)
-    if not can_draw(picture.title)[0]:
+    able, _ = can_draw(picture.title)
+    if not able:
         return None
+
+    # Open the file of the film.
     frame = picture.frame(window, views=1, titled=True, width=_WIDTH)
     frame.make_even()
     plotter = frame.sheet(False)
@@ -242,6 +247,8 @@ def animate(
         plotter.open_gif(str(file), fps=_FRAMES_A_SECOND)
     else:
         plotter.open_movie(str(file), framerate=_FRAMES_A_SECOND)
+
+    # Draw the way to each stage, then the stage for the other half of its pictures.
     picture.put_foot(plotter, frame, note="")
     for first, last in zip([picture.views[0], *picture.views], picture.views):
         moving = _between(first, last, frames // 2)
@@ -273,8 +280,14 @@ class View(NamedTuple):
 
 @dataclass(frozen=True)
 class Contours:
-    """Views on one scale, and texts above the colour bar: title on the left, note on the right,
-    extremes.
+    """Views on one scale.
+
+    Attributes
+    ----------
+    views, scale
+        Views in their order, and the colour scale that they share.
+    title, note, extremes
+        Texts above the colour bar: title on the left, note on the right, extremes below.
     """
 
     views: Sequence[View]
@@ -321,63 +334,70 @@ def contours(
     scene: Callable[..., Scene] = Scene,
     **marks: Any,
 ) -> Contours:
-    """Return views of all stages; an automatic factor is that of the stage that has moved most."""
+    """Return views of all stages; the stage that has moved most determines an automatic factor."""
+    # Select the stages, with the chosen bodies, and check them.
     if not steps:
         raise ValueError("there is no stage to draw")
     if bodies is not None:
-        existing = {name: form for stage in steps for name, form in solids(stage).items()}
-        chosen = {name: look_up(name, existing, "solid") for name in names_of(bodies)}
-        steps = [only(stage, chosen) for stage in steps]
+        steps = _with_bodies(steps, names_of(bodies))
     _check_dimension(basis_of(steps[0]), scene is not Scene, {**marks, "water": water})
-    after = "" if since is None else f", since {since.name}"
-    views = [
-        View(
-            scene(stage, deformed, since, region_field(stage, quantity, since, water)),
-            f"{stage.name}{after}",
-            Marks(stage, water, **marks),
-        )
-        for stage in steps
-    ]
-    factors = [
-        view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()
-    ]
-    for view in views:
-        view.scene.factor = min(factors, default=view.scene.factor)
-    values, area = (np.concatenate(parts) for parts in zip(*(view.scene.samples for view in views)))
-    factor = views[0].scene.factor
-    texts = [
-        views[0].title if len(views) == 1 else "",
-        "" if factor in (0.0, 1.0) else f"displacements × {factor:g}",
-    ]
-    title, note = (
-        _headline(steps[0], quantity, since, water),
-        ", ".join(text for text in texts if text),
-    )
-    return Contours(
-        views, make_scale(values, area, limits, levels, colors), title, note, _extremes(views)
-    )
+
+    # Make a view of each stage.
+    views = []
+    for stage in steps:
+        values = region_field(stage, quantity, since, water)
+        bodies_of_stage = scene(stage, deformed, since, values)
+        title = stage.name if since is None else f"{stage.name}, since {since.name}"
+        views.append(View(bodies_of_stage, title, Marks(stage, water, **marks)))
+    factor = _common_factor(views)
+
+    # Make the scale of all stages and its texts.
+    samples = [view.scene.samples for view in views]
+    all_values, area = (np.concatenate(parts) for parts in zip(*samples))
+    scale = make_scale(all_values, area, limits, levels, colors)
+    notes = [views[0].title] if len(views) == 1 else []
+    if factor not in (0.0, 1.0):
+        notes.append(f"displacements × {factor:g}")
+    headline = _headline(steps[0], quantity, since, water)
+    return Contours(views, scale, headline, ", ".join(notes), _extremes(views))
+
+
+def _with_bodies(steps: Sequence[StageResult], bodies: Collection[str]) -> list[StageResult]:
+    """Return stages with some of their solids, each of which exists in one of them."""
+    existing = {name: form for stage in steps for name, form in solids(stage).items()}
+    for name in bodies:
+        look_up(name, existing, "solid")
+    return [only(stage, bodies) for stage in steps]
+
+
+def _common_factor(views: Sequence[View]) -> float:
+    """Give all views the smallest factor of the stages that have moved, and return it."""
+    scenes = [view.scene for view in views]
+    factors = [scene.factor for scene in scenes if scene.displacement[scene.nodes].any()]
+    factor = min(factors, default=scenes[0].factor)
+    for scene in scenes:
+        scene.factor = factor
+    return factor
 
 
 def _extremes(views: Sequence[View]) -> str:
-    """Return the smallest and the largest value at nodes, where they are before anything has moved,
-    and when.
-    """
+    """Return the extremes at nodes with their coordinates before deformation and their stages."""
     values = np.concatenate([view.scene.values for view in views])
     points = np.concatenate([view.scene.coordinates[view.scene.nodes] for view in views])
-    when = np.repeat(
-        [f" in {view.title}" if len(views) > 1 else "" for view in views],
-        [len(view.scene.values) for view in views],
-    )
     if np.nanmin(values) == np.nanmax(values):
-        return f"{values[np.isfinite(values)][0]:.4g} everywhere".replace("-", "−")
-    found = (
-        (what, *located(sign * values, points))
-        for what, sign in (("smallest", -1.0), ("largest", 1.0))
-    )
-    return ", ".join(
-        f"{what} {values[at]:.4g} at {where}".replace("-", "−") + when[at]
-        for what, at, where in found
-    )
+        return _with_minus(f"{values[np.isfinite(values)][0]:.4g} everywhere")
+    owner = np.repeat(np.arange(len(views)), [len(view.scene.values) for view in views])
+    texts = []
+    for word, sign in (("smallest", -1.0), ("largest", 1.0)):
+        index, where = located(sign * values, points)
+        when = f" in {views[owner[index]].title}" if len(views) > 1 else ""
+        texts.append(_with_minus(f"{word} {values[index]:.4g} at {where}") + when)
+    return ", ".join(texts)
+
+
+def _with_minus(text: str) -> str:
+    """Return a text of figures with true minus signs."""
+    return text.replace("-", "−")
 
 
 def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
@@ -385,13 +405,13 @@ def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
     check_basis(basis)
     if not space:
         check_plane(basis, "plot.contour")
-    elif basis.mesh.dim() != 3:
+        return
+    if basis.mesh.dim() != 3:
         raise ValueError(
             "plot.cutaway is for bodies in space; plane ones are drawn by plot.contour"
         )
-    elif given := [
-        name for name, value in marks.items() if value is not None and value is not False
-    ]:
+    given = [name for name, value in marks.items() if value is not None and value is not False]
+    if given:
         raise ValueError(
             f"plot.cutaway does not draw {', '.join(given)}: these are for plane bodies"
         )
@@ -399,16 +419,15 @@ def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
 
 def only(stage: StageResult, bodies: Container[str]) -> StageResult:
     """Return a stage with some of its solids."""
-    return replace(
-        stage,
-        forms={
-            name: form for name, form in stage.forms.items() if name in bodies or not form.materials
-        },
-    )
+    forms = {}
+    for name, form in stage.forms.items():
+        if name in bodies or not form.materials:
+            forms[name] = form
+    return replace(stage, forms=forms)
 
 
 def _headline(
-    stage: StageResult, quantity: str, since: StageResult | None, water: Shown | None = None
+    stage: StageResult, quantity: str, since: StageResult | None, water: Shown | None
 ) -> str:
     """Return the title of the colour bar, with its unit."""
     field = quantities(stage, water)[quantity]
@@ -420,7 +439,5 @@ def _between(first: View, last: View, n: int) -> list[View]:
     """Return views on the way from one stage to the next; one where the bodies are others."""
     if first is last or not np.array_equal(first.scene.nodes, last.scene.nodes):
         return [last]
-    return [
-        last._replace(scene=last.scene.between(first.scene, share))
-        for share in np.arange(1, n + 1) / n
-    ]
+    shares = np.arange(1, n + 1) / n
+    return [last._replace(scene=last.scene.between(first.scene, share)) for share in shares]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,7 +29,8 @@ from .sheet import Window
 from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
-_POSITIVE, _NEGATIVE = "#cf4b41", "#3b78b4"
+_POSITIVE = "#cf4b41"
+_NEGATIVE = "#3b78b4"
 #: Titles of the quantities, and kinds of their units, of tractions and of section forces.
 _TRACTIONS = {"pressure": ("contact pressure", "stress"), "shear": ("friction", "stress")}
 _FORCES = {
@@ -39,7 +40,7 @@ _FORCES = {
     "N_hoop": ("hoop force", "line"),
     "M_hoop": ("hoop moment", "moment"),
 }
-#: Longest ordinate as a share of the size of what the diagram is drawn on.
+#: Longest ordinate as a share of the size of the structure.
 _LONGEST = 0.28
 #: Nodes are the same point below this share of their elements' size; gaps of meshes that touch are
 #: smaller.
@@ -60,8 +61,7 @@ def diagram(
     window: Window | None = None,
     file: str | Path | None = None,
 ) -> Figure:
-    """Draw tractions or section forces along a body, around a ring, or as ordinates on the
-    structure itself.
+    """Draw tractions or section forces along a body, around a ring, or on the structure.
 
     Along an axis and around a ring, the first of several series is dashed; contact points that slip
     are marked by open circles. On a structure the extremes are written, and moments are drawn on
@@ -71,7 +71,7 @@ def diagram(
     ----------
     values
         :class:`~skfem_contact.results.Tractions`, :class:`~skfem_contact.results.SectionForces`, or
-        several of one kind by their labels; on a structure those of its members. Around a ring also
+        several of one kind by their labels, on a structure by its members. Around a ring also
         arrays (n,) by their labels.
     quantity
         ``"pressure"`` or ``"shear"`` of tractions; ``"N"``, ``"V"``, ``"M"``, ``"N_hoop"`` or
@@ -118,9 +118,9 @@ def diagram(
         )
     if angle is not None:
         return saved(_ring(series, quantity, np.asarray(angle, float) % 360.0), file)
-    return saved(
-        _along(series, quantity, along, (along == "y") if upright is None else upright), file
-    )
+    if upright is None:
+        upright = along == "y"
+    return saved(_along(series, quantity, along, upright), file)
 
 
 def history(
@@ -142,7 +142,7 @@ def history(
         Field of :meth:`~skfem_contact.results.StageResult.field`.
     points
         Coordinates (x, y) by their labels; the nearest nodes are taken. They have no value in
-        stages without a body there. Where bodies touch, the value is that of one of them; a warning
+        stages without a body at the node. Where bodies touch, the value is one body's; a warning
         states how much they differ.
     time
         Draw over the times at which the stages end, which have durations, instead of their names.
@@ -158,29 +158,20 @@ def history(
     >>> import skfem_contact.plot as plot
     >>> figure = plot.history(culvert().result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
-    basis, field = basis_of(result[-1]), look_up(quantity, quantities(result[-1], water), "field")
+    last = result[-1]
+    basis = basis_of(last)
+    field = look_up(quantity, quantities(last, water), "field")
+    values = _nodal_values(result, quantity, water)
+
+    # Draw the values at the node nearest to each point.
     coordinates = basis.doflocs[:, :: basis.mesh.dim()].T
     nodes = np.vstack([nodes_of(form.basis) for stage in result for form in solids(stage).values()])
-    later = (
-        quantity == "pore" and water is None and has_excess(result[-1])
-    )  # none before the first water
-    values = np.array(
-        [
-            np.zeros(basis.N // basis.mesh.dim())
-            if later and not has_excess(stage)
-            else nodal_field(stage, quantity, water=water)
-            for stage in result
-        ]
-    )
     times = [stage.time for stage in result] if time else list(range(len(result)))
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for style, (label, point) in zip(styles(len(points)), points.items()):
-        ax.plot(
-            times,
-            _at_point(coordinates, nodes, values, point, label),
-            label=label,
-            **{**style, "linestyle": "-", "marker": "o", "markersize": 5},
-        )
+        at_point = _at_point(coordinates, nodes, values, point, label)
+        style |= {"linestyle": "-", "marker": "o", "markersize": 5}
+        ax.plot(times, at_point, label=label, **style)
     if time:
         ax.set_xlabel("time")
     else:
@@ -190,28 +181,42 @@ def history(
     return saved(figure, file)
 
 
+def _nodal_values(result: Result, quantity: str, water: Shown | None) -> ndarray:
+    """Return a field at all nodes in all stages, (stages, nodes)."""
+    starts_dry = quantity == "pore" and water is None and has_excess(result[-1])
+    values = []
+    for stage in result:
+        if starts_dry and not has_excess(stage):  # before the first water
+            basis = basis_of(stage)
+            values.append(np.zeros(basis.N // basis.mesh.dim()))
+        else:
+            values.append(nodal_field(stage, quantity, water=water))
+    return np.array(values)
+
+
 def _at_point(
     coordinates: ndarray, nodes: ndarray, values: ndarray, point: ArrayLike, label: str
 ) -> ndarray:
-    """Return values, (stages, nodes), at the node nearest to a point; warn where those of other
-    bodies differ.
-    """
-    at = np.asarray(point, float)
-    if at.shape != coordinates.shape[1:]:
+    """Return values, (stages, nodes), at the node nearest to a point; warn where bodies differ."""
+    # Find the node, within the size of its elements.
+    wanted = np.asarray(point, float)
+    if wanted.shape != coordinates.shape[1:]:
         raise ValueError(
             f"point '{label}' has {coordinates.shape[1]} coordinates in these bodies, not {point!r}"
         )
-    distance = np.linalg.norm(coordinates - at, axis=1)
+    distance = np.linalg.norm(coordinates - wanted, axis=1)
     node = int(distance.argmin())
-    there = coordinates[nodes[(nodes == node).any(axis=1)]]
-    if distance[node] > (
-        reach := float(np.linalg.norm(np.ptp(there, axis=1), axis=1).max(initial=0.0))
-    ):
+    elements = coordinates[nodes[(nodes == node).any(axis=1)]]  # (elements, nodes, dim)
+    reach = float(np.linalg.norm(np.ptp(elements, axis=1), axis=1).max(initial=0.0))
+    if distance[node] > reach:
         raise ValueError(
             f"point '{label}' lies outside the bodies: the nearest node, at "
             f"{format_point(coordinates[node])}, is {distance[node]:.4g} away"
         )
-    same = values[:, np.linalg.norm(coordinates - coordinates[node], axis=1) < _SAME * reach]
+
+    # Compare the values of all bodies at the node.
+    from_node = np.linalg.norm(coordinates - coordinates[node], axis=1)
+    same = values[:, from_node < _SAME * reach]
     apart = np.ptp(np.nan_to_num(same), axis=1).max()
     if apart > _DIFFERENT * np.nanmax(np.abs(np.append(same, 0.0))):
         warn(
@@ -235,84 +240,89 @@ def _titles(values: Any) -> dict[str, tuple[str, str]]:
     )
 
 
+def _title(values: Any, quantity: str) -> str:
+    """Return the title of a quantity with its unit."""
+    found = look_up(quantity, _titles(values), f"quantity of {type(values).__name__}")
+    return labelled(*found)
+
+
 def _axis_of(values: Any, along: str = "arc") -> ndarray:
     """Return the coordinate of tractions or section forces, (n,)."""
-    return np.asarray(
-        getattr(
-            values, "position" if along == "arc" and isinstance(values, SectionForces) else along
-        )
-    )
+    if along == "arc" and isinstance(values, SectionForces):
+        along = "position"
+    return np.asarray(getattr(values, along))
 
 
 def _along(series: Mapping[str, Any], quantity: str | None, along: str, upright: bool) -> Figure:
-    """Draw panels side by side over an upright coordinate, or below each other; its name is written
-    once.
-    """
+    """Draw panels side by side over an upright coordinate, or below each other."""
     first = next(iter(series.values()))
-    titles = _titles(first)
-    names = list(titles) if quantity is None else [quantity]
-    labels = [
-        labelled(*look_up(name, titles, f"quantity of {type(first).__name__}")) for name in names
-    ]
-    n = len(names)
-    size = (6.0 + n, 6.0) if upright else (8.0, 3.0 + 1.5 * n)
-    figure, grid = plt.subplots(
-        *((1, n) if upright else (n, 1)),
-        figsize=size,
-        sharex=not upright,
-        sharey=upright,
-        squeeze=False,
-        layout="constrained",
-    )
-    axes = grid.ravel()
+    names = list(_titles(first)) if quantity is None else [quantity]
+    titles = [_title(first, name) for name in names]
+    figure, axes = _panels(len(names), upright)
+
+    # Draw the series, and open circles where contact slips.
     for style, (label, part) in zip(styles(len(series)), series.items()):
-        position, slips = _axis_of(part, along), getattr(part, "status", np.zeros(0)) == Status.SLIP
+        position = _axis_of(part, along)
+        slips = getattr(part, "status", np.zeros(0)) == Status.SLIP
+        circles = {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"}
         for ax, name in zip(axes, names):
-            pairs = np.stack((position, getattr(part, name)))[:: -1 if upright else 1]
-            ax.plot(*pairs, label=label, **style)
+            x, y = position, getattr(part, name)
+            if upright:
+                x, y = y, x
+            ax.plot(x, y, label=label, **style)
             if slips.any():
-                ax.plot(
-                    *pairs[:, slips],
-                    color=style["color"],
-                    linestyle="none",
-                    marker="o",
-                    markersize=4,
-                    markerfacecolor="white",
-                )
-    kind = (
-        along
-        if along != "arc"
-        else "position along the slave"
-        if isinstance(first, Tractions)
-        else "position"
-    )
-    for ax, title in zip(axes, labels):
+                ax.plot(x[slips], y[slips], color=style["color"], **circles)
+
+    # Write the title of each panel, and the coordinate once.
+    for ax, title in zip(axes, titles):
         tidy(ax, 1)
         ax.set(**{"xlabel" if upright else "ylabel": title})
-    axes[0 if upright else -1].set(**{"ylabel" if upright else "xlabel": labelled(kind, "length")})
+    coordinate = _coordinate_title(first, along)
+    if upright:
+        axes[0].set_ylabel(coordinate)
+    else:
+        axes[-1].set_xlabel(coordinate)
     tidy(axes[0], len(series))
     if upright and along == "arc":
         axes[0].invert_yaxis()
     return figure
 
 
+def _panels(n: int, upright: bool) -> tuple[Figure, ndarray]:
+    """Return n axes side by side over an upright coordinate, or below each other."""
+    options: dict[str, Any] = {"squeeze": False, "layout": "constrained"}
+    if upright:
+        figure, axes = plt.subplots(1, n, figsize=(6.0 + n, 6.0), sharey=True, **options)
+    else:
+        figure, axes = plt.subplots(n, 1, figsize=(8.0, 3.0 + 1.5 * n), sharex=True, **options)
+    return figure, axes.ravel()
+
+
+def _coordinate_title(values: Any, along: str) -> str:
+    """Return the title of the coordinate of tractions or section forces, with its unit."""
+    if along == "arc":
+        along = "position along the slave" if isinstance(values, Tractions) else "position"
+    return labelled(along, "length")
+
+
 def _ring(series: Mapping[str, Any], quantity: str | None, angle: ndarray) -> Figure:
     """Draw a polar diagram, and one against the central angle."""
     if quantity is None:
         raise ValueError("a diagram around a ring needs a quantity, its second argument")
-    order = np.argsort(angle)
-    closed = np.concatenate((order, order[:1]))
     figure = plt.figure(figsize=(10.0, 4.2), layout="constrained")
     polar: Any = figure.add_subplot(1, 2, 1, projection="polar")
     plain = figure.add_subplot(1, 2, 2)
     polar.set_theta_zero_location("N")
     polar.set_theta_direction(-1)
-    turns, title = np.concatenate((angle[order], angle[order[:1]] + 360.0)), quantity
+
+    # Draw the series over angles that end where they begin.
+    order = np.argsort(angle)
+    closed = np.append(order, order[:1])
+    turns = np.append(angle[order], angle[order[:1]] + 360.0)
+    title = quantity
     for style, (label, part) in zip(styles(len(series)), series.items()):
         if isinstance(part, Tractions | SectionForces):
-            title = labelled(
-                *look_up(quantity, _titles(part), f"quantity of {type(part).__name__}")
-            )
+            title = _title(part, quantity)
             part = getattr(part, quantity)
         if np.shape(part) != angle.shape:
             raise ValueError(
@@ -321,15 +331,20 @@ def _ring(series: Mapping[str, Any], quantity: str | None, angle: ndarray) -> Fi
         around = np.asarray(part, float)[closed]
         polar.plot(np.radians(turns), around, **style)
         plain.plot(turns, around, label=label, **style)
+
+    # Leave a third of the radius free inside, and draw the circle of zero.
     low, high = plain.get_ylim()
-    polar.set_ylim(min(low, 0.0) - 0.35 * (max(high, 0.0) - min(low, 0.0)), max(high, 0.0))
-    polar.plot(
-        np.linspace(0.0, 2.0 * np.pi, 181), np.zeros(181), color="black", linewidth=0.8, zorder=3
-    )
+    low = min(low, 0.0)
+    high = max(high, 0.0)
+    polar.set_ylim(low - 0.35 * (high - low), high)
+    circle = np.linspace(0.0, 2.0 * np.pi, 181)
+    polar.plot(circle, np.zeros(181), color="black", linewidth=0.8, zorder=3)
+
+    # Write the figures of the circles above the curves.
     polar.set_rlabel_position(22.5)
     polar.yaxis.set_major_locator(MaxNLocator(4))
     polar.tick_params(axis="y", labelsize=8)
-    polar.set_axisbelow(False)  # the figures of the circles, above the curves
+    polar.set_axisbelow(False)
     for text in polar.get_yticklabels():
         text.set_bbox({"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.8})
     plain.set(
@@ -349,130 +364,143 @@ def _on_structure(
     scale: float | None,
     window: Window | None,
 ) -> Figure:
-    """Draw ordinates on the bodies of a stage or on several members of one scale, with their
-    extremes.
-    """
-    bodies = any(form.basis is not None for form in stage.forms.values())  # none beside frames
-    if bodies:
-        check_plane(basis_of(stage), "plot.diagram")
+    """Draw ordinates of one scale on the bodies of a stage or on members, with their extremes."""
     members = list(values.values()) if isinstance(values, Mapping) else [values]
-    title, unit = look_up(
-        quantity or "", _titles(members[0]), f"quantity of {type(members[0]).__name__}"
-    )
-    along = [_along_axis(part, quantity or "") for part in members]
-    every = np.vstack([axis for axis, *_ in along])
-    size, largest = (
-        float(np.ptp(every, axis=0).max()),
-        max(float(np.abs(ordinate).max()) for _, ordinate, *_ in along),
-    )
-    length = scale if scale is not None else _LONGEST * size / (largest or 1.0)
+    has_bodies = any(form.basis is not None for form in stage.forms.values())  # no frame alone
+    if has_bodies:
+        check_plane(basis_of(stage), "plot.diagram")
+    quantity = quantity or ""
+    title = _title(members[0], quantity)
+    lines = [_ordinates(part, quantity) for part in members]
+    points = np.vstack([line.axis for line in lines])
+    size = float(np.ptp(points, axis=0).max())
+    if scale is None:
+        largest = np.abs(np.concatenate([line.ordinate for line in lines])).max()
+        scale = _LONGEST * size / (float(largest) or 1.0)
+
+    # Draw the ordinates.
     figure, ax = plt.subplots(figsize=(7.5, 6.5), layout="constrained")
-    if bodies:
+    if has_bodies:
         _draw_bodies(ax, Scene(stage))
-    for axis, ordinate, left, closed in along:
-        tips = axis + length * ordinate[:, None] * left
-        every = np.vstack((every, tips))
-        _draw_ordinates(ax, axis, tips, ordinate, closed)
-        _write_extremes(ax, tips, ordinate, left)
+    for line in lines:
+        tips = line.axis + scale * line.ordinate[:, None] * line.left
+        points = np.vstack((points, tips))
+        _draw_ordinates(ax, line, tips)
+        _write_extremes(ax, line, tips)
     if window is None:
-        (west, south), (east, north) = (
-            every.min(axis=0) - 0.12 * size,
-            every.max(axis=0) + 0.12 * size,
-        )
+        west, south = points.min(axis=0) - 0.12 * size
+        east, north = points.max(axis=0) + 0.12 * size
         window = (west, east, south, north)
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
-    ax.set_title(f"{labelled(title, unit)}, {stage.name}", loc="left", fontsize=12)
+    ax.set_title(f"{title}, {stage.name}", loc="left", fontsize=12)
     ax.axis("off")
     return figure
 
 
-def _along_axis(values: Any, quantity: str) -> tuple[ndarray, ndarray, ndarray, bool]:
-    """Return points of an axis, (n, 2), ordinates, (n,), directions of positive ones, (n, 2), and
-    if it is closed.
+class _Ordinates(NamedTuple):
+    """Ordinates on an axis, which may be closed."""
 
-    At a node of a beam, which has values of both elements, directions are those of the elements.
+    axis: ndarray  # points, (n, 2)
+    ordinate: ndarray  # (n,)
+    left: ndarray  # directions of positive ordinates, (n, 2)
+    closed: bool
+
+
+def _ordinates(values: Any, quantity: str) -> _Ordinates:
+    """Return the ordinates of tractions, into the slave, or of section forces.
+
+    A node of a beam has one value and one direction of each of its elements.
     """
     _titles(values)
     order = np.argsort(_axis_of(values), kind="stable")
-    axis, ordinate = np.column_stack((values.x, values.y))[order], getattr(values, quantity)[order]
+    axis = np.column_stack((values.x, values.y))[order]
+
+    # An axis is closed where its ends are neighbours; two values at a node have no distance.
     steps = np.linalg.norm(np.diff(axis, axis=0), axis=1)
-    steps = steps[steps > 0.0]  # none between the two values at a node of a beam
-    closed = bool(len(steps) > 2 and np.linalg.norm(axis[0] - axis[-1]) < 2.5 * np.median(steps))
-    tangent = (
-        np.roll(axis, -1, axis=0) - np.roll(axis, 1, axis=0)
-        if closed
-        else np.gradient(axis, axis=0)
-    )
+    steps = steps[steps > 0.0]
+    around = np.linalg.norm(axis[0] - axis[-1])
+    closed = bool(len(steps) > 2 and around < 2.5 * np.median(steps))
+    if closed:
+        tangent = np.roll(axis, -1, axis=0) - np.roll(axis, 1, axis=0)
+    else:
+        tangent = np.gradient(axis, axis=0)
     tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
     left = np.column_stack((-tangent[:, 1], tangent[:, 0]))
-    return (
-        axis,
-        ordinate,
-        left * (1.0 if isinstance(values, SectionForces) else -1.0),
-        closed,
-    )  # tractions: into slave
+    sign = 1.0 if isinstance(values, SectionForces) else -1.0
+    return _Ordinates(axis, getattr(values, quantity)[order], sign * left, closed)
 
 
 def _draw_bodies(ax: Axes, scene: Scene) -> None:
     """Draw the bodies in light grey with their outlines and the borders of regions."""
+    fill_elements(ax, scene, "#ece9e2", "#ece9e2")
+    draw_sides(ax, scene, borders=0.8, outline=1.2)
+
+
+def fill_elements(ax: Axes, scene: Scene, face: Any, edge: str) -> None:
+    """Fill the elements of bodies with a colour, or with one for each of them."""
     corners = scene.coordinates[scene.nodes[scene.cells[:, : scene.corners]]]
     ax.add_collection(
-        PolyCollection(list(corners), facecolor="#ece9e2", edgecolor="#ece9e2", linewidth=0.3)
+        PolyCollection(list(corners), facecolors=face, edgecolors=edge, linewidths=0.3)
     )
-    for sides, width in ((scene.sides.borders, 0.8), (scene.sides.outline, 1.2)):
+
+
+def draw_sides(ax: Axes, scene: Scene, borders: float, outline: float) -> None:
+    """Draw borders of regions and outlines of bodies in lines of some widths."""
+    for sides, width in ((scene.sides.borders, borders), (scene.sides.outline, outline)):
         ends = list(scene.coordinates[sides[:, [0, -1]]])
         ax.add_collection(LineCollection(ends, colors="#555555", linewidths=width))
 
 
-def _draw_ordinates(
-    ax: Axes, axis: ndarray, tips: ndarray, ordinate: ndarray, closed: bool
-) -> None:
-    """Draw filled pieces between neighbours, coloured by their sign, and the line through the
-    tips.
-    """
-    ring = np.arange(len(axis) + closed) % len(axis)
-    first, second = ring[:-1], ring[1:]
-    pieces = np.stack((axis[first], axis[second], tips[second], tips[first]), axis=1)
-    positive = ordinate[first] + ordinate[second] > 0.0
+def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
+    """Draw filled pieces between neighbours, coloured by sign, and the line through the tips."""
+    ring = np.arange(len(tips) + line.closed) % len(tips)
+    first = ring[:-1]
+    second = ring[1:]
+    corners = (line.axis[first], line.axis[second], tips[second], tips[first])
+    pieces = np.stack(corners, axis=1)  # (n, 4, 2)
+    positive = line.ordinate[first] + line.ordinate[second] > 0.0
     for sign, color in ((positive, _POSITIVE), (~positive, _NEGATIVE)):
-        style: dict[str, Any] = {
-            "facecolor": color,
-            "edgecolor": color,
-            "alpha": 0.45,
-            "linewidth": 0.4,
-        }
-        ax.add_collection(PolyCollection(list(pieces[sign]), **style))
+        filled = PolyCollection(list(pieces[sign]), alpha=0.45, linewidth=0.4)
+        filled.set_color(color)
+        ax.add_collection(filled)
     ax.plot(*tips[ring].T, color="#222222", linewidth=1.4)
-    ax.plot(*axis[ring].T, color="#222222", linewidth=0.8)
+    ax.plot(*line.axis[ring].T, color="#222222", linewidth=0.8)
 
 
-def _write_extremes(ax: Axes, tips: ndarray, ordinate: ndarray, left: ndarray) -> None:
-    """Write the largest and the smallest value beside their ordinates."""
-    for at in dict.fromkeys((int(np.argmax(ordinate)), int(np.argmin(ordinate)))):
-        out = left[at] * (1.0 if ordinate[at] >= 0.0 else -1.0)
+def _write_extremes(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
+    """Write the largest and the smallest value next to their ordinates."""
+    extremes = (int(line.ordinate.argmax()), int(line.ordinate.argmin()))
+    for i in dict.fromkeys(extremes):
+        value = line.ordinate[i]
+        outward = line.left[i] if value >= 0.0 else -line.left[i]
         ax.annotate(
-            f"{ordinate[at]:.4g}".replace("-", "−"),
-            tips[at],
-            xytext=9.0 * out,
+            f"{value:.4g}".replace("-", "−"),
+            tips[i],
+            xytext=9.0 * outward,
             textcoords="offset points",
-            ha="left" if out[0] > 0.3 else "right" if out[0] < -0.3 else "center",
-            va="bottom" if out[1] > 0.3 else "top" if out[1] < -0.3 else "center",
+            ha=_aligned(outward[0], "left", "right"),
+            va=_aligned(outward[1], "bottom", "top"),
             fontsize=11,
             bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0},
         )
 
 
+def _aligned(component: float, positive: Any, negative: Any) -> Any:
+    """Return the alignment of a text that is moved along an axis."""
+    if abs(component) <= 0.3:
+        return "center"
+    return positive if component > 0.0 else negative
+
+
 def styles(n: int) -> list[dict[str, Any]]:
     """Return line styles of n series; the first of several is dashed."""
-    colors = _COLORS[1:2] if n == 1 else _COLORS
-    return [
-        {
-            "color": colors[i % len(colors)],
-            "linestyle": "--" if n > 1 and i == 0 else "-",
-            "linewidth": 1.8,
-        }
-        for i in range(n)
-    ]
+    if n == 1:
+        return [{"color": _COLORS[1], "linestyle": "-", "linewidth": 1.8}]
+    found = []
+    for i in range(n):
+        color = _COLORS[i % len(_COLORS)]
+        found.append({"color": color, "linestyle": "-" if i else "--", "linewidth": 1.8})
+    return found
 
 
 def tidy(ax: Axes, n: int) -> None:

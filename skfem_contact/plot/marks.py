@@ -20,7 +20,10 @@ from ..results.tractions import interfaces
 from ..water import Seepage
 from .scene import MARK, Scene
 
-WATER, _LOAD, _MOVED, _TRACTION = "#1468b3", "#b3007d", "#222222", "#5b2c83"
+WATER = "#1468b3"
+_LOAD = "#b3007d"
+_MOVED = "#222222"
+_TRACTION = "#5b2c83"
 _POINTS = {
     PointStatus.YIELDS: ("yields", "#c8102e"),
     PointStatus.TENSION: ("at tensile strength", "#ffffff"),
@@ -30,11 +33,14 @@ _STATUS = {
     Status.STICK: ("sticks", "#1a7f37"),
     Status.SLIP: ("slips", "#f28e00"),
 }
-#: Lengths in pixels: longest arrows of loads, displacements and tractions, triangles of supports,
-#: and their distance.
-_LONG_LOAD, _LONG_ARROW, _LONG_TRACTION, _SUPPORT, _APART = 70.0, 55.0, 60.0, 15.0, 34.0
-#: Points of a water table over the width of the bodies: dashes are four of its steps long, and so
-#: are the gaps.
+#: Lengths in pixels of the longest arrows of loads, displacements and tractions.
+_LONG_LOAD = 70.0
+_LONG_ARROW = 55.0
+_LONG_TRACTION = 60.0
+#: Size of the triangles of supports, and least distance of marked nodes, in pixels.
+_SUPPORT = 15.0
+_APART = 34.0
+#: Points of a water table over the width of the bodies: dashes and gaps are four steps long.
 _STEPS = 200
 #: Forces below this share of the largest one get no arrow.
 _SMALL = 0.02
@@ -55,58 +61,58 @@ class Marks:
     @property
     def room(self) -> float:
         """Margin that the marks need, as a share of the bodies' size."""
-        return 0.08 if self.loads is not None else 0.045 if self.supports is not None else 0.0
+        if self.loads is not None:
+            return 0.08
+        return 0.045 if self.supports is not None else 0.0
 
     def draw(self, plotter: Any, scene: Scene) -> None:
         """Draw all marks."""
         if self.water is not None:
-            for one in pressures_of(self.stage.water) if self.water is True else [self.water]:
-                _draw_water(plotter, scene, one)
+            waters = pressures_of(self.stage.water) if self.water is True else [self.water]
+            for water in waters:
+                _draw_water(plotter, scene, water)
         if self.supports is not None:
             _draw_supports(plotter, scene, np.asarray(self.supports))
         if self.loads is not None:
             _draw_loads(plotter, scene, np.asarray(self.loads))
         if self.vectors:
             _draw_vectors(plotter, scene)
-        for status, form, at in self._points():
-            u = scene.factor * scene.displacement.ravel()
-            points = np.asarray(form.basis.global_coordinates()) + np.asarray(
-                form.basis.interpolate(u)
-            )
-            _dots(plotter, scene, points[:, at].T, _POINTS[status][1], 7.0)
+        for status, form, marked in self._points():
+            u = form.basis.interpolate(scene.factor * scene.displacement.ravel())
+            points = np.asarray(form.basis.global_coordinates()) + np.asarray(u)
+            _, color = _POINTS[status]
+            _dots(plotter, scene, points[:, marked].T, color, 7.0)
         if self.contact:
             _draw_contact(plotter, scene, self.stage)
 
     def legend(self) -> list[tuple[str, dict[str, Any]]]:
         """Return labels and matplotlib's line styles of the marks that need an explanation."""
-        found = []
+        entries: list[tuple[str, dict[str, Any]]] = []
         if self.water is not None:
-            found.append(("water table", {"color": WATER, "linewidth": 3, "linestyle": "--"}))
+            dashed = {"color": WATER, "linewidth": 3, "linestyle": "--"}
+            entries.append(("water table", dashed))
         marked = {status for status, _, _ in self._points()}
-        found += [
-            (label, _square(color))
-            for status, (label, color) in _POINTS.items()
-            if status in marked
-        ]
+        for status, (label, color) in _POINTS.items():
+            if status in marked:
+                entries.append((label, _square(color)))
         if self.contact:
             pairs = interfaces(self.stage).values()
             present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
-            found += [
-                (f"contact {label}", _square(color))
-                for s, (label, color) in _STATUS.items()
-                if s in present
-            ]
-        return found
+            for kind, (label, color) in _STATUS.items():
+                if kind in present:
+                    entries.append((f"contact {label}", _square(color)))
+        return entries
 
     def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
-        """Return the points of each status that is marked, (n_elements, n_points), solid by
-        solid.
-        """
-        for name, form in solids(self.stage).items() if self.points else ():
-            found = point_status(form, self.stage.states[name])
+        """Yield each status that is marked, a solid, and a mask of its points."""
+        if not self.points:
+            return
+        for name, form in solids(self.stage).items():
+            of_points = point_status(form, self.stage.states[name])
             for status in _POINTS:
-                if (at := found == status).any():
-                    yield status, form, at
+                marked = of_points == status
+                if marked.any():
+                    yield status, form, marked
 
 
 def _square(color: str) -> dict[str, Any]:
@@ -131,42 +137,41 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
     """Draw water tables as dashed lines, the longest with a triangle on it."""
     lines = water_tables(scene, water)
     for line in lines:
-        dashes = np.arange(len(line) - 1) % 8 < 4
-        _segments(plotter, scene, line[:-1][dashes], line[1:][dashes], WATER, 5)
+        starts = line[:-1]
+        ends = line[1:]
+        dashes = np.arange(len(starts)) % 8 < 4
+        _segments(plotter, scene, starts[dashes], ends[dashes], WATER, 5)
     if lines:
         triangle = 14.0 * scene.pixel * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
-        _polygons(plotter, scene, (lines[0][len(lines[0]) // 20] + triangle)[None], WATER)
+        tip = lines[0][len(lines[0]) // 20]
+        _polygons(plotter, scene, (tip + triangle)[None], WATER)
 
 
 def pressures_of(water: Any) -> list[Any]:
-    """Return pressures from a stage's water: levels and points as functions; what cannot be drawn
-    is left out.
-    """
+    """Return pressures from a stage's water, without water that cannot be drawn."""
     if water is None or water is False or isinstance(water, str):
         return []
     if isinstance(water, Mapping):
-        return [
-            part for one in water.values() for part in pressures_of(getattr(one, "pressure", one))
-        ]
-    if callable(pressure := getattr(water, "pressure_at", water)):
+        parts = [getattr(part, "pressure", part) for part in water.values()]
+        return [pressure for part in parts for pressure in pressures_of(part)]
+    pressure = getattr(water, "pressure_at", water)
+    if callable(pressure):
         return [pressure]
     level = np.asarray(water, float)
-    return (
-        [hydrostatic(water, unit_weight=1.0)] if level.ndim == 0 or level.shape[-1:] == (2,) else []
-    )
+    is_level = level.ndim == 0 or level.shape[-1:] == (2,)
+    return [hydrostatic(water, unit_weight=1.0)] if is_level else []
 
 
 def water_tables(scene: Scene, water: Water) -> list[ndarray]:
     """Return free surfaces of seepage; of another pressure, the line at which it falls to zero."""
-    low, high = (
-        scene.coordinates[scene.nodes].min(axis=0),
-        scene.coordinates[scene.nodes].max(axis=0),
-    )
-    seepage = getattr(water, "__self__", water)  # also that of its pressure_at
+    points = scene.coordinates[scene.nodes]
+    west, south = points.min(axis=0)
+    east, north = points.max(axis=0)
+    seepage = getattr(water, "__self__", water)  # of a method `pressure_at`
     if isinstance(seepage, Seepage):
-        return [_evenly(line, (high - low)[0] / _STEPS) for line in seepage.free_surface]
-    x = np.linspace(low[0], high[0], _STEPS + 1)
-    y = _table(water, x, low[1], high[1] + (high - low)[1])
+        return [_evenly(line, (east - west) / _STEPS) for line in seepage.free_surface]
+    x = np.linspace(west, east, _STEPS + 1)
+    y = _table(water, x, south, north + (north - south))
     line = np.column_stack((x, y))[np.isfinite(y)]
     return [line] if len(line) else []
 
@@ -179,49 +184,46 @@ def _evenly(line: ndarray, step: float) -> ndarray:
 
 
 def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
-    """Return heights at which the pressure becomes zero, (n,), by bisection; NaN where the bottom
-    is dry.
-    """
-    below, above = np.full(len(x), low), np.full(len(x), high)
+    """Return heights of zero pressure, (n,), by bisection; NaN where the bottom is dry."""
+    below = np.full(len(x), low)
+    above = np.full(len(x), high)
     wet = water(np.stack((x, below))) > 0.0
     for _ in range(40):
         middle = 0.5 * (below + above)
         inside = water(np.stack((x, middle))) > 0.0
-        below, above = np.where(inside, middle, below), np.where(inside, above, middle)
+        below = np.where(inside, middle, below)
+        above = np.where(inside, above, middle)
     return np.where(wet, below, np.nan)
 
 
 def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
-    """Draw triangles that point at the nodes that are held: along the axis of one dof, from below
-    for both.
-    """
+    """Draw triangles at fixed nodes: along the axis of a fixed dof, from below for both dofs."""
     fixed = np.flatnonzero(fixed) if fixed.dtype == bool else fixed
-    x, y = np.isin(np.arange(scene.displacement.size), fixed).reshape(-1, 2).T
-    used, size = np.unique(scene.sides.mesh), _SUPPORT * scene.pixel
+    dofs = np.arange(scene.displacement.size)
+    x, y = np.isin(dofs, fixed).reshape(-1, 2).T
+    used = np.unique(scene.sides.mesh)
+    size = _SUPPORT * scene.pixel
     middle = scene.coordinates[used].mean(axis=0)
-    for axis, held, color in (
-        (1, x & y, "#444444"),
-        (0, x & ~y, "#b0b0b0"),
-        (1, y & ~x, "#b0b0b0"),
-    ):
-        if not held[used].any():
+    kinds = (1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")
+    for axis, is_fixed, color in kinds:
+        if not is_fixed[used].any():
             continue
-        at = scene.moved[_thinned(scene, used[held[used]])]
-        out = np.zeros_like(at)
-        out[:, axis] = np.where(at[:, axis] > middle[axis], 1.0, -1.0)
+        tips = scene.moved[_thinned(scene, used[is_fixed[used]])]
+        out = np.zeros_like(tips)
+        out[:, axis] = np.where(tips[:, axis] > middle[axis], 1.0, -1.0)
         along = out[:, ::-1]
-        corners = np.stack(
-            (at, at + size * (out + 0.6 * along), at + size * (out - 0.6 * along)), axis=1
-        )
-        _polygons(plotter, scene, corners, color)
+        first = tips + size * (out + 0.6 * along)
+        second = tips + size * (out - 0.6 * along)
+        _polygons(plotter, scene, np.stack((tips, first, second), axis=1), color)
 
 
 def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
     """Return some of the nodes, no two closer to each other than a few pixels."""
     order = nodes[np.lexsort(scene.moved[nodes].T)]
-    tree = cKDTree(scene.moved[order])
+    points = scene.moved[order]
+    neighbours = cKDTree(points).query_ball_point(points, _APART * scene.pixel)
     kept = np.ones(len(order), bool)
-    for i, near in enumerate(tree.query_ball_point(scene.moved[order], _APART * scene.pixel)):
+    for i, near in enumerate(neighbours):
         if kept[i]:
             kept[[j for j in near if j > i]] = False
     return order[kept]
@@ -229,56 +231,64 @@ def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
 
 def _draw_loads(plotter: Any, scene: Scene, load: ndarray) -> None:
     """Draw nodal forces as arrows that end at their nodes."""
-    if len(load) < scene.displacement.size:
-        raise ValueError(f"loads have {len(load)} dofs, the bodies {scene.displacement.size}")
-    force, moved = load[: scene.displacement.size].reshape(-1, 2), scene.moved
-    size = np.linalg.norm(force, axis=1)
-    seen = size > _SMALL * size.max(initial=0.0)
-    vectors = force[seen] / size.max(initial=0.0) * _LONG_LOAD * scene.pixel
-    _arrows(plotter, scene, moved[seen] - vectors, moved[seen], _LOAD)
+    n = scene.displacement.size
+    if len(load) < n:
+        raise ValueError(f"loads have {len(load)} dofs, the bodies {n}")
+    seen, vectors = _scaled(load[:n].reshape(-1, 2), _LONG_LOAD * scene.pixel)
+    tips = scene.moved[seen]
+    _arrows(plotter, scene, tips - vectors, tips, _LOAD)
 
 
 def _draw_vectors(plotter: Any, scene: Scene) -> None:
     """Draw displacements at nodes that are some pixels apart."""
     nodes = _thinned(scene, np.unique(scene.sides.mesh))
-    u, moved = scene.displacement[nodes], scene.moved[nodes]
-    size = np.linalg.norm(u, axis=1)
-    seen = size > _SMALL * size.max(initial=0.0)
-    vectors = u[seen] / size.max(initial=0.0) * _LONG_ARROW * scene.pixel
-    _arrows(plotter, scene, moved[seen], moved[seen] + vectors, _MOVED)
+    seen, vectors = _scaled(scene.displacement[nodes], _LONG_ARROW * scene.pixel)
+    tails = scene.moved[nodes][seen]
+    _arrows(plotter, scene, tails, tails + vectors, _MOVED)
+
+
+def _scaled(vectors: ndarray, longest: float) -> tuple[ndarray, ndarray]:
+    """Return True for vectors (n, 2) that are large enough, and these vectors at a length."""
+    size = np.linalg.norm(vectors, axis=1)
+    largest = size.max(initial=0.0)
+    seen = size > _SMALL * largest
+    return seen, vectors[seen] / largest * longest
 
 
 def _draw_contact(plotter: Any, scene: Scene, stage: StageResult) -> None:
-    """Draw the status of contact points, and the tractions of the slave on the master as lines that
-    end there.
-    """
-    found = interfaces(stage).values()
-    sizes = [np.hypot(i.tractions.pressure, i.tractions.shear).max(initial=0.0) for i in found]
-    largest = float(max(sizes, default=0.0))
-    for interface in found:
-        t = interface.tractions
-        at = np.column_stack((t.x, t.y)) + scene.factor * interface.moved_by(scene.displacement)
+    """Draw the status of contact points, and tractions on the master as lines that end there."""
+    pairs = list(interfaces(stage).values())
+    sizes = [np.hypot(pair.tractions.pressure, pair.tractions.shear) for pair in pairs]
+    largest = max((float(size.max(initial=0.0)) for size in sizes), default=0.0)
+    for pair in pairs:
+        t = pair.tractions
+        moved = scene.factor * pair.moved_by(scene.displacement)
+        points = np.column_stack((t.x, t.y)) + moved
         if largest > 0.0:
-            # shear of the slave on the master is positive along the master's chain, which runs
-            # against the slave's
-            along = np.column_stack((interface.normal[:, 1], -interface.normal[:, 0]))
-            drawn = (t.pressure[:, None] * interface.normal + t.shear[:, None] * -along) / largest
-            _segments(plotter, scene, at - _LONG_TRACTION * scene.pixel * drawn, at, _TRACTION, 2.5)
+            # The shear of the slave on the master is positive along the master's chain, which runs
+            # against the slave's chain.
+            along = np.column_stack((-pair.normal[:, 1], pair.normal[:, 0]))
+            traction = t.pressure[:, None] * pair.normal + t.shear[:, None] * along
+            lines = _LONG_TRACTION * scene.pixel * (traction / largest)
+            _segments(plotter, scene, points - lines, points, _TRACTION, 2.5)
         for status, (_, color) in _STATUS.items():
             chosen = t.status == status
             if chosen.any():
-                _dots(plotter, scene, at[chosen], color, 9.0)
+                _dots(plotter, scene, points[chosen], color, 9.0)
 
 
 def _arrows(plotter: Any, scene: Scene, tails: ndarray, tips: ndarray, color: str) -> None:
     """Draw flat arrows with heads of one size."""
-    length = np.linalg.norm(tips - tails, axis=1)
+    vectors = tips - tails
+    length = np.linalg.norm(vectors, axis=1)
+    along = vectors / length[:, None]
+    across = np.column_stack((-along[:, 1], along[:, 0]))
     head = np.minimum(12.0 * scene.pixel, 0.5 * length)[:, None]
-    along = (tips - tails) / length[:, None]
-    half = 0.45 * head * np.column_stack((-along[:, 1], along[:, 0]))
+    half = 0.45 * head * across
     necks = tips - head * along
+    corners = np.stack((tips, necks + half, necks - half), axis=1)  # (n, 3, 2)
     _segments(plotter, scene, tails, necks, color, 3)
-    _polygons(plotter, scene, np.stack((tips, necks + half, necks - half), axis=1), color)
+    _polygons(plotter, scene, corners, color)
 
 
 def _segments(
@@ -287,9 +297,8 @@ def _segments(
     """Draw straight lines between points (n, 2)."""
     if len(starts):
         sides = np.arange(2 * len(starts)).reshape(2, -1).T
-        plotter.add_mesh(
-            scene.lines(sides, np.concatenate((starts, ends)), MARK), color=color, line_width=width
-        )
+        lines = scene.lines(sides, np.concatenate((starts, ends)), MARK)
+        plotter.add_mesh(lines, color=color, line_width=width)
 
 
 def _polygons(plotter: Any, scene: Scene, corners: ndarray, color: str) -> None:

@@ -1,6 +1,4 @@
-"""Picture of a model by matplotlib: materials, beams, bars, contact and the water table of a
-stage.
-"""
+"""Picture of a model by matplotlib: materials, beams, bars, contact and the water table."""
 
 from __future__ import annotations
 
@@ -11,7 +9,7 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -22,12 +20,12 @@ from ..forms.base import solids_of
 from ..results.fields import basis_of, solids
 from ..results.stage import StageResult
 from ..results.tractions import interfaces
-from .diagram import saved
+from .diagram import draw_sides, fill_elements, saved
 from .marks import WATER, pressures_of, water_tables
 from .scene import Scene
 from .sheet import Window
 
-#: Colours of materials: sand, clay, silt, rock, fill, concrete, and lighter ones of these.
+#: Colours of materials: sand, clay, silt, rock, fill, concrete, and lighter ones.
 _MATERIALS = (
     "#e3cd9b",
     "#b9a38a",
@@ -40,8 +38,12 @@ _MATERIALS = (
     "#dfe6cf",
     "#ccd5db",
 )
-_BEAM, _BAR, _CONTACT = "#22313f", "#c0392b", "#7b3294"
-_WIDTH, _LEGEND, _FREE = 6.0, 0.26, 0.02  # inches, inches a row of the legend, share of the size
+_BEAM = "#22313f"
+_BAR = "#c0392b"
+_CONTACT = "#7b3294"
+_WIDTH = 6.0  # inches
+_LEGEND = 0.26  # inches a row of the legend
+_FREE = 0.02  # share of the size that is left free
 
 
 class Shade(NamedTuple):
@@ -54,23 +56,25 @@ class Shade(NamedTuple):
 
 def shades(stages: Iterable[StageResult]) -> dict[str, Shade]:
     """Return all materials of some stages by their text; equal ones have one colour."""
-    found: dict[str, tuple[dict[str, None], Any]] = {}
+    materials: dict[str, Any] = {}
+    names: dict[str, dict[str, None]] = {}
     for stage in stages:
         for name, form in solids_of(stage.forms).items():
             for region in getattr(form, "regions", ()):
-                names, _ = found.setdefault(repr(region.material), ({}, region.material))
-                names[name if region.name == "all" else region.name] = None
-    return {
-        key: Shade(tuple(names), material, _MATERIALS[k % len(_MATERIALS)])
-        for k, (key, (names, material)) in enumerate(found.items())
-    }
+                key = repr(region.material)
+                materials.setdefault(key, region.material)
+                label = name if region.name == "all" else region.name
+                names.setdefault(key, {})[label] = None
+    found = {}
+    for k, (key, material) in enumerate(materials.items()):
+        found[key] = Shade(tuple(names[key]), material, _MATERIALS[k % len(_MATERIALS)])
+    return found
 
 
 def model(
     stage: StageResult, *, window: Window | None = None, file: str | Path | None = None
 ) -> Figure:
-    """Draw the active parts of a stage: bodies by their materials, beams, bars, contact, and the
-    water table.
+    """Draw the active parts of a stage: bodies by their materials, beams, contact and water table.
 
     Parameters
     ----------
@@ -99,20 +103,26 @@ def drawn(stage: StageResult, colors: Mapping[str, Shade], window: Window | None
     """Return the picture of a stage with given colours of materials."""
     handles: list[Any] = []
     figure, ax = plt.subplots(figsize=(_WIDTH, _WIDTH), layout="constrained")
-    if any(form.materials for form in solids_of(stage.forms).values()):
+    if _has_solids(stage):
         check_plane(basis_of(stage), "plot.model")
         handles += _bodies(ax, stage, colors)
     handles += _lines(ax, stage)
+
+    # Show everything, or the window.
     ax.autoscale_view()
-    ax.set(aspect="equal", **({} if window is None else {"xlim": window[:2], "ylim": window[2:]}))
+    ax.set_aspect("equal")
+    if window is not None:
+        ax.set(xlim=window[:2], ylim=window[2:])
     ax.margins(_FREE)
     ax.tick_params(labelsize=9, color="#999999", labelcolor="#555555")
     ax.spines[:].set_visible(False)
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+
+    # Fit the height of the figure to the bodies and to the rows of the legend.
+    left, right = ax.get_xlim()
+    low, high = ax.get_ylim()
+    aspect = min(max((high - low) / (right - left), 0.25), 1.4)
     rows = -(-len(handles) // 3)
-    figure.set_size_inches(
-        _WIDTH, min(max((high - low) / (right - left), 0.25), 1.4) * _WIDTH + 0.3 + _LEGEND * rows
-    )
+    figure.set_size_inches(_WIDTH, aspect * _WIDTH + 0.3 + _LEGEND * rows)
     if handles:
         figure.legend(handles=handles, loc="outside lower left", ncols=3, frameon=False, fontsize=9)
     return figure
@@ -120,57 +130,62 @@ def drawn(stage: StageResult, colors: Mapping[str, Shade], window: Window | None
 
 def _bodies(ax: Axes, stage: StageResult, colors: Mapping[str, Shade]) -> list[Any]:
     """Draw the elements in the colours of their materials, with outlines; return the legend."""
-    scene, there = Scene(stage), solids(stage)
-    keys = [repr(region.material) for form in there.values() for region in form.regions]
-    corners = scene.coordinates[scene.nodes[scene.cells[:, : scene.corners]]]
-    face = [colors[keys[k]].color for k in scene.region]
-    ax.add_collection(
-        PolyCollection(list(corners), facecolors=face, edgecolors="#00000022", linewidths=0.3)
-    )
-    for sides, width in ((scene.sides.borders, 0.6), (scene.sides.outline, 1.0)):
-        ax.add_collection(
-            LineCollection(
-                list(scene.coordinates[sides[:, [0, -1]]]), colors="#555555", linewidths=width
-            )
-        )
-    water = pressures_of(stage.water)
-    lines = [line for one in water for line in water_tables(scene, one)]
-    for line in lines:
-        ax.plot(*line.T, color=WATER, linewidth=1.6, linestyle="--")
-    used = [colors[key] for key in dict.fromkeys(keys)]
-    names = [", ".join(shade.names[:3]) + (", …" if len(shade.names) > 3 else "") for shade in used]
-    return [
-        *(
-            Patch(
-                facecolor=shade.color, edgecolor="#555555", label=f"{name}: {shade.material.label}"
-            )
-            for shade, name in zip(used, names)
-        ),
-        *([Line2D([], [], color=WATER, linestyle="--", label="water table")] if lines else []),
-    ]
+    scene = Scene(stage)
+    regions = [region for form in solids(stage).values() for region in form.regions]
+    keys = [repr(region.material) for region in regions]
+    fill_elements(ax, scene, [colors[keys[k]].color for k in scene.region], "#00000022")
+    draw_sides(ax, scene, borders=0.6, outline=1.0)
+
+    # Draw the water tables.
+    has_water = False
+    for water in pressures_of(stage.water):
+        for line in water_tables(scene, water):
+            ax.plot(*line.T, color=WATER, linewidth=1.6, linestyle="--")
+            has_water = True
+
+    # Make the legend.
+    handles: list[Any] = []
+    for key in dict.fromkeys(keys):
+        shade = colors[key]
+        names = ", ".join(shade.names[:3])
+        if len(shade.names) > 3:
+            names += ", …"
+        label = f"{names}: {shade.material.label}"
+        handles.append(Patch(facecolor=shade.color, edgecolor="#555555", label=label))
+    if has_water:
+        handles.append(Line2D([], [], color=WATER, linestyle="--", label="water table"))
+    return handles
 
 
 def _lines(ax: Axes, stage: StageResult) -> list[Line2D]:
     """Draw beams, bars and contact; return the legend."""
-    found: list[tuple[str, str, float, list[ndarray]]] = []
+    # Collect the segments of each form, (n, points, 2), with colour and width.
+    found: list[tuple[str, str, float, ndarray]] = []
     for name, state in stage.states.items():
         form = stage.forms[name]
-        if (along := form.line_points(stage.x, state)) is not None:
-            found.append(
-                (name, _BEAM, 2.4, list(along[0].reshape(-1, 3, along[0].shape[1])[:, :2, :2]))
-            )
-        elif "end x" in (bars := form.members(state)):
+        along = form.line_points(stage.x, state)
+        if along is not None:
+            points = along[0].reshape(-1, 3, along[0].shape[1])
+            found.append((name, _BEAM, 2.4, points[:, :2, :2]))
+            continue
+        bars = form.members(state)
+        if "end x" in bars:
             ends = np.column_stack([bars[key] for key in ("x", "y", "end x", "end y")])
-            found.append((name, _BAR, 1.6, list(ends.reshape(-1, 2, 2))))
-    if any(form.materials for form in solids_of(stage.forms).values()):
-        points = solids(stage)[next(iter(solids(stage)))].basis.doflocs[:, ::2].T
+            found.append((name, _BAR, 1.6, ends.reshape(-1, 2, 2)))
+    if _has_solids(stage):
+        points = basis_of(stage).doflocs[:, ::2].T
         facets = [points[pair.facets[:, :2]] for pair in interfaces(stage).values()]
         if facets:
-            found.append(("contact", _CONTACT, 1.2, list(np.concatenate(facets))))
-    for _, color, width, segments in found:
-        ax.add_collection(
-            LineCollection(segments, colors=color, linewidths=width, capstyle="round", zorder=3)
-        )
-    return [
-        Line2D([], [], color=color, linewidth=width, label=name) for name, color, width, _ in found
-    ]
+            found.append(("contact", _CONTACT, 1.2, np.concatenate(facets)))
+
+    # Draw them.
+    handles = []
+    for name, color, width, segments in found:
+        style: dict[str, Any] = {"colors": color, "linewidths": width, "capstyle": "round"}
+        ax.add_collection(LineCollection(list(segments), zorder=3, **style))
+        handles.append(Line2D([], [], color=color, linewidth=width, label=name))
+    return handles
+
+
+def _has_solids(stage: StageResult) -> bool:
+    return any(form.materials for form in solids_of(stage.forms).values())

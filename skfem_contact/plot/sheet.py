@@ -1,6 +1,4 @@
-"""Sheets of pictures: colour scales, views side by side, a foot with the colour bar, files and
-windows.
-"""
+"""Sheets of pictures: colour scales, views side by side, the foot with the colour bar, files."""
 
 from __future__ import annotations
 
@@ -23,16 +21,19 @@ from numpy import ndarray
 from ..checks import format_point
 from ..errors import warn
 
-#: Share of the area that may lie below, and above, the limits where it would make the scale so much
-#: longer.
-_TAIL, _LONGER = 0.01, 3.0
-#: A field with both signs has them in both colours if the smaller side is at least this share of
-#: the larger one.
+#: Share of the area that may lie below, and above, the limits.
+_TAIL = 0.01
+#: Factor by which this area would make the scale longer at least.
+_LONGER = 3.0
+#: A field of both signs has both colours if its smaller side is this share of the larger one.
 _BOTH = 0.02
 #: Sizes of letters, in points at 100 dots per inch, and the width of a small one in pixels.
-_SMALL, _LARGE, _LETTER = 15, 17, 13
+_SMALL = 15
+_LARGE = 17
+_LETTER = 13
 #: Pixels of a point at 100 dots per inch, and of the mean letter per point.
-_POINT, _BROAD = 100 / 72, 0.75
+_POINT = 100 / 72
+_BROAD = 0.75
 #: Blue for negative, red for positive values, without the darkest ends: mesh lines are seen on
 #: every colour.
 _DIVERGING = LinearSegmentedColormap.from_list(
@@ -42,31 +43,30 @@ _DIVERGING = LinearSegmentedColormap.from_list(
 _SEQUENTIAL = LinearSegmentedColormap.from_list(
     "one sign", ["#fdf6c9", "#d5e8a4", "#9dd3a3", "#62b8b2", "#4796b8", "#4f6fae"]
 )
-#: Pixels of all views together at most, of the foot, of the views' titles, and between views side
-#: by side.
-_WIDTH, _FOOT, _HEAD, _GAP = 1400, 178, 46, 24
+#: Pixels of all views together at most, of the foot, of the title of a view, and between views.
+_WIDTH = 1400
+_FOOT = 178
+_HEAD = 46
+_GAP = 24
 #: Width over height of all views at least, and of a picture over the largest width.
-_ASPECT, _NARROWEST = 1.4, 0.65
+_ASPECT = 1.4
+_NARROWEST = 0.65
 
 Window = tuple[float, float, float, float]  # xmin, xmax, ymin, ymax
 
 
 class Scale(NamedTuple):
-    """Ends of the bands, ascending, (n + 1,), a colour map of n colours, and matplotlib's
-    ``extend`` of the bar.
-    """
+    """Scale of n coloured bands."""
 
-    levels: ndarray
-    colors: ListedColormap
-    extend: str
+    levels: ndarray  # ends of the bands, ascending, (n + 1,)
+    colors: ListedColormap  # n colours
+    extend: str  # ends of the bar with arrows, in matplotlib's words
 
 
 def make_scale(
     values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None
 ) -> Scale:
-    """Return a scale of about n bands for values (n,) and their areas: given limits stay, others
-    become round.
-    """
+    """Return a scale of about n bands for values and their areas; given limits are not rounded."""
     known = np.isfinite(values)
     if not known.any():
         raise ValueError("there is nothing to draw: no material of these bodies defines this field")
@@ -75,24 +75,34 @@ def make_scale(
             f"a scale has at least one level and a colour map of matplotlib, not levels={n!r}, "
             f"colors={colors!r}"
         )
-    values, area = values[known], area[known]
+    values = values[known]
+    area = area[known]
+
+    # Choose the levels: round values between the limits.
     if limits is not None:
-        low, high = float(limits[0]), float(limits[1])
+        low, high = map(float, limits)
         if not -np.inf < low < high < np.inf:
             raise ValueError(
                 f"limits are two finite numbers, the smaller one first, not {limits!r}"
             )
         levels = _round_levels(low, high, n)
         apart = 1e-9 * (high - low)
-        levels = np.concatenate(
-            ([low], levels[(levels > low + apart) & (levels < high - apart)], [high])
-        )
+        inside = levels[(levels > low + apart) & (levels < high - apart)]
+        levels = np.concatenate(([low], inside, [high]))
     else:
         levels = _round_levels(*_robust(values, area), n)
+
+    # Add arrows where values lie beyond the ends.
     slack = 1e-6 * (levels[-1] - levels[0])
-    below, above = values.min() < levels[0] - slack, values.max() > levels[-1] + slack
-    extend = ("both" if above else "min") if below else ("max" if above else "neither")
-    return Scale(levels, ListedColormap(_band_colors(levels, colors)), extend)
+    below = bool(values.min() < levels[0] - slack)
+    above = bool(values.max() > levels[-1] + slack)
+    extend = {
+        (False, False): "neither",
+        (True, False): "min",
+        (False, True): "max",
+        (True, True): "both",
+    }
+    return Scale(levels, ListedColormap(_band_colors(levels, colors)), extend[below, above])
 
 
 def quantile(values: ndarray, area: ndarray, share: float) -> float:
@@ -102,39 +112,57 @@ def quantile(values: ndarray, area: ndarray, share: float) -> float:
 
 
 def _robust(values: ndarray, area: ndarray) -> tuple[float, float]:
-    """Return the extremes, or where all but a little of the area lies if that little would spoil
-    the scale.
-    """
-    most = [quantile(values, area, part) for part in (_TAIL, 1.0 - _TAIL)]
-    low, high = float(values.min()), float(values.max())
-    if (room := 0.5 * (_LONGER - 1.0) * (most[1] - most[0])) > 0.0:
-        low = low if most[0] - low <= room else most[0]
-        high = high if high - most[1] <= room else most[1]
+    """Return the extremes, or a narrower range that leaves out a little of the area."""
+    low = float(values.min())
+    high = float(values.max())
+    low_of_most = quantile(values, area, _TAIL)
+    high_of_most = quantile(values, area, 1.0 - _TAIL)
+    room = 0.5 * (_LONGER - 1.0) * (high_of_most - low_of_most)
+    if room > 0.0:
+        if low_of_most - low > room:
+            low = low_of_most
+        if high - high_of_most > room:
+            high = high_of_most
+
+    # Give a constant field a scale around its value.
     apart = 1e-9 * max(abs(low), abs(high)) or 1.0
-    return (low, high) if high - low > apart else (low - apart, high + apart)
+    if high - low <= apart:
+        return low - apart, high + apart
+    return low, high
 
 
 def _round_levels(low: float, high: float, n: int) -> ndarray:
     """Return multiples of a round step from below the smallest to above the largest value."""
-    levels = np.asarray(MaxNLocator(nbins=n, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
-    step, slack = levels[1] - levels[0], 1e-6 * (high - low)
+    locator = MaxNLocator(nbins=n, steps=[1, 2, 2.5, 5, 10])
+    levels = np.asarray(locator.tick_values(low, high))
+    step = levels[1] - levels[0]
+    slack = 1e-6 * (high - low)
     levels = levels[(levels > low - step + slack) & (levels < high + step - slack)]
     return np.where(np.abs(levels) < 1e-9 * step, 0.0, levels)
 
 
 def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
-    """Return colours of the bands, (n, 4): around zero where there are both signs, from light to
-    dark for one.
-    """
+    """Return colours of the bands, (n, 4): from zero on to both signs, or from light to dark."""
     middle = 0.5 * (levels[1:] + levels[:-1])
-    low, high = float(levels[0]), float(levels[-1])
-    if colors is None and low < 0.0 < high and min(-low, high) > _BOTH * max(-low, high):
-        return np.asarray(_DIVERGING(0.5 + 0.5 * middle / float(np.abs(middle).max())))
+    low = float(levels[0])
+    high = float(levels[-1])
+
+    # Use both colours where there are both signs.
+    smaller = min(-low, high)
+    larger = max(-low, high)
+    if colors is None and smaller > max(0.0, _BOTH * larger):
+        largest = float(np.abs(middle).max())
+        return np.asarray(_DIVERGING(0.5 + 0.5 * middle / largest))
+
+    # Use the whole colour map otherwise, dark for large magnitudes.
     share = (middle - low) / (high - low)
-    share = (share - share.min()) / max(float(np.ptp(share)), 1e-12)
+    share = share - share.min()
+    share = share / max(float(np.ptp(share)), 1e-12)
     if colors is not None:
         return np.asarray(matplotlib.colormaps[colors](share))
-    return np.asarray(_SEQUENTIAL(1.0 - share if abs(low) > abs(high) else share))
+    if abs(low) > abs(high):
+        share = 1.0 - share
+    return np.asarray(_SEQUENTIAL(share))
 
 
 def bar_figure(
@@ -145,15 +173,17 @@ def bar_figure(
     size: tuple[int, int],
     marks: dict[str, dict[str, Any]],
 ) -> Figure:
-    """Return the foot of a picture: colour bar, title on the left, note on the right, extremes,
-    legend of marks.
-    """
+    """Return the foot of a picture: colour bar, title, note, extremes and legend of marks."""
     figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
     axes = figure.add_axes((0.06, 0.39 if marks else 0.32, 0.88, 0.14))
-    words = [_figures(value, scale.levels) for value in scale.levels]
-    every = int(np.ceil(len(words) * _LETTER * (1 + max(map(len, words))) / (0.88 * size[0])))
-    zero = int(np.argmin(np.abs(scale.levels))) % every  # if there is one, it is written
-    mapped = ScalarMappable(BoundaryNorm(scale.levels, len(scale.levels) - 1), scale.colors)
+    width = 0.88 * size[0]
+
+    # Write as many levels as have room, with zero among them.
+    letters = max(len(_figures(value, scale.levels)) for value in scale.levels)
+    n = len(scale.levels)
+    every = int(np.ceil(n * _LETTER * (1 + letters) / width))
+    zero = int(np.argmin(np.abs(scale.levels))) % every
+    mapped = ScalarMappable(BoundaryNorm(scale.levels, n - 1), scale.colors)
     bar = figure.colorbar(
         mapped,
         cax=axes,
@@ -165,9 +195,11 @@ def bar_figure(
     )
     bar.ax.tick_params(labelsize=_SMALL, length=4)
     bar.ax.xaxis.set_major_formatter(lambda value, _: _figures(value, scale.levels))
+
+    # Write the texts and the legend.
     figure.text(0.06, 0.80, title, fontsize=_LARGE)
     figure.text(0.94, 0.80, note, fontsize=_SMALL, ha="right", color="#444444")
-    figure.text(0.06, 0.62, extremes, fontsize=fitting(extremes, 0.88 * size[0]), color="#444444")
+    figure.text(0.06, 0.62, extremes, fontsize=fitting(extremes, width), color="#444444")
     if marks:
         handles = [Line2D([], [], label=label, **style) for label, style in marks.items()]
         figure.legend(
@@ -183,33 +215,30 @@ def bar_figure(
 
 
 def fitting(text: str, width: float) -> float:
-    """Return the size of letters, in points at 100 dots per inch, at which a text is no wider than
-    some pixels.
-    """
+    """Return the size of letters, in points at 100 dots per inch, of a text within a width."""
     return min(_SMALL, width / (_BROAD * max(len(text), 1)))
 
 
 def _figures(value: float, levels: ndarray) -> str:
-    """Return a level with as many digits as distinguish it from its neighbours, and a true minus
-    sign.
-    """
-    step, largest = float(np.diff(levels).min()), float(np.abs(levels).max())
+    """Return a level with the digits that distinguish it from its neighbours, and a true minus."""
+    step = float(np.diff(levels).min())
+    largest = float(np.abs(levels).max())
+    exponent = int(np.floor(np.log10(step) + 1e-9))
     if largest >= 1e5 or largest < 1e-3:
         power = int(np.floor(np.log10(largest)))
-        digits = max(0, power - int(np.floor(np.log10(step) + 1e-9)))
+        digits = max(0, power - exponent)
         text = "0" if value == 0 else f"{value / 10.0**power:.{digits}f}e{power}"
     else:
-        digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
-        if abs(round(step * 10**digits) - step * 10**digits) > 1e-6:
+        digits = max(0, -exponent)
+        multiple = step * 10**digits
+        if abs(round(multiple) - multiple) > 1e-6:
             digits += 1  # steps of 2.5
         text = f"{value:.{digits}f}"
     return text.replace("-", "−")
 
 
 class Frame:
-    """Views side by side that show points (n, 2) or a window, their size in pixels, and the foot
-    below them.
-    """
+    """Views side by side that show points (n, 2) or a window, and the foot below them."""
 
     def __init__(
         self,
@@ -220,33 +249,29 @@ class Frame:
         margin: float,
         width: int = _WIDTH,
     ) -> None:
-        low, high = points.min(axis=0), points.max(axis=0)
+        low = points.min(axis=0)
+        high = points.max(axis=0)
         if window is not None:
-            begin, end = np.array(window[0::2], float), np.array(window[1::2], float)
-            if not (begin < end).all():
-                raise ValueError(f"a window is (xmin, xmax, ymin, ymax), not {window!r}")
-            if (begin > high).any() or (end < low).any():
-                raise ValueError(
-                    f"the window {window!r} shows nothing of the bodies, which lie between "
-                    f"{format_point(low)} and {format_point(high)}"
-                )
-            low, high = begin, end
+            low, high = _window(window, low, high)
         free = margin * (high - low).max()
-        low, high = low - free, high + free
+        low = low - free
+        high = high + free
         self.focus = 0.5 * (low + high)
-        columns = 1 if views == 1 else 2 if views in (2, 4) else 3
-        self.rows, self.columns = -(-views // columns), columns
-        self.pixel = float(max((high - low) / (width / columns, width / _ASPECT / self.rows)))
-        wide, high = np.ceil((high - low) / self.pixel - 1e-6).astype(int)
-        self.view = (max(int(wide), int(_NARROWEST * width) // columns), int(high))
+
+        # Arrange the views in columns, and find the size of a pixel.
+        self.columns = {1: 1, 2: 2, 4: 2}.get(views, 3)
+        self.rows = -(-views // self.columns)
+        room = (width / self.columns, width / _ASPECT / self.rows)
+        self.pixel = float(max((high - low) / room))
+        wide, tall = np.ceil((high - low) / self.pixel - 1e-6).astype(int)
+        narrowest = int(_NARROWEST * width) // self.columns
+        self.view = (max(int(wide), narrowest), int(tall))
         self.head = _HEAD if titled else 0
 
     def make_even(self) -> None:
         """Round sizes to whole multiples of 16, which the codecs of films take."""
-        self.view = (
-            16 * -(-self.view[0] // 16),
-            16 * -(-(self.height + _FOOT) // 16) - _FOOT - self.head,
-        )
+        height = 16 * -(-(self.height + _FOOT) // 16)
+        self.view = (16 * -(-self.view[0] // 16), height - _FOOT - self.head)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -262,23 +287,24 @@ class Frame:
         """Return a plotter with the views and an empty foot."""
         import pyvista
 
-        rows = ([self.head] if self.head else []) + [self.view[1]]
-        rows, columns = rows * self.rows + [_FOOT], [self.view[0], _GAP] * self.columns
-        with pyvista.vtk_verbosity(
-            "off"
-        ):  # VTK complains of displays that it tries before it finds one
+        row = [self.head, self.view[1]] if self.head else [self.view[1]]
+        rows = row * self.rows + [_FOOT]
+        columns = [self.view[0], _GAP] * self.columns
+        # VTK complains of displays that it tries before it finds one.
+        with pyvista.vtk_verbosity("off"):
             plotter = _picture()(
                 off_screen=not show,
                 window_size=list(self.size),
                 lighting="none",
                 border=False,
-                shape=(len(rows), 2 * self.columns - 1),
+                shape=(len(rows), len(columns) - 1),
                 row_weights=rows,
                 col_weights=columns[:-1],
                 groups=[(len(rows) - 1, slice(None))],
             )
         plotter.set_background("white", all_renderers=True)
-        for renderer in list(plotter.renderers)[:-1]:  # in the foot it would shrink the figure
+        # Smooth edges in the views; in the foot it would shrink the figure.
+        for renderer in list(plotter.renderers)[:-1]:
             renderer.enable_anti_aliasing("ssaa")
         return plotter
 
@@ -290,9 +316,7 @@ class Frame:
     def aim(
         self, plotter: Any, number: int, title: str, axes: ndarray, depth: float, distance: float
     ) -> None:
-        """Look in one of the views, tight, from a distance against the last of three axes, at a
-        depth on it.
-        """
+        """Look in one of the views along the last of three axes, from a distance to a depth."""
         row, column = self.cell(number)
         if self.head:
             plotter.subplot(row - 1, column)
@@ -317,17 +341,30 @@ class Frame:
         extremes: str,
         marks: dict[str, dict[str, Any]],
     ) -> None:
-        """Put the colour bar into the foot, with title, note, extremes of the field and a legend of
-        marks.
-        """
+        """Put the colour bar into the foot, with texts and a legend of marks."""
         import pyvista
 
-        plotter.subplot(self.cell(self.columns * self.rows - 1)[0] + 1, 0)
+        last_row, _ = self.cell(self.columns * self.rows - 1)
+        plotter.subplot(last_row + 1, 0)
         figure = bar_figure(scale, title, note, extremes, (self.size[0], _FOOT), marks)
         chart = pyvista.ChartMPL(figure, redraw_on_render=False)
         chart.border_color, chart.background_color = "white", "white"
         plotter.add_chart(chart)
         plotter.subplot(*self.cell(0))
+
+
+def _window(window: Window, low: ndarray, high: ndarray) -> tuple[ndarray, ndarray]:
+    """Return the corners of a window, which must show some of the bodies between two corners."""
+    begin = np.array(window[0::2], float)
+    end = np.array(window[1::2], float)
+    if not (begin < end).all():
+        raise ValueError(f"a window is (xmin, xmax, ymin, ymax), not {window!r}")
+    if (begin > high).any() or (end < low).any():
+        raise ValueError(
+            f"the window {window!r} shows nothing of the bodies, which lie between "
+            f"{format_point(low)} and {format_point(high)}"
+        )
+    return begin, end
 
 
 def finish(plotter: Any, file: Any, show: bool) -> Any:
@@ -350,9 +387,7 @@ def close(plotter: Any) -> None:
 
 
 def can_draw(title: str, show: bool = False) -> tuple[bool, bool]:
-    """Return whether VTK can draw here, and whether it can open a window; warn where it cannot as
-    asked for.
-    """
+    """Return whether VTK can draw, and whether to open a window; warn where it cannot."""
     if not _can_render():
         warn(
             f"no picture of '{title}': VTK cannot draw on this machine, it needs OpenGL "
@@ -381,9 +416,7 @@ def _has_windows() -> bool:
 
 @cache
 def _picture() -> Any:
-    """Return the class of plotters that a notebook shows; made at its first use, as pyvista is not
-    needed before.
-    """
+    """Return the class of plotters that a notebook shows; pyvista is imported at its first use."""
     import pyvista
 
     class Picture(pyvista.Plotter):
@@ -397,9 +430,7 @@ def _picture() -> Any:
 
 @cache
 def _can_render() -> bool:
-    """Return whether VTK can draw here; tried in a process of its own, because without OpenGL it
-    crashes.
-    """
+    """Return whether VTK draws in a process of its own, which crashes without OpenGL."""
     code = (
         "import vtkmodules.vtkRenderingOpenGL2; from vtkmodules.vtkRenderingCore import "
         "vtkRenderWindow; "
