@@ -194,7 +194,8 @@ def cutaway(
     >>> import skfem_contact.plot as plot
     >>> basis = Basis(MeshHex().refined(2), ElementVector(ElementHex1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain="full")}
-    >>> result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight", sc.weight(basis, 20.))])
+    >>> model = sc.Model(forms, sc.box_supports(basis))
+    >>> result = model.run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> picture = plot.cutaway(result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
     picture = contours(

@@ -21,11 +21,13 @@ from .diagram import saved
 from .marks import WATER
 from .units import labelled
 
-_LEVELS, _ARROWS = (
-    14,
-    24,
-)  # most bands of the head or pressure; arrows along the longer side of the picture
-_WIDTH, _HEIGHT = 9.0, 5.0  # inches of a picture at most
+#: Most bands of the head or pressure.
+_LEVELS = 14
+#: Arrows along the longer side of the picture.
+_ARROWS = 24
+#: Size of a picture at most, in inches.
+_WIDTH = 9.0
+_HEIGHT = 5.0
 _FLOW = {"head": ("hydraulic head", "length"), "pressure": ("pore pressure", "stress")}
 
 
@@ -36,8 +38,7 @@ def flow_diagram(
     ax: Axes | None = None,
     file: str | Path | None = None,
 ) -> Figure:
-    """Draw contours of the head or of the pore pressure in wet ground, the free surface and
-    directions of flow.
+    """Draw contours of the head or pore pressure in wet ground, free surface and flow.
 
     Parameters
     ----------
@@ -46,8 +47,8 @@ def flow_diagram(
     quantity
         ``"head"`` or ``"pressure"``.
     arrows
-        Draw the velocities of the elements nearest to the points of a grid; but for the few
-        strongest, the arrows are as long as the flow is strong.
+        Draw the velocities of the elements nearest to the points of a grid. The lengths of arrows
+        are proportional to the velocity, except for the largest twentieth of them.
     ax
         Axes to draw in; by default those of a new figure.
     file
@@ -60,37 +61,40 @@ def flow_diagram(
     >>> import skfem_contact.plot as plot
     >>> from skfem import Basis, ElementTriP1, MeshTri
     >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 6), np.linspace(0, 5, 6)).with_defaults()
-    >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 5., "right": 1.},
-    ...                          seepage_face="right", unit_weight=10.)
+    >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), permeability=1., unit_weight=10.,
+    ...                          head={"left": 5., "right": 1.}, seepage_face="right")
     >>> figure = plot.flow_diagram(water, "pressure")
     """
-    mesh, elements = water.basis.mesh, elements_of(water.basis)
+    mesh = water.basis.mesh
     if mesh.dim() != 2:
         raise ValueError("plot.flow_diagram is for plane seepage")
-    x, y = mesh.p[:, : len(water.head)]
+    elements = elements_of(water.basis)
     corners = simplices(mesh, elements).T
     if ax is None:
         width, height = np.ptp(mesh.p[:, corners.ravel()], axis=1)
         scale = min((_WIDTH - 2.0) / width, _HEIGHT / height)
-        ax = plt.subplots(
-            figsize=(scale * width + 2.0, scale * height + 0.5), layout="constrained"
-        )[1]
+        size = (scale * width + 2.0, scale * height + 0.5)
+        _, ax = plt.subplots(figsize=size, layout="constrained")
+
+    # Draw contours in wet triangles, or in all if none is wet.
+    x, y = mesh.p[:, : len(water.head)]
     wet = (water.head >= y)[corners].any(axis=1)
-    triangles = Triangulation(x, y, corners[wet | ~wet.any()])
+    triangles = Triangulation(x, y, corners[wet] if wet.any() else corners)
     values = np.nan_to_num(water.head if quantity == "head" else water.pressure)
     shown = values[triangles.triangles]
     levels = MaxNLocator(_LEVELS).tick_values(shown.min(), shown.max())
     filled = ax.tricontourf(triangles, values, levels, cmap="Blues")
     ax.tricontour(triangles, values, levels, colors="white", linewidths=0.5)
-    outline = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets) == 1
-    ax.add_collection(
-        LineCollection(mesh.p[:, mesh.facets[:, outline]].transpose(2, 1, 0), colors="black")
-    )
+    ax.figure.colorbar(filled, ax=ax, label=labelled(*_FLOW[quantity]), shrink=0.8)
+
+    # Draw the outline, the free surface and the flow.
+    is_outline = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets) == 1
+    outline = mesh.p[:, mesh.facets[:, is_outline]].transpose(2, 1, 0)  # (n, 2, 2)
+    ax.add_collection(LineCollection(outline, colors="black"))
     for line in water.free_surface:
         ax.plot(*line.T, color=WATER, linewidth=2.0)
     if arrows:
         _draw_arrows(ax, mesh.p[:, mesh.t[:, elements]].mean(axis=1), water.velocity)
-    ax.figure.colorbar(filled, ax=ax, label=labelled(*_FLOW[quantity]), shrink=0.8)
     ax.set(aspect="equal")
     figure = ax.get_figure()
     assert isinstance(figure, Figure)
@@ -99,11 +103,17 @@ def flow_diagram(
 
 def _draw_arrows(ax: Axes, centres: ndarray, velocity: ndarray) -> None:
     """Draw velocities (2, n) of the elements nearest to the points of a regular grid."""
-    low, step = centres.min(axis=1, keepdims=True), float(np.ptp(centres, axis=1).max()) / _ARROWS
-    cell = np.floor((centres - low) / step).astype(int)
-    off = np.linalg.norm((centres - low) / step - cell - 0.5, axis=0)
+    # Take the element nearest to the middle of each cell of the grid.
+    low = centres.min(axis=1, keepdims=True)
+    step = float(np.ptp(centres, axis=1).max()) / _ARROWS
+    position = (centres - low) / step
+    cell = np.floor(position).astype(int)
+    off = np.linalg.norm(position - cell - 0.5, axis=0)
     order = np.lexsort((off, *cell))
-    first = order[np.append(True, (np.diff(cell[:, order]) != 0).any(axis=0))]
+    is_first = np.append(True, (np.diff(cell[:, order]) != 0).any(axis=0))
+    first = order[is_first]
+
+    # Scale the velocities, and leave out small ones.
     flow = velocity[:, first]
     speed = np.linalg.norm(flow, axis=0)
     longest = float(np.quantile(speed, 0.95)) or 1.0

@@ -48,11 +48,13 @@ def live(
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
     >>> model = sc.Model({"block": block}, basis.get_dofs("bottom").all())
     >>> file = os.path.join(tempfile.mkdtemp(), "live.png")
-    >>> result = model.run([sc.Stage("weight", increments=4)], on_increment=plot.live("uy", file=file))
+    >>> observer = plot.live("uy", file=file)
+    >>> result = model.run([sc.Stage("weight", increments=4)], on_increment=observer)
     """
     if not in_notebook() and file is None:
         raise ValueError(
@@ -67,7 +69,10 @@ class Live:
     def __init__(
         self, quantity: str, seconds: float, file: str | Path | None, style: dict[str, Any]
     ) -> None:
-        self._quantity, self._seconds, self._file, self._style = quantity, seconds, file, style
+        self._quantity = quantity
+        self._seconds = seconds
+        self._file = file
+        self._style = style
         self._shown: Any = None
         self._next = 0.0
 
@@ -76,8 +81,8 @@ class Live:
         began = perf_counter()
         if stage.fraction < 1.0 and began < self._next:
             return
-        space = basis_of(stage).mesh.dim() == 3
-        plotter = (cutaway if space else contour)(stage, self._quantity, **self._style)
+        draw = cutaway if basis_of(stage).mesh.dim() == 3 else contour
+        plotter = draw(stage, self._quantity, **self._style)
         if plotter is not None:
             self._show(plotter._repr_png_())
             close(plotter)

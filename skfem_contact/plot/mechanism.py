@@ -1,4 +1,4 @@
-"""Pictures of collapses: the mechanism, and the way to it."""
+"""Pictures of collapses: mechanism and load curve."""
 
 from __future__ import annotations
 
@@ -26,8 +26,7 @@ from .scene import Scene
 from .sheet import Window, make_scale, quantile
 from .units import labelled
 
-#: Largest displacement of the drawn mechanism, as a share of the bodies' size, where bodies are
-#: drawn deformed.
+#: Largest displacement of bodies that are drawn deformed, as a share of their size.
 _MOVED = 0.05
 
 
@@ -49,8 +48,8 @@ def mechanism(
     ----------
     result
         Result of :func:`~skfem_contact.strength_reduction`, :func:`~skfem_contact.limit_load` or
-        :func:`~skfem_contact.bounds`; of bounds it is the mechanism of the upper one, on its own
-        mesh. The title holds the bounds where they are known (``certify=True``).
+        :func:`~skfem_contact.bounds`, whose upper bound has a mechanism on its own mesh. The title
+        holds the bounds where they are known (``certify=True``).
     deformed
         Draw the bodies as the mechanism moves them.
     vectors
@@ -64,41 +63,54 @@ def mechanism(
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
-    >>> basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    >>> mesh = MeshTri().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    >>> picture = plot.mechanism(sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False))
+    >>> result = sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False)
+    >>> picture = plot.mechanism(result)
     """
-    proven = isinstance(result, Bounds)
-    _check_search(result, proven)
-    stage, bands = (
-        _upper_bound(result) if proven else (replace(result.end, x=result.mechanism), result.bands)
-    )
+    # Take the strains of the mechanism, and bring them to the nodes.
+    if isinstance(result, Bounds):
+        stage, bands = _upper_bound(result)
+    else:
+        _check_search(result)
+        stage = replace(result.end, x=result.mechanism)
+        bands = result.bands
     check_plane(basis_of(stage), "plot.mechanism")
     stage = only(stage, bands)
-    found = solids(stage)
-    strain = np.concatenate(
-        [recovered(form, bands[name][None], limited=True)[0] for name, form in found.items()]
-    )
+    parts = []
+    for name, form in solids(stage).items():
+        parts.append(recovered(form, bands[name][None], limited=True)[0])
+    strain = np.concatenate(parts)
+
+    # Scale displacements to the size of the bodies, strains to their largest value or nearly so.
     scene = Scene(stage)
     if deformed:
         size = np.ptp(scene.coordinates[scene.nodes], axis=0).max()
         scene.factor = _MOVED * size / float(np.abs(scene.displacement).max())
-    scene.values = strain / (quantile(strain, scene.area, 0.99) or float(strain.max()) or 1.0)
+    largest = quantile(strain, scene.area, 0.99) or float(strain.max())
+    scene.values = strain / (largest or 1.0)
     scale = make_scale(*scene.samples, (0.0, 1.0), levels, "YlOrRd")
-    bounds = result if proven else result.proven
-    value = "" if proven else f" {result.value:.4g}"
-    value += "" if bounds is None else f" in [{bounds.lower:.4g}, {bounds.upper:.4g}]"
-    title = (
-        f"{result.what[0].upper()}{result.what[1:]}{value}: shear strain of the mechanism, relative"
-    )
+
+    title = f"{_title(result)}: shear strain of the mechanism, relative"
     view = View(scene, "", Marks(stage, water=water, vectors=vectors))
     return Contours([view], scale, title).draw(window, mesh, file, show)
 
 
-def _check_search(result: Any, proven: bool = False) -> None:
-    """Refuse what is no result of a search, or no bounds where these are accepted."""
-    if not proven and getattr(result, "curve", None) is None:
+def _title(result: Any) -> str:
+    """Return the name of a factor with its value and its bounds, as far as they are known."""
+    title = result.what[0].upper() + result.what[1:]
+    bounds = result
+    if not isinstance(result, Bounds):
+        title += f" {result.value:.4g}"
+        bounds = result.proven
+    return title if bounds is None else f"{title} in [{bounds.lower:.4g}, {bounds.upper:.4g}]"
+
+
+def _check_search(result: Any) -> None:
+    """Refuse results of other analyses than searches."""
+    if getattr(result, "curve", None) is None:
         raise ValueError(
             "a result of strength_reduction or limit_load is drawn, or by plot.mechanism of "
             "bounds, not "
@@ -107,23 +119,27 @@ def _check_search(result: Any, proven: bool = False) -> None:
 
 
 def _upper_bound(bounds: Bounds) -> tuple[StageResult, dict[str, ndarray]]:
-    """Return the mechanism of an upper bound as a stage of a solid on its own mesh, and its shear
-    strains.
-    """
+    """Return the mechanism of an upper bound as a stage, and its shear strains."""
     basis = Basis(bounds.mesh, ElementVector(ElementTriP2()), intorder=2)
-    x, n = basis.zeros(), bounds.mesh.nvertices
-    x[basis.nodal_dofs], x[basis.facet_dofs] = bounds.mechanism[:, :n], bounds.mechanism[:, n:]
-    form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # any law: strains are asked for
-    forms = {"mechanism": form}
+    n = bounds.mesh.nvertices
+    x = basis.zeros()
+    x[basis.nodal_dofs] = bounds.mechanism[:, :n]
+    x[basis.facet_dofs] = bounds.mechanism[:, n:]
+    form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # the law does not change strains
     stage = StageResult(
-        "upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0, forms=forms
+        name="upper bound",
+        x=x,
+        load=0.0 * x,
+        states={"mechanism": form.initial_state()},
+        iterations=(),
+        residual=0.0,
+        forms={"mechanism": form},
     )
     return stage, {"mechanism": form.shear_strain(x)}
 
 
 def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
-    """Draw the factor, or load multiplier, against the largest displacement on the way to a
-    collapse.
+    """Draw the factor or load multiplier against the largest displacement up to collapse.
 
     Parameters
     ----------
@@ -138,16 +154,16 @@ def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
     >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
-    >>> basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    >>> mesh = MeshTri().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    >>> figure = plot.load_curve(sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False))
+    >>> result = sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False)
+    >>> figure = plot.load_curve(result)
     """
     _check_search(result)
     _, parameter, displacement = np.asarray(result.curve).T
-    begin = int(
-        np.argmin(displacement)
-    )  # what is before has moved the structure to where the search starts
+    begin = int(np.argmin(displacement))  # the search starts from the least displacement
     figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
     (style,) = styles(1)
     ax.plot(displacement[begin:], parameter[begin:], marker="o", markersize=4, **style)

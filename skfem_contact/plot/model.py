@@ -17,7 +17,7 @@ from numpy import ndarray
 
 from ..checks import check_plane
 from ..forms.base import solids_of
-from ..results.fields import basis_of, solids
+from ..results.fields import basis_of, has_solids, solids
 from ..results.stage import StageResult
 from ..results.tractions import interfaces
 from .diagram import draw_sides, fill_elements, saved
@@ -103,7 +103,7 @@ def drawn(stage: StageResult, colors: Mapping[str, Shade], window: Window | None
     """Return the picture of a stage with given colours of materials."""
     handles: list[Any] = []
     figure, ax = plt.subplots(figsize=(_WIDTH, _WIDTH), layout="constrained")
-    if _has_solids(stage):
+    if has_solids(stage):
         check_plane(basis_of(stage), "plot.model")
         handles += _bodies(ax, stage, colors)
     handles += _lines(ax, stage)
@@ -172,7 +172,7 @@ def _lines(ax: Axes, stage: StageResult) -> list[Line2D]:
         if "end x" in bars:
             ends = np.column_stack([bars[key] for key in ("x", "y", "end x", "end y")])
             found.append((name, _BAR, 1.6, ends.reshape(-1, 2, 2)))
-    if _has_solids(stage):
+    if has_solids(stage):
         points = basis_of(stage).doflocs[:, ::2].T
         facets = [points[pair.facets[:, :2]] for pair in interfaces(stage).values()]
         if facets:
@@ -185,7 +185,3 @@ def _lines(ax: Axes, stage: StageResult) -> list[Line2D]:
         ax.add_collection(LineCollection(list(segments), zorder=3, **style))
         handles.append(Line2D([], [], color=color, linewidth=width, label=name))
     return handles
-
-
-def _has_solids(stage: StageResult) -> bool:
-    return any(form.materials for form in solids_of(stage.forms).values())

@@ -1,6 +1,4 @@
-"""Report of an analysis: one HTML file with model, stages, tables, pictures, remarks and
-versions.
-"""
+"""Report of an analysis: one HTML file with model, stages, tables, pictures and remarks."""
 
 from __future__ import annotations
 
@@ -23,8 +21,8 @@ from numpy import ndarray
 from ..display import Table
 from ..forms.base import solids_of
 from ..results.cuts import Sections
-from ..results.fields import basis_of, solids
-from ..results.result import Result
+from ..results.fields import basis_of, has_solids, solids
+from ..results.result import COLUMNS, Result, rows_of
 from ..results.stage import StageResult
 from ..versions import own_version, versions
 from .contour import Contours, contours, cutaway
@@ -37,8 +35,10 @@ from .units import in_words
 _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg": "svg+xml"}
 #: Stages side by side in a table: more of them continue below.
 _COLUMNS = 8
-#: Dots per inch, and pixels over the width of a field beside the model.
-_DPI, _WIDE = 150, 900
+#: Dots per inch of figures.
+_DPI = 150
+#: Width of the picture of a field in pixels.
+_WIDE = 900
 #: Names of a template.
 _NAMES = (
     "title",
@@ -54,7 +54,7 @@ _NAMES = (
     "versions",
     "footer",
 )
-#: What is written where there is nothing.
+#: Texts of empty parts.
 _NOTHING = {
     "searches": "No strength reduction or limit load is part of this report.",
     "pictures": "There are no further pictures.",
@@ -91,17 +91,16 @@ def report(
     quantity
         Field that is drawn for every stage, on one scale.
     sections
-        Cuts through solids by their names, whose section forces are reported as those of beams.
+        Cuts through solids by their names, whose section forces are reported like forces of beams.
     searches
         Strength reductions or limit loads by the stages from which they start.
     pictures
-        Further pictures by their captions: what functions of this module return, other figures of
-        matplotlib, or names of files.
+        Further pictures by their captions: figures of matplotlib, plotters, or names of files.
     template
         Template of your own: a text with ``$title``, ``$facts``, ``$model``, ``$stages``,
         ``$table``, ``$diagrams``, ``$searches``, ``$pictures``, ``$remarks``, ``$run``,
-        ``$versions`` and ``$footer``, or some of them; ``$$`` is a dollar sign. By default that of
-        the package, ``skfem_contact/data/report.html``.
+        ``$versions`` and ``$footer``, or some of them; ``$$`` is a dollar sign. By default
+        ``skfem_contact/data/report.html`` of the package.
 
     Returns
     -------
@@ -126,9 +125,11 @@ def report(
     """
     if not len(result):
         raise ValueError("a report needs a result with a stage")
-    sections, searches = sections or {}, searches or {}
+    sections = sections or {}
+    searches = searches or {}
     text = template_of(template)
-    table, colors = result.table(sections=sections, searches=searches), shades(result)
+    table = result.table(sections=sections, searches=searches)
+    colors = shades(result)
     parts = {
         "pictures": _figures((pictures or {}).items()),
         "title": escape(title),
@@ -143,17 +144,16 @@ def report(
         "versions": _pairs(versions()),
         "footer": escape(f"skfem_contact {own_version()}, {datetime.now():%Y-%m-%d %H:%M}"),
     }
-    nothing = {name: f'<p class="none">{words}</p>' for name, words in _NOTHING.items()}
-    html = text.substitute({name: part or nothing.get(name, "") for name, part in parts.items()})
-    Path(file).write_text(html, encoding="utf-8")
+    for name, words in _NOTHING.items():
+        parts[name] = parts[name] or f'<p class="none">{words}</p>'
+    Path(file).write_text(text.substitute(parts), encoding="utf-8")
     return Path(file)
 
 
 def template_of(file: str | Path | None) -> Template:
-    """Return a template, by default that of the package, whose names are checked before anything is
-    drawn.
-    """
-    path = files("skfem_contact") / "data" / "report.html" if file is None else Path(file)
+    """Return a template with checked names, by default the template of the package."""
+    package = files("skfem_contact") / "data" / "report.html"
+    path = package if file is None else Path(file)
     text = Template(path.read_text(encoding="utf-8"))
     try:
         text.substitute(dict.fromkeys(_NAMES, ""))
@@ -167,61 +167,63 @@ def template_of(file: str | Path | None) -> Template:
 
 
 def _facts(result: Result, table: Table, searches: Mapping[str, Any]) -> str:
-    """Return the figures at the top: stages, size of the model, largest displacement, factors,
-    time.
-    """
+    """Return the figures at the top: stages, size of the model, displacement, factors, time."""
     last = result[-1]
-    reached = (
-        f"{len(result)}"
-        if last.fraction == 1.0
-        else f"stopped at {last.fraction:.0%} of '{last.name}'"
-    )
-    found = {"stages": reached, "degrees of freedom": f"{len(last.x)}"}
-    if any(form.materials for form in solids_of(last.forms).values()):
-        found["elements"] = f"{sum(form.basis.nelems for form in solids(last).values())}"
+    found = {"stages": f"{len(result)}", "degrees of freedom": f"{len(last.x)}"}
+    if last.fraction < 1.0:
+        found["stages"] = f"stopped at {last.fraction:.0%} of '{last.name}'"
+    if has_solids(last):
+        n_elements = sum(form.basis.nelems for form in solids(last).values())
+        found["elements"] = f"{n_elements}"
     if "displacement" in table.head:
-        found[in_words("largest displacement", "length")] = (
-            f"{np.nanmax(table['displacement']):.4g}"
-        )
+        largest = np.nanmax(table["displacement"])
+        found[in_words("largest displacement", "length")] = f"{largest:.4g}"
     for stage, search in searches.items():
         bound = "" if search.stop.shows_limit else "at least "
         found[f"{search.what}, {stage}"] = f"{bound}{search.value:.3f}"
-    found["time"] = f"{sum(stage.seconds for stage in result):.1f} s"
-    return "".join(
+    seconds = sum(stage.seconds for stage in result)
+    found["time"] = f"{seconds:.1f} s"
+    facts = [
         f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
         for name, value in found.items()
-    )
+    ]
+    return "".join(facts)
 
 
 def _model(result: Result, colors: Mapping[str, Shade]) -> str:
     """Return the materials and the other forms with their parameters."""
-    weights = {
-        name: form.unit_weight
-        for stage in result
-        for name, form in solids_of(stage.forms).items()
-        if form.materials
-    }
-    rows = [
-        f'<tr><td><i class="shade" '
-        f'style="background:{shade.color}"></i></td><td>{escape(", ".join(shade.names))}'
-        f"</td><td>{escape(shade.material.label)}</td><td>{escape(_weight(shade, weights))}</td>"
-        f"<td>{escape(_parameters(shade.material))}</td></tr>"
-        for shade in colors.values()
-    ]
-    head = "".join(
-        f"<th>{name}</th>" for name in ("", "regions", "material", "unit weight", "parameters")
-    )
-    others = {
-        name: form for stage in result for name, form in stage.forms.items() if not form.materials
-    }
-    further = Table(
-        ("name", "kind", "parameters"),
-        tuple((name, type(form).__name__, _parameters(form)) for name, form in others.items()),
-    )
-    materials = (
-        f'<table class="text"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
-    )
-    return materials * bool(rows) + _plain(further) * bool(others)
+    # Collect the unit weights of the solids, and the forms that are no solids.
+    weights: dict[str, Any] = {}
+    others: dict[str, tuple[str, str, str]] = {}
+    for stage in result:
+        for name, solid in solids_of(stage.forms).items():
+            if solid.materials:
+                weights[name] = solid.unit_weight
+        for name, form in stage.forms.items():
+            if not form.materials:
+                others[name] = (name, type(form).__name__, _parameters(form))
+
+    # Write a table of each.
+    rows = []
+    for shade in colors.values():
+        texts = (
+            ", ".join(shade.names),
+            shade.material.label,
+            _weight(shade, weights),
+            _parameters(shade.material),
+        )
+        cells = "".join(f"<td>{escape(text)}</td>" for text in texts)
+        square = f'<i class="shade" style="background:{shade.color}"></i>'
+        rows.append(f"<tr><td>{square}</td>{cells}</tr>")
+    names = ("", "regions", "material", "unit weight", "parameters")
+    head = "".join(f"<th>{name}</th>" for name in names)
+    body = "".join(rows)
+    tables = ""
+    if rows:
+        tables += f'<table class="text"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+    if others:
+        tables += _plain(Table(("name", "kind", "parameters"), tuple(others.values())))
+    return tables
 
 
 def _plain(table: Table) -> str:
@@ -231,30 +233,25 @@ def _plain(table: Table) -> str:
 
 def _weight(shade: Shade, weights: Mapping[str, Any]) -> str:
     """Return the unit weights of the regions of a material."""
-    found = {
-        weight.get(name) if isinstance(weight, Mapping) else weight
-        for form, weight in weights.items()
-        for name in shade.names
-        if name == form or (isinstance(weight, Mapping) and name in weight)
-    }
+    found: dict[Any, None] = {}
+    for form, weight in weights.items():
+        by_region = weight if isinstance(weight, Mapping) else {form: weight}
+        found |= dict.fromkeys(by_region.get(name) for name in shade.names)
     return ", ".join(f"{weight:g}" for weight in found if weight is not None)
 
 
 def _parameters(thing: Any) -> str:
-    """Return the parameters of a material, a law or another form, without those that are zero or
-    unlimited.
-    """
+    """Return the parameters of a material, law or form, without zeros and unlimited ones."""
     own = getattr(thing, "_law", thing)  # a material that does not derive from Material
-    values = (
-        {f.name: getattr(own, f.name) for f in fields(own)}
-        if is_dataclass(own)
-        else thing.parameters
-    )
-    return ", ".join(
-        f"{name} {_value(value)}"
-        for name, value in values.items()
-        if not (np.ndim(value) == 0 and value in (0, None, np.inf, False, ""))
-    )
+    if is_dataclass(own):
+        values = {part.name: getattr(own, part.name) for part in fields(own)}
+    else:
+        values = thing.parameters
+    texts = []
+    for name, value in values.items():
+        if np.ndim(value) or value not in (0, None, np.inf, False, ""):
+            texts.append(f"{name} {_value(value)}")
+    return ", ".join(texts)
 
 
 def _value(value: Any) -> str:
@@ -269,16 +266,16 @@ def _value(value: Any) -> str:
 
 def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Iterator[str]:
     """Yield each stage: what has changed, the model, and a field on the scale of all stages."""
-    there, space = [stage for stage in result if _has_solids(stage)], False
-    scale: Contours | None = None
-    if there:
-        space = basis_of(there[0]).mesh.dim() == 3
-        scale = None if space else contours(there, quantity)
+    with_solids = [stage for stage in result if has_solids(stage)]
+    space = bool(with_solids) and basis_of(with_solids[0]).mesh.dim() == 3
+    common: Contours | None = None
+    if with_solids and not space:
+        common = contours(with_solids, quantity)
     before: list[str] = []
     for stage in result:
         pictures = {} if space else {f"{stage.name}: model": drawn(stage, colors)}
-        if _has_solids(stage):
-            pictures |= {f"{stage.name}: {quantity}": _field(stage, quantity, scale)}
+        if has_solids(stage):
+            pictures |= {f"{stage.name}: {quantity}": _field(stage, quantity, common)}
         yield (
             f'<section class="stage"><h3>{escape(stage.name)}</h3><p>{_changes(stage, before)}</p>'
             f"{_figures(pictures.items())}</section>"
@@ -286,11 +283,12 @@ def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Itera
         before = list(stage.states)
 
 
-def _field(stage: StageResult, quantity: str, scale: Contours | None) -> Any:
-    """Return the picture of a field, in the plane on a given scale."""
-    if scale is None:
+def _field(stage: StageResult, quantity: str, common: Contours | None) -> Any:
+    """Return the picture of a field, in the plane on the common scale of all stages."""
+    if common is None:
         return cutaway(stage, quantity)
-    ends = float(scale.scale.levels[0]), float(scale.scale.levels[-1])
+    levels = common.scale.levels
+    ends = float(levels[0]), float(levels[-1])
     image = BytesIO()
     plotter = contours([stage], quantity, limits=ends).draw(None, False, image, False, width=_WIDE)
     if plotter is None:
@@ -299,12 +297,8 @@ def _field(stage: StageResult, quantity: str, scale: Contours | None) -> Any:
     return image.getvalue()
 
 
-def _has_solids(stage: StageResult) -> bool:
-    return any(form.materials for form in solids_of(stage.forms).values())
-
-
 def _changes(stage: StageResult, before: list[str]) -> str:
-    """Return in words what has become active and inactive, and how the stage was found."""
+    """Return in words new and removed forms, and how the stage was found."""
     now = list(stage.states)
     changes = {
         "new" if before else "active": [name for name in now if name not in before],
@@ -312,58 +306,48 @@ def _changes(stage: StageResult, before: list[str]) -> str:
     }
     words = [f"{word}: {', '.join(names)}" for word, names in changes.items() if names]
     load = "" if stage.fraction == 1.0 else f"stopped at {stage.fraction:.1%} of its load; "
-    words += [
-        f"{load}{_counted(len(stage.iterations), 'increment')}, "
-        f"{_counted(sum(stage.iterations), 'iteration')}, "
-        f"residual {stage.residual:.0e}"
-    ]
+    increments = _counted(len(stage.iterations), "increment")
+    iterations = _counted(sum(stage.iterations), "iteration")
+    words.append(f"{load}{increments}, {iterations}, residual {stage.residual:.0e}")
     return escape(". ".join(words) + ".")
 
 
-def _counted(n: int, what: str) -> str:
-    return f"{n} {what}{'s' * (n != 1)}"
+def _counted(n: int, noun: str) -> str:
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def _by_stages(table: Table) -> str:
     """Return the table of stages with a column for each stage, some columns at a time."""
-    rows = [name for name in table.head if name != "stage" and not name.endswith(" at")]
-    text = dict(zip(table.head, zip(*table.texts(), strict=True), strict=True))
+    names = [name for name in table.head if name != "stage" and not name.endswith(" at")]
+    columns = zip(*table.texts(), strict=True)
+    text = dict(zip(table.head, columns, strict=True))
 
     def cell(name: str, k: int) -> str:
-        where = text[f"{name} at"][k] if f"{name} at" in text else ""
-        return (
-            f"<td>{escape(text[name][k])}{f'<small>{escape(where)}</small>' if where else ''}</td>"
-        )
+        coordinates = text[f"{name} at"][k] if f"{name} at" in text else ""
+        small = f"<small>{escape(coordinates)}</small>" if coordinates else ""
+        return f"<td>{escape(text[name][k])}{small}</td>"
 
-    parts = []
-    for chosen in np.array_split(np.arange(len(table)), -(-len(table) // _COLUMNS)):
-        head = "".join(f"<th>{escape(text['stage'][k])}</th>" for k in chosen)
-        body = "".join(
-            f"<tr><th>{escape(in_words(name))}</th>{''.join(cell(name, k) for k in chosen)}</tr>"
-            for name in rows
+    tables = []
+    n_tables = -(-len(table) // _COLUMNS)
+    for stages in np.array_split(np.arange(len(table)), n_tables):
+        head = "".join(f"<th>{escape(text['stage'][k])}</th>" for k in stages)
+        body = ""
+        for name in names:
+            cells = "".join(cell(name, k) for k in stages)
+            body += f"<tr><th>{escape(in_words(name))}</th>{cells}</tr>"
+        tables.append(
+            f'<table class="stages"><thead><tr><th></th>{head}</tr></thead>'
+            f"<tbody>{body}</tbody></table>"
         )
-        parts.append(
-            f"<table "
-            f'class="stages"><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table>'
-        )
-    return "\n".join(parts)
+    return "\n".join(tables)
 
 
 def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tuple[str, Any]]:
-    """Yield section forces of plane beams and of cuts: their envelope, and those of the last
-    stage.
-    """
-    beams = [
-        name
-        for stage in result
-        for name, state in stage.states.items()
-        if (along := stage.forms[name].line_forces(state))
-        and np.ndim(along[5]) == 1
-        and np.any(along[5])
-    ]
-    for name in dict.fromkeys((*beams, *sections)):
-        cuts, envelope = sections.get(name), result.envelope(name, sections.get(name))
+    """Yield section forces of plane beams and of cuts: their envelope, and the last stage's."""
+    for name in dict.fromkeys((*_bent_beams(result), *sections)):
+        cuts = sections.get(name)
         last = next(stage for stage in reversed(result.stages) if name in stage.states)
+        envelope = result.envelope(name, cuts)
         forces = last.section_forces(name, cuts)
         if forces.axis is not None:  # in space
             continue
@@ -371,89 +355,101 @@ def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tupl
         text = (
             f"{name}: smallest and largest section forces of all stages, and those of '{last.name}'"
         )
-        if cuts is not None and cuts.curvature.all():  # a ring
-            yield from ((text, diagram(series, key, angle=cuts.position)) for key in "NM")
+        is_ring = cuts is not None and cuts.curvature.all()
+        if is_ring:
+            for quantity in "NM":
+                yield text, diagram(series, quantity, angle=forces.position)
         else:
-            yield text, diagram(series, upright=bool(np.ptp(forces.y) > 2.0 * np.ptp(forces.x)))
+            upright = bool(np.ptp(forces.y) > 2.0 * np.ptp(forces.x))
+            yield text, diagram(series, upright=upright)
+
+
+def _bent_beams(result: Result) -> Iterator[str]:
+    """Yield the names of beams that have moments in the plane, once or more often."""
+    for stage in result:
+        for name, state in stage.states.items():
+            along = stage.forms[name].line_forces(state)
+            if along is not None:
+                moment = along[5]
+                if np.ndim(moment) == 1 and np.any(moment):
+                    yield name
 
 
 def _searches(searches: Mapping[str, Any]) -> Iterator[str]:
     """Yield the end of each search, its mechanism and its curve."""
-    for stage, found in searches.items():
-        lines = str(found).split("\n" + found._table())[0]
-        pictures = {f"Curve of the {found.what}": load_curve(found)}
-        if basis_of(found.end).mesh.dim() == 2:
-            pictures = {"Mechanism": mechanism(found)} | pictures
-        yield f"<h3>{escape(found.what)}, {escape(stage)}</h3><pre>{escape(lines)}</pre>{_figures(pictures.items())}"
+    for stage, search in searches.items():
+        lines = str(search).split("\n" + search._table())[0]
+        pictures = {f"Curve of the {search.what}": load_curve(search)}
+        if basis_of(search.end).mesh.dim() == 2:
+            pictures = {"Mechanism": mechanism(search)} | pictures
+        title = f"<h3>{escape(search.what)}, {escape(stage)}</h3>"
+        yield f"{title}<pre>{escape(lines)}</pre>{_figures(pictures.items())}"
 
 
 def _remarks(result: Result) -> str:
     """Return the remarks on every stage."""
-    found = {
-        stage.name: "".join(f"<li>{escape(one)}</li>" for one in stage.remarks) for stage in result
-    }
-    return "".join(
-        f"<h3>{escape(name)}</h3><ul>{items}</ul>" for name, items in found.items() if items
-    )
+    text = ""
+    for stage in result:
+        items = "".join(f"<li>{escape(remark)}</li>" for remark in stage.remarks)
+        if items:
+            text += f"<h3>{escape(stage.name)}</h3><ul>{items}</ul>"
+    return text
 
 
 def _run(result: Result) -> str:
     """Return increments, iterations and times of the stages."""
-    return _plain(
-        Table(
-            ("stage", "increments", "iterations", "residual", "load", "seconds", "state"),
-            tuple(
-                (
-                    s.name,
-                    len(s.iterations),
-                    sum(s.iterations),
-                    f"{s.residual:.1e}",
-                    f"{s.fraction:.0%}",
-                    f"{s.seconds:.2f}",
-                    "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v),
-                )
-                for s in result
-            ),
-        )
-    )
+    *names, state = COLUMNS
+    rows = []
+    for stage, (*values, summary) in zip(result, rows_of(result), strict=True):
+        rows.append((*values, f"{stage.seconds:.2f}", summary))
+    return _plain(Table((*names, "seconds", state), tuple(rows)))
 
 
 def _pairs(values: Mapping[str, str]) -> str:
-    return f"<dl>{''.join(f'<dt>{escape(k)}</dt><dd>{escape(v)}</dd>' for k, v in values.items())}</dl>"
+    items = [f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in values.items()]
+    return f"<dl>{''.join(items)}</dl>"
 
 
 def _figures(pictures: Iterable[tuple[str, Any]]) -> str:
     """Return pictures with their captions side by side."""
-    found = "".join(
-        f"<figure>{_embedded(caption, picture)}<figcaption>{escape(caption)}</figcaption></figure>"
-        for caption, picture in pictures
-    )
+    found = ""
+    for caption, picture in pictures:
+        text = f"<figcaption>{escape(caption)}</figcaption>"
+        found += f"<figure>{_embedded(caption, picture)}{text}</figure>"
     return f'<div class="figures">{found}</div>' if found else ""
 
 
 def _embedded(caption: str, picture: Any) -> str:
     """Return a picture as part of the page."""
-    kind = "png"
     if picture is None:
         return '<p class="none">This machine could not draw it: VTK needs OpenGL.</p>'
+    kind, content = _image(caption, picture)
+    data = b64encode(content).decode()
+    return f'<img alt="{escape(caption)}" src="data:image/{kind};base64,{data}">'
+
+
+def _image(caption: str, picture: Any) -> tuple[str, bytes]:
+    """Return the kind and the content of the image of a picture, which is closed."""
+    if isinstance(picture, bytes):
+        return "png", picture
     if isinstance(picture, Figure):
         data = BytesIO()
         picture.savefig(data, dpi=_DPI, format="png")
         plt.close(picture)
-        content = data.getvalue()
-    elif isinstance(picture, bytes):
-        content = picture
-    elif isinstance(picture, (str, Path)):
-        if Path(picture).suffix.lower() not in _KINDS or not Path(picture).is_file():
+        return "png", data.getvalue()
+    if isinstance(picture, (str, Path)):
+        path = Path(picture)
+        end = path.suffix.lower()
+        if end not in _KINDS or not path.is_file():
             raise ValueError(
                 f"picture '{caption}': {picture} is no file with the end {', '.join(_KINDS)}"
             )
-        kind, content = _KINDS[Path(picture).suffix.lower()], Path(picture).read_bytes()
-    elif callable(png := getattr(picture, "_repr_png_", None)):
-        content = png()
-        close(picture)
-    else:
+        return _KINDS[end], path.read_bytes()
+    png = getattr(picture, "_repr_png_", None)
+    if not callable(png):
         raise ValueError(
             f"picture '{caption}' is a {type(picture).__name__}: give a figure, a plotter or a file"
         )
-    return f'<img alt="{escape(caption)}" src="data:image/{kind};base64,{b64encode(content).decode()}">'
+    content = png()
+    close(picture)
+    return "png", content

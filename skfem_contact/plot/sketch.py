@@ -13,13 +13,17 @@ from matplotlib.path import Path as Outlines
 from numpy import ndarray
 
 from ..section.outline import Outline
+from .diagram import saved
 from .units import labelled
 
 #: Colours of areas in their order, of lifts and of lines.
 _AREAS = ("#e8d8a8", "#c9b184", "#a8b89a", "#d9c3b0", "#b8a6a0", "#9fb3c2", "#8f8f8f", "#c6c6c6")
-_LIFT, _LINES = "#7a4a1e", ("#b3007d", "#1468b3", "#2a7f3f", "#d55e00", "#222222")
+_LIFT = "#7a4a1e"
+_LINES = ("#b3007d", "#1468b3", "#2a7f3f", "#d55e00", "#222222")
 #: Width of the picture in inches, and limits of its height.
-_WIDTH, _LOW, _HIGH = 9.0, 2.6, 8.0
+_WIDTH = 9.0
+_LOW = 2.6
+_HIGH = 8.0
 
 
 def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> Figure:
@@ -42,51 +46,33 @@ def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> 
     >>> plot.sketch(sc.section.Section(ground, size=1., lines={"wall": [(8., 0.), (8., -5.)]}))
     <Figure size ...>
     """
-    x = np.vstack(
-        [
-            points
-            for outlines in section.outlines.values()
-            for o in outlines
-            for points in o.chords()[:2]
-        ]
-    )
-    low, high = x.min(axis=0), x.max(axis=0)
-    height = float(np.clip((_WIDTH - 2.0) * (high - low)[1] / (high - low)[0] + 1.0, _LOW, _HIGH))
+    # Fit the figure to the points of all outlines.
+    points = [_corners(o) for outlines in section.outlines.values() for o in outlines]
+    x = np.vstack(points)
+    low = x.min(axis=0)
+    high = x.max(axis=0)
+    width, depth = high - low
+    height = float(np.clip((_WIDTH - 2.0) * depth / width + 1.0, _LOW, _HIGH))
     figure, axes = plt.subplots(figsize=(_WIDTH, height), layout="constrained")
-    below = section.plan.below and _path([section.plan.below])
+
+    # Fill the areas, holes and lifts in this order, and draw the lines.
     for k, name in enumerate(section.areas):
-        _fill(
-            axes,
-            section,
-            name,
-            below,
-            label=name,
-            facecolor=_AREAS[k % len(_AREAS)],
-            edgecolor="#333333",
-            linewidth=0.8,
-        )
+        color = _AREAS[k % len(_AREAS)]
+        _fill(axes, section, name, label=name, facecolor=color, edgecolor="#333333", linewidth=0.8)
     for name in section.holes:
-        _fill(axes, section, name, below, facecolor="white", edgecolor="#333333", linewidth=1.2)
+        _fill(axes, section, name, facecolor="white", edgecolor="#333333", linewidth=1.2)
         _write(axes, section, name, "#333333")
     for name in section.lifts:
-        _fill(
-            axes,
-            section,
-            name,
-            below,
-            facecolor="none",
-            edgecolor=_LIFT,
-            linewidth=1.2,
-            linestyle="--",
-        )
+        dashed = {"edgecolor": _LIFT, "linewidth": 1.2, "linestyle": "--"}
+        _fill(axes, section, name, facecolor="none", **dashed)
         _write(axes, section, name, _LIFT)
     for k, name in enumerate(section.lines):
-        for label, outline in zip(
-            (name, *[None] * len(section.outlines[name])), section.outlines[name]
-        ):
-            axes.plot(
-                *_corners(outline).T, color=_LINES[k % len(_LINES)], linewidth=2.5, label=label
-            )
+        label: str | None = name
+        for outline in section.outlines[name]:
+            color = _LINES[k % len(_LINES)]
+            axes.plot(*_corners(outline).T, color=color, linewidth=2.5, label=label)
+            label = None  # in the legend once
+
     free = 0.02 * (high - low).max()
     axes.set(
         xlim=(low[0] - free, high[0] + free),
@@ -96,19 +82,18 @@ def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> 
         ylabel=labelled("y", "length"),
     )
     figure.legend(loc="outside right upper", frameon=False)
-    if file is not None:
-        figure.savefig(file, dpi=160)
+    saved(figure, file)
     if show:
         plt.show()
     return figure
 
 
-def _fill(axes: Any, section: Any, name: str, below: Outlines | None, **style: Any) -> None:
-    """Fill outlines, without what lies above the surface."""
+def _fill(axes: Any, section: Any, name: str, **style: Any) -> None:
+    """Fill outlines below the surface."""
     patch = PathPatch(_path(section.outlines[name]), **style)
     axes.add_patch(patch)
-    if below is not None:
-        patch.set_clip_path(below, axes.transData)
+    if section.plan.below:
+        patch.set_clip_path(_path([section.plan.below]), axes.transData)
 
 
 def _write(axes: Any, section: Any, name: str, color: str) -> None:

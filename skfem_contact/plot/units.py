@@ -9,14 +9,24 @@ _STRESSES = {
     ("N", "mm"): "MPa",
     ("kN", "mm"): "GPa",
 }
+#: Kinds of the units of quantities in tables.
+_KINDS = {
+    "displacement": "length",
+    "N": "line",
+    "V": "line",
+    "M": "moment",
+    "N_hoop": "line",
+    "M_hoop": "moment",
+    "pressure": "stress",
+    "shear": "stress",
+}
 _chosen: dict[str, str] = {}
 
 
 def set_units(
     force: str | None = None, length: str | None = None, stress: str | None = None
 ) -> None:
-    """Choose the units that pictures write beside their figures; the figures themselves stay as
-    they are.
+    """Choose the units in the labels of pictures; figures are not converted.
 
     Parameters
     ----------
@@ -52,22 +62,9 @@ def set_units(
 
 
 def in_words(title: str, kind: str = "") -> str:
-    """Return a title of a table with its unit, if units were set; names of forces have those of
-    their kinds.
-    """
-    if not kind:
-        last = title.split(" ")[-1]
-        kind = {
-            "displacement": "length",
-            "N": "line",
-            "V": "line",
-            "M": "moment",
-            "N_hoop": "line",
-            "M_hoop": "moment",
-            "pressure": "stress",
-            "shear": "stress",
-        }.get(last, "")
-    return labelled(title, kind)
+    """Return a title of a table with its unit, by its last word if no kind is given."""
+    last = title.split(" ")[-1]
+    return labelled(title, kind or _KINDS.get(last, ""))
 
 
 def labelled(title: str, kind: str) -> str:

@@ -219,6 +219,11 @@ def solids(stage: StageData) -> dict[str, SolidForm]:
     return there
 
 
+def has_solids(stage: StageData) -> bool:
+    """Return True if a stage holds a solid."""
+    return any(form.materials for form in solids_of(stage.forms).values())
+
+
 def basis_of(stage: StageData) -> CellBasis:
     """Return the basis of the displacements, that of one solid or another."""
     return next(iter(solids(stage).values())).basis

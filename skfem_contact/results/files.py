@@ -106,7 +106,8 @@ class Append:
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
-    >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("weight", sc.weight(basis, 20.))])
+    >>> model = sc.Model(forms, basis.get_dofs("bottom").all())
+    >>> result = model.run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> append = sc.results.Append(os.path.join(tempfile.mkdtemp(), "run.records"))
     >>> append(result["weight"])
     >>> len(sc.load_result(append.file, forms)["weight"].increments)

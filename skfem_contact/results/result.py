@@ -20,21 +20,25 @@ from .stage import StageResult
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than
 #: round-off.
 _SAME_FORCE = 1e-9
-_COLUMNS = ("stage", "increments", "iterations", "residual", "load", "state")
+#: Columns of the table of a result.
+COLUMNS = ("stage", "increments", "iterations", "residual", "load", "state")
 
 
 @dataclass(frozen=True)
 class Result:
-    """Results of stages in their order; ``result["gravity"]`` is one of them, ``print(result)`` a
-    table.
+    """Results of stages in their order.
+
+    ``result["gravity"]`` is one of them, ``print(result)`` prints a table.
 
     Examples
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(1).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
-    >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("gravity", sc.weight(basis, 20.))])
+    >>> model = sc.Model(forms, basis.get_dofs("bottom").all())
+    >>> result = model.run([sc.Stage("gravity", sc.weight(basis, 20.))])
     >>> print(result)
     stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
@@ -48,9 +52,10 @@ class Result:
     def __getitem__(self, key: str | int) -> StageResult:
         if isinstance(key, int):
             return self.stages[key]
-        if found := [stage for stage in self.stages if stage.name == key]:
-            return found[0]
-        raise KeyError(f"there is no stage '{key}'; existing: {[s.name for s in self.stages]}")
+        names = [stage.name for stage in self.stages]
+        if key not in names:
+            raise KeyError(f"there is no stage '{key}'; existing: {names}")
+        return self.stages[names.index(key)]
 
     def __iter__(self) -> Iterator[StageResult]:
         return iter(self.stages)
@@ -59,39 +64,21 @@ class Result:
         return len(self.stages)
 
     def __str__(self) -> str:
-        return "\n".join(
-            "{:16} {:>10}  {:>10}  {:>8}  {:>4}    {}".format(*row)
-            for row in (_COLUMNS, *self._rows())
-        )
+        row = "{:16} {:>10}  {:>10}  {:>8}  {:>4}    {}"
+        return "\n".join(row.format(*cells) for cells in (COLUMNS, *rows_of(self)))
 
     __repr__ = __str__  # the arrays of all stages would fill a notebook
 
     def _repr_html_(self) -> str:
-        return Table(_COLUMNS, self._rows())._repr_html_()
-
-    def _rows(self) -> tuple[tuple[Any, ...], ...]:
-        return tuple(
-            (
-                s.name,
-                len(s.iterations),
-                sum(s.iterations),
-                f"{s.residual:.1e}",
-                f"{s.fraction:.0%}",
-                "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v),
-            )
-            for s in self.stages
-        )
+        return Table(COLUMNS, rows_of(self))._repr_html_()
 
     def envelope(self, body: str, sections: Sections | None = None) -> tables.Envelope:
-        """Return the extreme section forces at the ends of all stages that hold a body; increments
-        do not count.
-        """
-        there = [stage for stage in self if body in stage.states] or self.stages[
-            -1:
-        ]  # which names what is missing
-        return tables.Envelope.of(
-            {stage.name: stage.section_forces(body, sections) for stage in there}
-        )
+        """Return the extreme section forces over the ends of all stages, without increments."""
+        stages = [stage for stage in self if body in stage.states]
+        if not stages:
+            stages = [self[-1]]  # its error names the body
+        forces = {stage.name: stage.section_forces(body, sections) for stage in stages}
+        return tables.Envelope.of(forces)
 
     def table(
         self,
@@ -99,8 +86,7 @@ class Result:
         sections: Mapping[str, Sections] | None = None,
         searches: Mapping[str, Any] | None = None,
     ) -> Table:
-        """Return one row for each stage: displacements and forces of the largest magnitude, and
-        where they are.
+        """Return one row for each stage: largest displacements and forces, and their coordinates.
 
         Parameters
         ----------
@@ -125,7 +111,8 @@ class Result:
         >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
         >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
         >>> rope = sc.Bar(basis, (0., 1.), (0., 3.), EA=1e3, fixed_end=True)
-        >>> result = sc.Model({"block": block, "rope": rope}, basis.get_dofs("bottom").all()).run([sc.Stage("weight")])
+        >>> bottom = basis.get_dofs("bottom").all()
+        >>> result = sc.Model({"block": block, "rope": rope}, bottom).run([sc.Stage("weight")])
         >>> print(result.table().to_markdown())
         | stage | displacement | displacement at | rope | rope at |
         |:--|--:|:--|--:|:--|
@@ -140,28 +127,24 @@ class Result:
         return report(self, file, **options)
 
     def save(self, file: str | Path) -> None:
-        """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets
-        the end ``.npz``.
+        """Write all stages to one compressed file, from which :func:`load_result` resumes.
 
-        A file of that name is replaced once the new one is complete.
+        The file gets the end ``.npz``. An older file is replaced once the new one is complete.
         """
         files.write(file, self.stages)
 
     def to_pvd(self, file: str | Path) -> list[Path]:
-        """Write a ``.pvd`` series for ParaView, and beside it a ``.vtu`` file for each stage or
-        kept increment.
+        """Write a ``.pvd`` series for ParaView and a ``.vtu`` file for each stage or increment.
 
         ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is that of the
         analysis where stages have a duration, otherwise a number. The names of the written files
         are returned, the series first.
         """
-        return export.series(
-            file, [part for stage in self for part in stage.increments or (stage,)]
-        )
+        parts = [part for stage in self for part in stage.increments or (stage,)]
+        return export.series(file, parts)
 
     def reset(self) -> Result:
-        """Return the result with displacements counted from its end on: they become zero, and all
-        forces stay.
+        """Return the result with displacements counted from its end on; all forces stay.
 
         Contact has followed the bodies and comes back with them: a stage of the same load finds
         equilibrium there.
@@ -178,14 +161,15 @@ class Result:
         states = {
             name: form.rebased(last.x, last.states[name]) for name, form in last.forms.items()
         }
+
+        # Check that forms without a rule of their own keep their forces.
         scale = float(np.abs(last.load).max(initial=0.0))
         for name, form in last.forms.items():
             if getattr(form.rebased, "__func__", None) is not Form.rebased:
-                continue  # the form has a rule of its own: contact follows the bodies
+                continue
             before = form.assemble(last.x[: form.size], last.states[name]).force
-            change = float(
-                np.abs(form.assemble(x[: form.size], states[name]).force - before).max(initial=0.0)
-            )
+            after = form.assemble(x[: form.size], states[name]).force
+            change = float(np.abs(after - before).max(initial=0.0))
             scale = max(scale, float(np.abs(before).max(initial=0.0)))
             if change > _SAME_FORCE * scale:
                 raise ValueError(
@@ -193,14 +177,30 @@ class Result:
                     f"give it "
                     "a method rebased(x, state) whose state has that force at zero displacements"
                 )
-        return Result(
-            (*self.stages[:-1], replace(last, x=x, states=states, placed={}, before=None))
+        end = replace(last, x=x, states=states, placed={}, before=None)
+        return Result((*self.stages[:-1], end))
+
+
+def rows_of(result: Result) -> tuple[tuple[Any, ...], ...]:
+    """Return the table of a result: name, figures and summary of each stage."""
+    rows = []
+    for stage in result:
+        summary = [f"{name}: {text}" for name, text in stage.summary.items() if text]
+        rows.append(
+            (
+                stage.name,
+                len(stage.iterations),
+                sum(stage.iterations),
+                f"{stage.residual:.1e}",
+                f"{stage.fraction:.0%}",
+                "; ".join(summary),
+            )
         )
+    return tuple(rows)
 
 
 def load_result(file: str | Path, forms: Any) -> Result:
-    """Read a saved result, or the increments that :class:`~skfem_contact.results.Append` has
-    written.
+    """Read a saved result, or increments that :class:`~skfem_contact.results.Append` has written.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def load_result(file: str | Path, forms: Any) -> Result:
 def of(
     model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | None = None
 ) -> StageResult:
-    """Return the result of a loop of one's own.
+    """Return the result of an iteration of your own.
 
     Parameters
     ----------
@@ -252,7 +252,8 @@ def of(
     >>> floor = sc.ContactPair(basis, "bottom", line, sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
     >>> x[basis.nodal_dofs[1]] = -1e-3
-    >>> stage = sc.results.of({"floor": floor}, x, {"floor": floor.assemble(x, floor.initial_state()).state})
+    >>> state = floor.assemble(x, floor.initial_state()).state
+    >>> stage = sc.results.of({"floor": floor}, x, {"floor": state})
     >>> print(stage.report("floor"))
     contact of bottom on obstacle: 2 stick, 0 slip, 0 open
       pressure           10   resultant on the slave (0, 10)
@@ -271,12 +272,12 @@ def of(
                 f"the state of '{name}' belongs to another form: {type(states[name]).__name__}"
             )
     return StageResult(
-        "state",
-        x,
-        np.zeros_like(x) if load is None else load,
-        states,
-        (),
-        0.0,
+        name="state",
+        x=x,
+        load=np.zeros_like(x) if load is None else load,
+        states=states,
+        iterations=(),
+        residual=0.0,
         forms=forms,
         layout=getattr(model, "layout", None),
     )

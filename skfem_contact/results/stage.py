@@ -62,15 +62,18 @@ class StageResult(files.StageData):
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
     >>> bottom = basis.get_dofs("bottom")
-    >>> stage = sc.Model(forms, bottom.all()).run([sc.Stage("weight", sc.weight(basis, 20.))])["weight"]
+    >>> model = sc.Model(forms, bottom.all())
+    >>> stage = model.run([sc.Stage("weight", sc.weight(basis, 20.))])["weight"]
     >>> stage
     <StageResult 'weight', 100% of its load, 50 dofs, forms: block>
     >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
     20.0
-    >>> stage.section_forces("block", sc.Sections.line((.5, 0.), (.5, 1.), depth=1., n=3)).N.round(9).tolist()
+    >>> sections = sc.Sections.line((.5, 0.), (.5, 1.), depth=1., n=3)
+    >>> stage.section_forces("block", sections).N.round(9).tolist()
     [-17.5, -10.0, -2.5]
     """
 
@@ -145,7 +148,8 @@ class StageResult(files.StageData):
         >>> import skfem_contact as sc
         >>> beam = sc.Beam(None, [[0., 0.], [1., 0.], [2., 0.]], EI=100., EA=1e4)
         >>> model = sc.Model({"beam": beam}, beam.dofs((0., 0.)))
-        >>> stage = model.run([sc.Stage("tip", model.forms["beam"].load((0., -3.), at=(2., 0.)))])["tip"]
+        >>> load = model.forms["beam"].load((0., -3.), at=(2., 0.))
+        >>> stage = model.run([sc.Stage("tip", load)])["tip"]
         >>> print(stage.table("beam"))
         beam, tip
         position  x  y  N  V   M

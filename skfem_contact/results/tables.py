@@ -12,9 +12,9 @@ from numpy import ndarray
 from ..checks import format_point, look_up
 from ..contact.laws import Status
 from ..display import Table
-from ..forms.base import Form, solids_of
+from ..forms.base import Form
 from .cuts import SectionForces, Sections
-from .fields import basis_of, nodal_field
+from .fields import basis_of, has_solids, nodal_field
 from .files import StageData
 from .sections import section_forces
 from .tractions import tractions
@@ -209,7 +209,7 @@ def _contact_columns(values: Mapping[str, ndarray]) -> dict[str, ndarray]:
 
 def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
     """Return displacements and coordinates of the nodes of all solids, or else of the beams."""
-    if any(form.materials for form in solids_of(stage.forms).values()):
+    if has_solids(stage):
         basis = basis_of(stage)
         return nodal_field(stage, "u"), basis.doflocs[:, :: basis.mesh.dim()].T
     values, points = [], []
