@@ -1,6 +1,4 @@
-"""Results of stages and all that follows from them: fields, tractions, section forces, reports,
-files.
-"""
+"""Results of stages: fields, tractions, section forces, tables, reports and files."""
 
 from ..display import Table
 from .cuts import SectionForces, Sections

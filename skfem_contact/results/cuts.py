@@ -13,12 +13,11 @@ from ..surfaces.vectors import dot
 
 @dataclass(frozen=True)
 class SectionForces:
-    """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in
-    space (n, 3).
+    """Section forces along a body, exerted by the front on the back.
 
-    Those of a body of revolution are per length of the circumference at the axis of the section. On
-    the axis of revolution, in a pile, the normal force is per radian, and there are no shear force
-    and moment.
+    They are arrays, shape (n,), vectors in space (n, 3). In a body of revolution they are per
+    length of the circumference at the axis of the section. On the axis of revolution, in a pile,
+    the normal force is per radian, and shear force and moment are zero.
 
     Attributes
     ----------
@@ -59,14 +58,13 @@ class SectionForces:
         return ("N", "V", "M") if self.N_hoop is None else ("N", "V", "M", "N_hoop", "M_hoop")
 
     def towards(self, left: ArrayLike) -> SectionForces:
-        """Return the section forces of bending in a plane, with the height for y, from those in
-        space.
+        """Return the section forces in a plane of bending in space, with the height for y.
 
         Parameters
         ----------
         left
             Direction across the axis, (3,): the shear force is positive to the left, the moment
-            where the fibres there are in tension.
+            where the fibres on this side are in tension.
 
         Raises
         ------
@@ -75,14 +73,23 @@ class SectionForces:
         """
         if self.axis is None or self.z is None:
             raise ValueError("section forces in the plane have one direction of bending only")
-        side = np.asarray(left, float) - (self.axis @ np.asarray(left, float))[:, None] * self.axis
+        # Take the part of the direction across the axis.
+        direction = np.asarray(left, float)
+        side = direction - (self.axis @ direction)[:, None] * self.axis
         length = np.linalg.norm(side, axis=1)
-        if not (length > 1e-9 * np.linalg.norm(left)).all():
+        if not (length > 1e-9 * np.linalg.norm(direction)).all():
             raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
         side = side / length[:, None]
-        about = np.cross(self.axis, side)
-        V, M = dot(self.V, side), -dot(self.M, about)
-        return SectionForces(self.position, self.x, self.z, self.N, V, M)
+
+        bending_axis = np.cross(self.axis, side)
+        return SectionForces(
+            self.position,
+            self.x,
+            self.z,
+            N=self.N,
+            V=dot(self.V, side),
+            M=-dot(self.M, bending_axis),
+        )
 
 
 @dataclass(frozen=True)
@@ -97,7 +104,7 @@ class Sections:
         Points on the axis of the body, to which moments refer, and unit tangents in the sense of
         rising position.
     half_depth, curvature : ndarray, shape (n,)
-        Half the depth of the body: elements farther from the axis do not belong to it. Curvature of
+        Half the depth of the body: elements farther from the axis are outside. Curvature of
         the axis, positive where it turns to the right.
 
     Examples
@@ -134,7 +141,9 @@ class Sections:
         _check_number(n, 1)
         middle = 0.5 * (inner + outer)
         position = np.arange(n) * 360.0 / n
-        sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
+        angle = np.radians(position)
+        sin = np.sin(angle)
+        cos = np.cos(angle)
         return cls(
             position,
             center + middle * np.column_stack((sin, cos)),
@@ -157,7 +166,8 @@ class Sections:
             Number of cuts, both ends included.
         """
         dim = 3 if np.size(start) == 3 else 2
-        start, end = _point(start, "the start", dim), _point(end, "the end", dim)
+        start = _point(start, "the start", dim)
+        end = _point(end, "the end", dim)
         _check_number(n, 2)
         length = float(np.linalg.norm(end - start))
         if not (length > 0.0 and depth > 0.0):
@@ -181,43 +191,46 @@ class Sections:
 
     def moved(self, distance: ndarray) -> Sections:
         """Return cuts that are moved along the curved axis, each by a distance, (n,)."""
+        # The chord of the angle 2 h of an arc has the length ds sin(h) / h and the direction h.
         half = 0.5 * self.curvature * distance
-        chord = (distance * np.sinc(half / np.pi))[:, None]
-        center = self.center + chord * (
-            np.cos(half)[:, None] * self.axis - np.sin(half)[:, None] * self.left
-        )
-        axis = np.cos(2.0 * half)[:, None] * self.axis - np.sin(2.0 * half)[:, None] * self.left
-        return replace(self, center=center, axis=axis)
+        length = distance * np.sinc(half / np.pi)
+        center = self.center + length[:, None] * self._turned(half)
+        return replace(self, center=center, axis=self._turned(2.0 * half))
+
+    def _turned(self, angle: ndarray) -> ndarray:
+        """Return the axes, turned to the right by angles (n,)."""
+        return np.cos(angle)[:, None] * self.axis - np.sin(angle)[:, None] * self.left
 
     def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
-        """Return positions along the curved axis and distances to its left, of points (m, dim) from
-        sections (m,).
+        """Return positions along the curved axis and distances to its left of points (m, dim).
+
+        Positions count from the sections (m,). In space distances are to any side.
         """
         offset = points - self.center[section]
-        s = np.einsum("mc,mc->m", offset, self.axis[section])
+        axis = self.axis[section]
+        s = np.einsum("mc,mc->m", offset, axis)
         if points.shape[1] == 3:
-            return s, np.linalg.norm(offset - s[:, None] * self.axis[section], axis=1)
+            return s, np.linalg.norm(offset - s[:, None] * axis, axis=1)
         y = np.einsum("mc,mc->m", offset, self.left[section])
-        k = self.curvature[section]
-        curved = k != 0.0
+
+        # Take angle and radius, in units of 1 / k, about the centre of curvature.
+        curvature = self.curvature[section]
+        curved = curvature != 0.0
         if curved.any():
-            k = k[curved]
-            radius = (
-                1.0 + k * y[curved] + 1j * k * s[curved]
-            )  # from the centre of curvature, in units of 1/k
-            s[curved], y[curved] = np.angle(radius) / k, (np.abs(radius) - 1.0) / k
+            k = curvature[curved]
+            radius = 1.0 + k * y[curved] + 1j * k * s[curved]
+            s[curved] = np.angle(radius) / k
+            y[curved] = (np.abs(radius) - 1.0) / k
         return s, y
 
 
-def _point(point: ArrayLike, what: str, dim: int = 2) -> ndarray:
+def _point(point: ArrayLike, name: str, dim: int = 2) -> ndarray:
     """Check the coordinates of a point."""
-    found = np.asarray(point, float)
-    if found.shape != (dim,) or not np.isfinite(found).all():
-        raise ValueError(
-            f"{what} of the sections must be a finite {('(x, y)', '(x, y, z)')[dim - 2]}, not "
-            f"{point!r}"
-        )
-    return found
+    coordinates = np.asarray(point, float)
+    if coordinates.shape != (dim,) or not np.isfinite(coordinates).all():
+        axes = "(x, y)" if dim == 2 else "(x, y, z)"
+        raise ValueError(f"{name} of the sections must be a finite {axes}, not {point!r}")
+    return coordinates
 
 
 def _check_number(n: int, least: int) -> None:

@@ -13,10 +13,10 @@ from numpy import ndarray
 from skfem.io.meshio import HEX_MAPPING
 
 from ..forms.solid import SolidForm
-from ..mesh import bodies
+from ..mesh import bodies as joined_bodies
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
-from .patch_recovery import recovered, region_mesh
+from .patch_recovery import RegionMesh, recovered, region_mesh
 from .strength import plastic_strain, total_stress
 from .tractions import interfaces
 
@@ -43,124 +43,133 @@ def frame(stage: StageData) -> Any:
 
     basis = basis_of(stage)
     dim = basis.mesh.dim()
-    coordinates = dict(zip("xyz", basis.doflocs[:, 0::dim]))
-    names = [name for name in quantities(stage) if name != "pore" or has_excess(stage)]
-    values = {name: nodal_field(stage, name) for name in names}
-    table = pandas.DataFrame(
-        coordinates | values, index=pandas.RangeIndex(basis.N // dim, name="node")
-    )
+    columns = dict(zip("xyz", basis.doflocs[:, 0::dim]))
+    for name in quantities(stage):
+        if name != "pore" or has_excess(stage):
+            columns[name] = nodal_field(stage, name)
+    nodes = pandas.RangeIndex(basis.N // dim, name="node")
+    table = pandas.DataFrame(columns, index=nodes)
     return table[np.isfinite(table["u"])]
 
 
 def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> meshio.Mesh:
-    """Return the solids of a stage, region by region, the facets of its contact pairs and its beams
-    as a mesh.
+    """Return the solids, the facets of contact pairs and the beams of a stage as a mesh.
 
-    Regions are numbered through all known solids, by default those of the stage.
+    Solids are divided into regions, which are numbered through all known solids, by default through
+    the solids of the stage.
     """
-    there = solids(stage)
-    basis, mesh = basis_of(stage), region_mesh(*there.values())
+    # Add the solids with fields at nodes, and means over elements.
+    bodies = solids(stage)
+    basis = basis_of(stage)
     dim = basis.mesh.dim()
-    data = [(form, stage.states[name]) for name, form in there.items()]
-    point_data = {
-        "displacement": _in_space(stage.x[: basis.N].reshape(-1, dim)[mesh.nodes], 3),
-        "stress": np.concatenate(
-            [_in_space(recovered(f, total_stress(f, s), balanced=True).T, 6) for f, s in data]
-        ),
-        "strain": np.concatenate([_in_space(recovered(f, s.strain).T, 6) for f, s in data]),
-        "plastic_strain": np.concatenate(
-            [recovered(f, plastic_strain(f, s)[None], limited=True)[0] for f, s in data]
-        ),
-    }
+    mesh = region_mesh(*bodies.values())
     blocks = [vtk_cells(mesh.cells, dim)]
-    known = known or there
-    first = dict(zip(known, np.cumsum([0] + [len(form.regions) for form in known.values()])))
-    regions = np.concatenate(
-        [first[name] + np.arange(len(form.regions)) for name, form in there.items()]
-    )
-    parts = [_of_elements(data) | {"region": regions[mesh.region]}]
+    numbers = _numbers_of_regions(bodies, known or bodies)
+    parts = [_of_elements(stage, bodies) | {"region": numbers[mesh.region]}]
+
+    # Add the facets of contact pairs, whose nodes are on both sides of borders of regions.
     point = np.full(mesh.nodes.max() + 1, -1)
     point[mesh.nodes] = np.arange(len(mesh.nodes))
     for interface in interfaces(stage).values():
         blocks.append(vtk_cells(point[interface.facets], dim - 1))
         parts.append(interface.on_facets())
-    points, point_data = _with_beams(
-        stage, _in_space(basis.doflocs[:, dim * mesh.nodes].T, 3), point_data, blocks
-    )
+
+    # Add the beams, and fill up missing data of cells.
+    points = _in_space(basis.doflocs[:, dim * mesh.nodes].T, 3)
+    point_data = _at_nodes(stage, bodies, mesh)
+    points, point_data = _with_beams(stage, points, point_data, blocks)
     parts += [{}] * (len(blocks) - len(parts))
-    kinds = {key: values for part in parts for key, values in part.items()}
-    cell_data = {
-        key: [part.get(key, _nothing(like, len(cells))) for part, (_, cells) in zip(parts, blocks)]
-        for key, like in kinds.items()
+    sizes = [len(cells) for _, cells in blocks]
+    return meshio.Mesh(points, blocks, point_data, _filled(parts, sizes))
+
+
+def _at_nodes(
+    stage: StageData, bodies: Mapping[str, SolidForm], mesh: RegionMesh
+) -> dict[str, ndarray]:
+    """Return displacements, stresses and strains at the nodes of the regions."""
+    basis = basis_of(stage)
+    u = stage.x[: basis.N].reshape(-1, basis.mesh.dim())
+    stress, strain, plastic = [], [], []
+    for name, form in bodies.items():
+        state = stage.states[name]
+        stress.append(_in_space(recovered(form, total_stress(form, state), balanced=True).T, 6))
+        strain.append(_in_space(recovered(form, state.strain).T, 6))
+        plastic.append(recovered(form, plastic_strain(form, state)[None], limited=True)[0])
+    return {
+        "displacement": _in_space(u[mesh.nodes], 3),
+        "stress": np.concatenate(stress),
+        "strain": np.concatenate(strain),
+        "plastic_strain": np.concatenate(plastic),
     }
-    return meshio.Mesh(points, blocks, point_data, cell_data)
+
+
+def _numbers_of_regions(bodies: Mapping[str, SolidForm], known: Mapping[str, SolidForm]) -> ndarray:
+    """Return the numbers of the regions of solids, counted through all known solids."""
+    first = {}
+    n = 0
+    for name, form in known.items():
+        first[name] = n
+        n += len(form.regions)
+    parts = [first[name] + np.arange(len(form.regions)) for name, form in bodies.items()]
+    return np.concatenate(parts)
 
 
 def _with_beams(
     stage: StageData, points: ndarray, data: dict[str, ndarray], blocks: list[tuple[str, ndarray]]
 ) -> tuple[ndarray, dict[str, ndarray]]:
-    """Return points and their data with those of beams behind them, whose elements become a block
-    each.
-    """
+    """Return points and data with the points of beams at the end; add a block of each beam."""
     for name, state in stage.states.items():
-        if (along := stage.forms[name].line_points(stage.x, state)) is not None:
-            where, new = (
-                _in_space(along[0], 3),
-                {**along[1], "displacement": _in_space(along[1]["displacement"], 3)},
-            )
-            blocks.append(("line3", len(points) + np.arange(len(where)).reshape(-1, 3)))
-            both = (data, len(points)), (new, len(where))
-            data = {
-                key: np.concatenate([part.get(key, _nothing(like, n)) for part, n in both])
-                for key, like in {**data, **new}.items()
-            }
-            points = np.concatenate((points, where))
+        along = stage.forms[name].line_points(stage.x, state)
+        if along is None:
+            continue
+        beam_points = _in_space(along[0], 3)
+        beam_data = along[1] | {"displacement": _in_space(along[1]["displacement"], 3)}
+        cells = len(points) + np.arange(len(beam_points)).reshape(-1, 3)
+        blocks.append(("line3", cells))
+        filled = _filled([data, beam_data], [len(points), len(beam_points)])
+        data = {key: np.concatenate(parts) for key, parts in filled.items()}
+        points = np.concatenate((points, beam_points))
     return points, data
 
 
+def _filled(parts: Sequence[Mapping[str, ndarray]], sizes: Sequence[int]) -> dict[str, Any]:
+    """Return the data of all parts by their keys: NaN, or -1 of integers, where a part has none."""
+    known = {key: values for part in parts for key, values in part.items()}
+    filled = {}
+    for key, like in known.items():
+        nothing = -1 if like.dtype.kind == "i" else np.nan
+        filled[key] = [
+            part.get(key, np.full((n, *like.shape[1:]), nothing)) for part, n in zip(parts, sizes)
+        ]
+    return filled
+
+
 def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
-    """Write a ``.pvd`` file and a ``.vtu`` file for each stage beside it, and return their
-    names.
-    """
+    """Write a ``.pvd`` file and a ``.vtu`` file for each stage, and return their names."""
     file = Path(file)
     paths = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(stages))]
     known = {name: form for stage in stages for name, form in solids(stage).items()}
     for path, stage in zip(paths, stages, strict=True):
         grid(stage, known).write(path, file_format="vtu")
-    times = (
-        [stage.time for stage in stages]
-        if any(stage.time for stage in stages)
-        else range(len(stages))
-    )
-    lines = [
-        f'    <DataSet timestep="{time:g}" name={quoteattr(stage.name)} '
-        f"file={quoteattr(path.name)}/>"
-        for time, stage, path in zip(times, stages, paths, strict=True)
-    ]
-    file.write_text(
-        "\n".join(
-            [
-                '<?xml version="1.0"?>',
-                '<VTKFile type="Collection" version="0.1">',
-                "  <Collection>",
-                *lines,
-                "  </Collection>",
-                "</VTKFile>",
-                "",
-            ]
-        ),
-        encoding="utf-8",
-    )
+    times = [stage.time for stage in stages]
+    if not any(times):
+        times = list(range(len(stages)))
+    lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
+    for time, stage, path in zip(times, stages, paths, strict=True):
+        name = quoteattr(stage.name)
+        part = quoteattr(path.name)
+        lines.append(f'    <DataSet timestep="{time:g}" name={name} file={part}/>')
+    lines += ["  </Collection>", "</VTKFile>", ""]
+    file.write_text("\n".join(lines), encoding="utf-8")
     return [file, *paths]
 
 
 def vtk_cells(cells: ndarray, dim: int) -> tuple[str, ndarray]:
-    """Return the kind of elements in the words of meshio and VTK, and their nodes in VTK's
-    order.
-    """
+    """Return the kind of elements in meshio's words, and their nodes in VTK's order."""
     kind = _CELLS[dim, cells.shape[1]]
-    # hexahedra alone have their nodes in another order
-    return kind, cells[:, HEX_MAPPING[: cells.shape[1]]] if kind.startswith("hexahedron") else cells
+    if kind.startswith("hexahedron"):  # the only elements whose nodes have another order
+        cells = cells[:, HEX_MAPPING[: cells.shape[1]]]
+    return kind, cells
 
 
 def _in_space(values: ndarray, n: int) -> ndarray:
@@ -168,25 +177,22 @@ def _in_space(values: ndarray, n: int) -> ndarray:
     return np.pad(values, ((0, 0), (0, n - values.shape[1])))
 
 
-def _of_elements(data: list[tuple[SolidForm, Any]]) -> dict[str, ndarray]:
+def _of_elements(stage: StageData, bodies: Mapping[str, SolidForm]) -> dict[str, ndarray]:
     """Return means over the elements of solids, and the numbers of their bodies."""
     stress, plastic = [], []
-    for form, state in data:
+    for name, form in bodies.items():
+        state = stage.states[name]
         share = form.weight / form.weight.sum(axis=1)[:, None]
-        stress.append(_in_space(np.einsum("ceq,eq->ec", total_stress(form, state), share), 6))
+        mean = np.einsum("ceq,eq->ec", total_stress(form, state), share)
+        stress.append(_in_space(mean, 6))
         plastic.append(np.einsum("eq,eq->e", plastic_strain(form, state), share))
-    mesh = data[0][0].basis.mesh
+    mesh = basis_of(stage).mesh
     body = np.empty(mesh.nelements, dtype=int)
-    for number, members in enumerate(bodies(mesh).values()):
+    for number, members in enumerate(joined_bodies(mesh).values()):
         body[members] = number
-    elements = np.concatenate([form.elements for form, _ in data])
+    elements = np.concatenate([form.elements for form in bodies.values()])
     return {
         "stress": np.concatenate(stress),
         "plastic_strain": np.concatenate(plastic),
         "body": body[elements],
     }
-
-
-def _nothing(like: ndarray, n: int) -> ndarray:
-    """Return values of n cells without data of a kind."""
-    return np.full((n, *like.shape[1:]), -1 if like.dtype.kind == "i" else np.nan)

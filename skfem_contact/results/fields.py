@@ -90,23 +90,21 @@ SPACE = PLANE | {
 def nodal_field(
     stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None
 ) -> ndarray:
-    """Return a field at the nodes, (N/dim,), see
-    :meth:`~skfem_contact.results.StageResult.field`.
-    """
+    """Return a field at the nodes, see :meth:`~skfem_contact.results.StageResult.field`."""
     values = region_field(stage, name, since, water)
-    there = list(solids(stage).values())
-    nodes, n = region_mesh(*there).nodes, there[0].basis.N // there[0].basis.mesh.dim()
-    total, count = np.bincount(nodes, values, n), np.bincount(nodes, minlength=n)
+    bodies = solids(stage)
+    nodes = region_mesh(*bodies.values()).nodes
+    basis = basis_of(stage)
+    n = basis.N // basis.mesh.dim()
+    total = np.bincount(nodes, values, n)
+    count = np.bincount(nodes, minlength=n)
     return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
 
 
 def region_field(
     stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None
 ) -> ndarray:
-    """Return a field at the nodes of the :func:`region_mesh` of all solids; arguments of
-    `nodal_field`.
-    """
-    there = solids(stage)
+    """Return a field as :func:`nodal_field` does, at the nodes of the :func:`region_mesh`."""
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError(
@@ -114,27 +112,33 @@ def region_field(
             "for "
             "that of the stage, a Seepage, or a function of coordinates such as hydrostatic(level)"
         )
+    bodies = solids(stage)
     values = np.concatenate(
-        [_of_form(form, stage, key, quantity, since) for key, form in there.items()]
+        [_of_form(form, stage, key, quantity, since) for key, form in bodies.items()]
     )
     if name != "pore":
         return values
-    basis, nodes = basis_of(stage), region_mesh(*there.values()).nodes
+
+    # Add the excess pressure of flowing water, and the pressure of the stage's water.
+    basis = basis_of(stage)
+    nodes = region_mesh(*bodies.values()).nodes
     values = values + _excess(stage, nodes)
     if water is True:
-        values = values + _own(stage, there) - (0.0 if since is None else _own(since, there))
+        values = values + _own(stage, bodies)
+        if since is not None:
+            values = values - _own(since, bodies)
     if since is not None:
         return values - _excess(since, nodes)
     if water is None or water is True:
         return values
+
+    # Add a given pressure.
     pressure: Any = getattr(water, "pressure_at", water)
     return values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes])
 
 
-def _own(stage: StageData, there: Mapping[str, SolidForm]) -> ndarray:
-    """Return the pressure of the stage's own water at the nodes of the :func:`region_mesh` of some
-    solids.
-    """
+def _own(stage: StageData, bodies: Mapping[str, SolidForm]) -> ndarray:
+    """Return the pressure of the stage's water at the nodes of the :func:`region_mesh`, (n,)."""
     if stage.water is None or isinstance(stage.water, str):
         raise ValueError(
             f"the water of stage '{stage.name}' is {stage.water or 'not given'}: give water= a "
@@ -142,7 +146,7 @@ def _own(stage: StageData, there: Mapping[str, SolidForm]) -> ndarray:
             "a function of coordinates such as hydrostatic(level)"
         )
     parts = []
-    for name, form in there.items():
+    for name, form in bodies.items():
         mesh = region_mesh(form)
         pressure = np.zeros(len(mesh.nodes))
         if form.porous and name in stage.states and stage.water is not False:
@@ -152,53 +156,45 @@ def _own(stage: StageData, there: Mapping[str, SolidForm]) -> ndarray:
 
 
 def has_excess(stage: StageData) -> bool:
-    """Return True if excess pore pressures are computed: water flows, or some ground is or was
-    undrained.
-    """
-    grounds = [material for form in solids(stage).values() for material in form.materials.values()]
-    return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
+    """Return True if water flows, or some ground is or was undrained."""
+    for form in solids(stage).values():
+        if any(material.undrained for material in form.materials.values()):
+            return True
+    return any(True for _ in _pressures(stage))
 
 
 def undrained_elements(forms: Mapping[str, Any]) -> ndarray:
     """Return the elements whose ground is Undrained."""
-    return np.concatenate(
-        [
-            np.zeros(0, int),
-            *(
-                form.elements[region.elements]
-                for form in solids_of(forms).values()
-                for region in form.regions
-                if region.material.undrained
-            ),
-        ]
-    )
+    parts = [np.zeros(0, int)]
+    for form in solids_of(forms).values():
+        for region in form.regions:
+            if region.material.undrained:
+                parts.append(form.elements[region.elements])
+    return np.concatenate(parts)
 
 
 def undrained_excess(stage: StageData, layout: Layout, elements: ndarray) -> ndarray:
-    """Return values of all dofs, (N,): pressures of those elements that were Undrained, zero for
-    all others.
-    """
+    """Return all dofs, (N,), with the pressures of some elements that were Undrained, else zero."""
     values = np.zeros(layout.size)
-    if len(tight := np.intersect1d(undrained_elements(stage.forms), elements)):
-        nodal, mesh = nodal_field(stage, "pore"), basis_of(stage).mesh
-        vertices = np.unique(mesh.t[:, tight])
-        for one, part in zip(layout.fields, layout.parts, strict=True):
-            if one.kind == "pressure":
-                at = vertices[
-                    vertices < one.n
-                ]  # those of a mesh of second order have no pressures in the middle
-                values[part.start + at] = nodal[at]
+    undrained = np.intersect1d(undrained_elements(stage.forms), elements)
+    if not len(undrained):
+        return values
+    nodal = nodal_field(stage, "pore")
+    vertices = np.unique(basis_of(stage).mesh.t[:, undrained])
+    for field, part in zip(layout.fields, layout.parts, strict=True):
+        if field.kind == "pressure":
+            # Pressures are at vertices only, also in meshes of second order.
+            own = vertices[vertices < field.n]
+            values[part.start + own] = nodal[own]
     return values
 
 
 def quantities(stage: StageData, water: Shown | None = None) -> dict[str, Quantity]:
     """Return the fields of a stage, in the plane or in space."""
     fields = PLANE if basis_of(stage).mesh.dim() == 2 else SPACE
-    return (
-        fields
-        if water is None
-        else fields | {"pore": fields["pore"]._replace(title="pore pressure")}
-    )
+    if water is None:
+        return fields
+    return fields | {"pore": fields["pore"]._replace(title="pore pressure")}
 
 
 def solids(stage: StageData) -> dict[str, SolidForm]:
@@ -207,16 +203,15 @@ def solids(stage: StageData) -> dict[str, SolidForm]:
         raise ValueError(
             f"one stage is needed, result[name of the stage], not {type(stage).__name__}"
         )
-    there = {
-        name: form
-        for name, form in solids_of(stage.forms).items()
-        if form.materials and name in stage.states
-    }
-    if not there:
+    found = {}
+    for name, form in solids_of(stage.forms).items():
+        if form.materials and name in stage.states:
+            found[name] = form
+    if not found:
         raise ValueError(
             f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.states)}"
         )
-    return there
+    return found
 
 
 def has_solids(stage: StageData) -> bool:
@@ -225,7 +220,7 @@ def has_solids(stage: StageData) -> bool:
 
 
 def basis_of(stage: StageData) -> CellBasis:
-    """Return the basis of the displacements, that of one solid or another."""
+    """Return the basis of the displacements."""
     return next(iter(solids(stage).values())).basis
 
 
@@ -233,38 +228,41 @@ def _of_form(
     form: SolidForm, stage: StageData, name: str, quantity: Quantity, since: StageData | None
 ) -> ndarray:
     """Return the field of one solid, without pressures of flowing and of given water."""
-    state, before = stage.states[name], None if since is None else since.states.get(name)
+    state = stage.states[name]
+    before = None if since is None else since.states.get(name)
     if quantity.source == "displacement":
         x = (stage.x - reference(stage, since, name))[: form.basis.N]
-        return quantity.value(x.reshape(-1, form.basis.mesh.dim()).T[:, region_mesh(form).nodes])
+        u = x.reshape(-1, form.basis.mesh.dim()).T
+        return quantity.value(u[:, region_mesh(form).nodes])
     if quantity.source == "strain":
-        return quantity.value(
-            recovered(form, state.strain if before is None else state.strain - before.strain)
-        )
+        strain = state.strain if before is None else state.strain - before.strain
+        return quantity.value(recovered(form, strain))
+    values = _of_state(form, state, quantity)
+    return values if before is None else values - _of_state(form, before, quantity)
 
-    def at_nodes(state: Any) -> ndarray:
-        if quantity.source == "stress":
-            return quantity.value(recovered(form, total_stress(form, state), balanced=True))
-        values = quantity.value(form, state)
-        return (
-            values if quantity.source == "nodes" else recovered(form, values[None], limited=True)[0]
-        )
 
-    return at_nodes(state) if before is None else at_nodes(state) - at_nodes(before)
+def _of_state(form: SolidForm, state: Any, quantity: Quantity) -> ndarray:
+    """Return the field of one solid that follows from its stress or memory in a state."""
+    if quantity.source == "stress":
+        return quantity.value(recovered(form, total_stress(form, state), balanced=True))
+    values = quantity.value(form, state)
+    if quantity.source == "nodes":
+        return values
+    return recovered(form, values[None], limited=True)[0]
 
 
 def reference(stage: StageData, since: StageData | None, name: str) -> ndarray:
-    """Return displacements from which those of a solid count: at an earlier stage that holds it, or
-    when activated.
-    """
+    """Return the displacements at an earlier stage that holds a solid, or at its activation."""
     if since is not None and name in since.states:
         return since.x
     return stage.placed.get(name, np.zeros_like(stage.x))
 
 
 def _pressures(stage: StageData) -> Iterator[ndarray]:
+    """Yield the excess pressures of flowing water at all nodes, (N/dim,)."""
     for form in stage.forms.values():
-        if (pressure := form.pressure_at_nodes(stage.x)) is not None:
+        pressure = form.pressure_at_nodes(stage.x)
+        if pressure is not None:
             yield pressure
 
 
@@ -272,7 +270,6 @@ def _excess(stage: StageData, nodes: ndarray) -> ndarray:
     """Return the excess pressure of consolidating ground at some nodes, zero elsewhere."""
     pressure = np.zeros(len(nodes))
     for own in _pressures(stage):
-        pressure = np.where(
-            pressure == 0.0, own[nodes], pressure
-        )  # parts of the ground share nodes and pressures
+        # Parts of the ground share nodes and their pressures.
+        pressure = np.where(pressure == 0.0, own[nodes], pressure)
     return pressure

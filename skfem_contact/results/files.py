@@ -258,8 +258,10 @@ def _read_arrays(
     """Read the stages of an archive."""
     with np.load(source, allow_pickle=False) as data:
         head = json.loads(str(data["head"]))
-        if head.get("layout") != _LAYOUT:
-            writer = head["version"] if "layout" in head else "0.1.0"
+        # The head of version 0.1.0 is a list of stages.
+        is_old = "layout" not in head
+        if is_old or head["layout"] != _LAYOUT:
+            writer = "0.1.0" if is_old else head["version"]
             raise ValueError(
                 f"version {writer} of this library wrote it, with another layout than that of "
                 f"{own_version()}: read it there, or compute it anew"

@@ -28,14 +28,16 @@ from ..forms.assembly import strain_operator
 from ..forms.solid import SolidForm
 from ..layout import linear_element, nodes
 
-#: Weight of the stresses themselves beside the forces, by the order of the elements and whether
+#: Weight beta of the stresses relative to the forces, by the order of the elements and whether
 #: they are triangles or tetrahedra. Fibre of a beam of one to four layers, largest error for
 #: weights of .007, .1, .3 and 1: four-node elements 1.3, 4.5, 9 and 13 % (below .007, one-sided
 #: patches at corners lose digits); six-node triangles 2.1, 1.4, .9 and .3 %; three-node ones, of
 #: three and four layers, 15, 9, 5 and 11 %.
 _BETA = {(1, False): 0.007, (1, True): 0.3, (2, False): 1.0, (2, True): 1.0}
-_PROJECTED = 1e-12  # residual of a projection, as a share
-_CHUNK = 500  # patches at a time
+#: Residual of a projection, as a share.
+_PROJECTED = 1e-12
+#: Patches that are fitted at a time.
+_CHUNK = 500
 
 
 class RegionMesh(NamedTuple):
@@ -46,13 +48,20 @@ class RegionMesh(NamedTuple):
     region: ndarray  # of every element, counted through all solids
 
 
+def element_regions(*forms: SolidForm) -> ndarray:
+    """Return the region of every element, counted through all solids."""
+    sizes = []
+    for form in forms:
+        elements = range(form.basis.nelems)
+        sizes += [len(elements[region.elements]) for region in form.regions]
+    return np.repeat(np.arange(len(sizes)), sizes)
+
+
 def region_mesh(*forms: SolidForm) -> RegionMesh:
     """Return the regions of some solids on one mesh."""
     numbers = np.concatenate([nodes(form.basis) for form in forms])
-    sizes = [
-        len(range(form.basis.nelems)[region.elements]) for form in forms for region in form.regions
-    ]
-    region, n = np.repeat(np.arange(len(sizes)), sizes), int(numbers.max()) + 1
+    region = element_regions(*forms)
+    n = int(numbers.max()) + 1
     keys, cells = np.unique(region[:, None] * n + numbers, return_inverse=True)
     return RegionMesh(keys % n, cells.reshape(numbers.shape), region)
 
@@ -60,92 +69,124 @@ def region_mesh(*forms: SolidForm) -> RegionMesh:
 def recovered(
     form: SolidForm, values: ndarray, *, balanced: bool = False, limited: bool = False
 ) -> ndarray:
-    """Return values at the nodes of the :func:`region_mesh` of a solid, (n_components, n), from
-    those at its points.
+    """Return values at the nodes of the :func:`region_mesh`, (n_components, n), from points.
 
-    Balanced values are stresses, whose nodal forces count. Limited ones stay within those of the
-    elements nearby.
+    Balanced values are stresses, whose nodal forces count. Limited values stay within the range of
+    the elements nearby.
     """
     mesh = region_mesh(form)
-    found = _fitted(form, values, mesh, balanced)
-    return within_points(found, values, mesh) if limited else found
+    nodal = _fitted(form, values, mesh, balanced)
+    return within_points(nodal, values, mesh) if limited else nodal
 
 
 def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, ndarray]:
-    """Project values at points, (n_components, n_elements, n_points), on linear functions of each
-    region.
+    """Project values at points on linear functions of each region: M c = integral of N f.
 
-    Returns the functions at the points, (n_elements * n_points, n_vertices), the vertices of the
-    elements, and the values there, (n_vertices, n_components).
+    Parameters
+    ----------
+    form
+        Solid whose integration points have the values.
+    values
+        Values f, (n_components, n_elements, n_points).
+
+    Returns
+    -------
+    N, vertex, c
+        Functions at the points, (n_elements * n_points, n_vertices), vertices of the elements,
+        and values at the vertices, (n_vertices, n_components).
     """
-    corners, cells = len(form.basis.mesh.t), region_mesh(form).cells
+    # Evaluate the functions of all elements at the points.
+    corners = len(form.basis.mesh.t)
     linear = form.basis.with_element(linear_element(form.basis.mesh)).basis
-    shapes = np.stack(
-        [np.broadcast_to(linear[j][0], form.weight.shape) for j in range(corners)], axis=2
-    )
-    vertex = np.unique(cells[:, :corners], return_inverse=True)[1].reshape(-1, corners)
-    columns = np.broadcast_to(vertex[:, None], shapes.shape).ravel()
-    at = csr_matrix((shapes.ravel(), columns, np.arange(0, shapes.size + 1, corners)))
-    weighted = csr_matrix(at.multiply(form.weight.reshape(-1, 1))).T
-    mass = csr_matrix(weighted @ at)
-    scale = diags_array(
-        1.0 / mass.diagonal()
-    )  # the condition is then 5 on any mesh (A. J. Wathen 1987)
-    found = [cg(mass, weighted @ part.ravel(), rtol=_PROJECTED, M=scale)[0] for part in values]
-    return at, vertex, np.column_stack(found)
+    columns = [np.broadcast_to(linear[j][0], form.weight.shape) for j in range(corners)]
+    shapes = np.stack(columns, axis=2)  # (n_elements, n_points, corners)
+
+    # Number the vertices region by region.
+    cells = region_mesh(form).cells[:, :corners]
+    vertex = np.unique(cells, return_inverse=True)[1].reshape(-1, corners)
+    indices = np.broadcast_to(vertex[:, None], shapes.shape).ravel()
+    N = csr_matrix((shapes.ravel(), indices, np.arange(0, shapes.size + 1, corners)))
+
+    # Solve; the condition of the scaled mass is 5 on any mesh (A. J. Wathen 1987).
+    weighted = csr_matrix(N.multiply(form.weight.reshape(-1, 1))).T
+    mass = csr_matrix(weighted @ N)
+    scale = diags_array(1.0 / mass.diagonal())
+    c = [cg(mass, weighted @ part.ravel(), rtol=_PROJECTED, M=scale)[0] for part in values]
+    return N, vertex, np.column_stack(c)
 
 
-def within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
+def within_points(nodal: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
     """Clip values at nodes to the range of the points around each of them."""
-    low, high = np.full_like(found, np.inf), np.full_like(found, -np.inf)
+    low = np.full_like(nodal, np.inf)
+    high = np.full_like(nodal, -np.inf)
     for c, part in enumerate(values):
         np.minimum.at(low[c], mesh.cells, part.min(axis=1)[:, None])
         np.maximum.at(high[c], mesh.cells, part.max(axis=1)[:, None])
-    return np.clip(found, low, high)
+    return np.clip(nodal, low, high)
 
 
 def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) -> ndarray:
-    """Fit polynomials in the patches around the vertices, and evaluate them at the nodes:
-    (n_components, n).
+    """Fit polynomials around the vertices, and evaluate them at the nodes, (n_components, n).
+
+    With the terms p of the polynomials, fits c of a patch minimise
+
+        |H c - f|^2 + beta (c^T M c - 2 r^T c),  M = sum p p^T w,  r = sum sigma_h p w,
+
+    with nodal forces H c of the fit and f of the elements; without forces M c = r.
     """
-    basis, cells = form.basis, mesh.cells
-    dim, corners = basis.mesh.dim(), basis.mesh.t.shape[0]
+    # Number the patches, and find their elements, centres and sizes.
+    basis = form.basis
+    cells = mesh.cells
+    dim = basis.mesh.dim()
+    corners = basis.mesh.t.shape[0]
     vertex = np.unique(cells[:, :corners])
     incidence = _incidence(cells, len(mesh.nodes))[vertex]
     coordinates = np.asarray(basis.doflocs[:, dim * mesh.nodes])
     center = coordinates[:, vertex]
-    size = np.asarray(incidence @ np.asarray(basis.dx).sum(axis=1)) ** (1.0 / dim)
+    volume = np.asarray(basis.dx).sum(axis=1)
+    size = np.asarray(incidence @ volume) ** (1.0 / dim)
     points = np.asarray(basis.global_coordinates())
-    forces = form.element_forces(values, np.arange(basis.nelems)).T if balanced else None
-    B = strain_operator(form.basis, "full", str(form.coordinates)).B if balanced else None
+
+    # Prepare the polynomials, the forces and the strain operator.
     degree = 2 if cells.shape[1] > corners else 1
     beta = _BETA[degree, corners == dim + 1]
-    m, nc = len(_powers(np.zeros((dim, 1)), degree)), len(values)
-    fits = np.empty((len(vertex), nc, m))
+    m = len(_powers(np.zeros((dim, 1)), degree))
+    nc = len(values)
+    if balanced:
+        forces = form.element_forces(values, np.arange(basis.nelems)).T
+        B = strain_operator(form.basis, "full", str(form.coordinates)).B
+
+    fits = np.empty((len(vertex), nc, m))  # (n_patches, n_components, terms)
     for start in range(0, len(vertex), _CHUNK):
-        chunk = incidence[start : start + _CHUNK]
-        patch = np.repeat(np.arange(chunk.shape[0]), np.diff(chunk.indptr))
+        # Collect pairs of patches and elements, and weights relative to the patch.
+        stop = start + _CHUNK
+        chunk = incidence[start:stop]
+        n = chunk.shape[0]
+        patch = np.repeat(np.arange(n), np.diff(chunk.indptr))
         e = chunk.indices
-        x = (points[:, e] - center[:, start + patch, None]) / size[start + patch, None]
-        p = _powers(x, degree).transpose(1, 2, 0)  # (pairs, points, m)
-        w = form.weight[e] / np.bincount(patch, form.weight[e].sum(axis=1))[patch][:, None]
-        mass = _sum_of(patch, chunk.shape[0], np.einsum("pqa,pqb,pq->pab", p, p, w))
-        r = _sum_of(patch, chunk.shape[0], np.einsum("cpq,pqa,pq->pca", values[:, e], p, w))
-        if B is None or forces is None:  # component by component
-            fits[start : start + _CHUNK] = r @ _inverse(mass)
+        scale = size[start + patch, None]
+        x = (points[:, e] - center[:, start + patch, None]) / scale
+        p = _powers(x, degree).transpose(1, 2, 0)  # (pairs, points, terms)
+        total = np.bincount(patch, form.weight[e].sum(axis=1))
+        w = form.weight[e] / total[patch][:, None]
+
+        # Fit component by component without forces.
+        M = _sum_of(patch, n, np.einsum("pqa,pqb,pq->pab", p, p, w))
+        r = _sum_of(patch, n, np.einsum("cpq,pqa,pq->pca", values[:, e], p, w))
+        if not balanced:
+            fits[start:stop] = r @ _inverse(M)
             continue
-        scaled = w * size[start + patch, None]
-        H, f = _balance(
-            patch, cells[e], B[e], p, scaled, forces[e] * (scaled / form.weight[e])[:, :1]
-        )
-        A = H.transpose(0, 2, 1) @ H + beta * np.einsum("cd,pab->pcadb", np.eye(nc), mass).reshape(
-            len(r), nc * m, -1
-        )
-        r = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(len(r), -1)
-        fits[start : start + _CHUNK] = np.einsum("pab,pb->pa", _inverse(A), r).reshape(-1, nc, m)
-    return _evaluated(
-        fits, coordinates, center, size, _sources(form, mesh, vertex, incidence), degree
-    )
+
+        # Fit all components together with forces.
+        scaled = w * scale
+        of_elements = forces[e] * (scaled / form.weight[e])[:, :1]
+        H, f = _balance(patch, cells[e], B[e], p, scaled, of_elements)
+        M = np.einsum("cd,pab->pcadb", np.eye(nc), M).reshape(n, nc * m, nc * m)
+        A = H.transpose(0, 2, 1) @ H + beta * M
+        b = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(n, -1)
+        fits[start:stop] = np.einsum("pab,pb->pa", _inverse(A), b).reshape(-1, nc, m)
+    sources = _sources(form, mesh, vertex, incidence)
+    return _evaluated(fits, coordinates, center, size, sources, degree)
 
 
 def _powers(x: ndarray, degree: int) -> ndarray:
@@ -159,36 +200,34 @@ def _powers(x: ndarray, degree: int) -> ndarray:
 
 def _incidence(cells: ndarray, n: int) -> csr_matrix:
     """Return the incidence of nodes and elements, (n, n_elements)."""
-    rows, columns = cells.ravel(), np.repeat(np.arange(len(cells)), cells.shape[1])
+    rows = cells.ravel()
+    columns = np.repeat(np.arange(len(cells)), cells.shape[1])
     return coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, len(cells))).tocsr()
 
 
 def _balance(
     patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray
 ) -> tuple[ndarray, ndarray]:
-    """Return nodal forces of the fields, (patches, rows, nc m), and of the elements, (patches,
-    rows).
-    """
+    """Return nodal forces of fits, (patches, rows, nc m), and of elements, (patches, rows)."""
     dim = forces.shape[1] // cells.shape[1]
-    H = np.einsum("pqci,pqa,pq->pica", B, p, w, optimize=True)
+    H = np.einsum("pqci,pqa,pq->pica", B, p, w, optimize=True)  # (pairs, forces, nc, m)
     H = H.reshape(*H.shape[:2], -1)
-    keys, row = np.unique(patch[:, None] * (cells.max() + 1) + cells, return_inverse=True)
-    owner = keys // (cells.max() + 1)  # the rows of a patch follow each other
-    first = np.searchsorted(owner, np.arange(owner[-1] + 2))
-    position = (np.arange(len(keys)) - first[owner])[row.reshape(cells.shape)]
-    n, rows = owner[-1] + 1, int(np.diff(first).max()) * dim
-    slot = (dim * position[:, :, None] + np.arange(dim)).reshape(len(cells), -1) + rows * patch[
-        :, None
-    ]
-    full = np.array(
-        [
-            np.bincount(slot.ravel(), H[..., a].ravel(), minlength=n * rows)
-            for a in range(H.shape[2])
-        ]
-    )
-    return full.T.reshape(n, rows, -1), np.bincount(
-        slot.ravel(), forces.ravel(), minlength=n * rows
-    ).reshape(n, rows)
+
+    # Number the nodes of each patch from zero; the nodes of a patch follow each other.
+    n_nodes = cells.max() + 1
+    keys, number = np.unique(patch[:, None] * n_nodes + cells, return_inverse=True)
+    owner = keys // n_nodes
+    n = owner[-1] + 1
+    first = np.searchsorted(owner, np.arange(n + 1))
+    position = (np.arange(len(keys)) - first[owner])[number.reshape(cells.shape)]
+
+    # Sum the forces of the elements at each node.
+    rows = int(np.diff(first).max()) * dim
+    row = dim * position[:, :, None] + np.arange(dim)  # (pairs, nodes, dim)
+    slot = (row.reshape(len(cells), -1) + rows * patch[:, None]).ravel()
+    columns = [np.bincount(slot, part.ravel(), minlength=n * rows) for part in np.moveaxis(H, 2, 0)]
+    f = np.bincount(slot, forces.ravel(), minlength=n * rows)
+    return np.array(columns).T.reshape(n, rows, -1), f.reshape(n, rows)
 
 
 def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:
@@ -211,22 +250,31 @@ def _sources(
     nodes, and those between vertices, use the patches of inner vertices of their elements, or the
     largest patches.
     """
+    # Find the vertices inside of regions: sides on their boundaries belong to one element.
     grid = form.basis.mesh
     sides = mesh.region[:, None] * grid.nfacets + grid.t2f[:, form.elements].T
     _, first, count = np.unique(sides, return_index=True, return_counts=True)
     element, side = np.divmod(first[count == 1], sides.shape[1])
-    inside = ~np.isin(vertex, mesh.cells[element[:, None], np.array(grid.elem.refdom.facets)[side]])
+    positions = np.array(grid.elem.refdom.facets)[side]
+    boundary = mesh.cells[element[:, None], positions]
+    inside = ~np.isin(vertex, boundary)
+
+    # Find the best patches of the elements of each node: inside, or with most elements.
     score = np.where(inside, np.inf, incidence.getnnz(axis=1))
     near = (_incidence(mesh.cells, len(mesh.nodes)) @ incidence.T).tocoo()
+    node = near.row
     best = np.zeros(len(mesh.nodes))
-    np.maximum.at(best, near.row, score[near.col])
-    own = np.zeros(len(mesh.nodes), bool)
-    own[vertex] = score == best[vertex]
-    chosen = np.where(
-        own[near.row], near.row == vertex[near.col], score[near.col] == best[near.row]
-    )
-    rows, columns = near.row[chosen], near.col[chosen]
-    return coo_matrix((1.0 / np.bincount(rows)[rows], (rows, columns)), shape=near.shape).tocsr()
+    np.maximum.at(best, node, score[near.col])
+
+    # Take the own patch of a vertex if it is one of the best, otherwise all of the best.
+    has_own = np.zeros(len(mesh.nodes), bool)
+    has_own[vertex] = score == best[vertex]
+    is_own = node == vertex[near.col]
+    is_best = score[near.col] == best[node]
+    chosen = np.where(has_own[node], is_own, is_best)
+    rows = node[chosen]
+    shares = 1.0 / np.bincount(rows)[rows]
+    return coo_matrix((shares, (rows, near.col[chosen])), shape=near.shape).tocsr()
 
 
 def _evaluated(
@@ -240,5 +288,5 @@ def _evaluated(
     """Return means of the fits of the sources at every node, (n_components, n_nodes)."""
     share = sources.tocoo()
     x = (coordinates[:, share.row] - center[:, share.col]) / size[share.col]
-    at = np.einsum("sca,as,s->sc", fits[share.col], _powers(x, degree), share.data)
-    return _sum_of(share.row, coordinates.shape[1], at).T
+    values = np.einsum("sca,as,s->sc", fits[share.col], _powers(x, degree), share.data)
+    return _sum_of(share.row, coordinates.shape[1], values).T

@@ -28,6 +28,7 @@ from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
 from .cuts import SectionForces, Sections
+from .patch_recovery import element_regions
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its
 #: elements.
@@ -255,10 +256,9 @@ def _report_continued(
     form: SolidForm, sections: Sections, layers: _Layers, body: ndarray, outside: ndarray
 ) -> None:
     """Report sections where a region of the body, (pairs,), has elements outside, (pairs,)."""
-    sizes = [len(range(form.basis.nelems)[region.elements]) for region in form.regions]
-    region = np.repeat(np.arange(len(sizes)), sizes)
+    region = element_regions(form)[layers.element]
     keys = layers.keys
-    keys = region[layers.element][:, None] * (keys.max() + 1) + keys
+    keys = region[:, None] * (keys.max() + 1) + keys
     continues = layers.section[outside][np.isin(keys[outside], keys[body]).any(axis=1)]
     if len(continues):
         first = continues.min()

@@ -28,14 +28,14 @@ class StageResult(files.StageData):
     name, time
         Name of the stage, and time at its end: the durations of all stages so far.
     x, load : ndarray, shape (N,)
-        Displacements with the other degrees of freedom behind them, and external forces.
+        All dofs: displacements, then the other fields; and external forces.
     forms, states, summary
         Forms by name as they are in the stage, their accepted states, and one line of text for
         each.
     iterations, residual, fraction
-        Newton iterations of every increment, those of both equilibria of a step in time of second
-        order; relative residual at the end, and share of the stage's load that was reached: 1
-        unless the analysis failed.
+        Newton iterations of every increment, in a step in time of second order of both equilibria;
+        relative residual at the end, and share of the stage's load that was reached: 1 unless the
+        analysis failed.
     increments
         Accepted increments that were kept, in their order.
     unreleased : ndarray, shape (N,), or None
@@ -45,8 +45,8 @@ class StageResult(files.StageData):
     water, water_unit_weight
         Water at rest whose load is part of ``load``; a stage that follows keeps it.
     placed
-        Displacements at which bodies were activated, (N,), by name: fields of displacements count
-        from there.
+        Displacements at which bodies were activated, (N,), by name: their fields of displacements
+        count from these.
     next_step
         Length that the error in time allows for a step of the stage that follows.
     remarks, seconds
@@ -78,9 +78,7 @@ class StageResult(files.StageData):
     """
 
     def reactions(self) -> ndarray:
-        """Return the forces of the supports, (N,): internal forces less the load; the residual
-        where none is fixed.
-        """
+        """Return internal forces less the load, (N,): reactions of supports, else residuals."""
         return internal_force(self.forms, self.x, self.states) - self.load
 
     def tractions(self, pair: str) -> Tractions:
@@ -93,8 +91,7 @@ class StageResult(files.StageData):
         return contact_report(form, self.x[: form.size], state)
 
     def section_forces(self, body: str, sections: Sections | None = None) -> SectionForces:
-        """Return normal force, shear force and moment at sections of a body, or at both ends of a
-        beam's elements.
+        """Return normal force, shear force and moment of a body or beam.
 
         Parameters
         ----------
@@ -102,13 +99,14 @@ class StageResult(files.StageData):
             Name of a :class:`~skfem_contact.Beam`, or of the solid that holds the body; it may hold
             other bodies.
         sections
-            Cuts through a solid, :meth:`Sections.ring` or :meth:`Sections.line`; a beam needs none.
+            Cuts through a solid, :meth:`Sections.ring` or :meth:`Sections.line`; a beam needs none:
+            its section forces are at both ends of its elements.
 
         Notes
         -----
         Between two lines of nodes forces are interpolated linearly; at the end of a body they are
         its last layer's. A curved body without layers of elements of length h has moments to ``N
-        h**2 / 8 R``. Beside water in the pores forces of solids are effective: a total normal force
+        h**2 / 8 R``. With water in the pores forces of solids are effective: a total normal force
         is N less the pressure times the area of the cut. In axial symmetry they are per radian.
 
         Warns
@@ -116,14 +114,11 @@ class StageResult(files.StageData):
         AnalysisWarning
             The body continues beside a cut that is not deep enough or off its middle.
         """
-        along = look_up(body, self.forms, f"form in stage '{self.name}'").line_forces(
-            self.states[body]
-        )
-        return (
-            SectionForces(*along)
-            if along and not sections
-            else section_forces(*self._solid(body), sections)
-        )
+        form = look_up(body, self.forms, f"form in stage '{self.name}'")
+        along = form.line_forces(self.states[body])
+        if along and not sections:
+            return SectionForces(*along)
+        return section_forces(*self._solid(body), sections)
 
     def table(self, name: str, sections: Sections | None = None) -> Table:
         """Return the forces along a beam, a contact pair or bars as a table with their coordinates.
@@ -132,9 +127,8 @@ class StageResult(files.StageData):
         ----------
         name
             Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact
-            pairs those of
-            :class:`Tractions`, bars their ends and ``force``, embedded beams ``skin``, the force of
-            one member per length, and its ``share`` of the resistance.
+            pairs columns of :class:`Tractions`, bars their ends and ``force``, embedded beams
+            ``skin``, the force of one member per length, and its ``share`` of the resistance.
         sections
             Cuts through a solid, as for :meth:`section_forces`.
 
@@ -163,13 +157,12 @@ class StageResult(files.StageData):
     def field(
         self, name: str, since: StageResult | None = None, *, water: fields.Shown | None = None
     ) -> ndarray:
-        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of
-        no solid.
+        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first.
 
-        Stresses are recovered at the nodes of every region from its elements' forces and stresses
-        (:doc:`theory </theory/recovery>`); invariants are theirs. A node between regions has the
-        mean of their values. They are effective where water acts, but contain the excess pressure
-        of :class:`Undrained` ground.
+        Nodes of no solid have NaN. Stresses are recovered at the nodes of every region from its
+        elements' forces and stresses (:doc:`theory </theory/recovery>`), invariants follow from
+        these. A node between regions has the mean of their values. Stresses are effective where
+        water acts, but contain the excess pressure of :class:`Undrained` ground.
 
         Parameters
         ----------
@@ -180,33 +173,28 @@ class StageResult(files.StageData):
             (largest shear strain, in the plane), ``"ev"`` (volumetric); ``"plastic"``, the
             equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the
             shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater`
-            or of undrained ground, and that of `water` with it. In three dimensions also ``"uz"``,
+            or of undrained ground, with the pressure of `water`. In three dimensions also ``"uz"``,
             ``"syz"``, ``"szx"``.
         since
             Earlier stage from which the change is returned; displacements of bodies that it does
-            not hold count from their activation. Strains are those of the change; invariants of
-            stresses are subtracted.
+            not hold count from their activation. Invariants of strains follow from the change of
+            the strains; invariants of stresses are subtracted.
         water
-            Pore pressure besides: a :class:`~skfem_contact.water.Seepage`, a function of
-            coordinates such as
-            :func:`hydrostatic`, or True, that of the stage's own water.
+            Further pore pressure: a :class:`~skfem_contact.water.Seepage`, a function of
+            coordinates such as :func:`hydrostatic`, or True, the stage's own water.
         """
         return fields.nodal_field(self, name, since, water)
 
     def pore_pressure(self, solid: str) -> ndarray:
-        """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements,
-        n_points), zero elsewhere.
+        """Return the excess pore pressure of :class:`Undrained` soil, (n_elements, n_points).
 
-        Compression is positive. The pressure of :func:`water_load`, which is part of the load, is
-        not included. A solid without such soil raises a ``ValueError``: ``field("pore")`` has the
-        pressure of :class:`PoreWater`.
+        Compression is positive, other soil has zero. The pressure of :func:`water_load`, which is
+        part of the load, is not included. A solid without such soil raises a ``ValueError``:
+        ``field("pore")`` has the pressure of :class:`PoreWater`.
         """
         form, state = self._solid(solid)
-        if all(
-            variable.name != EXCESS_PRESSURE
-            for one in form.materials.values()
-            for variable in one.internal
-        ):
+        variables = [part for material in form.materials.values() for part in material.internal]
+        if EXCESS_PRESSURE not in [variable.name for variable in variables]:
             raise ValueError(
                 f"'{solid}' has no Undrained soil: field('pore') has the pressure of PoreWater at "
                 f"nodes"
@@ -214,8 +202,7 @@ class StageResult(files.StageData):
         return strength.pore_pressure(form, state)
 
     def undrained_strength(self, solid: str) -> dict[str, ndarray]:
-        r"""Return the undrained shear strength in plane strain that follows from the stresses in
-        the ground.
+        r"""Return the undrained shear strength in plane strain from the stresses in the ground.
 
         Without drainage and dilation the mean effective stress in the plane,
         :math:`s' = -(\sigma_1' + \sigma_3') / 2`, remains constant if the soil is elastic and
@@ -250,8 +237,9 @@ class StageResult(files.StageData):
         return pyvista.from_meshio(export.grid(self))
 
     def to_frame(self) -> Any:
-        """Return fields at the nodes of solids as a pandas data frame; tractions:
-        ``DataFrame(vars(tractions))``.
+        """Return fields at the nodes of solids as a pandas data frame.
+
+        ``DataFrame(vars(stage.tractions(name)))`` holds tractions.
         """
         return export.frame(self)
 
@@ -263,20 +251,19 @@ class StageResult(files.StageData):
 
     def _solid(self, name: str) -> tuple[Any, Any]:
         """Return a solid and its state."""
-        return self._of(
-            name, "SolidForm", {key: f for key, f in solids_of(self.forms).items() if f.materials}
-        )
+        bodies = {key: form for key, form in solids_of(self.forms).items() if form.materials}
+        return self._of(name, "SolidForm", bodies)
 
     def _pair(self, name: str) -> tuple[Any, Any]:
         """Return a contact pair and its state."""
         return self._of(name, "ContactPair", pairs_of(self.forms))
 
-    def _of(self, name: str, kind: str, there: Mapping[str, Any]) -> tuple[Any, Any]:
+    def _of(self, name: str, kind: str, existing: Mapping[str, Any]) -> tuple[Any, Any]:
         """Return one of the forms of a kind, and its state."""
         form = look_up(name, self.forms, f"form in stage '{self.name}'")
-        if name not in there:
+        if name not in existing:
             raise ValueError(
-                f"'{name}' is a {type(form).__name__}, no {kind}; there are {list(there)}"
+                f"'{name}' is a {type(form).__name__}, no {kind}; there are {list(existing)}"
             )
         return form, self.states[name]
 

@@ -1,6 +1,4 @@
-"""Strength of the ground: mobilised share, status of points, excess pore pressure, undrained
-strength.
-"""
+"""Strength of the ground: mobilised share, status of points, undrained pressure and strength."""
 
 from __future__ import annotations
 
@@ -22,8 +20,7 @@ from .patch_recovery import projected, recovered, region_mesh, within_points
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
-#: Mean excess pressure beside a contact, as a share of its mean pressure, by which friction is
-#: wrong and remarked on.
+#: Mean excess pressure at a contact, as a share of its mean pressure, that is remarked on.
 _IN_FRICTION = 0.05
 
 
@@ -46,8 +43,7 @@ def plastic_strain(form: SolidForm, state: SolidState) -> ndarray:
 
 
 def mobilised(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the mobilised share of the strength at the points of a solid, 0 to 1, (n_elements,
-    n_points).
+    """Return the mobilised share of the strength at points, 0 to 1, (n_elements, n_points).
 
     For cohesion and friction it is the radius of Mohr's circle over the distance of its centre from
     the yield line. The share is zero where a material cannot fail, and NaN where the law does not
@@ -55,55 +51,64 @@ def mobilised(form: SolidForm, state: SolidState) -> ndarray:
     """
     share = np.full(form.weight.shape, np.nan)
     for region, stress, internal in form.at_regions(state):
-        if (found := region.material.mobilised(stress, internal)) is not None:
-            measure, limit = np.broadcast_arrays(*found)
+        measured = region.material.mobilised(stress, internal)
+        if measured is not None:
+            measure, limit = np.broadcast_arrays(*measured)
             ratio = np.divide(measure, limit, out=np.ones(measure.shape), where=limit > 0.0)
-            share[region.elements] = np.where(np.isfinite(limit), np.clip(ratio, 0.0, 1.0), 0.0)
+            can_fail = np.isfinite(limit)
+            share[region.elements] = np.where(can_fail, np.clip(ratio, 0.0, 1.0), 0.0)
     return share
 
 
 def point_status(form: SolidForm, state: SolidState) -> ndarray:
     """Return the :class:`PointStatus` of the points of a solid, (n_elements, n_points)."""
-    status = np.where(
-        mobilised(form, state) > 1.0 - _AT_YIELD, PointStatus.YIELDS, PointStatus.ELASTIC
-    )
+    yields = mobilised(form, state) > 1.0 - _AT_YIELD
+    status = np.where(yields, PointStatus.YIELDS, PointStatus.ELASTIC)
     for region, stress, internal in form.at_regions(state):
-        if (limit := region.material.tensile_strength) is not None:
-            limit = limit.reshape(len(limit), -1) if isinstance(limit, ndarray) else limit
-            effective, _ = region.material.drained(stress, internal)
-            scale = np.abs(effective[:3]).max(initial=0.0)
-            torn = spectral.principal_stresses(effective)[0] >= limit - _AT_YIELD * (scale + limit)
-            status[region.elements][torn] = PointStatus.TENSION
+        limit = region.material.tensile_strength
+        if limit is None:
+            continue
+        if isinstance(limit, ndarray):
+            limit = limit.reshape(len(limit), -1)
+        effective, _ = region.material.drained(stress, internal)
+        scale = np.abs(effective[:3]).max(initial=0.0)
+        largest = spectral.principal_stresses(effective)[0]
+        torn = largest >= limit - _AT_YIELD * (scale + limit)
+        status[region.elements][torn] = PointStatus.TENSION
     return status
 
 
 def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements,
-    n_points), zero elsewhere.
+    """Return the excess pressure of :class:`Undrained` ground, (n_elements, n_points).
 
     In elements of second order the volume of nearly incompressible ground is right in the mean with
-    every linear function only, so pressures are projected on these: under a strip load q, at nodes,
-    an error of .33 q becomes .02 q.
+    every linear function only, so pressures are projected on linear functions: under a strip load
+    q, at nodes, an error of .33 q becomes .02 q. The pressure is zero in other regions.
     """
     values = form.variable(EXCESS_PRESSURE, state)
     if not values.any() or not _has_midside_nodes(form):
         return values
-    at, _, pressure = projected(form, values[None])
-    return (at @ pressure).reshape(values.shape)
+    N, _, pressure = projected(form, values[None])
+    return (N @ pressure).reshape(values.shape)
 
 
 def pore_pressure_at_nodes(form: SolidForm, state: SolidState) -> ndarray:
     """Return the excess pore pressure at the nodes of the :func:`region_mesh` of a solid, (n,)."""
-    values, mesh = form.variable(EXCESS_PRESSURE, state), region_mesh(form)
+    values = form.variable(EXCESS_PRESSURE, state)
     if not values.any() or not _has_midside_nodes(form):
         return recovered(form, values[None], limited=True)[0]
-    at, vertex, pressure = projected(form, values[None])
-    shapes, locations = linear_element(form.basis.mesh), form.basis.elem.elem.doflocs.T
-    found = np.zeros(len(mesh.nodes))  # the same from every element of a node
-    found[mesh.cells] = pressure[vertex, 0] @ np.array(
-        [shapes.lbasis(locations, j)[0] for j in range(vertex.shape[1])]
-    )
-    return within_points(found[None], (at @ pressure).reshape(1, *values.shape), mesh)[0]
+    N, vertex, pressure = projected(form, values[None])
+
+    # Evaluate the linear functions at all nodes: every element of a node has the same value.
+    mesh = region_mesh(form)
+    linear = linear_element(form.basis.mesh)
+    locations = form.basis.elem.elem.doflocs.T
+    corners = range(vertex.shape[1])
+    shapes = np.array([linear.lbasis(locations, j)[0] for j in corners])  # (corners, nodes)
+    nodal = np.zeros(len(mesh.nodes))
+    nodal[mesh.cells] = pressure[vertex, 0] @ shapes
+    at_points = (N @ pressure).reshape(1, *values.shape)
+    return within_points(nodal[None], at_points, mesh)[0]
 
 
 def _has_midside_nodes(form: SolidForm) -> bool:
@@ -111,9 +116,7 @@ def _has_midside_nodes(form: SolidForm) -> bool:
 
 
 def total_stress(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the stress of a solid, (n_components, n_elements, n_points), with its
-    :func:`pore_pressure`.
-    """
+    """Return the stress with the :func:`pore_pressure`, (n_components, n_elements, n_points)."""
     at_points = form.variable(EXCESS_PRESSURE, state)
     if not at_points.any():
         return state.stress
@@ -125,51 +128,50 @@ def total_stress(form: SolidForm, state: SolidState) -> ndarray:
 def undrained_friction(
     forms: Mapping[str, Form], states: Mapping[str, Any]
 ) -> Iterator[tuple[str, Remark]]:
-    """Yield contact pairs and remarks on their friction, which counts the excess pressure of
-    undrained ground.
-    """
-    pairs = [(name, pair) for name, pair in pairs_of(forms).items() if pair.has_friction]
-    grounds = [
-        (
-            form.basis.element_dofs[:, region.elements],
-            pore_pressure(form, states[name])[region.elements],
-        )
-        for name, form in (solids_of(forms) if pairs else {}).items()
-        for region in form.regions
-        if region.material.undrained
-    ]
-    for (name, pair), (dofs, pressure) in product(pairs, grounds):
-        beside, normal = np.isin(dofs, pair.joins).any(axis=0), states[name].traction[0]
-        if beside.any() and (normal < 0.0).any():
-            excess, total = float(pressure[beside].mean()), -float(normal[normal < 0.0].mean())
-            if abs(excess) > _IN_FRICTION * total:
-                yield (
-                    name,
-                    Remark(
-                        "undrained",
-                        abs(excess) / total,
-                        f"the ground beside it is undrained, with an excess pressure of "
-                        f"{excess:.3g} on "
-                        f"average: friction counts the total stress, {total:.3g}, not the "
-                        f"effective one",
-                    ),
-                )
+    """Yield contact pairs with friction and remarks on the excess pressure of undrained ground."""
+    pairs = {name: pair for name, pair in pairs_of(forms).items() if pair.has_friction}
+    if not pairs:
+        return
+
+    # Collect dofs and pressures of the elements of undrained regions.
+    grounds = []
+    for name, form in solids_of(forms).items():
+        for region in form.regions:
+            if region.material.undrained:
+                dofs = form.basis.element_dofs[:, region.elements]
+                grounds.append((dofs, pore_pressure(form, states[name])[region.elements]))
+
+    # Compare the pressure next to each pair with its traction.
+    for (name, pair), (dofs, pressure) in product(pairs.items(), grounds):
+        adjacent = np.isin(dofs, pair.joins).any(axis=0)
+        normal = states[name].traction[0]
+        if not adjacent.any() or not (normal < 0.0).any():
+            continue
+        excess = float(pressure[adjacent].mean())
+        total = -float(normal[normal < 0.0].mean())
+        if abs(excess) > _IN_FRICTION * total:
+            text = (
+                f"the ground beside it is undrained, with an excess pressure of "
+                f"{excess:.3g} on "
+                f"average: friction counts the total stress, {total:.3g}, not the "
+                f"effective one"
+            )
+            yield name, Remark("undrained", abs(excess) / total, text)
 
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
-    """Return the undrained shear strength of a plane solid by region that defines it, (n_elements,)
-    each.
-    """
+    """Return the undrained shear strength of a plane solid by region, (n_elements,) each."""
     if form.coordinates != "plane":
         where = "in space" if form.coordinates == "space" else "axisymmetric"
         raise ValueError(f"the undrained strength is that of plane strain; this solid is {where}")
-    mean = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)
-    mean = (mean * form.weight).sum(axis=1) / form.weight.sum(axis=1)
+    in_plane = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)
+    mean = (in_plane * form.weight).sum(axis=1) / form.weight.sum(axis=1)
     strength = {}
     for region, _, internal in form.at_regions(state):
-        found = region.material.undrained_strength(mean[region.elements], internal.mean(axis=2))
-        if found is not None:
-            strength[region.name] = found
+        internal = internal.mean(axis=2)
+        of_region = region.material.undrained_strength(mean[region.elements], internal)
+        if of_region is not None:
+            strength[region.name] = of_region
     if not strength:
         raise ValueError(
             f"no region has an undrained strength; the regions are {list(form.materials)}"

@@ -24,8 +24,9 @@ _SINGULAR = 1e-10
 
 @dataclass(frozen=True)
 class Tractions:
-    """Tractions of a contact pair, arrays, shape (n_points,), in the plane in the order of the
-    slave's chain.
+    """Tractions of a contact pair, arrays, shape (n_points,).
+
+    In the plane points are in the order of the slave's chain.
 
     Attributes
     ----------
@@ -77,70 +78,85 @@ class Tractions:
 def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     """Return tractions, gaps and slips of a state."""
     points = pair.points(state)
-    coordinates, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
-    if pair.slave.dim == 2:
-        arc = along_chain(pair.slave, points.facet, points.xi)
-        coordinates = np.column_stack((coordinates, np.zeros(len(coordinates))))
+    slave = pair.slave
+    coordinates = points.positions(slave.nodes)
+    pressure = -state.traction[0]
+    if slave.dim == 2:
+        arc = along_chain(slave, points.facet, points.xi)
+        coordinates = np.pad(coordinates, ((0, 0), (0, 1)))
+        shear = state.traction[1]
+        slip = state.slip[0]
     else:
-        arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
-        tangents = frame(normal, points.direction(pair.slave, pair.slave.nodes))
-        shear, slip = (
-            np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip)
-        )
+        arc = np.zeros(0)
+        normal = -slave.at(points.facet, points.xi, slave.nodes).normal
+        tangents = frame(normal, points.direction(slave, slave.nodes))
+        shear = np.einsum("in,nic->nc", state.traction[1:], tangents)
+        slip = np.einsum("in,nic->nc", state.slip, tangents)
     x, y, z = coordinates.T
     return Tractions(
         arc,
         x,
         y,
         z,
-        pressure=_consistent(pair, state, -state.traction[0]),
+        pressure=_consistent(pair, state, pressure),
         shear=_consistent(pair, state, shear),
         gap=state.gap - state.clearance,
         slip=slip,
         status=state.status,
         weight=pair.share * points.weight,
-        raw_pressure=-state.traction[0],
+        raw_pressure=pressure,
         raw_shear=shear,
     )
 
 
 def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndarray:
-    """Return values at points projected onto the slave's shape functions, but on facets with kinks:
-    mixed status.
+    """Return values at points projected onto the slave's shape functions, facet by facet.
+
+    Facets whose points have different status keep their values, which have kinks:
+
+        t = N M^+ integral of N t,  M = integral of N N^T .
     """
-    points, m = pair.points(state), len(pair.slave.facets)
-    N, k = points.values, points.nodes.shape[1]
+    points = pair.points(state)
+    facet = points.facet
+    N = points.values
+    k = N.shape[1]
     if k == 1:
         return values
-    first, last = np.full(m, np.iinfo(int).max), np.full(m, -1)
-    np.minimum.at(first, points.facet, state.status)
-    np.maximum.at(last, points.facet, state.status)
-    mass, moments = np.zeros((m, k, k)), np.zeros((m, k, *values.shape[1:]))
+
+    # Project on each facet.
+    n = len(pair.slave.facets)
+    mass = np.zeros((n, k, k))  # (facets, nodes, nodes)
+    moments = np.zeros((n, k, *values.shape[1:]))  # (facets, nodes, ...)
     weighted = points.weight[:, None] * N
-    np.add.at(mass, points.facet, weighted[:, :, None] * N[:, None])
-    np.add.at(moments, points.facet, np.einsum("nk,n...->nk...", weighted, values))
-    nodal = np.einsum(
-        "fij,fj...->fi...", np.linalg.pinv(mass, rcond=_SINGULAR, hermitian=True), moments
-    )
-    projected = np.einsum("nk,nk...->n...", N, nodal[points.facet])
-    smooth = (first == last)[points.facet]
-    return np.asarray(np.where(smooth.reshape(-1, *[1] * (values.ndim - 1)), projected, values))
+    np.add.at(mass, facet, weighted[:, :, None] * N[:, None])
+    np.add.at(moments, facet, np.einsum("nk,n...->nk...", weighted, values))
+    inverse = np.linalg.pinv(mass, rcond=_SINGULAR, hermitian=True)
+    nodal = np.einsum("fij,fj...->fi...", inverse, moments)
+    projected = np.einsum("nk,nk...->n...", N, nodal[facet])
+
+    # Keep the values on facets with several kinds of status.
+    lowest = np.full(n, np.iinfo(int).max)
+    highest = np.full(n, -1)
+    np.minimum.at(lowest, facet, state.status)
+    np.maximum.at(highest, facet, state.status)
+    smooth = (lowest == highest)[facet]
+    if values.ndim == 2:
+        smooth = smooth[:, None]
+    return np.asarray(np.where(smooth, projected, values))
 
 
 class ContactFacets(NamedTuple):
-    """Contact pair in a stage: points with their normals, nodes and shape functions, and facets
-    with their nodes.
-    """
+    """Points and facets of a contact pair in a stage."""
 
     tractions: Tractions
-    normal: ndarray
-    nodes: ndarray
-    shares: ndarray
-    facets: ndarray
-    members: ndarray  # facet and point of every pair of both, (2, m)
+    normal: ndarray  # at points, (n, dim)
+    nodes: ndarray  # of the facets of points, (n, k)
+    shares: ndarray  # shape functions of these nodes, (n, k)
+    facets: ndarray  # nodes of all facets, (n_facets, k)
+    members: ndarray  # facets and their points in pairs, (2, m)
 
     def moved_by(self, u: ndarray) -> ndarray:
-        """Return displacements of the points, (n, dim), from those of all nodes, (n_nodes, dim)."""
+        """Return displacements of the points, (n, dim), from all nodes, (n_nodes, dim)."""
         return np.einsum("nk,nkc->nc", self.shares, u[self.nodes])
 
     def on_facets(self) -> dict[str, ndarray]:
@@ -150,7 +166,8 @@ class ContactFacets(NamedTuple):
         weight = np.bincount(facet, t.weight[point])
         data = {}
         for name in ("pressure", "shear", "gap", "slip"):
-            values = np.where(np.isfinite(v := getattr(t, name)), v, np.nan)
+            values = getattr(t, name)
+            values = np.where(np.isfinite(values), values, np.nan)
             total = np.zeros((len(self.facets), *values.shape[1:]))
             np.add.at(total, facet, (t.weight * values.T).T[point])
             data[name] = (total.T / weight).T
@@ -161,29 +178,35 @@ class ContactFacets(NamedTuple):
 
 def interfaces(stage: StageData) -> dict[str, ContactFacets]:
     """Return the contact pairs of a stage."""
-    return {
-        name: _interface(form, stage.states[name])
-        for name, form in pairs_of(stage.forms).items()
-        if name in stage.states and form.slave.meshed
-    }
+    found = {}
+    for name, form in pairs_of(stage.forms).items():
+        if name in stage.states and form.slave.meshed:
+            found[name] = _interface(form, stage.states[name])
+    return found
 
 
 def _interface(pair: ContactPair, state: ContactState) -> ContactFacets:
-    points, slave = pair.points(state), pair.slave
-    at = tractions(pair, state)
-    node, normal = (
-        slave.dofs[:, 0] // slave.dim,
-        slave.at(points.facet, points.xi, slave.nodes).normal,
-    )
-    members = np.stack((points.facet, np.arange(len(points.facet))))
-    if points.nodes.shape[1] == 1:  # a node belongs to all of its facets
+    """Return the points and facets of a contact pair."""
+    points = pair.points(state)
+    slave = pair.slave
+    node = slave.dofs[:, 0] // slave.dim
+    if points.nodes.shape[1] > 1:
+        members = np.stack((points.facet, np.arange(len(points.facet))))
+    else:
+        # Points are nodes, which belong to all of their facets.
         number = np.full(len(node), -1)
         number[points.nodes[:, 0]] = np.arange(len(points.nodes))
         facet = np.repeat(np.arange(len(slave.facets)), slave.facets.shape[1])
-        members = np.stack((facet, number[slave.facets.ravel()]))[
-            :, number[slave.facets.ravel()] >= 0
-        ]
-    return ContactFacets(at, normal, node[points.nodes], points.values, node[slave.facets], members)
+        point = number[slave.facets.ravel()]
+        members = np.stack((facet, point))[:, point >= 0]
+    return ContactFacets(
+        tractions(pair, state),
+        slave.at(points.facet, points.xi, slave.nodes).normal,
+        nodes=node[points.nodes],
+        shares=points.values,
+        facets=node[slave.facets],
+        members=members,
+    )
 
 
 @dataclass(frozen=True)
@@ -223,12 +246,13 @@ class ContactReport:
 
     def __str__(self) -> str:
         lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
-        for what, total, vector in (
+        parts = (
             ("pressure", self.pressure, self.normal),
             ("friction", self.friction, self.tangential),
-        ):
-            resultant = ", ".join(f"{part:.5g}" for part in vector)
-            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({resultant})")
+        )
+        for part, total, vector in parts:
+            resultant = ", ".join(f"{component:.5g}" for component in vector)
+            lines.append(f"  {part:8} {total:12.5g}   resultant on the slave ({resultant})")
         lines.append(
             f"  friction over pressure at most {self.mobilised:.3f}, "
             f"penetration at most {self.penetration:.2%} of a segment"
@@ -240,7 +264,8 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     """Return resultants, status and penetration of a contact pair."""
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
-    normal, friction = state.traction[0, closed], np.linalg.norm(state.traction[1:, closed], axis=0)
+    normal = state.traction[0, closed]
+    friction = np.linalg.norm(state.traction[1:, closed], axis=0)
     resultants = _resultants(pair, x, state)
     counts = np.bincount(state.status, minlength=3)
     ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
@@ -263,7 +288,8 @@ def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndar
     if pair.dual:
         forces = nodal_forces(pair, x, state)
     else:
-        operator, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
+        operator = pair.tractions_at(x, state).forces
+        normal = np.zeros_like(state.traction)
         normal[0] = state.traction[0]
         forces = [operator @ part.ravel() for part in (normal, state.traction - normal)]
     return [0.0 - force[pair.slave.dofs].sum(axis=0) for force in forces]
