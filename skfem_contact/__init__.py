@@ -6,7 +6,8 @@ from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
-from .forms.base import Form, Response
+from .forms import roles
+from .forms.base import Form, Outputs, Response
 from .forms.links import Bar, MatrixForm, Spring
 from .forms.rigid_boundary import RigidBoundary
 from .forms.solid import SolidForm
@@ -67,6 +68,7 @@ __all__ = [
     "NgiAdp",
     "NoEquilibrium",
     "NotConverged",
+    "Outputs",
     "PoreWater",
     "Reinforcement",
     "Response",
@@ -91,6 +93,7 @@ __all__ = [
     "mesh",
     "results",
     "rigid",
+    "roles",
     "section",
     "show_versions",
     "split_along",

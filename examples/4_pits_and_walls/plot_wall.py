@@ -83,7 +83,7 @@ def ground_and_slot(n):
 # brings.
 
 
-class Strut(sc.Form):
+class Strut(sc.Form, sc.roles.Couples):
     """A level spring at the first node of a beam."""
 
     def __init__(self, beam):

@@ -60,7 +60,7 @@ def level(start, end, n):
 # ones.
 
 
-class Springs(sc.Form):
+class Springs(sc.Form, sc.roles.Couples):
     """Springs k per length across a level beam."""
 
     symmetric = True

@@ -16,7 +16,8 @@ from typing_extensions import override
 
 from ..checks import finite, format_point, vector
 from ..errors import Remark
-from ..forms.base import Form, Response
+from ..forms.base import Form, Outputs, Response
+from ..forms.roles import Touching, having
 from ..layout import Field
 from ..sparse import Gathering
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
@@ -328,9 +329,8 @@ class Beam(BeamNodes):
         if self.shared is not None and self.coordinates == "space":
             C = stiffest(forms)
             new._ground = None if C is None else float(C[-1, -1])
-        new._wet = any(
-            form.law is not None and self.displacement in form.borrowed for form in forms.values()
-        )
+        pairs = having(forms, Touching).values()
+        new._wet = any(self.displacement in pair.borrowed for pair in pairs)
         return new
 
     @override
@@ -397,7 +397,7 @@ class Beam(BeamNodes):
         return x if self._dofs is None else x[self._dofs]
 
     @override
-    def stretched(self, state: BeamState) -> ndarray:
+    def stretched_by(self, state: BeamState) -> ndarray:
         # Rigid motions have 1e-16 of the largest singular value, bending next to stretching 1e-3
         inverse = np.linalg.pinv(self._root, rcond=1e-12)
         return np.asarray(np.einsum("mqj,mqk,mk->mj", inverse, inverse, state.force))
@@ -407,19 +407,28 @@ class Beam(BeamNodes):
         return BeamState(state.force, state.free - self._own(x)[self._rows])
 
     @override
-    def yielding(self, before: BeamState, after: BeamState) -> tuple[int, int]:
-        return int((before.free != after.free).any(axis=1).sum()), len(self.cells)
+    def outputs(self, x: ndarray, state: BeamState) -> Outputs:
+        def yielding(before: BeamState) -> tuple[int, int]:
+            flowed = (before.free != state.free).any(axis=1)
+            return int(flowed.sum()), len(self.cells)
 
-    @override
-    def remarks(self, x: ndarray, state: BeamState) -> Iterable[Remark]:
+        return Outputs(
+            summary=lambda: self._summary(state),
+            remarks=lambda: self._remarks(x, state),
+            parameters=self.parameters,
+            lines=lambda: self._lines(state),
+            points=lambda: self._line_points(x, state),
+            yielding=yielding,
+        )
+
+    def _remarks(self, x: ndarray, state: BeamState) -> Iterable[Remark]:
         if self._ground is None:
             return ()
         moved = self._own(x)[self._rows[:, :9]]
         return of_a_line(self._elements.length, self.cells, state.force[:, :9], moved, self._ground)
 
-    @override
-    def summary(self, state: BeamState) -> str:
-        N, _, M = self.line_forces(state)[3:6]
+    def _summary(self, state: BeamState) -> str:
+        N, _, M = self._lines(state)[3:6]
         M = np.linalg.norm(M, axis=1) if M.ndim == 2 else M
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
@@ -437,8 +446,7 @@ class Beam(BeamNodes):
         force = -(pressure(points, normals, lengths) * lengths)[:, None] * normals
         return self._distributed(shares[:, :, None] * force[:, None])
 
-    @override
-    def line_forces(self, state: BeamState) -> tuple[Any, ...]:
+    def _lines(self, state: BeamState) -> tuple[Any, ...]:
         # Section forces at start and end of each element in turn
         ends = np.cumsum(self._elements.length)
         position = np.column_stack((np.append(0.0, ends[:-1]), ends)).ravel()
@@ -458,10 +466,9 @@ class Beam(BeamNodes):
         M = moment - T[:, None] * t
         return position, x, y, N, V, M, z[0], T, t
 
-    @override
-    def line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
+    def _line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
         values = {}
-        for key, ends in zip("NVM", self.line_forces(state)[3:6], strict=True):
+        for key, ends in zip("NVM", self._lines(state)[3:6], strict=True):
             both = ends.reshape(len(self.cells), 2, -1)
             all_three = np.concatenate((both, both.mean(axis=1, keepdims=True)), axis=1)
             values[key] = all_three.reshape(-1, *ends.shape[1:])

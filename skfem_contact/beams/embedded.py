@@ -15,7 +15,8 @@ from skfem import CellBasis, Mesh, MeshQuad1, MeshTri1
 from typing_extensions import override
 
 from ..checks import check_basis, finite, format_point, is_number, positive
-from ..forms.base import Form, Response
+from ..forms.base import Form, Outputs, Response
+from ..forms.roles import Couples, Regularised, Staged
 from ..layout import Field
 from .element import across, shapes
 from .nodes import BeamNodes, stiffest
@@ -61,7 +62,7 @@ class EmbeddedState:
     foot: ndarray
 
 
-class Embedded(Form):
+class Embedded(Form, Couples, Staged, Regularised):
     """Skin and foot of a beam inside the elements of the ground, whose mesh does not know the beam.
 
     Springs join the beam to the ground at three points of each of its elements. Along the beam they
@@ -304,28 +305,34 @@ class Embedded(Form):
         return EmbeddedState(state.skin, state.free - jump, state.foot - [0.0, foot])
 
     @override
-    def yielding(self, before: EmbeddedState, after: EmbeddedState) -> tuple[int, int]:
-        return int((before.free != after.free).any(axis=1).sum()), len(self.positions)
+    def outputs(self, x: ndarray, state: EmbeddedState) -> Outputs:
+        def summary() -> str:
+            largest = self._used(state).max()
+            return f"skin up to {largest:.0%} of its resistance, foot {state.foot[0]:.4g}"
+
+        def yielding(before: EmbeddedState) -> tuple[int, int]:
+            flowed = (before.free != state.free).any(axis=1)
+            return int(flowed.sum()), len(self.positions)
+
+        return Outputs(
+            summary=summary,
+            parameters=self.parameters,
+            members=lambda: self._members(state),
+            yielding=yielding,
+        )
 
     def _used(self, state: EmbeddedState) -> ndarray:
         return np.divide(
             abs(state.skin), self.T_max, out=np.zeros(len(self.T_max)), where=self.T_max > 0.0
         )
 
-    @override
-    def members(self, state: EmbeddedState) -> dict[str, ndarray]:
+    def _members(self, state: EmbeddedState) -> dict[str, ndarray]:
         return {
             "position": self.positions,
             **dict(zip("xyz", self._where.T)),
             "skin": state.skin,
             "share": self._used(state),
         }
-
-    @override
-    def summary(self, state: EmbeddedState) -> str:
-        return (
-            f"skin up to {self._used(state).max():.0%} of its resistance, foot {state.foot[0]:.4g}"
-        )
 
 
 def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..checks import format_point
 from ..errors import Remark
+from ..forms.roles import Body, Touching, borrowed_by
 from ..layout import Field, FieldDofs
 from .nodes import AT
 
@@ -134,15 +135,15 @@ def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field
     beams = [form for form in forms.values() if isinstance(form, type(beam))]
     others = [form for form in forms.values() if form not in beams]
     for form in others:
-        local = form.borrowed or form.fields
-        if form.basis is None and form.law is None and form.size is None and not local:
+        local = isinstance(form, Body | Touching) or borrowed_by(form) or form.fields
+        if form.size is None and not local:
             return [], []
     frame: list[Any] = []
     more = [beam]
     while more:
         frame += more
         more = [b for b in beams if b not in frame and any(_linked(a, b) for a in frame)]
-    touched = {field for form in others for field in form.borrowed}
+    touched = {field for form in others for field in borrowed_by(form)}
     return frame, [field for member in frame for field in member.fields if field in touched]
 
 

@@ -15,6 +15,7 @@ from ..checks import finite, format_point, is_number, vector
 from ..contact import ContactPair
 from ..contact.laws import InterfaceLaw
 from ..forms.base import Form
+from ..forms.roles import Body, Couples, Loaded, Staged, having, with_force_kept
 from ..layout import Field, FieldDofs
 from ..surfaces.surface import Surface
 from .lines import touching
@@ -43,8 +44,8 @@ def check_values(
 def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
     """Return the elasticity, (4, 4), of the stiffest material of the forms; None without one."""
     result = None
-    for form in forms.values():
-        for material in form.materials.values():
+    for body in having(forms, Body).values():
+        for material in body.materials.values():
             C = material.elasticity(4).reshape(-1, 4, 4)  # (points, 4, 4)
             stiff = C[C[:, -1, -1].argmax()]
             if result is None or stiff[-1, -1] > result[-1, -1]:
@@ -52,7 +53,7 @@ def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
     return result
 
 
-class BeamNodes(Form):
+class BeamNodes(Form, Couples, Loaded, Staged):
     """Form of nodes with displacements, with or without rotations.
 
     Attributes
@@ -65,6 +66,8 @@ class BeamNodes(Form):
         Distance of the members of a row; 1 without rows.
     thickness
         Distance of the two sides.
+    parameters
+        Stiffnesses and strengths by their names.
     shared : ndarray, shape (n, dim)
         Displacements of the basis that the nodes have; None for nodes of their own.
     displacement, rotation
@@ -76,11 +79,20 @@ class BeamNodes(Form):
     cells: ndarray
     spacing: float
     thickness: float
+    parameters: Mapping[str, Any]
     shared: ndarray | None
     displacement: Field
     rotation: Field
     _rows: ndarray
     _dofs: ndarray | None = None
+
+    def inherits(self, old: Any, state: Any) -> Any:
+        """Return the state of an old form; a new stiffness alone changes no force."""
+        return with_force_kept(state, old.stretched_by(state), self.stretched_by(state))
+
+    def stretched_by(self, state: Any) -> ndarray:
+        """Return the deformation by the force of a state."""
+        raise NotImplementedError
 
     @property
     def dim(self) -> int:

@@ -15,7 +15,8 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from ..checks import is_number
-from ..forms.base import Response
+from ..forms.base import Outputs, Response
+from ..forms.roles import Regularised
 from ..layout import Field
 from ..sparse import Gathering
 from .element import GAUSS, BeamElements, SpaceElements
@@ -43,7 +44,7 @@ class ReinforcementState:
     free: ndarray
 
 
-class Reinforcement(BeamNodes):
+class Reinforcement(BeamNodes, Regularised):
     """Reinforcement that transfers normal force only: a geogrid, a strip, or a row of nails.
 
     Small displacements: it resists no displacement across its line. It has three-node elements
@@ -204,7 +205,7 @@ class Reinforcement(BeamNodes):
         )
 
     @override
-    def stretched(self, state: ReinforcementState) -> ndarray:
+    def stretched_by(self, state: ReinforcementState) -> ndarray:
         return state.force / self._EA
 
     @override
@@ -212,15 +213,19 @@ class Reinforcement(BeamNodes):
         return ReinforcementState(state.force, state.free - self._strains(x))
 
     @override
-    def yielding(self, before: ReinforcementState, after: ReinforcementState) -> tuple[int, int]:
-        return int((before.free != after.free).sum()), before.free.size
+    def outputs(self, x: ndarray, state: ReinforcementState) -> Outputs:
+        def yielding(before: ReinforcementState) -> tuple[int, int]:
+            return int((before.free != state.free).sum()), before.free.size
 
-    @override
-    def summary(self, state: ReinforcementState) -> str:
-        return f"N {state.force.min():.4g} to {state.force.max():.4g}"
+        return Outputs(
+            summary=f"N {state.force.min():.4g} to {state.force.max():.4g}",
+            parameters=self.parameters,
+            lines=lambda: self._lines(state),
+            points=lambda: self._line_points(x, state),
+            yielding=yielding,
+        )
 
-    @override
-    def line_forces(self, state: ReinforcementState) -> tuple[Any, ...]:
+    def _lines(self, state: ReinforcementState) -> tuple[Any, ...]:
         lengths = self._length.sum(axis=1)
         begin = np.cumsum(lengths) - lengths
         position = begin[:, None] + lengths[:, None] * (0.5 + 0.5 * GAUSS)
@@ -229,8 +234,7 @@ class Reinforcement(BeamNodes):
         nothing = np.zeros((len(N), 3) if z else len(N))
         return position.ravel(), x, y, N, nothing, nothing, *z
 
-    @override
-    def line_points(
+    def _line_points(
         self, x: ndarray, state: ReinforcementState
     ) -> tuple[ndarray, dict[str, ndarray]]:
         # Forces are not extrapolated to the nodes: a geogrid would have a thrust

@@ -25,6 +25,7 @@ from numpy import ndarray
 from ..checks import look_up
 from ..errors import NotConverged, warn
 from ..forms.base import Form
+from ..forms.roles import Reducible, changed
 from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Search, iterate
 from ..nonlinear.system import System
@@ -98,7 +99,7 @@ class Branch(ABC):
     def resist(self) -> bool:
         """Let friction resist further slip in damped tangents; return True if any form does."""
         before = self.system
-        resisting = {name: form.with_resistance() for name, form in before.forms.items()}
+        resisting = changed(before.forms, Reducible, lambda form: form.with_resistance())
         self.system = before.with_forms(resisting)
         return self.system is not before
 
@@ -222,11 +223,12 @@ def _active_forms(setup: Setup, last: StageResult | None) -> Mapping[str, Form]:
 def _fixed_geometry(system: System, last: StageResult | None) -> tuple[System, Point]:
     """Return forms in the geometry at the end of a stage, with its displacements and states."""
     x = np.zeros(system.size) if last is None else last.x
-    forms = {}
+    forms = dict(system.forms)
     states = {}
     for name, form in system.forms.items():
-        state = form.initial_state() if last is None else last.states[name]
-        forms[name], states[name] = form.fixed_geometry(x, state)
+        states[name] = form.initial_state() if last is None else last.states[name]
+        if isinstance(form, Reducible):
+            forms[name], states[name] = form.fixed_geometry(x, states[name])
     return system.with_forms(forms), Point(x, states, 0.0)
 
 

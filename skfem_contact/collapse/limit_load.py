@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
+from ..forms.roles import Reducible, changed
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
@@ -81,9 +82,9 @@ def limit_load(
     dead = begun.weight if last is None else setup.vector(last.load, "the load of the start")
     system = begun.system
     if flow != "given":
-        associated = {
-            name: form.reduced(1.0, flow, form.strengths) for name, form in system.forms.items()
-        }
+        associated = changed(
+            system.forms, Reducible, lambda form: form.reduced(1.0, flow, form.strengths)
+        )
         system = system.with_forms(associated)
     branch = _Load(system, dead, begun.load)
 

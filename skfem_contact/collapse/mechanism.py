@@ -149,7 +149,7 @@ def as_collapse(
 def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
     """Raise warnings of errors of a collapse load: joints that turn, elements that lock."""
     for name, form in system.forms.items():
-        for remark in form.remarks(x[: form.size], states[name]):
+        for remark in form.outputs(x[: form.size], states[name]).remarks:
             if remark.kind in _TOLD:
                 warn(f"{name}: {remark.text}")
 

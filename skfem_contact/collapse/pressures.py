@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix, diags
 
 from ..errors import warn
 from ..forms.base import Form, responses_of
+from ..forms.roles import Body, Timed, Wet, borrowed_by, changed, having
 from ..nonlinear.system import System
 from ..solvers.direct import DirectSolver, SingularSystem
 from ..sparse import Total
@@ -27,7 +28,7 @@ def carriers(forms: Mapping[str, Form]) -> dict[str, Form]:
     """Return the forms that bring or move pore pressures."""
     wet = {}
     for name, form in forms.items():
-        kinds = [field.kind for field in (*form.fields, *form.borrowed)]
+        kinds = [field.kind for field in (*form.fields, *borrowed_by(form))]
         if "pressure" in kinds:
             wet[name] = form
     return wet
@@ -35,7 +36,8 @@ def carriers(forms: Mapping[str, Form]) -> dict[str, Form]:
 
 def _pressures(wet: Mapping[str, Form]) -> ndarray:
     """Return the dofs of the pressures of some forms."""
-    own = [form.carries for form in wet.values() if form.carries is not None]
+    waters = having(wet, Wet).values()
+    own = [water.carries for water in waters if water.carries is not None]
     return np.concatenate([np.zeros(0, int), *own])
 
 
@@ -54,12 +56,13 @@ def without_drainage(
             f"undrained=True takes the flow rule as given, not flow='{flow}': ground that dilates "
             "and cannot drain gets stronger without end"
         )
-    if any(material.dilates for form in forms.values() for material in form.materials.values()):
+    bodies = having(forms, Body).values()
+    if any(material.dilates for body in bodies for material in body.materials.values()):
         warn(
             "a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
             "undrained soils take psi=0"
         )
-    undrained = {name: form.undrained() for name, form in forms.items()}
+    undrained = changed(forms, Timed, lambda form: form.undrained())
     return undrained, np.setdiff1d(fixed, _pressures(wet))
 
 
@@ -87,14 +90,14 @@ def warn_of_fresh_pressures(
 
     # time for drainage: from the diagonals of capacity and, in a unit of time, of flow
     capacity = _assembled(wet, x, states)[1].diagonal()
-    in_unit_time = {name: form.over(1.0) for name, form in wet.items()}
+    in_unit_time = changed(wet, Timed, lambda form: form.over(1.0))
     rates = abs(_assembled(in_unit_time, x, states)[1].diagonal())
     if not (capacity[p].all() and rates[p].all()):
         return
     long = _LONG * float((capacity[p] / rates[p]).max()) * len(p) ** 2
 
     # change of pressure in that time, and its thrust
-    force, K = _assembled({name: form.over(long) for name, form in wet.items()}, x, states)
+    force, K = _assembled(changed(wet, Timed, lambda form: form.over(long)), x, states)
     flow = (K - diags(capacity)).tocsr()
     try:
         change = DirectSolver(system.layout.coordinates, p).factor(flow)(-force)

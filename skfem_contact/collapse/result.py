@@ -12,6 +12,7 @@ from numpy import ndarray
 from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import dilate_less
+from ..forms.roles import Body, Reducible, having
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.stage import StageResult
@@ -107,7 +108,7 @@ class SearchLog:
                 iterations=point.iterations,
                 residual=point.residuals[-1],
                 displacement=self.moved(point.x),
-                yielding=self._yielding(point.states),
+                yielding=self._yielding(point),
                 work=point.work,
             )
         )
@@ -142,12 +143,14 @@ class SearchLog:
         """
         return self.steps[-1].yielding == 0.0
 
-    def _yielding(self, states: Mapping[str, Any]) -> float:
-        """Return the share of points of solids that have flowed since the last equilibrium."""
-        counts = [
-            form.yielding(self._states[name], states[name]) for name, form in self._forms.items()
-        ]
-        flowed, points = np.sum(counts, axis=0)
+    def _yielding(self, point: Point) -> float:
+        """Return the share of all points that have flowed since the last equilibrium."""
+        flowed = points = 0
+        for name, form in self._forms.items():
+            outputs = form.outputs(point.x[: form.size], point.states[name])
+            found, total = outputs.yielding(self._states[name])
+            flowed += found
+            points += total
         return float(flowed / points) if points else 0.0
 
     def _add(self, step: Step) -> None:
@@ -409,7 +412,7 @@ class CollapseResult:
 def _bands(system: System, mechanism: ndarray) -> dict[str, ndarray]:
     """Return the largest shear strain of a mechanism by solid, (n_elements, n_points)."""
     bands = {}
-    for name, form in system.forms.items():
+    for name, form in having(system.forms, Body).items():
         band = form.shear_strain(mechanism)
         if band is not None:
             bands[name] = band
@@ -441,9 +444,9 @@ def conclude(
     added = added_by_mesh(system.forms, bands, last.states, mechanism, power)
 
     # make a stage of the last equilibrium, with geometry that follows the displacements again
-    forms = {}
-    states = {}
-    for name, form in system.forms.items():
+    forms = dict(system.forms)
+    states = dict(last.states)
+    for name, form in having(system.forms, Reducible).items():
         forms[name], states[name] = form.released(last.x, last.states[name])
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")

@@ -15,6 +15,7 @@ from ..checks import names_of
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, part_names, reduced_parts
+from ..forms.roles import Body, Reducible, Regularised, having, materials_of
 from ..limit_analysis import at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
@@ -73,7 +74,8 @@ class _Strength(Branch):
         self.flow = flow
         self.safe = 0.0
         self.above = np.inf
-        self.with_contact = any(form.unilateral for form in system.forms.values())
+        regularised = having(system.forms, Regularised).values()
+        self.with_contact = any(form.unilateral for form in regularised)
         self.search: Search = "either" if self.with_contact else "step"
 
     @property
@@ -86,7 +88,7 @@ class _Strength(Branch):
         """Materials of the reduced parts."""
         found = []
         for name, parts in self.targets.items():
-            materials = self.system.forms[name].materials
+            materials = materials_of(self.system.forms[name])
             found += [materials[part] for part in parts if part]
         return found
 
@@ -100,7 +102,9 @@ class _Strength(Branch):
         if not davis.stop.shows_limit:
             return np.inf
         for name, form in self.system.forms.items():
-            if not form.reduced(1.0, "associated", self.targets.get(name, ())).symmetric:
+            if isinstance(form, Reducible):
+                form = form.reduced(1.0, "associated", self.targets.get(name, ()))
+            if not form.symmetric:
                 return np.inf
         return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
@@ -110,8 +114,9 @@ class _Strength(Branch):
 
     def _reduced(self, factor: float) -> dict[str, Form]:
         """Return the forms that are reduced, at a factor."""
+        reducible = having(self.system.forms, Reducible)
         return {
-            name: self.system.forms[name].reduced(factor, self.flow, parts)
+            name: reducible[name].reduced(factor, self.flow, parts)
             for name, parts in self.targets.items()
         }
 
@@ -236,7 +241,7 @@ def _warn_of_kept_strength(forms: Mapping[str, Form], exclude: str | Collection[
     """Raise a warning of ground that yields under a law whose strength cannot be reduced."""
     excluded = set(names_of(exclude))
     kept = []
-    for name, form in forms.items():
+    for name, form in having(forms, Body).items():
         for region, material in form.materials.items():
             yields = PLASTIC_STRAIN in [variable.name for variable in material.internal]
             if yields and not material.reducible and excluded.isdisjoint((name, region)):

@@ -15,6 +15,7 @@ from typing_extensions import Self, override
 
 from ..checks import check_basis, is_number
 from ..forms.base import Form
+from ..forms.roles import Reducible, Regularised, Staged, Stiff, Touching, having
 from ..layout import Field
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
@@ -43,7 +44,7 @@ _SAME_WAY = 0.5
 _ON_AXIS = 1e-9
 
 
-class ContactBase(Form):
+class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     """Data of a contact pair, for regularisation, diagnosis and prestress."""
 
     unilateral = True
@@ -121,9 +122,8 @@ class ContactBase(Form):
             f"quadrature {self.quadrature}, {self.law!r}>"
         )
 
-    @property
-    @override
-    def parameters(self) -> Mapping[str, Any]:  # type: ignore[override]
+    def _parameters(self) -> Mapping[str, Any]:
+        """Return the settings by their names, for reports."""
         return {
             "slave": self.slave.name,
             "master": self.master.name,
@@ -181,16 +181,15 @@ class ContactBase(Form):
     def completed(self, forms: Mapping[str, Form]) -> Self:
         if self.complete:
             return self
-        bodies = [form for form in forms.values() if form.elastic_stiffness is not None]
-        new = self._about_axis(any(form.coordinates == "axisymmetric" for form in bodies)).with_(
-            complete=True
-        )
+        stiff = [f for f in having(forms, Stiff).values() if f.elastic_stiffness is not None]
+        axisymmetric = any(form.coordinates == "axisymmetric" for form in forms.values())
+        new = self._about_axis(axisymmetric).with_(complete=True)
         if new.stiffness is not None:
             return new
         penalty, stiffness = chosen(
             new.slave,
             new.facets,
-            [form.elastic_stiffness for form in bodies],
+            [form.elastic_stiffness for form in stiff],
             new.penalty,
             new.enforcement is None,
         )
@@ -224,7 +223,8 @@ class ContactBase(Form):
         return "near" if self.quadrature == "segments" else None
 
     @property
-    def has_friction(self) -> bool:
+    @override
+    def has_friction(self) -> bool:  # type: ignore[override]
         """True if the law may have friction: its coefficient `mu` is not zero everywhere."""
         return bool(np.any(getattr(self.law, "mu", 1.0)))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -13,9 +12,9 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from ..checks import check_size
-from ..errors import Failure, IncrementTooLarge, Remark
-from ..forms.base import Form, Response
-from ..forms.staged import arrays_of
+from ..errors import Failure, IncrementTooLarge
+from ..forms.base import Form, Outputs, Response
+from ..forms.roles import arrays_of
 from . import regularisation
 from .base import ContactBase, initial_clearance
 from .diagnosis import remarks
@@ -431,12 +430,11 @@ class ContactPair(ContactBase):
         return held, held.held(state)
 
     @override
-    def summary(self, state: ContactState) -> str:
+    def outputs(self, x: ndarray, state: ContactState) -> Outputs:
         counts = np.bincount(state.status, minlength=3)
-        return (
-            f"{counts[Status.STICK]} stick, {counts[Status.SLIP]} slip, {counts[Status.OPEN]} open"
+        stick, slip, opened = counts[Status.STICK], counts[Status.SLIP], counts[Status.OPEN]
+        return Outputs(
+            summary=f"{stick} stick, {slip} slip, {opened} open",
+            remarks=lambda: remarks(self, x, state),
+            parameters=self._parameters,
         )
-
-    @override
-    def remarks(self, x: ndarray, state: ContactState) -> Iterable[Remark]:
-        return list(remarks(self, x, state))

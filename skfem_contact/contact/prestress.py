@@ -15,7 +15,8 @@ from scipy.sparse.linalg import lsqr
 from typing_extensions import override
 
 from ..errors import Remark
-from ..forms.base import Form, Response
+from ..forms.base import Form, Outputs, Response
+from ..forms.roles import Couples, Reducible, Regularised
 from ..surfaces.material_points import MaterialPoints, offset_back
 from .base import ContactBase
 from .interface import ContactState
@@ -148,7 +149,7 @@ class TractionOperator:
         return pair.assemble(self._x, replace(state, clearance=clearance).with_stick(stick)).state
 
 
-class LinearisedContact(Form):
+class LinearisedContact(Form, Couples, Reducible, Regularised):
     """Contact pair whose geometry is held as it is at displacements x : ndarray, shape (N,).
 
     Solids of small strains have one geometry, contact of finite sliding follows the displaced
@@ -282,7 +283,10 @@ class LinearisedContact(Form):
         )
 
     @override
-    def remarks(self, x: ndarray, state: ContactState) -> Iterator[Remark]:
+    def outputs(self, x: ndarray, state: ContactState) -> Outputs:
+        return Outputs(remarks=lambda: self._remarks(state))
+
+    def _remarks(self, state: ContactState) -> Iterator[Remark]:
         """Yield a remark where the last point of a joint's quadrature, inside of its end, has all
         of the pressure.
         """

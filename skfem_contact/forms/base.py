@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -12,13 +13,15 @@ from scipy.sparse import csr_matrix
 
 from ..checks import names_of
 from ..errors import Remark
-from ..layout import Field, elements_of
+from ..layout import Field
 from ..sparse import padded, scattered
-from .staged import InTime, Reducible, Regularised, Staged
+from .roles import Body, Reducible, having, missing_roles
 
 Self = TypeVar("Self")
 #: Coordinate systems.
 Coordinates = Literal["plane", "axisymmetric", "space"]
+#: Points, (n, dim), and values there by name, (n,) each.
+Points = tuple[ndarray, dict[str, ndarray]]
 
 
 class Response:
@@ -127,27 +130,117 @@ def _each(round_off: float | ndarray, change: Callable[[ndarray], ndarray]) -> f
     return change(round_off) if isinstance(round_off, np.ndarray) else round_off
 
 
-class Form(Staged, InTime, Reducible, Regularised):
+Value = TypeVar("Value")
+
+
+class Outputs:
+    """Values of a form for tables, reports and pictures.
+
+    Every value may be given as a function without arguments, which is called at first access.
+
+    Parameters
+    ----------
+    summary : str
+        One line for the table of a result.
+    remarks : iterable of Remark
+        Remarks on the accepted state.
+    parameters : dict
+        Stiffnesses, strengths and other parameters by their names, for reports.
+    lines : tuple
+        Coordinates x and y along a beam, N, V and M there, (n,) each.
+    points : tuple
+        Start, end and middle of the elements of a beam, (3 m, dim), and values there by name.
+    members : dict
+        Coordinates and forces of bars, or of points along a line, by the columns of a table, (n,)
+        each.
+    yielding
+        Function of an earlier state that returns the number of points that have flowed since, and
+        of all points.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.Outputs(summary=lambda: f"N = {2 * 5.}").summary
+    'N = 10.0'
+    """
+
+    def __init__(
+        self,
+        summary: str | Callable[[], str] = "",
+        remarks: Iterable[Remark] | Callable[[], Iterable[Remark]] = (),
+        parameters: Mapping[str, Any] | Callable[[], Mapping[str, Any]] = MappingProxyType({}),
+        lines: tuple[Any, ...] | Callable[[], tuple[Any, ...]] | None = None,
+        points: Points | Callable[[], Points] | None = None,
+        members: Mapping[str, ndarray] | Callable[[], Mapping[str, ndarray]] | None = None,
+        yielding: Callable[[Any], tuple[int, int]] | None = None,
+    ) -> None:
+        self._summary = summary
+        self._remarks = remarks
+        self._parameters = parameters
+        self._lines = lines
+        self._points = points
+        self._members = members
+        self._yielding = yielding
+
+    @cached_property
+    def summary(self) -> str:
+        """One line for the table of a result."""
+        return _value(self._summary)
+
+    @cached_property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Remarks on the accepted state."""
+        return tuple(_value(self._remarks))
+
+    @cached_property
+    def parameters(self) -> Mapping[str, Any]:
+        """Parameters by their names."""
+        return _value(self._parameters)
+
+    @cached_property
+    def lines(self) -> tuple[Any, ...] | None:
+        """Coordinates and section forces along a beam; None where the form is no beam."""
+        return _value(self._lines)
+
+    @cached_property
+    def points(self) -> Points | None:
+        """Points of a beam with values there; None where the form is no beam."""
+        return _value(self._points)
+
+    @cached_property
+    def members(self) -> Mapping[str, ndarray]:
+        """Coordinates and forces of bars, empty where the form has none."""
+        return _value(self._members) or {}
+
+    def yielding(self, before: Any) -> tuple[int, int]:
+        """Return the number of points that have flowed since an earlier state, and of all."""
+        return (0, 0) if self._yielding is None else self._yielding(before)
+
+
+def _value(given: Any) -> Any:
+    """Return a value that may be given as a function."""
+    return given() if callable(given) else given
+
+
+class Form:
     """Base class of solids, contact pairs, bars, and forms of a user's own.
 
-    A form defines :meth:`assemble` and :meth:`initial_state`. All other members have defaults, here
-    or in one of the four base classes, each of which holds one optional part.
+    A form defines :meth:`assemble` and, where it has a memory, :meth:`initial_state`. A form that
+    can do more derives from the roles of :mod:`skfem_contact.roles` as well.
 
     Attributes
     ----------
     size
         Number of dofs that the form knows, the first ones of the analysis; None: all of them.
-    basis
-        Basis of the elements that the form gives stiffness to.
     fields
         Dofs that the form brings besides the displacements, see :class:`Field`.
-    borrowed
-        Fields of other forms that this form acts on.
     coordinates
         Coordinate system: ``"plane"``, ``"axisymmetric"`` (forces per radian about the axis x = 0)
         or ``"space"``; None where the form has no opinion.
     symmetric
         True if the tangent is symmetric.
+    changing
+        Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
 
     Examples
     --------
@@ -166,96 +259,90 @@ class Form(Staged, InTime, Reducible, Regularised):
     """
 
     size: int | None = None
-    basis: Any = None
     fields: tuple[Field, ...] = ()
-    borrowed: tuple[Field, ...] = ()
     coordinates: Coordinates | None = None
     symmetric: bool = False
+    changing: ndarray | None = None
 
     def assemble(self, x: ndarray, state: Any) -> Response:
         """Return the response to displacements from an accepted state."""
         raise NotImplementedError
 
     def initial_state(self, x: ndarray | None = None) -> Any:
-        """Return the state of unstrained bodies, or of those active from displacements x on; None:
-        no memory.
+        """Return the state of unstrained bodies, undeformed or active from displacements x on.
+
+        None stands for a form without memory.
         """
         return None
 
-    @property
-    def elements(self) -> ndarray:
-        """Numbers in the mesh of the elements that the form gives stiffness to, (n_elements,)."""
-        return elements_of(self.basis)
-
     def numbered(self: Self, numbers: Mapping[Field, ndarray]) -> Self:
-        """Return the form with the dofs of its fields and of the borrowed ones, ``numbers[field]``,
-        (n,).
+        """Return the form with the dofs of the fields that it brings or borrows.
+
+        ``numbers[field]`` has the shape (n,).
         """
         return self
 
-    def summary(self, state: Any) -> str:
-        """Return one line for the table of a result."""
-        return ""
+    def completed(self: Self, forms: Mapping[str, Any]) -> Self:
+        """Return the form with properties of other forms, such as a penalty from their stiffness."""
+        return self
 
-    def remarks(self, x: ndarray, state: Any) -> Iterable[Remark]:
-        """Return remarks on an accepted state and its displacements."""
-        return ()
+    def outputs(self, x: ndarray, state: Any) -> Outputs:
+        """Return the values of displacements and an accepted state for tables and pictures."""
+        return Outputs()
+
+
+#: Members of forms of earlier versions, which :class:`Outputs` has now.
+_FORMER = ("summary", "remarks", "line_forces", "line_points", "members", "yielding")
 
 
 def as_forms(forms: Mapping[str, Any]) -> dict[str, Form]:
-    """Validate forms; wrap objects that do not derive from :class:`Form` with its defaults.
+    """Validate forms.
 
     Raises
     ------
     ValueError
-        No dictionary, or a form that lacks what every form must offer; it is named.
+        No dictionary, an object that is no form, or a form with members of a role that it lacks;
+        the form is named.
     """
     if not isinstance(forms, Mapping):
         raise ValueError(f"forms must be a dictionary {{name: form}}, not {type(forms).__name__}")
     for name, form in forms.items():
-        call = getattr(form, "assemble", None)
-        missing = not callable(call) or getattr(call, "__func__", None) is Form.assemble
-        if missing or isinstance(form, type):
+        _check_form(name, form)
+    return dict(forms)
+
+
+def _check_form(name: str, form: Any) -> None:
+    """Refuse an object that is no form, or a form that lacks a role."""
+    if isinstance(form, type):
+        raise ValueError(
+            f"'{name}' is no form: {form!r} has no values; give an object of the class"
+        )
+    call = getattr(form, "assemble", None)
+    if not callable(call) or getattr(call, "__func__", None) is Form.assemble:
+        raise ValueError(
+            f"'{name}' is no form: {form!r} has no assemble; every form has assemble(x, state)"
+        )
+    if not isinstance(form, Form):
+        raise ValueError(
+            f"'{name}' is no form: {type(form).__name__} has assemble, but does not derive from "
+            "skfem_contact.Form"
+        )
+    for member, role in missing_roles(form).items():
+        raise ValueError(
+            f"'{name}' has `{member}`, but not its role: derive {type(form).__name__} from "
+            f"skfem_contact.roles.{role} as well, or choose another name"
+        )
+    for member in _FORMER:
+        if callable(getattr(form, member, None)):
             raise ValueError(
-                f"'{name}' is no form: {form!r} has no {'assemble' if missing else 'values'}; "
-                f"every form "
-                "has assemble(x, state)"
+                f"'{name}' has `{member}`, which no analysis asks for: return it from "
+                "outputs(x, state), see skfem_contact.Outputs, or choose another name"
             )
-    return {
-        name: form if isinstance(form, Form) else _Completed(form) for name, form in forms.items()
-    }
-
-
-class _Completed(Form):
-    """Form that does not derive from :class:`Form`, with the defaults from there."""
-
-    def __init__(self, form: Any) -> None:
-        self._form = form
-        for name in dir(Form):
-            if not name.startswith("_") and hasattr(form, name):
-                setattr(self, name, getattr(form, name))
-
-    def __repr__(self) -> str:
-        return repr(self._form)
 
 
 def solids_of(forms: Mapping[str, Form]) -> dict[str, Any]:
     """Return the forms that give stiffness to elements."""
-    return {name: form for name, form in forms.items() if form.basis is not None}
-
-
-def pairs_of(forms: Mapping[str, Form]) -> dict[str, Any]:
-    """Return the contact pairs."""
-    return {name: form for name, form in forms.items() if form.law is not None}
-
-
-def waters_of(forms: Mapping[str, Form]) -> dict[str, Form]:
-    """Return the forms that bring pressures of water."""
-    return {
-        name: form
-        for name, form in forms.items()
-        if any(field.kind == "pressure" for field in form.fields)
-    }
+    return having(forms, Body)
 
 
 def responses_of(
@@ -265,6 +352,13 @@ def responses_of(
     return {
         name: form.assemble(x[: form.size], states[name]).padded(len(x))
         for name, form in forms.items()
+    }
+
+
+def summaries(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, str]:
+    """Return the lines of all forms for the table of a result."""
+    return {
+        name: form.outputs(x[: form.size], states[name]).summary for name, form in forms.items()
     }
 
 
@@ -279,38 +373,42 @@ def internal_force(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, A
 def reduced_parts(
     forms: Mapping[str, Form], reduce: str | Collection[str] | None, exclude: str | Collection[str]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the parts to reduce by form, by default all: names of regions, or ``""`` for a form as
-    a whole.
+    """Return the parts to reduce by form, by default all.
+
+    A part is the name of a region, or ``""`` for a form as a whole.
 
     Raises
     ------
     ValueError
         A name that does not exist or has no strength, or nothing to reduce.
     """
-    exclude, named = set(names_of(exclude)), set(names_of(reduce or ()))
-    known = sorted({*forms, *(region for form in forms.values() for region in form.materials)})
-    for name in sorted(named | exclude):
+    excluded = set(names_of(exclude))
+    named = set(names_of(reduce or ()))
+    bodies = having(forms, Body)
+    reducible = having(forms, Reducible)
+    regions = {name: set(body.materials) for name, body in bodies.items()}
+    known = sorted(set(forms).union(*regions.values()))
+    for name in sorted(named | excluded):
         if name not in known:
             raise ValueError(
                 f"there is no form or region '{name}' to reduce; existing: {', '.join(known)}"
             )
+    for name in forms:
+        strengths = reducible[name].strengths if name in reducible else ()
+        for region in named & regions.get(name, set()) - set(strengths):
+            law = type(bodies[name].materials[region]).__name__
+            raise ValueError(f"'{region}' cannot be reduced: {law} has no strength")
+        if name in named and not strengths and not regions.get(name):
+            raise ValueError(f"'{name}' cannot be reduced: {forms[name]!r} has no strength")
     targets = {}
-    for name, form in forms.items():
-        for region in named.intersection(form.materials).difference(form.strengths):
-            raise ValueError(
-                f"'{region}' cannot be reduced: {type(form.materials[region]).__name__} has no "
-                f"strength"
-            )
-        if not form.materials and not form.strengths and name in named:
-            raise ValueError(f"'{name}' cannot be reduced: {form!r} has no strength")
-        parts = tuple(
-            part
-            for part in form.strengths
-            if exclude.isdisjoint((name, part))
-            and (reduce is None or not named.isdisjoint((name, part)))
-        )
+    for name, form in reducible.items():
+        parts = []
+        for part in form.strengths:
+            chosen = reduce is None or name in named or part in named
+            if chosen and name not in excluded and part not in excluded:
+                parts.append(part)
         if parts:
-            targets[name] = parts
+            targets[name] = tuple(parts)
     if not targets:
         raise ValueError(
             "there is nothing to reduce: nothing among the forms has a strength that can be"
@@ -320,9 +418,8 @@ def reduced_parts(
 
 def dilate_less(forms: Mapping[str, Form]) -> bool:
     """Return True if a material of some forms dilates less than its friction."""
-    return any(
-        material.dilates_less for form in forms.values() for material in form.materials.values()
-    )
+    bodies = having(forms, Body).values()
+    return any(material.dilates_less for body in bodies for material in body.materials.values())
 
 
 def part_names(parts: Mapping[str, Collection[str]]) -> tuple[str, ...]:

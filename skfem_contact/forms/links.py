@@ -15,10 +15,11 @@ from typing_extensions import override
 
 from ..checks import finite, is_number, positive
 from ..layout import Field, FieldDofs, dofs_at
-from .base import Form, Response
+from .base import Form, Outputs, Response
+from .roles import Couples, Regularised, Staged, Stiff, with_force_kept
 
 
-class MatrixForm(Form):
+class MatrixForm(Form, Stiff, Couples, Staged):
     """Linear form of any matrix, such as that of a ``BilinearForm``.
 
     Parameters
@@ -64,7 +65,8 @@ class MatrixForm(Form):
         self.symmetric = (
             abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
         )
-        self.changing, self.acts_on = np.zeros(0, int), self.elastic_stiffness.indices
+        self.changing = np.zeros(0, int)
+        self.acts_on = self.elastic_stiffness.indices
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.size} dofs, {self.elastic_stiffness.nnz} entries>"
@@ -164,7 +166,7 @@ class BarState:
     free: ndarray
 
 
-class Bar(Form):
+class Bar(Form, Couples, Staged, Regularised):
     """Bars of one kind between nodes, or between nodes and the ground: anchors, struts, ties.
 
     Small displacements: a bar keeps its direction.
@@ -250,7 +252,7 @@ class Bar(Form):
             raise ValueError("the ends of a bar must lie apart, and be finite")
         axis = (b - a) / length[:, None]
         ends = [(start, a, part, -axis), *([] if fixed_end else [(end, b, end_part, axis)])]
-        self.parameters = {
+        self._parameters = {
             "EA": EA,
             "yield_force": yield_force,
             "spacing": spacing,
@@ -307,7 +309,8 @@ class Bar(Form):
                 f"the force of a jack must lie between {self._least:g} and {self._most:g}"
             )
         new = copy(self)
-        new._jack, new.parameters = float(force), {**self.parameters, "jack": float(force)}
+        new._jack = float(force)
+        new._parameters = {**self._parameters, "jack": new._jack}
         return new
 
     def _elongation(self, x: ndarray) -> ndarray:
@@ -353,23 +356,23 @@ class Bar(Form):
         )
 
     @override
-    def stretched(self, state: BarState) -> ndarray:
-        return state.force / self._stiffness
+    def inherits(self, old: Bar, state: BarState) -> BarState:  # a new stiffness changes no force
+        before = state.force / old._stiffness
+        return with_force_kept(state, before, state.force / self._stiffness)
 
     @override
     def rebased(self, x: ndarray, state: BarState) -> BarState:
         return BarState(state.force, state.free - self._elongation(x))
 
     @override
-    def members(self, state: BarState) -> dict[str, ndarray]:
+    def outputs(self, x: ndarray, state: BarState) -> Outputs:
         axes = "xyz"[: self._where.shape[1] // 2]
-        return dict(zip((*axes, *(f"end {axis}" for axis in axes)), self._where.T)) | {
-            "force": state.force
-        }
-
-    @override
-    def summary(self, state: BarState) -> str:
-        return f"forces {state.force.min():.4g} to {state.force.max():.4g}"
+        names = [*axes, *(f"end {axis}" for axis in axes)]
+        return Outputs(
+            summary=f"forces {state.force.min():.4g} to {state.force.max():.4g}",
+            parameters=self._parameters,
+            members=dict(zip(names, self._where.T)) | {"force": state.force},
+        )
 
 
 def _points(end: ArrayLike | FieldDofs, name: str, basis: CellBasis | None) -> ndarray:

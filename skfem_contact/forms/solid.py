@@ -29,8 +29,9 @@ from .assembly import (
     strain_of,
     strain_operator,
 )
-from .base import Coordinates, Form, Response
+from .base import Coordinates, Form, Outputs, Response
 from .regions import Region, by_region, changed_moduli, check_materials, inherited
+from .roles import Body, Reducible, Staged, Timed
 
 #: Round-off of forces relative to those of single displacements, and share of the last stresses
 #: that is theirs.
@@ -63,7 +64,7 @@ class SolidState:
     internal: ndarray
 
 
-class SolidForm(Form):
+class SolidForm(Form, Body, Staged, Timed, Reducible):
     """Internal force and tangent of a body or of several, small strains.
 
     Parameters
@@ -132,7 +133,8 @@ class SolidForm(Form):
         )  # state arrays follow this order of the elements
         regions = tuple(r.with_material(r.material, self.basis) for r in regions)
         flows = any(region.material.n_internal for region in regions)
-        self.size, self.joins, self._duration = int(self.basis.N), np.zeros(0, int), 0.0
+        self.size = int(self.basis.N)
+        self._duration = 0.0
         self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
         self.unit_weight, self.porous = unit_weight, porous
         if unit_weight is not None and (missing := weightless(self, unit_weight)):
@@ -164,7 +166,7 @@ class SolidForm(Form):
             max(law.n_internal for law in laws),
         )
         changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
-        self.changing = None if changing else self.joins
+        self.changing = None if changing else np.zeros(0, int)
         self.strengths = tuple(
             name for name, material in self.materials.items() if material.reducible
         )
@@ -218,11 +220,20 @@ class SolidForm(Form):
         return new
 
     @override
-    def yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
-        parts = zip(self.at_regions(before), self.at_regions(after), strict=True)
-        return sum(
-            int(r.material.yielding(i, j).sum()) for (r, _, i), (_, _, j) in parts
-        ), after.stress[0].size
+    def outputs(self, x: ndarray, state: SolidState) -> Outputs:
+        return Outputs(
+            summary=lambda: self._summary(state),
+            remarks=lambda: self._remarks(x, state),
+            yielding=lambda before: self._yielding(before, state),
+        )
+
+    def _yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
+        """Return the number of points that have flowed between two states, and of all points."""
+        flowed = 0
+        for old, new in zip(self.at_regions(before), self.at_regions(after), strict=True):
+            region, _, internal = old
+            flowed += int(region.material.yielding(internal, new[2]).sum())
+        return flowed, after.stress[0].size
 
     @override
     def shear_strain(self, x: ndarray) -> ndarray:  # of plane bodies that in the plane
@@ -315,8 +326,7 @@ class SolidForm(Form):
             after[: region.material.n_internal, region.elements] = update.internal
         return after
 
-    @override
-    def summary(self, state: SolidState) -> str:
+    def _summary(self, state: SolidState) -> str:
         yielded = self.variable(PLASTIC_STRAIN, state) > 0
         return f"{yielded.mean():.1%} yielded" if yielded.any() else ""
 
@@ -364,8 +374,7 @@ class SolidForm(Form):
     def rebased(self, x: ndarray, state: SolidState) -> SolidState:
         return replace(state, strain=np.zeros_like(state.strain))
 
-    @override
-    def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
+    def _remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         moved = zip(x[self.basis.element_dofs], self.basis.basis, strict=True)
         gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
         if (

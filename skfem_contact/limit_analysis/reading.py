@@ -16,8 +16,9 @@ from skfem import CellBasis, Mesh
 from ..checks import format_point
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
-from ..forms.base import as_forms, dilate_less, pairs_of, part_names, reduced_parts
+from ..forms.base import as_forms, dilate_less, part_names, reduced_parts
 from ..forms.regions import Region
+from ..forms.roles import Touching, having, materials_of
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
 from .model import LimitModel, Loads, Site
@@ -161,8 +162,8 @@ def _missing(model: LimitModel) -> str:
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
     """Return solids and contact pairs; refuse other forms."""
     forms = as_forms(forms)
-    solids: dict[str, Any] = {name: form for name, form in forms.items() if form.materials}
-    pairs = pairs_of(forms)
+    solids: dict[str, Any] = {name: form for name, form in forms.items() if materials_of(form)}
+    pairs: dict[str, Any] = having(forms, Touching)
     for name in set(forms) - set(solids) - set(pairs):
         raise ValueError(
             f"there are no bounds with '{name}', a {type(forms[name]).__name__}: they know solids "

@@ -13,6 +13,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
+from ..forms.roles import Regularised, Timed, Touching, changed, having
 from ..solvers.direct import SingularSystem
 from .newton import Newton, Search
 from .system import Equilibrium, System
@@ -64,13 +65,14 @@ def solve_increment(
     Newton's method begins at `start` and, where that fails, at `x`. With `try_recovery` the search
     along the energy and regularised forms follow; these take several times as long as the rest.
     """
-    minimum = not any(form.saddle for form in system.forms.values())
+    minimum = not any(pair.saddle for pair in having(system.forms, Touching).values())
     first: Search = "either" if minimum and system.yields_beside_contact else "residual"
     searches: tuple[Search, ...] = (first, "energy") if try_recovery and minimum else (first,)
     given = system
-    system = given.with_forms(
-        {name: form.begin(states[name]) for name, form in given.forms.items()}
-    )
+    begun = {
+        name: form.begin(states[name]) for name, form in having(given.forms, Regularised).items()
+    }
+    system = given.with_forms({**given.forms, **begun})
     if start is not None:
         try:
             return _solve(given, system, x, states, load, prescribed, newton, searches[:1], start)
@@ -107,7 +109,7 @@ def _solve(
 ) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     settings, equilibria = newton, 1
-    after = {form.outer_after for form in system.forms.values()} - {None}
+    after = {form.outer_after for form in having(system.forms, Regularised).values()} - {None}
     if system is given and after == {"near"}:
         settings = replace(newton, tolerance=max(newton.tolerance, _ROUGH))
     for _ in range(_MOST):
@@ -126,20 +128,20 @@ def _solve(
         try:
             again = {
                 name: form.outer(new.x, states[name], new.states[name])
-                for name, form in system.forms.items()
+                for name, form in having(system.forms, Regularised).items()
             }
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
-        changed = {name: pair for name, pair in again.items() if pair is not None}
-        if not changed and settings is newton:
+        improved = {name: pair for name, pair in again.items() if pair is not None}
+        if not improved and settings is newton:
             check(given, system, new, states, load, newton)
             return replace(new, residuals=residuals, equilibria=equilibria)
-        states = {**states, **{name: state for name, (_, state) in changed.items()}}
+        states = {**states, **{name: state for name, (_, state) in improved.items()}}
         system = system.with_forms(
-            {**system.forms, **{name: form for name, (form, _) in changed.items()}}
+            {**system.forms, **{name: form for name, (form, _) in improved.items()}}
         )
-        x, start, settings, equilibria = new.x, None, newton, equilibria + bool(changed)
-    raise NotConverged(f"the increment was solved {_MOST} times and {list(changed)} still changes")
+        x, start, settings, equilibria = new.x, None, newton, equilibria + bool(improved)
+    raise NotConverged(f"the increment was solved {_MOST} times and {list(improved)} still changes")
 
 
 def check(
@@ -158,7 +160,8 @@ def check(
         found.x, {k: found.states[k] if k in others else state for k, state in states.items()}, load
     )
     if again.norm > _AGAIN * newton.tolerance:
-        why = "; ".join(f"{name}: {form.reason}" for name, form in others.items() if form.reason)
+        reasons = {name: form.reason for name, form in having(others, Regularised).items()}
+        why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)
         raise NotConverged(
             f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out "
             f"of "
@@ -223,7 +226,8 @@ def solve_step(
     """
     begin, end = span
     duration *= round(end - begin, _DIGITS)
-    second_order = {name for name, form in system.forms.items() if form.second_order}
+    timed = having(system.forms, Timed)
+    second_order = {name for name, form in timed.items() if form.second_order}
     if not second_order or not duration > 0.0:
         step = system.over(duration)
         return solve_increment(step, x, states, *path(end), newton, start, try_recovery), {}
@@ -232,22 +236,16 @@ def solve_step(
     middle = solve_increment(
         first, x, states, *path(begin + PART * (end - begin)), newton, towards, try_recovery
     )
-    second = first.with_forms(
-        {
-            name: first.forms[name] if name in second_order else form.over((1.0 - PART) * duration)
-            for name, form in system.forms.items()
-        }
-    )
-    begun = {
-        name: first.forms[name].extrapolated(states[name], state, 1.0 / PART - 1.0)
-        if name in second_order
-        else state
-        for name, state in middle.states.items()
-    }
+    rest = changed(system.forms, Timed, lambda form: form.over((1.0 - PART) * duration))
+    second = first.with_forms({**rest, **{name: first.forms[name] for name in second_order}})
+    timed = having(first.forms, Timed)
+    begun = dict(middle.states)
+    for name in second_order:
+        begun[name] = timed[name].extrapolated(states[name], begun[name], 1.0 / PART - 1.0)
     ahead = x + (middle.x - x) / PART  # in proportion
     last = solve_increment(second, middle.x, begun, *path(end), newton, ahead, try_recovery)
     errors = {
-        name: first.forms[name].time_error(middle.states[name], last.states[name])
+        name: timed[name].time_error(middle.states[name], last.states[name])
         for name in second_order
     }
     return Equilibrium(

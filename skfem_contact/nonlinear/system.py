@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 
 from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.base import Form, Response, responses_of
+from ..forms.roles import Body, Reducible, Regularised, Timed, changed, having
 from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, SingularSystem, Solve
 from ..sparse import Total
@@ -72,7 +73,7 @@ class System:
 
     def over(self, duration: float) -> System:
         """Return the system of a step in time; itself where no form depends on time."""
-        return self.with_forms({name: form.over(duration) for name, form in self.forms.items()})
+        return self.with_forms(changed(self.forms, Timed, lambda form: form.over(duration)))
 
     @cached_property
     def symmetric(self) -> bool:
@@ -82,10 +83,9 @@ class System:
     @cached_property
     def yields_beside_contact(self) -> bool:
         """True if some material yields, and contact or other forms act in one direction only."""
-        forms = self.forms.values()
-        return any(form.unilateral for form in forms) and any(
-            form.materials and form.strengths for form in forms
-        )
+        bodies = having(having(self.forms, Body), Reducible).values()
+        yields = any(body.strengths for body in bodies)
+        return yields and any(form.unilateral for form in having(self.forms, Regularised).values())
 
     @cached_property
     def yields(self) -> bool:
@@ -281,15 +281,17 @@ class System:
         """Return a start that is extrapolated from two displacements, or a first step, with what
         forms know better.
         """
-        for name, form in self.forms.items():
+        for name, form in having(self.forms, Regularised).items():
             start = form.foreseen(start, x, before, states[name])
         return start
 
     def after(self, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
         """Return the system with the forms that begin an increment after failures."""
-        return self.with_forms(
-            {name: form.begin(states[name], failures[name]) for name, form in self.forms.items()}
-        )
+        begun = {
+            name: form.begin(states[name], failures[name])
+            for name, form in having(self.forms, Regularised).items()
+        }
+        return self.with_forms({**self.forms, **begun})
 
     def out_of(self, cycle: Sequence[ndarray], states: Mapping[str, Any], load: ndarray) -> System:
         """Return the system with forms that do not go back and forth between some displacements;

@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import check_basis, check_plane, look_up, names_of
+from ..forms.roles import materials_of
 from ..results.fields import Shown, basis_of, quantities, region_field, solids
 from ..results.result import Result
 from ..results.stage import StageResult
@@ -422,7 +423,7 @@ def only(stage: StageResult, bodies: Container[str]) -> StageResult:
     """Return a stage with some of its solids."""
     forms = {}
     for name, form in stage.forms.items():
-        if name in bodies or not form.materials:
+        if name in bodies or not materials_of(form):
             forms[name] = form
     return replace(stage, forms=forms)
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
 from ..errors import warn
+from ..forms.roles import Body, having
 from ..layout import nodes as nodes_of
 from ..results.cuts import SectionForces
 from ..results.fields import Shown, basis_of, has_excess, nodal_field, quantities, solids
@@ -366,7 +367,7 @@ def _on_structure(
 ) -> Figure:
     """Draw ordinates of one scale on the bodies of a stage or on members, with their extremes."""
     members = list(values.values()) if isinstance(values, Mapping) else [values]
-    has_bodies = any(form.basis is not None for form in stage.forms.values())  # no frame alone
+    has_bodies = bool(having(stage.forms, Body))  # no frame alone
     if has_bodies:
         check_plane(basis_of(stage), "plot.diagram")
     quantity = quantity or ""

@@ -161,14 +161,14 @@ def _lines(ax: Axes, stage: StageResult) -> list[Line2D]:
     """Draw beams, bars and contact; return the legend."""
     # Collect the segments of each form, (n, points, 2), with colour and width.
     found: list[tuple[str, str, float, ndarray]] = []
-    for name, state in stage.states.items():
-        form = stage.forms[name]
-        along = form.line_points(stage.x, state)
+    for name in stage.states:
+        outputs = stage.outputs(name)
+        along = outputs.points
         if along is not None:
             points = along[0].reshape(-1, 3, along[0].shape[1])
             found.append((name, _BEAM, 2.4, points[:, :2, :2]))
             continue
-        bars = form.members(state)
+        bars = outputs.members
         if "end x" in bars:
             ends = np.column_stack([bars[key] for key in ("x", "y", "end x", "end y")])
             found.append((name, _BAR, 1.6, ends.reshape(-1, 2, 2)))

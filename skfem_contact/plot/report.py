@@ -20,6 +20,7 @@ from numpy import ndarray
 
 from ..display import Table
 from ..forms.base import solids_of
+from ..forms.roles import materials_of
 from ..results.cuts import Sections
 from ..results.fields import basis_of, has_solids, solids
 from ..results.result import COLUMNS, Result, rows_of
@@ -200,8 +201,9 @@ def _model(result: Result, colors: Mapping[str, Shade]) -> str:
             if solid.materials:
                 weights[name] = solid.unit_weight
         for name, form in stage.forms.items():
-            if not form.materials:
-                others[name] = (name, type(form).__name__, _parameters(form))
+            if not materials_of(form):
+                parameters = _listed(stage.outputs(name).parameters)
+                others[name] = (name, type(form).__name__, parameters)
 
     # Write a table of each.
     rows = []
@@ -240,13 +242,16 @@ def _weight(shade: Shade, weights: Mapping[str, Any]) -> str:
     return ", ".join(f"{weight:g}" for weight in found if weight is not None)
 
 
-def _parameters(thing: Any) -> str:
-    """Return the parameters of a material, law or form, without zeros and unlimited ones."""
-    own = getattr(thing, "_law", thing)  # a material that does not derive from Material
-    if is_dataclass(own):
-        values = {part.name: getattr(own, part.name) for part in fields(own)}
-    else:
-        values = thing.parameters
+def _parameters(law: Any) -> str:
+    """Return the parameters of a material or interface law."""
+    own = getattr(law, "_law", law)  # a material that does not derive from Material
+    if not is_dataclass(own):
+        return ""
+    return _listed({part.name: getattr(own, part.name) for part in fields(own)})
+
+
+def _listed(values: Mapping[str, Any]) -> str:
+    """Return parameters in one line, without zeros and unlimited ones."""
     texts = []
     for name, value in values.items():
         if np.ndim(value) or value not in (0, None, np.inf, False, ""):
@@ -367,8 +372,8 @@ def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tupl
 def _bent_beams(result: Result) -> Iterator[str]:
     """Yield the names of beams that have moments in the plane, once or more often."""
     for stage in result:
-        for name, state in stage.states.items():
-            along = stage.forms[name].line_forces(state)
+        for name in stage.states:
+            along = stage.outputs(name).lines
             if along is not None:
                 moment = along[5]
                 if np.ndim(moment) == 1 and np.any(moment):

@@ -118,8 +118,8 @@ def _with_beams(
     stage: StageData, points: ndarray, data: dict[str, ndarray], blocks: list[tuple[str, ndarray]]
 ) -> tuple[ndarray, dict[str, ndarray]]:
     """Return points and data with the points of beams at the end; add a block of each beam."""
-    for name, state in stage.states.items():
-        along = stage.forms[name].line_points(stage.x, state)
+    for name in stage.states:
+        along = stage.outputs(name).points
         if along is None:
             continue
         beam_points = _in_space(along[0], 3)

@@ -12,6 +12,7 @@ from skfem import CellBasis
 
 from ..checks import look_up
 from ..forms.base import solids_of
+from ..forms.roles import Wet, having
 from ..forms.solid import SolidForm
 from ..layout import Layout
 from ..loads.water_at_rest import at_nodes
@@ -260,10 +261,8 @@ def reference(stage: StageData, since: StageData | None, name: str) -> ndarray:
 
 def _pressures(stage: StageData) -> Iterator[ndarray]:
     """Yield the excess pressures of flowing water at all nodes, (N/dim,)."""
-    for form in stage.forms.values():
-        pressure = form.pressure_at_nodes(stage.x)
-        if pressure is not None:
-            yield pressure
+    for water in having(stage.forms, Wet).values():
+        yield water.pressure_at_nodes(stage.x)
 
 
 def _excess(stage: StageData, nodes: ndarray) -> ndarray:

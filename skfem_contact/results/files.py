@@ -22,8 +22,16 @@ from typing_extensions import Self
 from ..contact.laws import Status
 from ..contact.penalty import choose_penalties
 from ..errors import warn
-from ..forms.base import Form
-from ..forms.staged import arrays_of, with_arrays
+from ..forms.base import Form, Outputs
+from ..forms.roles import (
+    Body,
+    Couples,
+    Touching,
+    arrays_of,
+    fits,
+    materials_of,
+    with_arrays,
+)
 from ..layout import Layout
 from ..versions import own_version
 
@@ -82,6 +90,11 @@ class StageData:
     changed: Mapping[str, Form] = field(default_factory=dict, repr=False)
     supports: ndarray | None = field(default=None, repr=False)
     before: tuple[ndarray, ndarray, float] | None = field(default=None, repr=False)
+
+    def outputs(self, name: str) -> Outputs:
+        """Return the values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""
+        form = self.forms[name]
+        return form.outputs(self.x[: form.size], self.states[name])
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -339,11 +352,11 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
     parts = {part: arrays[f"{key}/{part}"] for part in expected if f"{key}/{part}" in arrays}
     complete = len(parts) == len(expected)
     state = with_arrays(initial, parts) if complete else None
-    if not complete or not form.fits(state):
+    if not complete or not fits(form, state):
         raise ValueError(
             f"'{name}' is another form there: its mesh, its element or its settings differ"
         )
-    if form.materials or form.law is not None:
+    if materials_of(form) or isinstance(form, Touching):
         filled = {part: values for part, values in parts.items() if part not in _FREE}
         _check_numbers(f"'{name}'", filled)
     return state
@@ -402,14 +415,13 @@ def _checksum(values: Any) -> int:
 
 def _fingerprint(form: Form) -> list[float]:
     """Return numbers that identify a mesh: numbers and weighted means of nodes and elements."""
-    if form.nodes is not None:
-        coordinates = form.nodes[1]
-    elif form.basis is not None:
+    coordinates = np.zeros((1, 0))
+    if isinstance(form, Body):
         coordinates = form.basis.doflocs
-    else:
-        coordinates = np.zeros((1, 0))
+    elif isinstance(form, Couples) and form.nodes is not None:
+        coordinates = form.nodes[1]
     result = _means(coordinates, 1.0 + np.arange(coordinates.shape[1]) % 7)
-    if form.nodes is None and form.basis is not None:
+    if isinstance(form, Body):
         # Give all elements different weights, so that swapped regions are noticed.
         centres = coordinates[:, form.basis.element_dofs].mean(axis=1)
         result += _means(centres, np.sqrt(1.0 + np.arange(centres.shape[1])))
@@ -418,7 +430,9 @@ def _fingerprint(form: Form) -> list[float]:
 
 def _settings(form: Form) -> list[float]:
     """Return numbers that identify the materials of a solid, or the law of a contact pair."""
-    laws = list(form.materials.values()) if form.materials else [form.law]
+    laws = list(materials_of(form).values())
+    if not laws:
+        laws = [form.law if isinstance(form, Touching) else None]
     return [number for law in laws for number in _parameters(law)]
 
 

@@ -12,7 +12,8 @@ from numpy import ndarray
 
 from ..checks import look_up
 from ..display import Table
-from ..forms.base import Form, as_forms
+from ..forms.base import as_forms
+from ..forms.roles import Staged, fits, having
 from . import export, files, tables
 from .cuts import Sections
 from .stage import StageResult
@@ -158,14 +159,14 @@ class Result:
         x = np.zeros_like(last.x)
         if last.layout is not None:
             x[last.layout.still] = last.x[last.layout.still]
-        states = {
-            name: form.rebased(last.x, last.states[name]) for name, form in last.forms.items()
-        }
+        states = dict(last.states)
+        for name, form in having(last.forms, Staged).items():
+            states[name] = form.rebased(last.x, states[name])
 
         # Check that forms without a rule of their own keep their forces.
         scale = float(np.abs(last.load).max(initial=0.0))
         for name, form in last.forms.items():
-            if getattr(form.rebased, "__func__", None) is not Form.rebased:
+            if isinstance(form, Staged) and type(form).rebased is not Staged.rebased:
                 continue
             before = form.assemble(last.x[: form.size], last.states[name]).force
             after = form.assemble(x[: form.size], states[name]).force
@@ -267,7 +268,7 @@ def of(
             raise ValueError(
                 f"displacements of '{name}' have shape {np.shape(x)}, not ({form.size or 'N'},)"
             )
-        if not form.fits(states[name]):
+        if not fits(form, states[name]):
             raise ValueError(
                 f"the state of '{name}' belongs to another form: {type(states[name]).__name__}"
             )

@@ -11,7 +11,8 @@ from numpy import ndarray
 
 from ..checks import look_up
 from ..display import Table
-from ..forms.base import internal_force, pairs_of, solids_of
+from ..forms.base import internal_force, solids_of
+from ..forms.roles import Touching, having
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
 from .cuts import SectionForces, Sections
@@ -114,8 +115,8 @@ class StageResult(files.StageData):
         AnalysisWarning
             The body continues beside a cut that is not deep enough or off its middle.
         """
-        form = look_up(body, self.forms, f"form in stage '{self.name}'")
-        along = form.line_forces(self.states[body])
+        look_up(body, self.forms, f"form in stage '{self.name}'")
+        along = self.outputs(body).lines
         if along and not sections:
             return SectionForces(*along)
         return section_forces(*self._solid(body), sections)
@@ -256,7 +257,7 @@ class StageResult(files.StageData):
 
     def _pair(self, name: str) -> tuple[Any, Any]:
         """Return a contact pair and its state."""
-        return self._of(name, "ContactPair", pairs_of(self.forms))
+        return self._of(name, "ContactPair", having(self.forms, Touching))
 
     def _of(self, name: str, kind: str, existing: Mapping[str, Any]) -> tuple[Any, Any]:
         """Return one of the forms of a kind, and its state."""

@@ -11,7 +11,8 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import Remark
-from ..forms.base import Form, pairs_of, solids_of
+from ..forms.base import Form, solids_of
+from ..forms.roles import Touching, having
 from ..forms.solid import SolidForm, SolidState
 from ..layout import linear_element
 from ..materials import spectral
@@ -129,7 +130,7 @@ def undrained_friction(
     forms: Mapping[str, Form], states: Mapping[str, Any]
 ) -> Iterator[tuple[str, Remark]]:
     """Yield contact pairs with friction and remarks on the excess pressure of undrained ground."""
-    pairs = {name: pair for name, pair in pairs_of(forms).items() if pair.has_friction}
+    pairs = {name: pair for name, pair in having(forms, Touching).items() if pair.has_friction}
     if not pairs:
         return
 

@@ -13,6 +13,7 @@ from ..checks import format_point, look_up
 from ..contact.laws import Status
 from ..display import Table
 from ..forms.base import Form
+from ..forms.roles import Touching, materials_of
 from .cuts import SectionForces, Sections
 from .fields import basis_of, has_solids, nodal_field
 from .files import StageData
@@ -82,12 +83,10 @@ class Envelope:
 def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Table:
     """Return the table of a form, see :meth:`~skfem_contact.results.StageResult.table`."""
     form = look_up(name, stage.forms, f"form in stage '{stage.name}'")
-    along = _along(form, stage.states[name], sections)
+    along = _along(stage, name, sections)
     if not along:
         others = [
-            key
-            for key, other in stage.forms.items()
-            if key != name and _along(other, stage.states[key], None)
+            key for key, other in stage.forms.items() if key != name and _along(stage, key, None)
         ]
         raise ValueError(
             f"'{name}' is a {type(form).__name__}, which has no forces for a table; give "
@@ -112,7 +111,9 @@ def of_stages(
     """Return one row for each stage, see :meth:`~skfem_contact.results.Result.table`."""
     forms = {name: form for stage in stages for name, form in stage.forms.items()}
     _check_names(forms, stages, (*names, *sections), sections, searches)
-    chosen = dict.fromkeys(names or [name for name, form in forms.items() if form.law is None])
+    chosen = dict.fromkeys(
+        names or [name for name, form in forms.items() if not isinstance(form, Touching)]
+    )
     rows = [
         _row(stage, [*(chosen | dict.fromkeys(sections))], sections, searches) for stage in stages
     ]
@@ -143,7 +144,7 @@ def _check_names(
     """Refuse unknown forms, solids without sections, and searches from unknown stages."""
     for name in names:
         form = look_up(name, forms, "form")
-        if form.materials and name not in sections:
+        if materials_of(form) and name not in sections:
             raise ValueError(
                 f"'{name}' is a {type(form).__name__}: give sections={{'{name}': Sections.line()}}"
             )
@@ -171,7 +172,7 @@ def _row(
     for name in names:
         if name not in stage.states:
             continue
-        along = _along(stage.forms[name], stage.states[name], sections.get(name))
+        along = _along(stage, name, sections.get(name))
         for key in _FORCES:
             if key in along:
                 points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
@@ -183,19 +184,21 @@ def _row(
     return row
 
 
-def _along(form: Form, state: Any, sections: Sections | None) -> dict[str, ndarray]:
+def _along(stage: StageData, name: str, sections: Sections | None) -> dict[str, ndarray]:
     """Return coordinates and forces of a form by the names of columns, (n,) or (n, 3), or {}."""
-    if form.law is not None and sections is None:
+    form = stage.forms[name]
+    state = stage.states[name]
+    if isinstance(form, Touching) and sections is None:
         return _contact_columns(vars(tractions(form, state)))  # type: ignore[arg-type]
     forces: SectionForces | None = None
     if sections is not None:
-        if not form.materials:
+        if not materials_of(form):
             raise ValueError(f"sections cut a SolidForm, not a {type(form).__name__}")
         forces = section_forces(form, state, sections)  # type: ignore[arg-type]
-    elif along := form.line_forces(state):
+    elif along := stage.outputs(name).lines:
         forces = SectionForces(*along)
     if forces is None:
-        return form.members(state)
+        return dict(stage.outputs(name).members)
     return {key: part for key, part in vars(forces).items() if part is not None}
 
 
@@ -213,8 +216,8 @@ def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
         basis = basis_of(stage)
         return nodal_field(stage, "u"), basis.doflocs[:, :: basis.mesh.dim()].T
     values, points = [], []
-    for name, state in stage.states.items():
-        line = stage.forms[name].line_points(stage.x, state)
+    for name in stage.states:
+        line = stage.outputs(name).points
         if line is not None:
             points.append(line[0])
             values.append(line[1]["displacement"])

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
 from ..contact.multipliers import nodal_forces
-from ..forms.base import pairs_of
+from ..forms.roles import Touching, having
 from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
 from .files import StageData
@@ -179,7 +179,7 @@ class ContactFacets(NamedTuple):
 def interfaces(stage: StageData) -> dict[str, ContactFacets]:
     """Return the contact pairs of a stage."""
     found = {}
-    for name, form in pairs_of(stage.forms).items():
+    for name, form in having(stage.forms, Touching).items():
         if name in stage.states and form.slave.meshed:
             found[name] = _interface(form, stage.states[name])
     return found

@@ -176,9 +176,9 @@ def smoothed_aggregation() -> Callable[..., Any]:
 @contextmanager
 def _repeatable() -> Iterator[None]:
     """Give pyamg the same random numbers in every run, and keep those of the user."""
-    state = np.random.get_state()  # noqa: NPY002  # pyamg draws from the global generator
-    np.random.seed(0)  # noqa: NPY002
+    state = np.random.get_state()  # pyamg draws from the global generator
+    np.random.seed(0)
     try:
         yield
     finally:
-        np.random.set_state(state)  # noqa: NPY002
+        np.random.set_state(state)

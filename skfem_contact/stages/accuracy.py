@@ -20,6 +20,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import InadmissibleStress, IncrementTooLarge, Remark
+from ..forms.roles import Body, having
 from ..laboratory.specimen import elasticity_at, tangent_at
 from ..materials import Material
 from ..materials.base import updated
@@ -80,7 +81,7 @@ class Parts:
 
     def add(self, before: StageResult, after: StageResult) -> None:
         """Record an accepted increment."""
-        for name, form in after.forms.items():
+        for name, form in having(after.forms, Body).items():
             if not any(material.stress_dependent for material in form.materials.values()):
                 continue
             old, new = before.states[name], after.states[name]

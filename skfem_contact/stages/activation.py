@@ -13,7 +13,8 @@ from scipy.sparse import csr_matrix, diags_array
 from ..checks import look_up, names_of
 from ..contact.prestress import prestressed
 from ..errors import Remark
-from ..forms.base import Form, internal_force, solids_of, waters_of
+from ..forms.base import Form, internal_force, solids_of
+from ..forms.roles import Couples, Staged, Touching, Wet, having, joined_by
 from ..layout import Layout, nodes
 from ..results.fields import undrained_elements, undrained_excess
 from ..results.stage import StageResult
@@ -267,8 +268,9 @@ def _changed(setup: Setup, change: Mapping[str, Any], now: Mapping[str, Form]) -
 def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
     """Refuse forms that act on inactive bodies, whose dofs are held."""
     for name, form in there.items():
+        acts_on = form.acts_on if isinstance(form, Couples) else None
         if any(
-            dofs is not None and np.isin(dofs, held).any() for dofs in (form.joins, form.acts_on)
+            dofs is not None and np.isin(dofs, held).any() for dofs in (joined_by(form), acts_on)
         ):
             raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
 
@@ -297,7 +299,7 @@ def _of_forms(
     try:
         return [
             replace(remark, text=f"{name}: {remark.text}")
-            for name, form in there.items()
+            for name, form in having(there, Staged).items()
             for remark in form.check_stage(fixed, held, time if stage.duration else 0.0)
         ]
     except ValueError as error:
@@ -319,7 +321,7 @@ def _of_pressures(
     Report ground that drains at once because its water was not activated, and levels where there is
     suction.
     """
-    layout, waters, active = setup.layout, waters_of(setup.forms), waters_of(there)
+    layout, waters, active = setup.layout, having(setup.forms, Wet), having(there, Wet)
     if not waters:
         return
     solid = np.concatenate([form.elements for form in solids_of(there).values()])
@@ -340,7 +342,7 @@ def _of_pressures(
             "would count twice; give the soil alone, or deactivate the water"
         )
     for name in active if isinstance(water, float | int) and water is not False else ():
-        if (suction := there[name].suction) > 0.0:
+        if (suction := active[name].suction) > 0.0:
             yield Remark(
                 "suction",
                 suction,
@@ -415,7 +417,7 @@ def begin(
     known = dofs_of(phase.before, layout)
     x = last.x.copy()
     still = np.setdiff1d(np.intersect1d(layout.still, dofs_of(new, layout)), known)
-    wet = [form.elements for form in waters_of(new).values()]
+    wet = [form.elements for form in having(new, Wet).values()]
     x[still] = undrained_excess(last, layout, np.concatenate([still[:0], *wet]))[still]
     x = placed(layout, x, new, known, phase.fixed)
     states = {
@@ -424,7 +426,7 @@ def begin(
         else _inherited(form, phase.before[name], last, name)
         for name, form in phase.forms.items()
     }
-    for name, form in new.items():
+    for name, form in having(new, Touching).items():
         gone = {k: f for k, f in phase.before.items() if k not in phase.forms and form.replaces(f)}
         operator = form.tractions_at(x[: form.size], states[name]) if gone else None
         if operator is not None:
@@ -439,7 +441,9 @@ def begin(
 def _inherited(form: Form, before: Form, last: StageResult, name: str) -> Any:
     """Return the state that a form continues from the end of the last stage."""
     old, state = last.forms.get(name, before), last.states[name]
-    return state if form is old else form.inherits(old, state)
+    if form is old or not isinstance(form, Staged):
+        return state
+    return form.inherits(old, state)
 
 
 def state_changes(phase: Phase, last: StageResult) -> bool:
@@ -476,7 +480,7 @@ def placed(
 
 def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
     """Refuse a start of another mesh, or whose contact pairs have another penalty."""
-    for name, form in forms.items():
+    for name, form in having(forms, Touching).items():
         try:
             form.check_start(start.x[: form.size], start.states[name])
         except ValueError as error:

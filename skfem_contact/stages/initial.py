@@ -15,7 +15,8 @@ from scipy.spatial import cKDTree
 from ..checks import finite, format_point, look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
-from ..forms.base import Form, internal_force, pairs_of
+from ..forms.base import Form, internal_force, summaries
+from ..forms.roles import Touching, having, joined_by
 from ..layout import linear_element, others
 from ..loads import by_element
 from ..loads.water_at_rest import as_pressure
@@ -210,13 +211,13 @@ def _without_still_fields(setup: Setup) -> tuple[Setup, ndarray]:
     these, and its dofs.
     """
     still = setup.layout.still
-    names = [
-        key
-        for key, form in setup.forms.items()
-        if all(field.moves for field in form.fields)
-        and (form.joins is None or not np.isin(form.joins, still).any())
-    ]
-    for key in set(pairs_of(setup.forms)).difference(names):
+    names = []
+    for key, form in setup.forms.items():
+        joins = joined_by(form)
+        moves = all(field.moves for field in form.fields)
+        if moves and (joins is None or not np.isin(joins, still).any()):
+            names.append(key)
+    for key in set(having(setup.forms, Touching)).difference(names):
         raise ValueError(
             f"'{key}' has DualMultipliers: initial states of the ground are for the penalty method "
             f"and "
@@ -232,9 +233,9 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
     last = result[-1]
     forms = {key: last.forms.get(key, form) for key, form in setup.forms.items()}
     states = {key: last.states.get(key, form.initial_state()) for key, form in forms.items()}
-    summary = {key: form.summary(states[key]) for key, form in forms.items()}
     x, load = np.zeros(setup.layout.size), np.zeros(setup.layout.size)
     x[kept], load[kept] = last.x, last.load
+    summary = summaries(forms, x, states)
     return Result(
         (
             replace(
@@ -286,7 +287,8 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
             )
         states[key] = form.assemble(x[: form.size], form.initial_state(stress=values)).state
     tractions = {
-        key: form.tractions_at(x[: form.size], states[key]) for key, form in system.forms.items()
+        key: pair.tractions_at(x[: pair.size], states[key])
+        for key, pair in having(system.forms, Touching).items()
     }
     operators = {key: operator for key, operator in tractions.items() if operator is not None}
     if operators:
@@ -298,7 +300,7 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
         states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)
     _check_balance(now, system)
-    summary = {key: form.summary(states[key]) for key, form in system.forms.items()}
+    summary = summaries(system.forms, x, states)
     return Result(
         (
             StageResult(

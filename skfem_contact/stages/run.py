@@ -13,7 +13,8 @@ from numpy import ndarray
 
 from ..display import Bars
 from ..errors import NotConverged, Remarks
-from ..forms.base import solids_of
+from ..forms.base import solids_of, summaries
+from ..forms.roles import Wet
 from ..nonlinear.increment import Path, solve_step
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
@@ -107,8 +108,8 @@ def _remarked(remarks: Remarks, phase: Phase, last: StageResult, parts: Parts) -
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
     for name, form in last.forms.items():
         found[name] = [
-            *form.remarks(last.x[: form.size], last.states[name]),
-            *form.remarks_on(last.x, last.states),
+            *form.outputs(last.x[: form.size], last.states[name]).remarks,
+            *(form.remarks_on(last.x, last.states) if isinstance(form, Wet) else ()),
             *parts.remarks(name),
         ]
     for name, remark in undrained_friction(last.forms, last.states):
@@ -262,7 +263,7 @@ def _increments(
         )
         stepping.accept(fraction, new.iterations, new.equilibria)
         load, _ = path(fraction)
-        summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
+        summary = summaries(system.forms, new.x, new.states)
         last = StageResult(
             stage.name,
             new.x,
@@ -321,8 +322,8 @@ def _path(phase: Phase, last: StageResult, fixed: ndarray, lost: ndarray, left: 
 
 def _so_far(system: System, last: StageResult) -> str:
     """Return the summaries of the last accepted increment, for a message."""
-    summaries = {name: form.summary(last.states[name]) for name, form in system.forms.items()}
-    text = "; ".join(f"{name}: {line}" for name, line in summaries.items() if line)
+    lines = summaries(system.forms, last.x, last.states)
+    text = "; ".join(f"{name}: {line}" for name, line in lines.items() if line)
     return f". Accepted last: {text}" if text else ""
 
 

@@ -18,6 +18,7 @@ from .. import loads
 from ..checks import is_number, unit_vector
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
+from ..forms.roles import Couples, Loaded, Staged, Wet, borrowed_by, continued, having
 from ..layout import Field, FieldDofs, Layout, different, others
 from ..loads.water_at_rest import as_pressure, loads_at_rest
 from ..mesh import check_mesh
@@ -134,7 +135,7 @@ class Setup:
         return float(self.gravity[0]) if len(self.gravity) == 2 else self.gravity[:-1]
 
     def _numbered(self, form: Form) -> Form:
-        return form.numbered(self.layout.numbers((*form.fields, *form.borrowed)))
+        return form.numbered(self.layout.numbers((*form.fields, *borrowed_by(form))))
 
     def restricted(self, names: Sequence[str]) -> tuple[Self, ndarray]:
         """Return the set-up of some of the forms, numbered anew, and its dofs among those of this
@@ -170,13 +171,14 @@ class Setup:
         """Return forms that replace present ones, completed and numbered like these."""
         found = {}
         for name, form in as_forms(new).items():
-            old, form = now[name], form.continues(now[name])
-            if form is not old and (form.fields or form.borrowed):
+            old = now[name]
+            form = continued(form, old)
+            if form is not old and (form.fields or borrowed_by(form)):
                 its = self.layout.numbers(old.fields)
                 own = {
                     mine: its[other] for mine, other in zip(form.fields, old.fields, strict=True)
                 }
-                form = form.numbered({**self.layout.numbers(form.borrowed), **own})
+                form = form.numbered({**self.layout.numbers(borrowed_by(form)), **own})
                 form.fields = old.fields
             found[name] = form
         return found
@@ -191,8 +193,9 @@ class Setup:
     def weights(self, forms: Mapping[str, Form]) -> ndarray:
         """Return the load vector of the weight of some forms, (N,)."""
         total = np.zeros(self.layout.size)
-        for form in forms.values():
-            if (weight := form.own_weight(self.gravity)) is not None:
+        for form in having(forms, Loaded).values():
+            weight = form.own_weight(self.gravity)
+            if weight is not None:
                 total[: len(weight)] += weight
         return total
 
@@ -207,7 +210,8 @@ class Setup:
                     "mesh, or give the water as a function of the coordinates"
                 )
             solids = solids_of(forms)
-            for wet in loads_at_rest(solids, forms.values(), water, self.water_unit_weight):
+            loaded = having(forms, Loaded).values()
+            for wet in loads_at_rest(solids, loaded, water, self.water_unit_weight):
                 total[: len(wet)] += wet
         return total
 
@@ -272,7 +276,8 @@ class Setup:
 
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
-        fixed = different(self.layout.size, fixed, *(form.idle(fixed) for form in forms.values()))
+        staged = having(forms, Staged).values()
+        fixed = different(self.layout.size, fixed, *(form.idle(fixed) for form in staged))
         free = others(self.layout.size, fixed)
         return System(
             forms,
@@ -291,7 +296,8 @@ def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
     """Return the dofs of the solids, and those that other forms bring."""
     found = [form.basis.element_dofs for form in solids_of(forms).values()]
     for form in forms.values():
-        found += layout.numbers(form.fields).values() if form.carries is None else [form.carries]
+        carried = form.carries if isinstance(form, Wet) else None
+        found += layout.numbers(form.fields).values() if carried is None else [carried]
     return different(layout.size, *found)
 
 
@@ -328,7 +334,7 @@ def _check_fields(forms: Mapping[str, Form]) -> None:
                 )
     brought = {field for form in forms.values() for field in form.fields}
     for name, form in forms.items():
-        for field in form.borrowed:
+        for field in borrowed_by(form):
             if field not in brought:
                 raise ValueError(
                     f"'{name}' acts on the field '{field.name}', which no form of the model brings"
@@ -362,7 +368,8 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     owner, basis = next(iter(bases.items()))
     check_mesh(basis.mesh)
     known = {name: (np.arange(other.N), other.doflocs) for name, other in bases.items()}
-    known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
+    couplings = having(forms, Couples)
+    known |= {name: form.nodes for name, form in couplings.items() if form.nodes is not None}
     for name, (
         numbers,
         coordinates,

@@ -10,6 +10,7 @@ from skfem import CellBasis
 
 from ..checks import format_point
 from ..forms.base import Form, solids_of
+from ..forms.roles import Couples, joined_by
 from ..layout import different, others, rigid_modes
 from ..mesh import bodies
 
@@ -22,7 +23,8 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     hold any body.
     """
     solids = solids_of(forms)
-    if not solids and all(form.joins is not None for form in forms.values()):
+    joined = {name: joined_by(form) for name, form in forms.items()}
+    if not solids and all(dofs is not None for dofs in joined.values()):
         raise ValueError("there is no SolidForm among the forms: nothing resists load")
     if not solids:
         return
@@ -32,8 +34,9 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
         raise ValueError(
             f"{(count > 1).sum()} elements belong to more than one of the solids {list(solids)}"
         )
-    free = [form for form in forms.values() if form.joins is None]
-    linked = [form.acts_on for form in free if form.acts_on is not None]
+    free = [form for name, form in forms.items() if joined[name] is None]
+    acts_on = [form.acts_on for form in free if isinstance(form, Couples)]
+    linked = [dofs for dofs in acts_on if dofs is not None]
     loose = others(
         basis.N,
         *(form.basis.element_dofs for form in solids.values()),
@@ -51,7 +54,7 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
         _check_bodies(
             basis,
             elements,
-            [form.joins for form in forms.values() if form.joins is not None],
+            [dofs for dofs in joined.values() if dofs is not None],
             fixed,
             axial,
         )

@@ -10,8 +10,8 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import Remark
-from ..forms.base import Form, Response, as_forms
-from ..forms.staged import arrays_of
+from ..forms.base import Form, Outputs, Response, as_forms
+from ..forms.roles import Regularised, arrays_of
 from .laws import EXACT, STEP, differences, largest_error, require, same_twice
 
 
@@ -104,16 +104,18 @@ def check_form(
         np.abs(accepted.force - force).max() <= 1e-7 * scale,
         "the accepted candidate gives another force",
     )
-    again = form.outer(x, state, first.state)
+    again = form.outer(x, state, first.state) if isinstance(form, Regularised) else None
     require(
         again is None
         or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
         "`outer` returns neither a form with a state nor None",
     )
-    require(isinstance(form.summary(first.state), str), "`summary` returns no text")
+    outputs = form.outputs(x, first.state)
+    require(isinstance(outputs, Outputs), "`outputs` returns no Outputs")
+    require(isinstance(outputs.summary, str), "the summary of `outputs` is no text")
     require(
-        all(isinstance(remark, Remark) for remark in form.remarks(x, first.state)),
-        "`remarks` returns no remarks",
+        all(isinstance(remark, Remark) for remark in outputs.remarks),
+        "the remarks of `outputs` are no remarks",
     )
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
     if locations is not None:

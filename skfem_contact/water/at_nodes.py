@@ -12,10 +12,11 @@ from numpy import ndarray
 from typing_extensions import Self, override
 
 from ..forms.base import Form
+from ..forms.roles import Couples, Staged, Timed
 from .pore_water import PoreWater
 
 
-class AtNodes(Form):
+class AtNodes(Form, Couples, Staged, Timed):
     """Water that enters or leaves consolidating ground at nodes."""
 
     symmetric, second_order = True, True

@@ -14,7 +14,7 @@ from typing_extensions import Self, override
 
 from ..checks import format_point, look_up
 from ..errors import Remark
-from ..forms.base import Response
+from ..forms.base import Outputs, Response
 from ..layout import Field
 from .at_nodes import AtNodes
 from .boundary import Given, sourced, through
@@ -123,7 +123,10 @@ class Inflow(AtNodes):
             )
 
     @override
-    def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
+    def outputs(self, x: ndarray, state: Any) -> Outputs:
+        return Outputs(remarks=lambda: self._ponds(x))
+
+    def _ponds(self, x: ndarray) -> Iterator[Remark]:
         """Report water that ponds on a surface that looks up, because the ground does not take
         it.
         """

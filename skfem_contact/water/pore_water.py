@@ -15,7 +15,8 @@ from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
-from ..forms.base import Form, Response, pairs_of
+from ..forms.base import Form, Outputs, Response
+from ..forms.roles import Couples, Staged, Timed, Wet
 from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..loads import weight_of_water
 from ..sparse import constant, with_data
@@ -38,7 +39,7 @@ PRESSURE = "pore pressure"
 _FLOWING = 1e-6
 
 
-class PoreWater(Form):
+class PoreWater(Form, Couples, Staged, Timed, Wet):
     r"""Water in the pores of ground, which consolidates by Darcy's law.
 
     The form goes with solids, whose stresses are effective. With the excess pore pressure p,
@@ -441,7 +442,7 @@ class PoreWater(Form):
         dim = self.ground.mesh.dim()
         dofs = nodes(self.ground) * dim
         connected = self.ground.nodal_dofs[0, self.porous.open]
-        for name, pair in pairs_of(self.around.touching if self.around else {}).items():
+        for name, pair in (self.around.touching if self.around else {}).items():
             touched = np.intersect1d(dofs, pair.joins)
             tight = not pair.law.bonds and not np.isin(connected, touched).any()
             if name in states and tight:
@@ -570,10 +571,12 @@ class PoreWater(Form):
         return new
 
     @override
-    def summary(self, state: PoreState) -> str:
+    def outputs(self, x: ndarray, state: PoreState) -> Outputs:
         p = state.pressure[self._vertices]
         pressed_out = -self.volume(state)
-        return f"excess pressure {p.min():.4g} to {p.max():.4g}, {pressed_out:.4g} of water pressed out"
+        return Outputs(
+            f"excess pressure {p.min():.4g} to {p.max():.4g}, {pressed_out:.4g} of water pressed out"
+        )
 
 
 def _strain_of(state: PoreState) -> ndarray | None:

@@ -13,6 +13,7 @@ from typing_extensions import Self, override
 
 from ..checks import names_of
 from ..forms.base import Response
+from ..forms.roles import Draining, Regularised
 from ..layout import Field
 from .at_nodes import AtNodes
 from .boundary import Given
@@ -24,7 +25,7 @@ from .pore_water import PoreWater
 _OPEN = 1e2
 
 
-class SeepageFace(AtNodes):
+class SeepageFace(AtNodes, Regularised, Draining):
     r"""Boundary that water leaves if its pressure would be positive, and does not enter.
 
     The condition is that of contact, with the pressure for the gap: the outflow at the nodes is

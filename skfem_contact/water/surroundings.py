@@ -14,6 +14,7 @@ from ..beams import Beam
 from ..checks import format_point
 from ..errors import Remark
 from ..forms.base import Coordinates, Form, solids_of
+from ..forms.roles import Draining, Touching, having
 from ..layout import elements_of
 
 #: Distance of points that coincide, over the size of the mesh.
@@ -64,13 +65,11 @@ class Surroundings(NamedTuple):
         here = elements_of(basis)
         modulus, shear, measure = _stiffness(basis, forms)
         touching = {}
-        leaks = [np.zeros(0, int)]
-        for name, form in forms.items():
-            joins = form.joins if form.unilateral else None
-            if joins is not None and np.isin(joins, basis.element_dofs).any():
-                touching[name] = form
-            if form.leaks is not None:
-                leaks.append(form.leaks)
+        for name, pair in having(forms, Touching).items():
+            if np.isin(pair.joins, basis.element_dofs).any():
+                touching[name] = pair
+        drains = having(forms, Draining).values()
+        leaks = [np.zeros(0, int), *(drain.leaks for drain in drains)]
         further = []
         for water in waters:
             ground = water.drainage(modulus[water.elements])

@@ -227,7 +227,7 @@ def test_pile_in_space_settles_like_a_solid_one():
             [sc.Stage("load", form.load((0.0, 0.0, -250.0), (0.0, 0.0, 0.0)))], **QUIET
         )["load"]
         found.append(-1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[2]])
-        assert form.line_forces(stage.states["pile"])[3].min() == pytest.approx(-250.0, rel=0.01)
+        assert stage.outputs("pile").lines[3].min() == pytest.approx(-250.0, rel=0.01)
     assert found == pytest.approx([9.32, 9.32], rel=0.05)
     assert found[0] == pytest.approx(found[1], rel=0.015)
 

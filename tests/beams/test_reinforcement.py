@@ -58,7 +58,7 @@ def test_normal_force_of_stretched_reinforcement():
                 and (np.diff(forces.x) > 0).all()
                 and not forces.M.any()
             )
-            _, values = stage.forms["grid"].line_points(stage.x, stage.states["grid"])  # of files
+            _, values = stage.outputs("grid").points  # of files
             np.testing.assert_allclose(values["N"], N, rtol=1e-9, atol=1e-12)
 
 

@@ -73,7 +73,7 @@ def test_fit_without_pressure():
     model, basis = shrunk()
     pair = model.forms["fit"]
     assert "torque" not in [
-        remark.kind for remark in pair.remarks(basis.zeros(), pair.initial_state())
+        remark.kind for remark in pair.outputs(basis.zeros(), pair.initial_state()).remarks
     ]
 
 

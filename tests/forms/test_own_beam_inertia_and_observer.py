@@ -123,7 +123,7 @@ def test_beam_in_a_search():
     assert found.factor == pytest.approx(2.0, rel=0.02)  # twice the tolerance of the search
 
 
-class Inertia(sc.Form):
+class Inertia(sc.Form, sc.roles.Timed):
     """Inertia of a diagonal mass by Newmark's trapezoidal rule."""
 
     symmetric = True

@@ -22,8 +22,8 @@ from tests.tools.helpers import grid, traction, vector_basis
 QUIET = {"progress": False}
 
 
-class TenLines:
-    """A spring to the ground that derives from nothing."""
+class TenLines(sc.Form):
+    """A spring to the ground without any role."""
 
     def __init__(self, n, unknown, stiffness):
         self.size = n
@@ -166,9 +166,34 @@ def test_what_is_no_form():
         def initial_state(self, x=None):
             return None
 
-    wrongs = {Half(): "no assemble", Half: "no assemble", sc.Form(): "no assemble"}
-    for wrong, what in wrongs.items():
-        with pytest.raises(ValueError, match=f"'own' is no form: .* has {what}"):
+    class Duck:
+        def assemble(self, x, state):
+            return None
+
+    class Ageing(sc.Form):
+        def assemble(self, x, state):
+            return None
+
+        def over(self, duration):
+            return self
+
+    class Talking(sc.Form):
+        def assemble(self, x, state):
+            return None
+
+        def summary(self, state):
+            return "N = 5"
+
+    wrongs = {
+        Half(): "'own' is no form: .* has no assemble",
+        Half: "'own' is no form: .* has no values",
+        sc.Form(): "'own' is no form: .* has no assemble",
+        Duck(): "'own' is no form: Duck has assemble, but does not derive from skfem_contact.Form",
+        Ageing(): "'own' has `over`, .* derive Ageing from skfem_contact.roles.Timed as well",
+        Talking(): "'own' has `summary`, .* return it from outputs",
+    }
+    for wrong, message in wrongs.items():
+        with pytest.raises(ValueError, match=message):
             sc.Model({"solid": solid, "own": wrong}, basis.get_dofs("bottom").all()).run(
                 [sc.Stage("load", load)]
             )
@@ -389,7 +414,7 @@ def test_fields_belong_to_one_form():
         sc.Model({"column": solid, "a": rod}, [FieldDofs(other.fields[1], np.arange(2))])
 
 
-class Dashpot(sc.Form):
+class Dashpot(sc.Form, sc.roles.Timed):
     """A viscous damper at an unknown: its force is that of the velocity over a step in time."""
 
     def __init__(self, n, unknown, viscosity):
@@ -438,7 +463,7 @@ def test_time_of_a_stage():
     )  # of first order
 
 
-class SlackRope(sc.Form):
+class SlackRope(sc.Form, sc.roles.Regularised):
     """A rope of stiffness 10 with a slack of 1, and a recovery of its own: a damper while nothing
     else resists.
     """

@@ -75,8 +75,8 @@ class Average(sc.Form):
         return sc.Response(force, lambda: None, lambda: csr_matrix(K))
 
 
-class Duck:
-    """Linear supports; the class derives from nothing."""
+class Duck(sc.Form):
+    """Linear supports without any role."""
 
     def __init__(self, K: csr_matrix) -> None:
         self.K = K

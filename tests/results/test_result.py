@@ -280,7 +280,7 @@ class _Anchor(sc.Form):
         return sc.Response(self.K @ x, lambda: state, lambda: self.K)
 
 
-class _RebasedAnchor(_Anchor):
+class _RebasedAnchor(_Anchor, sc.roles.Staged):
     """The same with the displacements at which it began."""
 
     def initial_state(self, x=None):

@@ -294,7 +294,7 @@ def test_beside_a_form_of_first_order():
     basis, forms, fixed, load = layer(n=8)
     top = int(basis.get_dofs("top").all("u^2")[0])
 
-    class Dashpot(sc.Form):
+    class Dashpot(sc.Form, sc.roles.Timed):
         size, taken = basis.N, []
 
         def over(self, duration):

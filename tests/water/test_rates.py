@@ -385,7 +385,7 @@ def test_uplift(axis) -> None:
         sc.water.seepage(basis, K, {"right": 1.0}, **rule).uplift_factor("roof", plug)
 
 
-class Filter(sc.Form):
+class Filter(sc.Form, sc.roles.Couples, sc.roles.Timed, sc.roles.Draining):
     """Filter in front of a boundary: water leaves by the pressure over a resistance."""
 
     duration, second_order = 0.0, True

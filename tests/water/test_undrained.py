@@ -53,7 +53,7 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
         warnings.simplefilter(
             "ignore", sc.AnalysisWarning
         )  # the top holds the stress: no load of the start does
-        isotropic = lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]])  # noqa: E731
+        isotropic = lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]])
         start = sc.Model({"soil": form}, fixed).initial_state(load, stress=isotropic)
     stages = []
     for k, settlement in enumerate(steps):
@@ -155,7 +155,7 @@ def test_pressure_is_not_taken_for_plastic_strain():
     assert plastic[0].max() == 0 < plastic[1].min()
     pressure = pore_pressure(form, state)
     assert pressure[0] == pytest.approx(BULK * 0.01) and not pressure[1].any()
-    assert "50.0% yielded" in form.summary(state)
+    assert "50.0% yielded" in form.outputs(np.zeros(form.size), state).summary
     stage = StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, forms={"soil": form})
     field = stage.field("pore")
     # nodes between both regions get the mean of both
