@@ -7,28 +7,7 @@ import pytest
 
 import skfem_contact as sc
 from tests.tools.helpers import grid, run_stages, vector_basis
-
-
-def model(shift=0.0, stretch=1.0):
-    """A block that rests on another one."""
-    base = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 1, 3))
-    block = grid("Q1", np.linspace(1, 3, 6), np.linspace(1, 2, 3))
-    mesh = (
-        sc.join_bodies({"base": base, "block": block})
-        .scaled((1.0, stretch))
-        .translated((shift, 0.0))
-    )
-    basis = vector_basis(mesh, "Q1", intorder=2)
-    forms = {
-        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.4), quadrature=2),
-    }
-    return (
-        basis,
-        forms,
-        sc.weight(basis, {"base": 0.0, "block": 20.0}),
-        basis.get_dofs("base:bottom").all(),
-    )
+from tests.tools.scenes import block_on_base
 
 
 def ground():
@@ -55,7 +34,7 @@ def ground():
     ],
 )
 def test_input_of_a_run(options, message):
-    _, forms, load, fixed = model()
+    _, forms, load, fixed = block_on_base()
     make = options.pop("stages", lambda load: [sc.Stage("a", load)])
     with pytest.raises(ValueError, match=message):
         stages = make(load)
@@ -81,7 +60,7 @@ def test_settings(make, message):
 
 def assembled_contact(longer):
     """A contact pair is asked with displacements of a wrong length."""
-    basis, forms, *_ = model()
+    basis, forms, *_ = block_on_base()
     return forms["joint"].assemble(np.zeros(basis.N + longer), forms["joint"].initial_state())
 
 
@@ -167,7 +146,7 @@ def test_settings_of_a_wrong_kind(cls, wrong):
 )
 @pytest.mark.parametrize("wrong", ["x", np.nan, -1.0, [1, "a"], 1j], ids=str)
 def test_settings_of_contact_of_a_wrong_kind(setting, wrong):
-    basis, *_ = model()
+    basis, *_ = block_on_base()
     good = {"slave": "block:bottom", "master": "base:top", "law": sc.Coulomb(0.3)}
     with pytest.raises(ValueError):
         sc.ContactPair(basis, **{**good, setting: wrong})

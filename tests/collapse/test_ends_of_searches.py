@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -22,9 +20,9 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.contact.interface import ContactState
 from tests.oracles.fixed_factors import enclosed_factor
 from tests.tools.helpers import analysis, grid
+from tests.tools.scenes import pit
 
 
 def supported(mesh):
@@ -101,69 +99,6 @@ def test_limit_load_that_stalls_says_what_helps():
         found = sc.Model(forms, fixed, newton=sc.Newton(1.5e-4, 1)).limit_load(load, progress=False)
     assert found.stop.kind == "stall" and found.bracket[1] == np.inf
     assert sum(step.iterations for step in found.steps if step.outcome == "stall") <= 150 + 1
-
-
-@cache
-def wall(stiffness, law):
-    """Factor of a vertical cut of clay, 4 m, beside a slender wall that stands in the ground."""
-    x = np.concatenate((np.linspace(-8, 0, 7), [0.4], 0.4 + np.linspace(0, 6, 6)[1:]))
-    flat = MeshQuad.init_tensor(x, np.linspace(-6, 4, 11))
-    middle = flat.p[:, flat.t].mean(axis=1)
-    mesh = flat.restrict(np.flatnonzero((middle[0] < 0.4) | (middle[1] < 0))).to_meshtri(style="x")
-
-    def in_wall(p):
-        return (p[0] > 0) & (p[0] < 0.4) & (p[1] > -3)
-
-    faces = {
-        "left": lambda p: np.isclose(p[0], 0.0) & (p[1] > -3),
-        "tip": lambda p: np.isclose(p[1], -3) & (p[0] > 0) & (p[0] < 0.4),
-        "right": lambda p: np.isclose(p[0], 0.4) & (p[1] > -3) & (p[1] < 0),
-    }
-    mesh = mesh.with_boundaries(
-        faces
-        | {
-            "bottom": lambda p: p[1] < -6 + 1e-9,
-            "sides": lambda p: (p[0] < -8 + 1e-9) | (p[0] > 6.4 - 1e-9),
-        },
-        boundaries_only=False,
-    )
-    mesh = mesh.with_subdomains({"wall": in_wall, "clay": lambda p: ~in_wall(p)})
-    mesh = sc.join_bodies(mesh, bodies={"ground": "clay", "wall": "wall"})
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    forms = {
-        "ground": sc.SolidForm(
-            basis.with_elements("ground"), sc.Tresca(E=stiffness * 1e4, nu=0.3, c=25.0)
-        ),
-        "wall": sc.SolidForm(
-            basis.with_elements("wall"), sc.LinearElastic(E=stiffness * 2e7, nu=0.2)
-        ),
-    }
-    for face in faces:
-        penalty = stiffness * 1e5, stiffness * 1e4
-        forms[face] = sc.ContactPair(
-            basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty
-        )
-    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
-    return sc.Model(forms, fixed).strength_reduction(
-        sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tolerance=0.01, progress=False
-    )
-
-
-FRICTION = sc.Coulomb(mu=0.3)
-
-
-def test_end_of_a_search_has_the_pairs_own_states():
-    """What is found is shown as after any stage: contact pairs, their states and their
-    tractions.
-    """
-    found = wall(1.0, FRICTION)
-    assert type(found.states["left"]) is ContactState
-    assert found.end.forms["left"].law.mu == pytest.approx(0.3 / found.factor)
-    tractions = found.end.tractions("left")
-    limit = found.end.forms["left"].law.mu * tractions.pressure
-    assert (
-        np.abs(tractions.shear) <= limit + 1e-9 * tractions.pressure.max()
-    ).all() and tractions.pressure.max() > 0
 
 
 QUIET = {"progress": False}
@@ -262,44 +197,6 @@ def test_search_from_a_start_without_the_footing():
     assert (
         2 + np.pi < found.multiplier / 40.0 < 6.2
     )  # from above, with four elements below the footing
-
-
-def pit():
-    """Model of a pit of 2 m, and its stages: water, other strengths and another support come and
-    stay.
-    """
-    mesh = (
-        MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-4, 0, 5))
-        .with_defaults()
-        .with_subdomains(
-            {
-                "ground": lambda x: (x[0] > 3) | (x[1] < -2),
-                "pit": lambda x: (x[0] < 3) & (x[1] > -2),
-            }
-        )
-    )
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=20.0, psi=20.0)
-    forms = {
-        name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=18.0)
-        for name in ("ground", "pit")
-    }
-    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
-    weak = {
-        name: form.with_materials({"all": replace(soil, c=10.0)}) for name, form in forms.items()
-    }
-    edge = sc.dofs_at(basis, (3.0, 0.0))
-    top = model.traction("top", lambda x: np.stack((0.0 * x[0], -20.0 * (x[0] > 4.0))))
-    return (
-        model,
-        weak,
-        [
-            sc.Stage("dug", deactivate="pit", water=-3.5),
-            sc.Stage("weak", change=weak),
-            sc.Stage("held", fixed=[model.fixed, edge]),
-            sc.Stage("loaded", top),
-        ],
-    )
 
 
 def test_search_from_a_cut_that_is_released_in_part():

@@ -15,6 +15,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.laws import Status
 from skfem_contact.results import Result
 
@@ -237,3 +238,17 @@ def test_weaker_joint_does_not_raise_the_factor():
     """
     bonded, rough, smooth = (wall(1.0, law).factor for law in (sc.Tied(), FRICTION, sc.Coulomb()))
     assert smooth <= rough + 0.0025 <= bonded + 0.005
+
+
+def test_end_of_a_search_has_the_pairs_own_states():
+    """What is found is shown as after any stage: contact pairs, their states and their
+    tractions.
+    """
+    found = wall(1.0, FRICTION)
+    assert type(found.states["left"]) is ContactState
+    assert found.end.forms["left"].law.mu == pytest.approx(0.3 / found.factor)
+    tractions = found.end.tractions("left")
+    limit = found.end.forms["left"].law.mu * tractions.pressure
+    assert (
+        np.abs(tractions.shear) <= limit + 1e-9 * tractions.pressure.max()
+    ).all() and tractions.pressure.max() > 0

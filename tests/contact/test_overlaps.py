@@ -10,19 +10,11 @@ from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
-from skfem_contact.results import StageResult
 from tests.tools import space
 from tests.tools.helpers import grid, vector_basis
+from tests.tools.scenes import remarked
 
 AUGMENTED = sc.AugmentedLagrangian()
-
-
-def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
-    """A stage, and what is warned of of it."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        result = sc.Model(forms, fixed).run([stage], progress=False)
-    return result[0], "; ".join(str(warning.message) for warning in caught)
 
 
 def annulus(inner: float, outer: float, n: int, layers: int):

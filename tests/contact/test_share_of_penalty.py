@@ -11,8 +11,8 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
-from skfem_contact.results import StageResult
 from tests.tools.helpers import grid, traction, vector_basis
+from tests.tools.scenes import remarked
 
 
 @pytest.mark.parametrize(("given", "warned"), [(1.0, True), (0.2, True), (1e3, False)])
@@ -42,14 +42,6 @@ def test_penalty_in_a_wrong_unit(given: float, warned: bool) -> None:
     short = -x[basis.get_dofs("up:top").all("u^2")].mean()
     # the blocks, and the penalty in series
     assert short == pytest.approx(2 * pressure * (1 - nu**2) / E + pressure / (given * E), rel=1e-6)
-
-
-def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
-    """A stage, and what is warned of of it."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        result = sc.Model(forms, fixed).run([stage], progress=False)
-    return result[0], "; ".join(str(warning.message) for warning in caught)
 
 
 @pytest.mark.parametrize(("n", "share"), [(3, 0.044), (7, 0.018), (20, None)])

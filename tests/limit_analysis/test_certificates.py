@@ -11,24 +11,9 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 import skfem_contact as sc
 from skfem_contact.limit_analysis import certify, search
 from tests.tools.helpers import analysis
+from tests.tools.scenes import sliding_blocks
 
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
-
-
-def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
-    """A block of 4 m above a base that is held, with a joint or without."""
-    base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
-    block = MeshTri.init_tensor(np.linspace(2, 6, 6), np.linspace(gap, 1 + gap, 2)).with_defaults()
-    basis = Basis(
-        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2
-    )
-    forms = {
-        "base": sc.SolidForm(basis.with_elements("base"), lower),
-        "block": sc.SolidForm(basis.with_elements("block"), upper),
-    }
-    if law is not None:
-        forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
-    return forms, basis.get_dofs("base:bottom").all()
 
 
 def column(material) -> tuple[dict, np.ndarray]:
@@ -55,7 +40,7 @@ def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(
         search, "prove_lower", lambda *args: given.append(args) or certify.prove_lower(*args)
     )
-    forms, fixed = blocks(0.0, SOIL, SOIL, sc.Coulomb(mu=0.5, adhesion=2.5))
+    forms, fixed = sliding_blocks(0.0, SOIL, SOIL, sc.Coulomb(mu=0.5, adhesion=2.5))
     loads = {
         "weight": {"block": 25.0},
         "tractions": {"block:left": (1.0, 0.0)},

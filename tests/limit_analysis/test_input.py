@@ -8,24 +8,9 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from tests.tools.helpers import analysis
+from tests.tools.scenes import sliding_blocks
 
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
-
-
-def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
-    """A block of 4 m above a base that is held, with a joint or without."""
-    base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
-    block = MeshTri.init_tensor(np.linspace(2, 6, 6), np.linspace(gap, 1 + gap, 2)).with_defaults()
-    basis = Basis(
-        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2
-    )
-    forms = {
-        "base": sc.SolidForm(basis.with_elements("base"), lower),
-        "block": sc.SolidForm(basis.with_elements("block"), upper),
-    }
-    if law is not None:
-        forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
-    return forms, basis.get_dofs("base:bottom").all()
 
 
 def column(material) -> tuple[dict, np.ndarray]:
@@ -53,6 +38,6 @@ def test_bad_input_is_named(given: dict, message: str) -> None:
 
 def test_rigid_body_in_the_air() -> None:
     """A rigid body that nothing holds is refused before the iteration."""
-    forms, fixed = blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
+    forms, fixed = sliding_blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
     with pytest.raises(ValueError, match="can move freely"):
         sc.Model(forms, fixed).bounds(weight=20.0, gap=0.2, elements=100, progress=False)

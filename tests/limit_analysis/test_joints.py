@@ -17,6 +17,7 @@ import skfem_contact as sc
 from skfem_contact.solvers.superlu import SuperLU
 from tests.fuzz import joints
 from tests.fuzz.blocks import Stack
+from tests.tools.scenes import sliding_blocks
 
 
 @pytest.mark.parametrize("rigid", [False, True])
@@ -30,29 +31,13 @@ def test_bounds_of_a_smooth_joint_without_pardiso(rigid, monkeypatch):
         assert value <= tolerance, name
 
 
-def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
-    """A block of 4 m above a base that is held, with a joint or without."""
-    base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
-    block = MeshTri.init_tensor(np.linspace(2, 6, 6), np.linspace(gap, 1 + gap, 2)).with_defaults()
-    basis = Basis(
-        sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2
-    )
-    forms = {
-        "base": sc.SolidForm(basis.with_elements("base"), lower),
-        "block": sc.SolidForm(basis.with_elements("block"), upper),
-    }
-    if law is not None:
-        forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
-    return forms, basis.get_dofs("base:bottom").all()
-
-
 @pytest.mark.parametrize("gap", [0.0, 1e-4, 1e-3, 4e-3])
 def test_a_joint_is_closed_or_refused(gap: float) -> None:
     """[X] A block slides at .5 * 100 + 2.5 * 4 = 60; sides that do not coincide after matching are
     refused.
     """
     strong = sc.MohrCoulomb(1e5, 0.3, c=1000.0, phi=20.0, psi=20.0)
-    forms, fixed = blocks(gap, strong, strong, sc.Coulomb(mu=0.5, adhesion=2.5))
+    forms, fixed = sliding_blocks(gap, strong, strong, sc.Coulomb(mu=0.5, adhesion=2.5))
     given = {
         "weight": {"block": 25.0},
         "tractions": {"block:left": (1.0, 0.0)},

@@ -12,17 +12,9 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from tests.tools.scenes import disc
 
 QUIET = {"progress": False}
-
-
-def disc(width=1.0, n=5):
-    """A disc of height 1 between smooth walls, and the fixed dofs."""
-    mesh = MeshQuad.init_tensor(np.linspace(0, width, n), np.linspace(0, 1, 5)).with_defaults()
-    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
-    return basis, np.append(
-        basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1")
-    )
 
 
 def test_weight_in_axial_symmetry():

@@ -7,7 +7,7 @@ import pytest
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from tests.tools.helpers import grid, vector_basis
+from tests.tools.scenes import halves
 
 #: Exact up to the round-off of a few operations.
 EXACT = {"rtol": 1e-12, "atol": 1e-12}
@@ -25,13 +25,6 @@ def test_loads():
 
 
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
-
-
-def halves(right: float = 1.0):
-    """Basis of two bodies, "l" and "r", of which the second begins at an abscissa."""
-    side = np.linspace(0.0, 1.0, 3)
-    mesh = sc.join_bodies({"l": grid("Q1", side, side), "r": grid("Q1", right + side, side)})
-    return vector_basis(mesh, "Q1", intorder=2)
 
 
 def test_subdomain_without_weight():

@@ -11,34 +11,12 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
-from tests.tools.helpers import grid, vector_basis
-
-
-def model(shift=0.0, stretch=1.0):
-    """A block that rests on another one."""
-    base = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 1, 3))
-    block = grid("Q1", np.linspace(1, 3, 6), np.linspace(1, 2, 3))
-    mesh = (
-        sc.join_bodies({"base": base, "block": block})
-        .scaled((1.0, stretch))
-        .translated((shift, 0.0))
-    )
-    basis = vector_basis(mesh, "Q1", intorder=2)
-    forms = {
-        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.4), quadrature=2),
-    }
-    return (
-        basis,
-        forms,
-        sc.weight(basis, {"base": 0.0, "block": 20.0}),
-        basis.get_dofs("base:bottom").all(),
-    )
+from tests.tools.scenes import block_on_base, halves
 
 
 @pytest.fixture
 def saved(tmp_path):
-    _, forms, load, fixed = model()
+    _, forms, load, fixed = block_on_base()
     file = tmp_path / "good.npz"
     sc.Model(forms, fixed).run([sc.Stage("weight", load)], progress=False).save(file)
     return file, forms
@@ -158,7 +136,7 @@ def test_saving_keeps_mode_and_link(saved, tmp_path):
 @pytest.mark.parametrize(("shift", "stretch"), [(100.0, 1.0), (0.0, 2.0)])
 def test_another_mesh_of_the_same_size(saved, shift, stretch):
     with pytest.raises(ValueError, match="'bodies' has another mesh"):
-        sc.load_result(saved[0], model(shift, stretch)[1])
+        sc.load_result(saved[0], block_on_base(shift, stretch)[1])
 
 
 def test_an_older_layout(saved):
@@ -187,27 +165,20 @@ def test_a_file_is_replaced_when_the_new_one_is_complete(saved, monkeypatch):
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
 
 
-def halves(right: float = 1.0):
-    """Basis of two bodies, "l" and "r", of which the second begins at an abscissa."""
-    side = np.linspace(0.0, 1.0, 3)
-    mesh = sc.join_bodies({"l": grid("Q1", side, side), "r": grid("Q1", right + side, side)})
-    return vector_basis(mesh, "Q1", intorder=2)
-
-
 def test_file_of_elements_in_another_order(tmp_path):
     """States follow the order of the materials: a file is refused where another one would exchange
     them.
     """
     basis = halves()
 
-    def model(names):
+    def block_on_base(names):
         solid = sc.SolidForm(basis, dict.fromkeys(names, ELASTIC), unit_weight=20.0)
         return sc.Model({"soil": solid}, basis.get_dofs({"l:bottom", "r:bottom"}).all())
 
-    model("lr").run([sc.Stage("weight")]).save(tmp_path / "weight.npz")
-    assert sc.load_result(tmp_path / "weight.npz", model("lr"))["weight"].residual < 1e-12
+    block_on_base("lr").run([sc.Stage("weight")]).save(tmp_path / "weight.npz")
+    assert sc.load_result(tmp_path / "weight.npz", block_on_base("lr"))["weight"].residual < 1e-12
     with pytest.raises(
         ValueError,
         match="'soil' has another mesh, or another order of the elements, which follow its",
     ):
-        sc.load_result(tmp_path / "weight.npz", model("rl"))
+        sc.load_result(tmp_path / "weight.npz", block_on_base("rl"))

@@ -2,72 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from skfem import (
     Basis,
-    ElementQuad2,
     ElementTriP2,
     ElementVector,
-    MeshQuad,
     MeshTri,
 )
 
 import skfem_contact as sc
+from tests.tools.scenes import disc, pit
 
 QUIET = {"progress": False}
 
 
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
-
-
-def disc(width=1.0, n=5):
-    """A disc of height 1 between smooth walls, and the fixed dofs."""
-    mesh = MeshQuad.init_tensor(np.linspace(0, width, n), np.linspace(0, 1, 5)).with_defaults()
-    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
-    return basis, np.append(
-        basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1")
-    )
-
-
-def pit():
-    """Model of a pit of 2 m, and its stages: water, other strengths and another support come and
-    stay.
-    """
-    mesh = (
-        MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-4, 0, 5))
-        .with_defaults()
-        .with_subdomains(
-            {
-                "ground": lambda x: (x[0] > 3) | (x[1] < -2),
-                "pit": lambda x: (x[0] < 3) & (x[1] > -2),
-            }
-        )
-    )
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=20.0, psi=20.0)
-    forms = {
-        name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=18.0)
-        for name in ("ground", "pit")
-    }
-    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
-    weak = {
-        name: form.with_materials({"all": replace(soil, c=10.0)}) for name, form in forms.items()
-    }
-    edge = sc.dofs_at(basis, (3.0, 0.0))
-    top = model.traction("top", lambda x: np.stack((0.0 * x[0], -20.0 * (x[0] > 4.0))))
-    return (
-        model,
-        weak,
-        [
-            sc.Stage("dug", deactivate="pit", water=-3.5),
-            sc.Stage("weak", change=weak),
-            sc.Stage("held", fixed=[model.fixed, edge]),
-            sc.Stage("loaded", top),
-        ],
-    )
 
 
 def test_run_that_is_split_goes_on_with_what_stages_have_changed():

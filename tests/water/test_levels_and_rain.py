@@ -9,17 +9,7 @@ import pytest
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
-
-
-def ground(n: int = 8):
-    """A layer with a basis, its solid and its water."""
-    mesh = MeshTri.init_tensor(
-        np.linspace(0, 4, 2 * n + 1), np.linspace(-2, 0, n + 1)
-    ).with_defaults()
-    mesh = mesh.with_subdomains({"left": lambda x: x[0] < 2, "right": lambda x: x[0] > 2})
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    clay = sc.SolidForm(basis, sc.LinearElastic(E=8e3, nu=0.3))
-    return basis, clay, sc.PoreWater(basis, permeability=2e-4, unit_weight=9.81)
+from tests.tools.scenes import layer_with_water
 
 
 @pytest.mark.parametrize(
@@ -29,7 +19,7 @@ def test_rain_that_the_ground_does_not_take(rate, face, ponds):
     """[X] Twice the permeability on a column that drains at its base: p at the top is 2 gamma_w H,
     as told.
     """
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     forms = {"clay": clay, "water": water, "rain": sc.water.Inflow(water, {"top": rate * 2e-4})}
     if face:
         forms["face"] = sc.water.SeepageFace(water, "top", 0.0)
@@ -49,7 +39,7 @@ def test_level_beside_suction():
     """[X] The pressure at the start as `water=` is that of `water_load`; a level lacks its suction,
     which is told.
     """
-    basis, clay, _ = ground()
+    basis, clay, _ = layer_with_water()
     law = sc.water.VanGenuchten(alpha=0.5, n=2.0, content=(0.05, 0.4))
     moist = sc.PoreWater(basis, 1e-3, retention=law, start=-1.0, unit_weight=9.81)
     fixed = [sc.box_supports(basis, base="rollers"), moist.dofs("bottom")]

@@ -6,27 +6,16 @@ import warnings
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
-
-
-def ground(n: int = 8):
-    """A layer with a basis, its solid and its water."""
-    mesh = MeshTri.init_tensor(
-        np.linspace(0, 4, 2 * n + 1), np.linspace(-2, 0, n + 1)
-    ).with_defaults()
-    mesh = mesh.with_subdomains({"left": lambda x: x[0] < 2, "right": lambda x: x[0] > 2})
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    clay = sc.SolidForm(basis, sc.LinearElastic(E=8e3, nu=0.3))
-    return basis, clay, sc.PoreWater(basis, permeability=2e-4, unit_weight=9.81)
+from tests.tools.scenes import layer_with_water
 
 
 def test_two_waters_of_the_same_elements():
     """Their storage and flow would add up; parts of the ground that share an interface may have a
     water each.
     """
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     again = sc.PoreWater(basis.with_elements("left"), permeability=2e-4, unit_weight=9.81)
     with pytest.raises(
         ValueError, match="'water': 'again' is PoreWater of 128 of the same elements"
@@ -37,14 +26,14 @@ def test_two_waters_of_the_same_elements():
 
 
 def test_water_of_another_mesh():
-    _, clay, _ = ground()
+    _, clay, _ = layer_with_water()
     with pytest.raises(ValueError, match="the forms belong to different bases"):
-        sc.Model({"clay": clay, "water": ground(7)[2]})
+        sc.Model({"clay": clay, "water": layer_with_water(7)[2]})
 
 
 def test_pressures_that_are_prescribed_but_not_held():
     """They would do nothing; values of all dofs may be given, as in scikit-fem."""
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     fixed = sc.box_supports(basis, base="fixed")
     load = sc.traction(basis, "top", (0.0, -50.0))
     model = sc.Model({"clay": clay, "water": water}, [fixed, water.dofs("top")])
@@ -68,7 +57,7 @@ def test_pressures_that_are_prescribed_but_not_held():
 
 def test_a_load_on_pressures():
     """It would be water in every increment, whatever its length."""
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     model = sc.Model(
         {"clay": clay, "water": water}, [sc.box_supports(basis, base="fixed"), water.dofs("top")]
     )
@@ -84,7 +73,7 @@ def test_water_that_is_not_activated():
     """The start holds the ground alone: without `activate` it would settle at once, and nothing
     would tell so.
     """
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     fixed, load = sc.box_supports(basis, base="fixed"), sc.traction(basis, "top", (0.0, -50.0))
     start = sc.Model({"clay": clay}, fixed).run([sc.Stage("rest")], progress=False)
     model = sc.Model({"clay": clay, "water": water}, [fixed, water.dofs("top")])
@@ -106,7 +95,7 @@ def test_ground_that_becomes_undrained_beside_its_water():
     """It has PoreWater already, which would count twice: a stage refuses it as the model does, or
     deactivates it.
     """
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     quick = {
         "clay": clay.with_materials(
             {"all": sc.Undrained(sc.LinearElastic(E=8e3, nu=0.3), nu_undrained=0.499)}

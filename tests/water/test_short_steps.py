@@ -9,17 +9,7 @@ import pytest
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
-
-
-def ground(n: int = 8):
-    """A layer with a basis, its solid and its water."""
-    mesh = MeshTri.init_tensor(
-        np.linspace(0, 4, 2 * n + 1), np.linspace(-2, 0, n + 1)
-    ).with_defaults()
-    mesh = mesh.with_subdomains({"left": lambda x: x[0] < 2, "right": lambda x: x[0] > 2})
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    clay = sc.SolidForm(basis, sc.LinearElastic(E=8e3, nu=0.3))
-    return basis, clay, sc.PoreWater(basis, permeability=2e-4, unit_weight=9.81)
+from tests.tools.scenes import layer_with_water
 
 
 @pytest.mark.parametrize("waters", [1, 2])
@@ -62,7 +52,7 @@ def test_elements_beside_a_seepage_face(part, told):
     """[X] 0 <= p <= q in a column that drains by a seepage face: before h² / 3 c_v of its elements
     p exceeds q.
     """
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     forms = {"clay": clay, "water": water, "face": sc.water.SeepageFace(water, "top", 0.0)}
     model = sc.Model(forms, sc.box_supports(basis, base="rollers"))
     limit = 0.25**2 / 3 / (8e3 * 0.7 / 1.3 / 0.4 * 2e-4 / 9.81)
@@ -79,7 +69,7 @@ def test_short_steps_without_a_jump(outside, told):
     """[X] A reservoir that rises presses on the ground as much as its water does in the pores:
     nothing flows.
     """
-    basis, clay, water = ground()
+    basis, clay, water = layer_with_water()
     model = sc.Model({"clay": clay, "water": water}, [sc.box_supports(basis), water.dofs("top")])
     given = model.forms["water"].prescribed({"top": outside})
     limit = 0.25**2 / 3 / (8e3 * 0.7 / 1.3 / 0.4 * 2e-4 / 9.81)
