@@ -15,7 +15,7 @@ from ..errors import warn
 
 Array = NDArray[np.float64]
 Parameter = float | Array
-#: What a user gives for a parameter: a number, one number an element, or a function of the
+#: Parameter as the user gives it: a number, one number an element, or a function of the
 #: coordinates (dim, ...).
 Given = Annotated[Any, float | Array | Callable[[Array], ArrayLike]]
 
@@ -30,8 +30,7 @@ PLASTIC_STRAIN, EXCESS_PRESSURE = "plastic strain", "excess pore pressure"
 class Internal(NamedTuple):
     """Internal variable that a material declares.
 
-    The variables named ``"plastic strain"`` and ``"excess pore pressure"`` have results of their
-    own.
+    Results show the variables ``"plastic strain"`` and ``"excess pore pressure"`` separately.
 
     Attributes
     ----------
@@ -72,13 +71,12 @@ class Update(NamedTuple):
 
 
 class Material:
-    """Constitutive law: pure functions of strain increment and accepted state; an instance holds
-    parameters only.
+    """Constitutive law: pure functions of strain increment and accepted state.
 
-    A law defines :meth:`elasticity` and :meth:`update`; all other members have defaults. Arrays
-    have the components first: stress (ncomp, n_elements, ...), tension positive, 4 components (xx,
-    yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx); strains with engineering shear; internal variables
-    (n_internal, n_elements, ...).
+    An instance holds parameters only. A law defines :meth:`elasticity` and :meth:`update`; all
+    other members have defaults. Arrays have the components first: stress (ncomp, n_elements, ...),
+    tension positive, 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx); strains with
+    engineering shear; internal variables (n_internal, n_elements, ...).
 
     Attributes
     ----------
@@ -102,7 +100,8 @@ class Material:
     ...         return np.diag([2.0] * 3 + [1.0] * (ncomp - 3))
     ...     def update(self, strain_increment, stress, internal):
     ...         new = stress + np.tensordot(self.elasticity(len(stress)), strain_increment, 1)
-    ...         return Update(new, internal, np.zeros(0, int), lambda: np.zeros((0, len(stress), len(stress))))
+    ...         tangent = np.zeros((0, len(stress), len(stress)))
+    ...         return Update(new, internal, np.zeros(0, int), lambda: tangent)
     >>> sc.testing.check_material(Soft()) < 1e-6
     True
     """
@@ -115,17 +114,16 @@ class Material:
     def elasticity(
         self, ncomp: int, stress: Array | None = None, internal: Array | None = None
     ) -> Array:
-        """Return d stress / d strain: (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a
-        parameter is an array.
+        """Return the elastic stiffness d stress / d strain, (ncomp, ncomp).
 
-        Only a `stress_dependent` material gets the accepted state, whose stiffness is (n_elements,
-        ..., ncomp, ncomp); without a state it returns a typical stiffness.
+        Parameters that are arrays give (n_elements, ncomp, ncomp). Only a `stress_dependent`
+        material gets the accepted state, whose stiffness is (n_elements, ..., ncomp, ncomp);
+        without a state it returns a typical stiffness.
         """
         raise NotImplementedError
 
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Return stress, internal variables and tangent after a strain increment from an accepted
-        state.
+        """Return the response to a strain increment from an accepted state.
 
         Raise `errors.IncrementTooLarge` where the law has no solution for the increment: a smaller
         one follows.
@@ -153,14 +151,15 @@ class Material:
         return ()
 
     def at(self, x: Array) -> Material:
-        """Return the material with the values of its functions at points of elements, (dim,
-        n_elements, n_points).
+        """Return the material with the values of its functions at points.
+
+        The coordinates `x` are (dim, n_elements, n_points).
         """
         return self
 
     @property
     def reducible(self) -> bool:
-        """True if there is a strength to reduce."""
+        """True if the material has a strength to reduce."""
         return type(self).reduced is not Material.reduced
 
     @property
@@ -179,11 +178,10 @@ class Material:
         return None
 
     def initial_internal(self, stress: Array) -> Array:
-        """Return internal variables of ground under an initial stress; by default the declared
-        initial values.
+        """Return internal variables of ground under an initial stress.
 
-        A law overrides this method if its memory follows from the stress, for instance a
-        preconsolidation pressure.
+        By default they have the declared initial values. A law overrides this method if its memory
+        follows from the stress, for instance a preconsolidation pressure.
         """
         values = np.zeros((self.n_internal, *stress.shape[1:]))
         for row, variable in zip(values, self.internal):
@@ -192,29 +190,26 @@ class Material:
 
     def variable(self, name: str, internal: Array) -> Array | None:
         """Return the internal variable of a name, or None if the material does not declare it."""
-        names = [variable.name for variable in self.internal]
-        return internal[names.index(name)] if name in names else None
+        for variable, values in zip(self.internal, internal):
+            if variable.name == name:
+                return values
+        return None
 
     def yielding(self, before: Array, after: Array) -> NDArray[np.bool_]:
         """Return a mask of the points that have flowed between two arrays of internal variables.
 
         By default these are the points whose ``"plastic strain"`` has grown.
         """
-        strain, earlier = (
-            self.variable(PLASTIC_STRAIN, after),
-            self.variable(PLASTIC_STRAIN, before),
-        )
-        return (
-            np.zeros(after.shape[1:], bool)
-            if strain is None or earlier is None
-            else strain > earlier
-        )
+        strain = self.variable(PLASTIC_STRAIN, after)
+        earlier = self.variable(PLASTIC_STRAIN, before)
+        if strain is None or earlier is None:
+            return np.zeros(after.shape[1:], bool)
+        return strain > earlier
 
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array] | None:
-        """Return a measure of shear and its limit, infinite without failure; None if they are
-        unknown.
+        """Return a measure of shear and its limit, None if they are unknown.
 
-        Their ratio is the mobilised strength.
+        Their ratio is the mobilised strength; the limit is infinite without failure.
         """
         return None
 
@@ -226,31 +221,29 @@ class Material:
         return None
 
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter] | None:
-        """Return cohesion, tan(phi) and tensile strength in plane strain for limit analysis, None
-        without bounds.
+        """Return cohesion, tan(phi) and tensile strength in plane strain for limit analysis.
 
-        The flow is associated or one of Davis'. The cohesion of a rigid material is infinite.
+        The flow is associated or one of Davis'. The cohesion of a rigid material is infinite. None
+        means that the material has no bounds.
         """
         return None
 
     def lines(
         self, stress: float, inner: bool = True, flow: Flow = "associated"
     ) -> tuple[Array, Array] | None:
-        """Return c and tan(phi) of lines, (n_lines, 2, n), inside or outside of a curved strength,
-        None if straight.
+        """Return c and tan(phi) of lines inside or outside of a curved strength, None if straight.
 
-        They resolve stresses up to about a given one, and are inside up to the returned
-        compression, (n,).
+        The lines, (n_lines, 2, n), resolve stresses up to about a given one, and are inside up to
+        the returned compression, (n,).
         """
 
     def cohesion_at(self, x: Array) -> Array | None:
-        """Return the cohesion of the associated cone at points, None unless it is a function of the
-        coordinates.
-        """
+        """Return the cohesion of the associated cone at points, None if it is no function."""
 
     def reduced(self, factor: float, flow: Flow = "given") -> Material:
-        """Return the material with its strength divided by a positive factor; refuse a flow that it
-        does not have.
+        """Return the material with its strength divided by a positive factor.
+
+        A flow that the law does not have is refused.
 
         Parameters
         ----------
@@ -268,11 +261,10 @@ class Material:
         )
 
     def associated_bound(self, factor: float) -> float:
-        """Return the factor from which the associated material is not stronger than Davis' (B) at
-        another factor.
+        """Return the factor at which the associated material is no stronger than Davis' (B) here.
 
-        Where the soils of Davis collapse at `factor`, associated ones are unstable at the largest
-        bound of all materials; nor can any with less dilatancy (Radenkovic's theorem).
+        Where the soils of Davis collapse at `factor`, associated soils are unstable at the largest
+        bound of all materials, and so are soils of less dilatancy (Radenkovic's theorem).
         """
         return factor
 
@@ -289,13 +281,15 @@ class _Completed(Material):
     """Law that does not derive from :class:`Material`, with the defaults of the contract."""
 
     def __init__(self, law: Any) -> None:
-        self._law, self._brought = law, _MEMBERS.intersection(dir(law))
+        self._law = law
+        self._brought = _MEMBERS.intersection(dir(law))
 
     def __getattribute__(self, name: str) -> Any:
         own = super().__getattribute__
-        return (
-            getattr(own("_law"), name) if name in own("__dict__").get("_brought", ()) else own(name)
-        )
+        brought = own("__dict__").get("_brought", ())
+        if name in brought:
+            return getattr(own("_law"), name)
+        return own(name)
 
     def __repr__(self) -> str:
         return repr(self._law)
@@ -312,17 +306,17 @@ class _Completed(Material):
 
 
 def as_material(law: Any) -> Material:
-    """Return a law with the defaults of the contract; refuse what has no elasticity or update."""
-    calls = {name: getattr(law, name, None) for name in ("elasticity", "update")}
-    missing = [
-        name
-        for name, call in calls.items()
-        if not callable(call) or getattr(call, "__func__", None) is getattr(Material, name)
-    ]
-    if missing or isinstance(law, type):
-        raise ValueError(
-            f"{law!r} is no material: {' and '.join(missing) or 'an instance'} missing"
-        )
+    """Return a law with the defaults of the contract; refuse laws without elasticity or update."""
+    missing = []
+    for name in ("elasticity", "update"):
+        method = getattr(law, name, None)
+        inherited = getattr(method, "__func__", None) is getattr(Material, name)
+        if inherited or not callable(method):
+            missing.append(name)
+    if isinstance(law, type):
+        missing = missing or ["an instance"]
+    if missing:
+        raise ValueError(f"{law!r} is no material: {' and '.join(missing)} missing")
     return law if isinstance(law, Material) else _Completed(law)
 
 
@@ -330,9 +324,8 @@ def updated(
     material: Material, strain_increment: Array, stress: Array, internal: Array, dt: float
 ) -> Update:
     """Call the update of a material, with the time increment if it asks for it."""
-    return material.update(
-        strain_increment, stress, internal, *((dt,) if material.time_dependent else ())
-    )
+    time = (dt,) if material.time_dependent else ()
+    return material.update(strain_increment, stress, internal, *time)
 
 
 def check_reduction(factor: float, flow: str, material: Material | None = None) -> None:
@@ -340,17 +333,18 @@ def check_reduction(factor: float, flow: str, material: Material | None = None) 
     require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
     if flow not in FLOWS:
         raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
-    if material is not None and (names := sorted(set(material.functions) - {"E", "nu"})):
+    if material is None:
+        return
+    names = sorted(set(material.functions) - {"E", "nu"})
+    if names:
         raise ValueError(
-            f"{material.label} varies with the coordinates in {', '.join(names)}: reduce "
-            f"material.at(x)"
+            f"{material.label} varies with the coordinates in {', '.join(names)}: "
+            "reduce material.at(x)"
         )
 
 
 def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:
-    """Return a finite float, or a read-only array with one finite value an element, or a point with
-    `ndim` 2.
-    """
+    """Return a finite float, or a read-only array by element, or by point with `ndim` 2."""
     array = finite(value, name)
     if array.ndim > ndim or array.size == 0:
         raise ValueError(
@@ -363,45 +357,45 @@ def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:
 
 
 def as_parameters(material: Any) -> None:
-    """Check the fields of a frozen dataclass as parameters, without functions; arrays must agree in
-    length.
-    """
-    given = {field.name: getattr(material, field.name) for field in fields(material)}
-    for field in (field for field in fields(material) if not callable(given[field.name])):
-        if given[field.name] is not None or field.default is not None:
-            object.__setattr__(material, field.name, as_parameter(field.name, given[field.name]))
-    lengths = {name: len(value) for name, value in given.items() if np.ndim(value)}
+    """Check the fields of a frozen dataclass that are numbers; arrays must agree in length."""
+    lengths = {}
+    for field in fields(material):
+        value = getattr(material, field.name)
+        omitted = value is None and field.default is None
+        if omitted or callable(value):
+            continue
+        parameter = as_parameter(field.name, value)
+        object.__setattr__(material, field.name, parameter)
+        if isinstance(parameter, np.ndarray):
+            lengths[field.name] = len(parameter)
     if len(set(lengths.values())) > 1:
-        raise ValueError(
-            "parameter arrays must have one value an element: "
-            + ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        )
+        listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise ValueError(f"parameter arrays must have one value an element: {listed}")
 
 
 def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
-    """Raise a ValueError that names the first element where a demand on a parameter does not
-    hold.
-    """
+    """Raise a ValueError that names the first element where a parameter misses a demand."""
     if np.all(holds):
         return
-    first = np.unravel_index(int(np.argmin(mask := np.atleast_1d(holds))), mask.shape)
+    mask = np.atleast_1d(holds)
+    first = np.unravel_index(int(np.argmin(mask)), mask.shape)
+    actual = np.broadcast_to(value, mask.shape)[first]
     where = f" in element {first[0]}" if mask.size > 1 else ""
-    raise ValueError(
-        f"{name} must {demand}, got {np.broadcast_to(value, mask.shape)[first]}{where}"
-    )
+    raise ValueError(f"{name} must {demand}, got {actual}{where}")
 
 
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
-    """Return a parameter at the points of a field of the shape (ncomp, n_elements, ...); a float
-    stays one.
-    """
+    """Return a parameter at the points of a field (ncomp, n_elements, ...); a float stays one."""
     if not isinstance(value, np.ndarray):
         return value
     if len(value) != shape[1]:
         raise ValueError(f"a parameter array has {len(value)} values for {shape[1]} elements")
-    if value.ndim == 2:
-        return np.broadcast_to(value, shape[1:]) if len(shape) > 2 else value.mean(axis=1)
-    return np.repeat(value, int(np.prod(shape[2:]))).reshape(shape[1:])
+    if value.ndim == 1:
+        n_points = int(np.prod(shape[2:]))
+        return np.repeat(value, n_points).reshape(shape[1:])
+    if len(shape) == 2:
+        return value.mean(axis=1)
+    return np.broadcast_to(value, shape[1:])
 
 
 def warn_of_radians(**angles: Parameter) -> None:

@@ -32,9 +32,7 @@ class ConeConstants(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ConePlasticity(IsotropicPlasticity):
-    """Base of the laws with a circular cone or cylinder; a law adds its parameters and
-    constants.
-    """
+    """Base of the laws with a circular cone or cylinder, which add parameters and constants."""
 
     @property
     @override
@@ -57,8 +55,10 @@ class ConePlasticity(IsotropicPlasticity):
     @override
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         constants = self.constants()
-        alpha, k = (along_elements(value, stress.shape) for value in (constants.alpha, constants.k))
-        return mean_and_shear(stress)[1], k - alpha * stress[:3].sum(axis=0)
+        alpha = along_elements(constants.alpha, stress.shape)
+        k = along_elements(constants.k, stress.shape)
+        _, shear = mean_and_shear(stress)
+        return shear, k - alpha * stress[:3].sum(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,15 +67,14 @@ class DruckerPrager(ConePlasticity):
 
     The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential
     is the same with beta (D. C. Drucker, W. Prager, Quart. Appl. Math. 10 (1952) 157-165). Where c
-    and phi are known, use
-    :meth:`plane_strain`: k, alpha and beta are not cohesion and angles. A reduction of strength
-    divides k and alpha, whose factor is lower than that of c and tan(phi): 1.78 instead of 1.95 of
-    a slope with phi = 25 degrees.
+    and phi are known, use :meth:`plane_strain`: k, alpha and beta are not cohesion and angles. A
+    reduction of strength divides k and alpha; its factor is lower than with c and tan(phi), 1.78
+    instead of 1.95 for a slope with phi = 25 degrees.
 
     Parameters
     ----------
     E, nu : float or ndarray
-        As those of :class:`LinearElastic`.
+        As in :class:`LinearElastic`.
     k, alpha, beta : float or ndarray
         Shear strength sqrt(J2) without mean stress; friction, below 1/3 for soil in plane strain;
         and dilatancy, at most alpha. None may be negative.
@@ -104,15 +103,16 @@ class DruckerPrager(ConePlasticity):
     ) -> DruckerPrager:
         """Return the cone that collapses at the Mohr-Coulomb strength in plane strain.
 
-        The parameters are those of :class:`MohrCoulomb`. At collapse the strain out of plane is
+        The parameters are as in :class:`MohrCoulomb`. At collapse the strain out of plane is
         plastic and vanishes, which fixes the stress out of plane by the plastic potential.
         """
-        model = MohrCoulomb(E, nu, c, phi, psi)
-        phi, psi = np.radians(model.phi), np.radians(model.psi)
+        soil = MohrCoulomb(E, nu, c, phi, psi)
+        phi = np.radians(soil.phi)
+        psi = np.radians(soil.psi)
         beta = np.sin(psi) / np.sqrt(9 + 3 * np.sin(psi) ** 2)
         scale = np.sqrt(1 - 3 * beta**2) + beta * np.sin(phi)
         alpha = np.where(np.equal(psi, phi), beta, np.sin(phi) / (3 * scale))
-        return cls(E, nu, k=model.c * np.cos(phi) / scale, alpha=alpha, beta=beta)
+        return cls(E, nu, k=soil.c * np.cos(phi) / scale, alpha=alpha, beta=beta)
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> DruckerPrager:
@@ -133,13 +133,12 @@ class DruckerPrager(ConePlasticity):
 
 @dataclass(frozen=True, eq=False)
 class VonMises(ConePlasticity):
-    """Drucker-Prager plasticity without friction: the equivalent stress sqrt(3 J2) reaches the
-    strength.
+    """Drucker-Prager plasticity without friction: sqrt(3 J2) reaches the strength.
 
     Parameters
     ----------
     E, nu : float or ndarray
-        As those of :class:`LinearElastic`.
+        As in :class:`LinearElastic`.
     strength : float or ndarray
         Yield stress in uniaxial tension, not negative. A soil of shear strength c in plane strain
         has sqrt(3) c.
@@ -170,11 +169,9 @@ class VonMises(ConePlasticity):
 
     @override
     def cohesion_at(self, x: Array) -> Array | None:
-        return (
-            at_points("strength", self.strength, x) / np.sqrt(3)
-            if callable(self.strength)
-            else None
-        )
+        if not callable(self.strength):
+            return None
+        return at_points("strength", self.strength, x) / np.sqrt(3)
 
     @override
     def constants(self) -> ConeConstants:
@@ -186,30 +183,32 @@ def _cone_return(trial: Array, constants: ConeConstants) -> Return:
     lam, mu, alpha, beta, k = constants
     bulk = lam + 2 / 3 * mu
     mean, shear = mean_and_shear(trial)
-    multiplier = _excess(mean, shear, constants) / (mu + 9 * bulk * alpha * beta)
-    apex = np.flatnonzero(mu * (3 * alpha * mean - k) > 9 * bulk * alpha * beta * shear)
 
-    direction = (trial - mean) / np.where(shear > 0, shear, 1)
+    # Return to the cone along the potential.
+    multiplier = _excess(mean, shear, constants) / (mu + 9 * bulk * alpha * beta)
+    size = np.where(shear > 0, shear, 1)
+    direction = (trial - mean) / size
     returned_mean = mean - 3 * bulk * beta * multiplier
     # from the yield condition, which then holds to the round-off of the returned stress
     returned_shear = np.maximum(k - 3 * alpha * returned_mean, 0)
     values = returned_mean + returned_shear * direction
+
+    # Put stresses beyond the apex on it.
+    apex = np.flatnonzero(mu * (3 * alpha * mean - k) > 9 * bulk * alpha * beta * shear)
     if apex.size:
         at_apex = chosen(constants, apex)
         values[:, apex] = at_apex.k / (3 * at_apex.alpha)
 
     def moduli() -> Array:
-        result = np.empty((3, *trial.shape))
-        kept = returned_shear / np.where(shear > 0, shear, 1)
+        result = np.empty((3, *trial.shape))  # (3, 3, n)
+        kept = returned_shear / size
         for i in range(3):
             drop = (3 * bulk * beta + mu * direction[i]) / (mu + 9 * bulk * alpha * beta)
             for j in range(3):
-                deviatoric = (2.0 * (i == j) - 2 / 3) * kept + (1 - kept) * direction[
-                    i
-                ] * direction[j]
-                result[i, j] = (
-                    bulk + mu * deviatoric - drop * (3 * bulk * alpha + mu * direction[j])
-                )
+                shearing = (2.0 * (i == j) - 2 / 3) * kept
+                turning = (1 - kept) * direction[i] * direction[j]
+                gradient = 3 * bulk * alpha + mu * direction[j]
+                result[i, j] = bulk + mu * (shearing + turning) - drop * gradient
         result[:, :, apex] = 0
         return result
 

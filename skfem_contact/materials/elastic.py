@@ -23,17 +23,17 @@ from .base import (
     require,
 )
 
-#: Parameters of which an element has one value, the mean of those of its points.
+#: Parameters of which an element has one value, the mean over its points.
 _BY_ELEMENT = ("E", "nu")
 
 
 @dataclass(frozen=True, eq=False)
 class Isotropic(Material):
-    """Parameters of isotropic elasticity: floats, arrays with one value an element of the region,
-    or functions.
+    """Parameters of isotropic elasticity.
 
-    A ValueError refuses a parameter that is out of its range or not finite, and arrays that differ
-    in length. Two materials are equal only if they are the same object.
+    Each is a float, an array with one value an element of the region, or a function of the
+    coordinates. A ValueError refuses a parameter that is out of its range or not finite, and arrays
+    that differ in length. Two materials are equal only if they are the same object.
     """
 
     E: Given
@@ -46,10 +46,9 @@ class Isotropic(Material):
 
     def _check(self) -> None:
         """Check the ranges of the parameters, which are numbers."""
-        require("E", self.E, np.greater(self.E, 0), "be positive")
-        require(
-            "nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5"
-        )
+        self._positive("E")
+        in_range = np.greater(self.nu, -1) & np.less(self.nu, 0.5)
+        require("nu", self.nu, in_range, "lie between -1 and 0.5")
 
     @property
     @override
@@ -61,7 +60,8 @@ class Isotropic(Material):
         if not self.functions:
             return self
         changes: dict[str, Parameter] = {}
-        for name, value in ((field.name, getattr(self, field.name)) for field in fields(self)):
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
             if callable(value):
                 values = at_points(name, value, x)
                 changes[name] = values.mean(axis=1) if name in _BY_ELEMENT else values
@@ -71,11 +71,24 @@ class Isotropic(Material):
         new._check()
         return new
 
+    def _positive(self, *names: str) -> None:
+        """Refuse values of some parameters that are not positive."""
+        for name in names:
+            value = getattr(self, name)
+            require(name, value, np.greater(value, 0), "be positive")
+
     def _not_negative(self, *names: str) -> None:
         """Refuse negative values of some parameters."""
         for name in names:
-            if (value := getattr(self, name)) is not None:
+            value = getattr(self, name)
+            if value is not None:
                 require(name, value, np.greater_equal(value, 0), "not be negative")
+
+    def _angle(self, name: str) -> None:
+        """Refuse an angle in degrees that is negative, or 90 and more."""
+        value = getattr(self, name)
+        in_range = np.greater_equal(value, 0) & np.less(value, 90)
+        require(name, value, in_range, "lie in [0, 90) degrees")
 
     def _with(self, **changes: Parameter | None) -> Any:
         """Return the material with other parameters, which follow from checked ones."""
@@ -87,39 +100,38 @@ class Isotropic(Material):
     @property
     def lame(self) -> tuple[Parameter, Parameter]:
         """Lamé's constants (lambda, mu)."""
-        return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu)), self.E / (2 * (1 + self.nu))
+        lam = self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
+        mu = self.E / (2 * (1 + self.nu))
+        return lam, mu
 
     @override
     def elasticity(
         self, ncomp: int, stress: Array | None = None, internal: Array | None = None
     ) -> Array:
         lam, mu = np.broadcast_arrays(*self.lame)
-        stiffness = np.zeros((*lam.shape, ncomp, ncomp))
-        stiffness[..., :3, :3] = lam[..., None, None] + 2 * mu[..., None, None] * np.eye(3)
-        stiffness[..., 3:, 3:] = mu[..., None, None] * np.eye(ncomp - 3)
+        lam, mu = lam[..., None, None], mu[..., None, None]
+        stiffness = np.zeros((*lam.shape[:-2], ncomp, ncomp))
+        stiffness[..., :3, :3] = lam + 2 * mu * np.eye(3)
+        stiffness[..., 3:, 3:] = mu * np.eye(ncomp - 3)
         return stiffness
 
     def elastic_stress(self, strain_increment: Array, stress: Array) -> Array:
-        """Return the stress after an elastic strain increment, a new array of shape (ncomp,
-        ...).
-        """
-        if (
-            strain_increment.shape != stress.shape
-            or stress.ndim < 2
-            or stress.shape[0] not in (4, 6)
-        ):
+        """Return the stress after an elastic strain increment, a new array (ncomp, ...)."""
+        known = stress.ndim >= 2 and stress.shape[0] in (4, 6)
+        if not known or strain_increment.shape != stress.shape:
             raise ValueError(
                 "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
                 f"got {strain_increment.shape} and {stress.shape}"
             )
         lam, mu = (along_elements(value, stress.shape) for value in self.lame)
+        volume = strain_increment[0] + strain_increment[1]
+        volume += strain_increment[2]
+        # stress + 2 mu strain + lam volume, in place
         result = np.empty(stress.shape)
-        pressure = strain_increment[0] + strain_increment[1]
-        pressure += strain_increment[2]
-        pressure *= lam
         np.multiply(strain_increment[:3], 2 * mu, out=result[:3])
         np.multiply(strain_increment[3:], mu, out=result[3:])
-        result[:3] += pressure
+        volume *= lam
+        result[:3] += volume
         result += stress
         return result
 
@@ -152,15 +164,15 @@ class LinearElastic(Isotropic):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        new, tangent = (
-            self.elastic_stress(strain_increment, stress),
-            np.empty((0, len(stress), len(stress))),
-        )
-        return Update(new, internal, np.empty(0, dtype=np.intp), lambda: tangent)
+        result = self.elastic_stress(strain_increment, stress)
+        plastic = np.empty(0, dtype=np.intp)
+        tangent = np.empty((0, len(stress), len(stress)))
+        return Update(result, internal, plastic, lambda: tangent)
 
     @override
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
-        return np.zeros(stress.shape[1:]), np.full(stress.shape[1:], np.inf)
+        points = stress.shape[1:]
+        return np.zeros(points), np.full(points, np.inf)
 
     @override
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter]:
@@ -168,9 +180,7 @@ class LinearElastic(Isotropic):
 
 
 def at_points(name: str, function: Any, x: Array) -> Array:
-    """Return the values of a parameter that is a function of the coordinates, (n_elements,
-    n_points).
-    """
+    """Return a parameter that is a function of the coordinates, (n_elements, n_points)."""
     values = finite(function(x), f"{name}(x)")
     if values.shape not in ((), x.shape[1:]):
         raise ValueError(
@@ -181,20 +191,22 @@ def at_points(name: str, function: Any, x: Array) -> Array:
 
 
 def refuse_functions(material: Material) -> None:
-    """Refuse a material with functions of the coordinates where there are no coordinates."""
+    """Refuse a material with functions of the coordinates at a point without coordinates."""
     if material.functions:
         raise ValueError(
             f"{' and '.join(material.functions)} of {material.label} vary with the coordinates, "
-            f"which "
-            "a single point does not have: give numbers"
+            "which a single point does not have: give numbers"
         )
+
+
+def davis_factor(friction: Parameter, dilatancy: Parameter) -> Parameter:
+    """Return Davis' beta = cos(psi) cos(phi) / (1 - sin(psi) sin(phi)) of angles in radians."""
+    return np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction))
 
 
 def reduced_dilatancy(
     dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter
 ) -> Parameter:
-    """Return the dilatancy of a reduced friction: equal to it if the flow was associated, else at
-    most equal.
-    """
+    """Return the dilatancy of a reduced friction: equal to it in associated flow, else at most."""
     associated = np.equal(dilatancy, friction)
     return np.where(associated, reduced_friction, np.minimum(dilatancy, reduced_friction))

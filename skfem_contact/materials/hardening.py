@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from typing_extensions import override
@@ -29,9 +29,7 @@ _HALVINGS = 60  # from the bounds to the round-off
 
 
 class _Constants(NamedTuple):
-    """Constants over elements or points, angles in radians; ``range`` is the strain where the
-    change ends.
-    """
+    """Constants of the law: floats, or arrays over elements or points; angles in radians."""
 
     lam: Parameter
     mu: Parameter
@@ -40,7 +38,7 @@ class _Constants(NamedTuple):
     phi: Parameter
     c_change: Parameter
     phi_change: Parameter
-    range: Parameter
+    range: Parameter  # equivalent plastic shear strain at which the change ends
     accepted: Parameter = 0.0  # equivalent plastic shear strain
 
 
@@ -49,7 +47,7 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     """Mohr-Coulomb plasticity, hardening or softening linearly with the plastic shear strain.
 
     Cohesion and friction angle go linearly from their first to their last values while the
-    accumulated equivalent plastic shear strain goes from zero to a given strain, and stay there.
+    accumulated equivalent plastic shear strain goes from zero to a given strain, then they stay.
     The dilatancy angle is constant. Stress and strength at the end of an increment fulfil the yield
     condition exactly. A softening body has no solution that is independent of the mesh: choose
     ``strain_end`` for the size of the elements.
@@ -57,7 +55,7 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     Parameters
     ----------
     E, nu, c, c_end, phi, phi_end, psi : float or ndarray
-        As those of :class:`MohrCoulomb`, with first and last strength; psi must not exceed phi and
+        As in :class:`MohrCoulomb`, with first and last strength; psi must not exceed phi and
         phi_end.
     strain_end : float or ndarray
         Equivalent plastic shear strain at which the last values are reached, positive.
@@ -66,8 +64,11 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     --------
     >>> import numpy as np
     >>> from skfem_contact.materials import HardeningMohrCoulomb
-    >>> clay = HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
-    >>> update = clay.update(np.array([[0.0], [0.0], [0.0], [0.08]]), np.zeros((4, 1)), np.zeros((1, 1)))
+    >>> clay = HardeningMohrCoulomb(
+    ...     E=1e4, nu=0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1
+    ... )
+    >>> strain = np.array([[0.0], [0.0], [0.0], [0.08]])
+    >>> update = clay.update(strain, np.zeros((4, 1)), np.zeros((1, 1)))
     >>> update.stress[3].round(3), update.internal[0].round(4)
     (array([13.373]), array([0.0442]))
     """
@@ -84,31 +85,19 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         super()._check()
         self._not_negative("c", "c_end", "psi")
         for name in ("phi", "phi_end"):
-            angle = getattr(self, name)
-            require(
-                name,
-                angle,
-                np.greater_equal(angle, 0) & np.less(angle, 90),
-                "lie in [0, 90) degrees",
-            )
-            require("psi", self.psi, np.less_equal(self.psi, angle), f"not exceed {name}")
+            self._angle(name)
+            not_above = np.less_equal(self.psi, getattr(self, name))
+            require("psi", self.psi, not_above, f"not exceed {name}")
         warn_of_radians(phi=np.maximum(self.phi, self.phi_end))
-        require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
+        self._positive("strain_end")
 
     @override
     def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
-        c, c_end, phi, phi_end, strain_end = (
-            along_elements(value, internal.shape)
-            for value in (
-                self.c,
-                self.c_end,
-                np.radians(self.phi),
-                np.radians(self.phi_end),
-                self.strain_end,
-            )
-        )
-        way = np.minimum(internal[0] / strain_end, 1.0)
-        return c + way * (c_end - c), phi + way * (phi_end - phi)
+        angles = np.radians(self.phi), np.radians(self.phi_end)
+        given = self.c, self.c_end, *angles, self.strain_end
+        c, c_end, phi, phi_end, end = (along_elements(value, internal.shape) for value in given)
+        progress = np.minimum(internal[0] / end, 1.0)
+        return c + progress * (c_end - c), phi + progress * (phi_end - phi)
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:
@@ -121,23 +110,33 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         if flow != "given" and not np.all(self.phi == self.phi_end):
             raise ValueError(
                 f"flow '{flow}' needs one friction angle: the constant psi of a "
-                f"HardeningMohrCoulomb "
-                "cannot follow phi to another phi_end"
+                "HardeningMohrCoulomb cannot follow phi to another phi_end"
             )
-        first, last = (
-            cast(MohrCoulomb, MohrCoulomb(self.E, self.nu, c, phi, self.psi).reduced(factor, flow))
-            for c, phi in ((self.c, self.phi), (self.c_end, self.phi_end))
-        )
-        least, reduced = np.minimum(self.phi, self.phi_end), np.minimum(first.phi, last.phi)
-        psi = reduced_dilatancy(self.psi, least, reduced) if flow == "given" else first.psi
+        # Reduce the first and the last strength.
+        first: Any = MohrCoulomb(self.E, self.nu, self.c, self.phi, self.psi)
+        last: Any = MohrCoulomb(self.E, self.nu, self.c_end, self.phi_end, self.psi)
+        first = first.reduced(factor, flow)
+        last = last.reduced(factor, flow)
+
+        # Keep the dilatancy below both friction angles.
+        psi = first.psi
+        if flow == "given":
+            least = np.minimum(self.phi, self.phi_end)
+            reduced = np.minimum(first.phi, last.phi)
+            psi = reduced_dilatancy(self.psi, least, reduced)
         return self._with(c=first.c, c_end=last.c, phi=first.phi, phi_end=last.phi, psi=psi)
 
     @override
     def constants(self) -> _Constants:
-        phi, phi_end, psi = np.radians(self.phi), np.radians(self.phi_end), np.radians(self.psi)
-        c_change, phi_change = self.c_end - self.c, phi_end - phi
+        phi = np.radians(self.phi)
         return _Constants(
-            *self.lame, np.sin(psi), self.c, phi, c_change, phi_change, self.strain_end
+            *self.lame,
+            sin_psi=np.sin(np.radians(self.psi)),
+            c=self.c,
+            phi=phi,
+            c_change=self.c_end - self.c,
+            phi_change=np.radians(self.phi_end) - phi,
+            range=self.strain_end,
         )
 
     @override
@@ -158,24 +157,30 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         returned = pyramid_return(trial, _pyramid(strain, constants))
 
         def moduli() -> Array:
-            """Return the perfectly plastic moduli and the dyad of the change of strength."""
+            # d s / d e = P + (d s / d k) (d k / d e) with the perfectly plastic moduli P, and from
+            # the growth k = k(s_trial - s) with the gradient g and the elastic moduli D
+            # d k / d e = g (D - P) / (1 + g d s / d k)
             perfect = returned.moduli()
             change = _stress_change(returned, strain, constants)
             gradient = _strain_gradient(trial - returned.values, constants.mu)
-            lost = -np.einsum("in,ijn->jn", gradient, perfect)
-            lost += constants.lam * gradient.sum(axis=0) + 2 * constants.mu * gradient
-            lost /= 1 + np.einsum("in,in->n", gradient, change)
-            return perfect + change[:, None] * lost
+            rate = -np.einsum("in,ijn->jn", gradient, perfect)
+            rate += constants.lam * gradient.sum(axis=0) + 2 * constants.mu * gradient
+            rate /= 1 + np.einsum("in,in->n", gradient, change)
+            return perfect + change[:, None] * rate
 
         return Return(returned.values, moduli, growth=strain - constants.accepted)
 
 
+def _strength(strain: Parameter, k: _Constants) -> tuple[Parameter, Parameter]:
+    """Return cohesion and friction angle at an equivalent plastic shear strain."""
+    progress = np.minimum(strain / k.range, 1)
+    return k.c + progress * k.c_change, k.phi + progress * k.phi_change
+
+
 def _pyramid(strain: Parameter, k: _Constants) -> PyramidConstants:
     """Return the yield surface at an equivalent plastic shear strain."""
-    progress = np.minimum(strain / k.range, 1)
-    phi = k.phi + progress * k.phi_change
-    strength = 2 * (k.c + progress * k.c_change) * np.cos(phi)
-    return PyramidConstants(k.lam, k.mu, np.sin(phi), k.sin_psi, strength)
+    c, phi = _strength(strain, k)
+    return PyramidConstants(k.lam, k.mu, np.sin(phi), k.sin_psi, 2 * c * np.cos(phi))
 
 
 def _end_strain(trial: Array, k: _Constants) -> Array:
@@ -188,45 +193,56 @@ def _end_strain(trial: Array, k: _Constants) -> Array:
     lower = np.broadcast_to(k.accepted, trial.shape[1:]).copy()
     upper = lower + equivalent_shear_strain(trial, k.mu)
     tolerance = ROUND_OFF / 10 * np.maximum(trial[0], -trial[2]) / k.mu
-    strain = lower.copy()
-    open_ = np.arange(strain.size)
+    result = lower.copy()
+    points = np.arange(result.size)
     for iteration in range(_NEWTON_ITERATIONS + _HALVINGS):
-        at, here = chosen(k, open_), strain[open_]
-        growth, slope = _growth(here, trial[:, open_], at)
-        residual = at.accepted + growth - here
-        lower[open_] = np.where(residual > 0, here, lower[open_])
-        upper[open_] = np.where(residual > 0, upper[open_], here)
-        low, high = lower[open_], upper[open_]
-        newton = here + residual / np.where(slope < 1, 1 - slope, 1)
-        unsettled = (np.abs(residual) > tolerance[open_]) & (high - low > tolerance[open_])
-        inside = (low < newton) & (newton < high) & (slope < 1) & (iteration < _NEWTON_ITERATIONS)
-        strain[open_] = np.where(unsettled, np.where(inside, newton, (low + high) / 2), here)
-        open_ = open_[unsettled]
-        if not open_.size:
+        # Narrow the bounds of the points that are not yet solved.
+        some = chosen(k, points)
+        strain = result[points]
+        growth, slope = _growth(strain, trial[:, points], some)
+        residual = some.accepted + growth - strain
+        low = np.where(residual > 0, strain, lower[points])
+        high = np.where(residual > 0, upper[points], strain)
+        lower[points] = low
+        upper[points] = high
+
+        # Keep the solved points.
+        remaining = (np.abs(residual) > tolerance[points]) & (high - low > tolerance[points])
+        if not remaining.any():
             break
-    return strain
+
+        # Step by Newton's method where it stays between the bounds, else halve them.
+        newton = strain + residual / np.where(slope < 1, 1 - slope, 1)
+        inside = (low < newton) & (newton < high) & (slope < 1) & (iteration < _NEWTON_ITERATIONS)
+        new = np.where(inside, newton, (low + high) / 2)
+        points = points[remaining]
+        result[points] = new[remaining]
+    return result
 
 
 def _growth(strain: Array, trial: Array, k: _Constants) -> tuple[Array, Array]:
-    """Return the plastic shear strain of the return to the surface at ``strain``, and its
-    derivative.
-    """
+    """Return the plastic shear strain of the return to the surface at a strain, and its slope."""
     surface = _pyramid(strain, k)
     returned = pyramid_return(trial, surface)
     relaxed = trial - returned.values
+    growth = equivalent_shear_strain(relaxed, k.mu)
     change = _stress_change(returned, strain, k)
     slope = -(_strain_gradient(relaxed, k.mu) * change).sum(axis=0)
     outside = pyramid_excess(trial[0], trial[2], surface) > 0
-    return np.where(outside, equivalent_shear_strain(relaxed, k.mu), 0), np.where(outside, slope, 0)
+    return np.where(outside, growth, 0), np.where(outside, slope, 0)
 
 
 def _stress_change(returned: Return, strain: Array, k: _Constants) -> Array:
-    """Return d returned principal stress (3, n) / d plastic shear strain, the trial fixed."""
+    """Return d returned principal stress (3, n) / d plastic shear strain, the trial fixed.
+
+    The yield function (s1 - s3) + (s1 + s3) sin(phi) - 2 c cos(phi) rises by the changes of phi
+    and c.
+    """
     largest, _, smallest = returned.values
-    phi = k.phi + np.minimum(strain / k.range, 1) * k.phi_change
-    c = k.c + np.minimum(strain / k.range, 1) * k.c_change
-    cos, sin = np.cos(phi), np.sin(phi)
-    rise = ((largest + smallest) * cos + 2 * c * sin) * k.phi_change - 2 * cos * k.c_change
+    c, phi = _strength(strain, k)
+    cos = np.cos(phi)
+    by_phi = (largest + smallest) * cos + 2 * c * np.sin(phi)
+    rise = by_phi * k.phi_change - 2 * cos * k.c_change
     assert returned.relief is not None
     return -returned.relief() * np.where(strain < k.range, rise / k.range, 0)
 

@@ -1,11 +1,10 @@
-"""Hoek-Brown strength of rock masses: the return of Mohr-Coulomb to the tangent that touches at the
-returned stress.
+"""Hoek-Brown strength of rock masses: return of Mohr-Coulomb to a tangent.
 
 With s1 >= s2 >= s3, tension positive, the yield function is s1 - s3 - sigma_ci t^a with t = s - m_b
 s1 / sigma_ci. The return runs along a line, on an edge of the meeting stresses' mean, on which t
 and s1 - s3 are linear. With u = t^a the yield condition is u + b u^(1/a) = A: it is convex, and
-Newton's method from u = A falls to the root. Stress, edge, apex and tangent are then those of
-Mohr-Coulomb's pyramid with sin(phi) and the strength of the tangent there.
+Newton's method from u = A falls to the root. The tangent touches at the returned stress; its
+sin(phi) and strength define the pyramid of Mohr-Coulomb that gives stress, edge, apex and moduli.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from .base import (
 )
 from .curved import APEX, IMAGINARY, Tangent, falling_root, lines_of, tangent
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
-from .pyramid import PyramidConstants, pyramid_return
+from .pyramid import PyramidConstants, edge_weights, pyramid_return
 from .spectral import extremes, principal_stresses
 
 #: Iterations for the root: 2 to 4 are needed for strain increments of 1e-6 to 1e-1, 12 where the
@@ -45,9 +44,7 @@ _ASSOCIATED = 89.999999
 
 
 class _Constants(NamedTuple):
-    """Floats, or arrays over elements or points; ``sin_psi`` is the dilatancy, ``ci`` is
-    sigma_ci.
-    """
+    """Constants of the law: floats, or arrays over elements or points; ``ci`` is sigma_ci."""
 
     lam: Parameter
     mu: Parameter
@@ -70,22 +67,21 @@ class _Line(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class HoekBrown(IsotropicPlasticity):
-    r"""Linear elasticity, perfect plasticity with the generalised Hoek-Brown strength, flow of
-    Mohr-Coulomb.
+    r"""Linear elasticity, perfect plasticity with the generalised Hoek-Brown strength.
 
     With the principal stresses :math:`\sigma_1 \ge \sigma_2 \ge \sigma_3`, tension positive, the
     strength is
-    :math:`\sigma_1 - \sigma_3 = \sigma_{ci} (s - m_b \sigma_1 / \sigma_{ci})^a`. The friction angle
-    of its tangent falls with the pressure, and the dilatancy angle is capped by it. A strength
-    reduction divides the shear strength on every plane, so that c and tan(phi) of every tangent are
-    divided; bounds have chords and tangents. E. Hoek, C. Carranza-Torres, B. Corkum, Proc.
-    NARMS-TAC (2002) 267-273; J. Clausen, L. Damkilde, Int. J. Rock Mech. Min. Sci. 45 (2008)
-    831-847.
+    :math:`\sigma_1 - \sigma_3 = \sigma_{ci} (s - m_b \sigma_1 / \sigma_{ci})^a`. The flow follows
+    Mohr-Coulomb's potential; the friction angle of the tangent falls with the pressure, and caps
+    the dilatancy angle. A strength reduction divides the shear strength on every plane, so that c
+    and tan(phi) of every tangent are divided; bounds have chords and tangents. E. Hoek, C.
+    Carranza-Torres, B. Corkum, Proc. NARMS-TAC (2002) 267-273; J. Clausen, L. Damkilde, Int. J.
+    Rock Mech. Min. Sci. 45 (2008) 831-847.
 
     Parameters
     ----------
     E, nu : float or ndarray
-        As those of :class:`LinearElastic`.
+        As in :class:`LinearElastic`.
     sigma_ci : float or ndarray
         Uniaxial compressive strength of the intact rock (stress); like all parameters a float or
         one value an element.
@@ -113,21 +109,12 @@ class HoekBrown(IsotropicPlasticity):
     @override
     def _check(self) -> None:
         super()._check()
-        for name in ("sigma_ci", "m_b"):
-            require(name, getattr(self, name), np.greater(getattr(self, name), 0), "be positive")
-        require(
-            "s",
-            self.s,
-            np.greater_equal(self.s, 0) & np.less_equal(self.s, 1),
-            "lie between 0 and 1",
-        )
-        require("a", self.a, np.greater_equal(self.a, 0.5) & np.less(self.a, 1), "lie in [0.5, 1)")
-        require(
-            "psi",
-            self.psi,
-            np.greater_equal(self.psi, 0) & np.less(self.psi, 90),
-            "lie in [0, 90) degrees",
-        )
+        self._positive("sigma_ci", "m_b")
+        s_in_range = np.greater_equal(self.s, 0) & np.less_equal(self.s, 1)
+        require("s", self.s, s_in_range, "lie between 0 and 1")
+        a_in_range = np.greater_equal(self.a, 0.5) & np.less(self.a, 1)
+        require("a", self.a, a_in_range, "lie in [0.5, 1)")
+        self._angle("psi")
         warn_of_radians(psi=self.psi)
 
     @classmethod
@@ -146,7 +133,7 @@ class HoekBrown(IsotropicPlasticity):
         Parameters
         ----------
         E, nu, sigma_ci, psi
-            As those of the class.
+            As in the class.
         m_i
             Constant of the intact rock, 4 to 33.
         gsi
@@ -161,13 +148,15 @@ class HoekBrown(IsotropicPlasticity):
         >>> round(rock.m_b, 4), round(rock.s, 6), round(rock.a, 4)
         (1.6768, 0.003866, 0.5057)
         """
-        index, D = np.asarray(gsi, dtype=float), np.asarray(disturbance, dtype=float)
+        index = np.asarray(gsi, dtype=float)
+        D = np.asarray(disturbance, dtype=float)
         require("gsi", index, (index > 0) & (index <= 100), "be above 0 and at most 100")
         require("disturbance", D, (D >= 0) & (D <= 1), "lie between 0 and 1")
         require("m_i", m_i, np.greater(m_i, 0), "be positive")
         m_b = np.asarray(m_i) * np.exp((index - 100) / (28 - 14 * D))
+        s = np.exp((index - 100) / (9 - 3 * D))
         a = 0.5 + (np.exp(-index / 15) - np.exp(-20 / 3)) / 6
-        return cls(E, nu, sigma_ci, m_b, np.exp((index - 100) / (9 - 3 * D)), a, psi)
+        return cls(E, nu, sigma_ci, m_b, s, a, psi)
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> HoekBrown:
@@ -176,15 +165,15 @@ class HoekBrown(IsotropicPlasticity):
             raise ValueError(
                 f"flow '{flow}' needs one friction angle: HoekBrown has 'given' and 'associated'"
             )
-        return self._with(
-            factor=self.factor * factor, psi=self.psi if flow == "given" else _ASSOCIATED
-        )
+        psi = self.psi if flow == "given" else _ASSOCIATED
+        return self._with(factor=self.factor * factor, psi=psi)
 
     @override
     def lines(
         self, stress: float, inner: bool = True, flow: Flow = "associated"
     ) -> tuple[Array, Array]:
-        return lines_of(_Constants(*map(np.atleast_1d, self.constants())), stress, inner, flow)
+        constants = _Constants(*map(np.atleast_1d, self.constants()))
+        return lines_of(constants, stress, inner, flow)
 
     @property
     @override
@@ -205,20 +194,19 @@ class HoekBrown(IsotropicPlasticity):
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         largest, _, smallest = principal_stresses(stress)
         k = _Constants(*(along_elements(value, stress.shape) for value in self.constants()))
-        return 0.5 * (largest - smallest), 0.5 * (
-            largest - smallest - _excess(largest, smallest, k)
-        )
+        difference = largest - smallest
+        return 0.5 * difference, 0.5 * (difference - _excess(largest, smallest, k))
 
     @override
     def constants(self) -> _Constants:
         return _Constants(
             *self.lame,
-            np.sin(np.radians(self.psi)),
-            self.sigma_ci,
-            self.m_b,
-            self.s,
-            self.a,
-            self.factor,
+            sin_psi=np.sin(np.radians(self.psi)),
+            ci=self.sigma_ci,
+            m_b=self.m_b,
+            s=self.s,
+            a=self.a,
+            factor=self.factor,
         )
 
     @override
@@ -231,78 +219,110 @@ class HoekBrown(IsotropicPlasticity):
 
     @override
     def return_map(self, trial: Array, constants: _Constants) -> Return:
+        # Return to the pyramid of the tangent.
         cone, weights, t = _tangent_cone(trial, constants)
         new = pyramid_return(trial, cone)
+
+        # Refuse stresses that are not on the strength.
+        first, _, last = new.values
         largest = np.maximum(trial[0], -trial[2])
-        off = np.abs(_excess(new.values[0], new.values[2], constants)) > _ADMITTED * largest
-        off &= new.values[0] - new.values[2] > ROUND_OFF * largest
-        if (
-            off.any()
-        ):  # near the apex the strength is steep: its error is that of s1 times the slope
-            error = np.abs(_excess(new.values[0], new.values[2], constants))
-            off &= error > _ADMITTED * (1 + _slope(t, constants)) * largest
-        if off.any():
+        error = np.abs(_excess(first, last, constants))
+        failed = error > _ADMITTED * largest
+        failed &= first - last > ROUND_OFF * largest
+        if failed.any():
+            # Near the apex the strength is steep: its error is the error of s1 times the slope.
+            slope = constants.a * constants.m_b * np.maximum(t, APEX) ** (constants.a - 1)
+            failed &= error > _ADMITTED * (1 + slope) * largest
+        if failed.any():
             raise IncrementTooLarge(
-                f"the return to the strength of Hoek and Brown fails at {off.sum()} points"
+                f"the return to the strength of Hoek and Brown fails at {failed.sum()} points"
             )
-        return Return(
-            new.values, lambda: _with_capped_flow(new, trial, cone, constants, weights, t)
-        )
+
+        def moduli() -> Array:
+            result = new.moduli()
+            points = np.flatnonzero(cone.sin_psi < constants.sin_psi)
+            if points.size:
+                change = _change_of_flow(
+                    trial[:, points],
+                    new.values[:, points],
+                    sine=np.asarray(cone.sin_psi)[points],
+                    weights=(weights[0][points], weights[1][points]),
+                    t=t[points],
+                    k=chosen(constants, points),
+                )
+                result[:, :, points] += change[:, None] * result[0][:, points]
+            return result
+
+        return Return(new.values, moduli)
 
 
 def _excess(largest: Array, smallest: Array, k: _Constants) -> Array:
-    """Return the yield function of the extreme principal stresses, beyond the apex with the
-    distance to it.
-    """
+    """Return the yield function of extreme stresses, beyond the apex with the distance to it."""
     t = k.s - k.m_b * largest / k.ci
     if np.all(np.equal(k.factor, 1.0)):
         strength = k.ci * np.maximum(t, 0.0) ** k.a
     else:
-        apart = falling_root(lambda t: tangent(t, k).s1 - largest, np.maximum(t, APEX))
-        strength = np.where(t > 0, largest - tangent(apart, k).s3, 0.0)
-    return largest - smallest - strength + np.maximum(-t, 0.0) * k.ci / k.m_b
-
-
-def _slope(t: Array, k: _Constants) -> Array:
-    """Return d (s1 - s3) / d (-s1) of the strength."""
-    return k.a * k.m_b * np.maximum(t, APEX) ** (k.a - 1)
+        # Find the tangent that touches at the largest stress.
+        touching = falling_root(lambda t: tangent(t, k).s1 - largest, np.maximum(t, APEX))
+        strength = np.where(t > 0, largest - tangent(touching, k).s3, 0.0)
+    beyond_apex = np.maximum(-t, 0.0) * k.ci / k.m_b
+    return largest - smallest - strength + beyond_apex
 
 
 def _directions(line: _Line, sine: Array, k: _Constants) -> tuple[Array, Array]:
     """Return by how much a unit of flow with a dilatancy lowers s1 and s3."""
     volume = 2 * k.lam * sine
-    return volume + 2 * k.mu * (1 + sine) * line.w1, volume - 2 * k.mu * (1 - sine) * line.w3
+    d1 = volume + 2 * k.mu * (1 + sine) * line.w1
+    d3 = volume - 2 * k.mu * (1 - sine) * line.w3
+    return d1, d3
 
 
-def _touch(line: _Line, k: _Constants) -> tuple[Array, Array, Tangent]:
-    """Return t, the sine of the dilatancy and the tangent where the return along a line ends."""
-    sine = np.broadcast_to(k.sin_psi, line.s1.shape)
-    d1, d3 = _directions(line, sine, k)
-    t0, b = k.s - k.m_b * line.s1 / k.ci, (d1 - d3) / (k.m_b * d1)
-    A = np.maximum((line.s1 - line.s3) / k.ci + b * t0, 0.0)
-    u = 2 * A / (1 + np.sqrt(1 + 4 * b * A))  # the root for a = 1/2
-    for _ in range(_MOST if np.any(np.not_equal(k.a, 0.5)) else 0):
-        power = b * u ** (1 / k.a - 1)
-        step = (u + power * u - A) / (1 + power / k.a)
+def _middle(first: Array, middle: Parameter, last: Array, weights: tuple[Array, Array]) -> Array:
+    """Return values of the middle stress, which on an edge equals the first or the last one."""
+    w1, w3 = weights
+    return np.where(w3 < 1, last, np.where(w1 < 1, first, middle))
+
+
+def _convex_root(A: Array, b: Array, a: Parameter) -> Array:
+    """Return the root u of u + b u^(1/a) = A, from the root for a = 1/2 by Newton's method."""
+    u = 2 * A / (1 + np.sqrt(1 + 4 * b * A))
+    if np.all(np.equal(a, 0.5)):
+        return u
+    for _ in range(_MOST):
+        power = b * u ** (1 / a - 1)
+        step = (u + power * u - A) / (1 + power / a)
         u = np.maximum(u - step, 0.0)
         if np.all(np.abs(step) <= _LAST * u):
             break
-    t = u ** (1 / k.a)
+    return u
+
+
+def _touch(line: _Line, k: _Constants) -> tuple[Array, Array, Tangent]:
+    """Return t, the sine of the dilatancy and the tangent where the return along a line ends.
+
+    On the line s1 - s3 = ci (A - b t), and on the strength ci u with u = t^a.
+    """
+    # Return to the whole strength with the given dilatancy.
+    sine = np.broadcast_to(k.sin_psi, line.s1.shape)
+    d1, d3 = _directions(line, sine, k)
+    t = k.s - k.m_b * line.s1 / k.ci
+    b = (d1 - d3) / (k.m_b * d1)
+    A = np.maximum((line.s1 - line.s3) / k.ci + b * t, 0.0)
+    t = _convex_root(A, b, k.a) ** (1 / k.a)
     touching = tangent(np.maximum(t, APEX), k)
-    other = np.flatnonzero(np.not_equal(k.factor, 1.0) | (sine > touching.sine))
-    if other.size:
-        t, sine = t.copy(), sine.copy()
-        t[other], sine[other] = _touch_other(
-            _Line(*chosen(line, other)), t[other], chosen(k, other)
-        )
+
+    # Return anew where the strength is reduced, or the dilatancy exceeds the friction.
+    points = np.flatnonzero(np.not_equal(k.factor, 1.0) | (sine > touching.sine))
+    if points.size:
+        sine = sine.copy()
+        some = _Line(*chosen(line, points))
+        t[points], sine[points] = _touch_capped(some, t[points], chosen(k, points))
         touching = tangent(np.maximum(t, APEX), k)
     return t, sine, touching
 
 
-def _touch_other(line: _Line, start: Array, k: _Constants) -> tuple[Array, Array]:
-    """Return t, from one nearby, and the dilatancy where the strength is reduced or the dilatancy
-    that of friction.
-    """
+def _touch_capped(line: _Line, start: Array, k: _Constants) -> tuple[Array, Array]:
+    """Return t and the sine of the dilatancy, at most the friction, from a start nearby."""
 
     def capped(t: Any) -> Array:
         sine = tangent(t, k).sine
@@ -320,67 +340,62 @@ def _touch_other(line: _Line, start: Array, k: _Constants) -> tuple[Array, Array
 def _tangent_cone(
     trial: Array, k: _Constants
 ) -> tuple[PyramidConstants, tuple[Array, Array], Array]:
-    """Return the tangent at the returned stresses as constants of a pyramid, weights of faces and
-    edges, and t.
-    """
-    one = np.ones(trial.shape[1])
-    line = _Line(trial[0], trial[2], one, one)
-    t, sine, (first, last, sin_phi) = _touch(line, k)
-    d1, d3 = _directions(line, sine, k)
+    """Return the pyramid of the tangent at the returned stresses, weights of the edges, and t."""
+    # Return to the face.
+    w1 = np.ones(trial.shape[1])
+    w3 = np.ones(trial.shape[1])
+    face = _Line(trial[0], trial[2], w1, w3)
+    t, sine, (first, last, sin_phi) = _touch(face, k)
+    d1, d3 = _directions(face, sine, k)
     length = (trial[0] - first) / d1
-    s1, s2, s3 = (
-        trial[0] - length * d1,
-        trial[1] - length * 2 * k.lam * sine,
-        trial[2] - length * d3,
-    )
-    w1, w3 = one.copy(), one.copy()
+    s1 = trial[0] - length * d1
+    s2 = trial[1] - length * 2 * k.lam * sine
+    s3 = trial[2] - length * d3
+
+    # Return points whose order changes to an edge.
     edge = np.flatnonzero((s1 <= s2) | (s2 <= s3))
     if edge.size:
-        at, some, psi = trial[:, edge], chosen(k, edge), sine[edge]
-        minor = (at[1] - at[2]) * (1 + psi) <= (at[0] - at[1]) * (1 - psi)
-        w1[edge], w3[edge] = np.where(minor, 1.0, 0.5), np.where(minor, 0.5, 1.0)
-        a, c = w1[edge], w3[edge]
-        averaged = _Line(a * at[0] + (1 - a) * at[1], c * at[2] + (1 - c) * at[1], a, c)
+        s1, s2, s3 = trial[:, edge]
+        a, c = edge_weights(trial[:, edge], sine[edge])
+        averaged = _Line(a * s1 + (1 - a) * s2, c * s3 + (1 - c) * s2, a, c)
         sine = np.array(sine)
-        t[edge], sine[edge], (first[edge], last[edge], sin_phi[edge]) = _touch(averaged, some)
+        t[edge], sine[edge], touching = _touch(averaged, chosen(k, edge))
+        first[edge], last[edge], sin_phi[edge] = touching
+        w1[edge] = a
+        w3[edge] = c
     strength = (1 + sin_phi) * first - (1 - sin_phi) * last
     return PyramidConstants(k.lam, k.mu, sin_phi, sine, strength), (w1, w3), t
 
 
-def _with_capped_flow(
-    new: Return,
+def _change_of_flow(
     trial: Array,
-    cone: PyramidConstants,
-    k: _Constants,
+    values: Array,
+    sine: Array,
     weights: tuple[Array, Array],
     t: Array,
+    k: _Constants,
 ) -> Array:
-    """Return the moduli; where the dilatancy is that of the tangent, it changes with the returned
-    stress.
+    """Return the change of stress (3, n) by returned s1 where the dilatancy follows the friction.
 
-    With the flow d(sin psi) the returned stress changes by dL d + L d' (d sin psi / d s1) d s1, and
-    stays on the tangent: a change of rank one.
+    With the flow d(sin psi) and its derivative e the returned stress changes by dL d + L e (d sin
+    psi / d s1) d s1, and stays on the tangent: the moduli change by a dyad with d s1.
     """
-    moduli = new.moduli()
-    points = np.flatnonzero(cone.sin_psi < k.sin_psi)
-    if not points.size:
-        return moduli
-    values, k, w1, w3 = (
-        new.values[:, points],
-        chosen(k, points),
-        weights[0][points],
-        weights[1][points],
-    )
-    sine, s1 = np.asarray(cone.sin_psi)[points], w1 * trial[0, points] + (1 - w1) * trial[1, points]
+    w1, w3 = weights
+    s1 = w1 * trial[0] + (1 - w1) * trial[1]
+
+    # Compute the flow d and its derivative e by the sine of the dilatancy.
     d1, d3 = _directions(_Line(s1, s1, w1, w3), sine, k)
-    e1, e3 = 2 * k.lam + 2 * k.mu * w1, 2 * k.lam + 2 * k.mu * w3  # their derivatives by the sine
-    middle = np.where(w3 < 1, d3, np.where(w1 < 1, d1, 2 * k.lam * sine))
-    d = np.stack((d1, middle, d3))
-    e = np.stack(np.broadcast_arrays(e1, np.where(w3 < 1, e3, np.where(w1 < 1, e1, 2 * k.lam)), e3))
-    along_t = tangent(np.maximum(t[points], APEX) * (1 + IMAGINARY * 1j), k)
+    d = np.stack((d1, _middle(d1, 2 * k.lam * sine, d3, weights), d3))
+    e1 = 2 * k.lam + 2 * k.mu * w1
+    e3 = 2 * k.lam + 2 * k.mu * w3
+    e = np.stack((e1, _middle(e1, 2 * k.lam, e3, weights), e3))
+
+    # Compute L d sin(psi) / d s1 by an imaginary step of t.
+    along_t = tangent(np.maximum(t, APEX) * (1 + IMAGINARY * 1j), k)
     rate = along_t.sine.imag / along_t.s1.imag * (s1 - values[0]) / d1
+
+    # Eliminate dL by the condition that the stress stays on the tangent.
     share = rate / (1 + rate * e1)
-    resisting, along = ((1 + sine) * v[0] - (1 - sine) * v[2] for v in (d, e))
-    change = -share * e + (d - share * d1 * e) * share * along / (resisting - share * d1 * along)
-    moduli[:, :, points] += change[:, None] * moduli[0][:, points]
-    return moduli
+    by_d = (1 + sine) * d[0] - (1 - sine) * d[2]
+    by_e = (1 + sine) * e[0] - (1 - sine) * e[2]
+    return -share * e + (d - share * d1 * e) * share * by_e / (by_d - share * d1 * by_e)

@@ -1,8 +1,8 @@
 """Mohr-Coulomb plasticity, its limit Tresca, and its associated substitutes.
 
 With psi < phi collapse loads depend on mesh and path. Davis (1968) replaces the soil by an
-associated one of less strength, c* = beta c and tan phi* = beta tan phi with beta = cos psi cos phi
-/ (1 - sin psi sin phi): the shear strength on a plane along which the soil shears without
+associated soil of less strength, c* = beta c and tan phi* = beta tan phi with beta = cos psi cos
+phi / (1 - sin psi sin phi): the shear strength on a plane along which the soil shears without
 extension. The procedures A, B and C take beta of different angles (F. Tschuchnigg, H. F. Schweiger,
 S. W. Sloan, Computers and Geotechnics 70 (2015) 169-177 and 178-189).
 """
@@ -10,6 +10,7 @@ S. W. Sloan, Computers and Geotechnics 70 (2015) 169-177 and 178-189).
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from typing_extensions import override
@@ -26,13 +27,12 @@ from .base import (
     require,
     warn_of_radians,
 )
-from .elastic import at_points, reduced_dilatancy
+from .elastic import at_points, davis_factor, reduced_dilatancy
 from .plastic import IsotropicPlasticity, Return
 from .pyramid import PyramidConstants, cut_off_excess, return_with_cut_off
 from .spectral import extremes, principal_stresses
 
-#: Share of the strength without pressure that is left in tension, where the soil would be beyond
-#: its apex.
+#: Share of the strength without pressure that remains in tension, beyond the apex of the soil.
 _LEAST = 0.1
 
 
@@ -46,9 +46,9 @@ class CohesiveFrictional(Material):
 
     def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
         """Return cohesion and friction angle (radians) at the points of internal variables."""
-        return along_elements(self.c, internal.shape), along_elements(
-            np.radians(self.phi), internal.shape
-        )
+        c = along_elements(self.c, internal.shape)
+        phi = along_elements(np.radians(self.phi), internal.shape)
+        return c, phi
 
     @property
     @override
@@ -71,9 +71,9 @@ class CohesiveFrictional(Material):
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         largest, _, smallest = principal_stresses(stress)
         c, phi = self.strength_at(internal)
-        return 0.5 * (largest - smallest), c * np.cos(phi) - 0.5 * (largest + smallest) * np.sin(
-            phi
-        )
+        radius = 0.5 * (largest - smallest)
+        mean = 0.5 * (largest + smallest)
+        return radius, c * np.cos(phi) - mean * np.sin(phi)
 
     @override
     def undrained_strength(self, mean: Array, internal: Array) -> Array:
@@ -84,12 +84,10 @@ class CohesiveFrictional(Material):
     def associated_bound(self, factor: float) -> float:
         if not self.dilates_less:
             return factor
-        friction, reduced = np.radians(self.phi), np.radians(self.reduced(factor, "davis_b").phi)  # type: ignore[attr-defined]
-        return float(
-            np.max(
-                np.tan(friction) / np.tan(reduced), initial=factor, where=np.greater(friction, 0.0)
-            )
-        )
+        substitute: Any = self.reduced(factor, "davis_b")
+        friction = np.tan(np.radians(self.phi))
+        ratio = friction / np.tan(np.radians(substitute.phi))
+        return float(np.max(ratio, initial=factor, where=np.greater(friction, 0.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +103,7 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     Parameters
     ----------
     E, nu : float, ndarray or callable
-        As those of :class:`LinearElastic`.
+        As in :class:`LinearElastic`.
     c : float, ndarray or callable
         Cohesion (stress), not negative; like all parameters a float, one value an element, or a
         function of the coordinates (dim, ...).
@@ -134,8 +132,7 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def _check(self) -> None:
         super()._check()
         self._not_negative("c", "psi", "tension")
-        in_range = np.greater_equal(self.phi, 0) & np.less(self.phi, 90)
-        require("phi", self.phi, in_range, "lie in [0, 90) degrees")
+        self._angle("phi")
         require("psi", self.psi, np.less_equal(self.psi, self.phi), "not exceed phi")
         warn_of_radians(phi=self.phi)
 
@@ -152,21 +149,21 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         if flow == "davis_c":
             psi = np.degrees(np.arctan(np.tan(np.radians(self.psi)) / factor))
             return weaker._davis(np.minimum(psi, weaker.phi))
-        return AssociatedSubstitute(weaker) if flow == "lagged" and not weaker.symmetric else weaker
+        if flow == "lagged" and not weaker.symmetric:
+            return AssociatedSubstitute(weaker)
+        return weaker
 
     def _divided(self, factor: float) -> MohrCoulomb:
+        """Return the soil with c, tan(phi) and tensile strength divided by a factor."""
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
-        psi, tension = reduced_dilatancy(self.psi, self.phi, phi), self.tension
-        return self._with(
-            c=self.c / factor,
-            phi=phi,
-            psi=psi,
-            tension=None if tension is None else tension / factor,
-        )
+        psi = reduced_dilatancy(self.psi, self.phi, phi)
+        tension = None if self.tension is None else self.tension / factor
+        return self._with(c=self.c / factor, phi=phi, psi=psi, tension=tension)
 
     def _davis(self, psi: Parameter) -> MohrCoulomb:
-        friction, dilatancy = np.radians(self.phi), np.radians(psi)
-        beta = np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction))
+        """Return Davis' associated soil for a dilatancy angle."""
+        friction = np.radians(self.phi)
+        beta = davis_factor(friction, np.radians(psi))
         phi = np.degrees(np.arctan(beta * np.tan(friction)))
         return self._with(c=beta * self.c, phi=phi, psi=phi)
 
@@ -174,11 +171,8 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter] | None:
         if flow != "associated":
             return self.reduced(1.0, flow).cone()
-        return (
-            self.c,
-            np.tan(np.radians(self.phi)),
-            np.inf if self.tension is None else self.tension,
-        )
+        tension = np.inf if self.tension is None else self.tension
+        return self.c, np.tan(np.radians(self.phi)), tension
 
     @override
     def cohesion_at(self, x: Array) -> Array | None:
@@ -211,13 +205,14 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
 @dataclass(frozen=True, eq=False)
 class Tresca(MohrCoulomb):
-    """Mohr-Coulomb plasticity without friction: undrained soil with the shear strength c, no change
-    of volume.
+    """Mohr-Coulomb plasticity without friction: undrained soil with the shear strength c.
+
+    Plastic flow does not change the volume.
 
     Parameters
     ----------
     E, nu, c : float, ndarray or callable
-        As those of :class:`MohrCoulomb`.
+        As in :class:`MohrCoulomb`.
 
     Examples
     --------
@@ -228,7 +223,9 @@ class Tresca(MohrCoulomb):
     A strength that rises with the depth below y = 0, by 2 per unit of length, and a stiffness of
     500 times as much:
 
-    >>> clay = sc.Tresca(E=lambda x: 500.0 * (10.0 - 2.0 * x[1]), nu=0.49, c=lambda x: 10.0 - 2.0 * x[1])
+    >>> def strength(x):
+    ...     return 10.0 - 2.0 * x[1]
+    >>> clay = sc.Tresca(E=lambda x: 500.0 * strength(x), nu=0.49, c=strength)
     >>> clay.functions
     ('E', 'c')
     """
@@ -240,11 +237,11 @@ class Tresca(MohrCoulomb):
 
 @dataclass(frozen=True, eq=False)
 class AssociatedSubstitute(Material):
-    """Mohr-Coulomb soil with the friction of the last accepted stress; its increments have a convex
-    potential.
+    """Mohr-Coulomb soil with the friction of the last accepted stress.
 
-    In tension the strength does not fall below a tenth of ``2 c cos(phi)``. K. Krabbenhoft, M. R.
-    Karim, A. V. Lyamin, S. W. Sloan, Int. J. Numer. Meth. Engng 90 (2012) 1089-1117.
+    Its flow is associated, so that its increments have a convex potential. In tension the strength
+    does not fall below a tenth of ``2 c cos(phi)``. K. Krabbenhoft, M. R. Karim, A. V. Lyamin,
+    S. W. Sloan, Int. J. Numer. Meth. Engng 90 (2012) 1089-1117.
 
     Parameters
     ----------
@@ -272,26 +269,36 @@ class AssociatedSubstitute(Material):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-
         def spread(value: Parameter) -> Parameter:
             value = along_elements(value, stress.shape)
             return value.ravel() if isinstance(value, np.ndarray) else value
 
+        def flat(values: Array) -> Array:
+            return values.reshape(len(values), -1)
+
+        # Compute the strength at the accepted stress, by
+        # (1 + sin phi) s1 - (1 - sin phi) s3 = (1 + sin psi) s1 - (1 - sin psi) s3
+        #                                       + (sin phi - sin psi) (s1 + s3).
         soil = self.soil
-        phi, psi = np.radians(spread(soil.phi)), np.radians(spread(soil.psi))
+        phi = np.radians(spread(soil.phi))
+        psi = np.radians(spread(soil.psi))
         largest, smallest = (extreme.ravel() for extreme in extremes(stress))
-        alone = 2 * spread(soil.c) * np.cos(phi)
-        strength = np.maximum(
-            alone - (np.sin(phi) - np.sin(psi)) * (largest + smallest), _LEAST * alone
-        )
-        E, nu, angle = (spread(value) for value in (soil.E, soil.nu, soil.psi))
-        tension = None if soil.tension is None else spread(soil.tension)
+        unloaded = 2 * spread(soil.c) * np.cos(phi)
+        strength = unloaded - (np.sin(phi) - np.sin(psi)) * (largest + smallest)
+        strength = np.maximum(strength, _LEAST * unloaded)
+
+        # Update the associated soil of this strength, with one element a point.
+        angle = spread(soil.psi)
         substitute = replace(
-            soil, E=E, nu=nu, c=strength / (2 * np.cos(psi)), phi=angle, psi=angle, tension=tension
+            soil,
+            E=spread(soil.E),
+            nu=spread(soil.nu),
+            c=strength / (2 * np.cos(psi)),
+            phi=angle,
+            psi=angle,
+            tension=None if soil.tension is None else spread(soil.tension),
         )
-        flat = substitute.update(
-            *(a.reshape(len(a), -1) for a in (strain_increment, stress, internal))
-        )
-        return flat._replace(
-            stress=flat.stress.reshape(stress.shape), internal=flat.internal.reshape(internal.shape)
+        new = substitute.update(flat(strain_increment), flat(stress), flat(internal))
+        return new._replace(
+            stress=new.stress.reshape(stress.shape), internal=new.internal.reshape(internal.shape)
         )

@@ -1,6 +1,4 @@
-"""Update of isotropic plastic laws: elastic predictor, return mapping in principal stresses,
-rotation back.
-"""
+"""Update of isotropic plastic laws: elastic predictor, and return mapping in principal stresses."""
 
 from __future__ import annotations
 
@@ -26,12 +24,19 @@ BLOCK = 16384
 
 
 class Return(NamedTuple):
-    """Principal stresses (3, n) after a return mapping, in the (descending) order of the trial
-    stresses.
+    """Result of a return mapping in principal stresses.
 
-    ``moduli()`` computes d principal stress / d principal strain, (3, 3, n), and ``relief()`` the
-    loss of returned stress (3, n) for a unit rise of the yield function. The growth of the plastic
-    strain follows from the stresses unless the law solved for it.
+    Attributes
+    ----------
+    values : ndarray, shape (3, n)
+        Returned principal stresses, in the (descending) order of the trial stresses.
+    moduli : callable
+        ``moduli()`` computes d principal stress / d principal strain, (3, 3, n).
+    growth : ndarray, shape (n,), optional
+        Growth of the plastic strain, if the law solved for it; else it follows from the stresses.
+    relief : callable, optional
+        ``relief()`` computes the loss of returned stress (3, n) by a unit rise of the yield
+        function.
     """
 
     values: Array
@@ -42,32 +47,26 @@ class Return(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class IsotropicPlasticity(Isotropic):
-    """Base of the plastic laws; a law adds its constants, its yield function and its return
-    mapping.
+    """Base of the plastic laws.
 
-    The plastic strain is the accumulated equivalent shear strain, the sum of sqrt(2/3 e_p : e_p)
-    with the deviator e_p of the plastic strain increments.
+    A law adds its constants, its yield function and its return mapping. The plastic strain is the
+    accumulated equivalent shear strain, the sum of sqrt(2/3 e_p : e_p) with the deviator e_p of the
+    plastic strain increments.
     """
 
     internal = (Internal(PLASTIC_STRAIN),)
 
     @abstractmethod
     def constants(self) -> Any:
-        """Return the constants of the law, a NamedTuple of parameters with ``lam`` and ``mu`` among
-        them.
-        """
+        """Return the constants of the law, a NamedTuple that has ``lam`` and ``mu``."""
 
     def at_state(self, constants: Any, internal: Array) -> Any:
-        """Return the constants at an accepted plastic strain; a law that hardens overrides this
-        method.
-        """
+        """Return the constants at an accepted plastic strain; laws that harden override this."""
         return constants
 
     @abstractmethod
     def yield_bound(self, stress: Array, constants: Any) -> Array:
-        """Return an upper bound of the yield function (a stress) from the Cartesian components
-        (ncomp, ...).
-        """
+        """Return an upper bound of the yield function from Cartesian components (ncomp, ...)."""
 
     @abstractmethod
     def yield_function(self, values: Array, constants: Any) -> Array:
@@ -75,48 +74,58 @@ class IsotropicPlasticity(Isotropic):
 
     @abstractmethod
     def return_map(self, trial: Array, constants: Any) -> Return:
-        """Return descending principal trial stresses (3, n), all of them outside, to the yield
-        surface.
-        """
+        """Return descending principal trial stresses (3, n), all outside, to the yield surface."""
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
+        # Compute the elastic predictor.
         result = self.elastic_stress(strain_increment, stress)
         internal = internal.copy()
-        constants = self.constants()
-        constants = _map(lambda value: along_elements(value, result.shape), constants)
-        spread = self.at_state(constants, internal[0])
-        candidates = np.flatnonzero(self.yield_bound(result, spread) > 0)
-        blocks = [
-            self._return_block(result, internal, candidates[start : start + BLOCK], constants)
-            for start in range(0, candidates.size, BLOCK)
-        ]
+
+        # Select the points that can lie outside of the yield surface.
+        constants = _map(lambda value: along_elements(value, result.shape), self.constants())
+        bound = self.yield_bound(result, self.at_state(constants, internal[0]))
+        candidates = np.flatnonzero(bound > 0)
+
+        # Return the points outside to the surface.
+        blocks = []
+        for start in range(0, candidates.size, BLOCK):
+            points = candidates[start : start + BLOCK]
+            blocks.append(self._return_block(result, internal, points, constants))
         plastic = np.concatenate([candidates[:0], *(block.points for block in blocks)])
-        return Update(
-            result, internal, plastic, lambda: _tangent(blocks, plastic.size, len(result))
-        )
+
+        def tangent() -> Array:
+            return _tangent(blocks, plastic.size, len(result))
+
+        return Update(result, internal, plastic, tangent)
 
     def _return_block(
         self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any
     ) -> _ReturnedBlock:
-        """Return the points outside of the surface to it; change stress and internal variable in
-        place.
-        """
-        constants = chosen(constants, points)
-        stress, equivalent = stress.reshape(len(stress), -1), internal.reshape(-1)
-        constants = self.at_state(constants, equivalent[points])
+        """Return points outside to the surface; change stress and internal variable in place."""
+        stress = stress.reshape(len(stress), -1)
+        equivalent = internal.reshape(-1)
+        constants = self.at_state(chosen(constants, points), equivalent[points])
+
+        # Keep the points outside in principal stresses.
         frame = principal(stress[:, points])
         excess = self.yield_function(frame.values, constants)
-        plastic = excess > ROUND_OFF * np.maximum(frame.values[0], -frame.values[2])
+        largest = np.maximum(frame.values[0], -frame.values[2])
+        plastic = excess > ROUND_OFF * largest
         if not plastic.all():
             kept = np.flatnonzero(plastic)
-            points, frame, constants = points[kept], frame.take(kept), chosen(constants, kept)
-        values, moduli, growth, _ = self.return_map(frame.values, constants)
-        stress[:, points] = frame.stress(values)
+            points = points[kept]
+            frame = frame.take(kept)
+            constants = chosen(constants, kept)
+
+        # Return them, and turn the stress back.
+        returned = self.return_map(frame.values, constants)
+        stress[:, points] = frame.stress(returned.values)
+        growth = returned.growth
         if growth is None:
-            growth = equivalent_shear_strain(frame.values - values, constants.mu)
+            growth = equivalent_shear_strain(frame.values - returned.values, constants.mu)
         equivalent[points] += growth
-        return _ReturnedBlock(points, frame, values, moduli, constants.mu)
+        return _ReturnedBlock(points, frame, returned, constants.mu)
 
 
 class _ReturnedBlock(NamedTuple):
@@ -124,8 +133,7 @@ class _ReturnedBlock(NamedTuple):
 
     points: NDArray[np.intp]
     trial: Frame
-    values: Array
-    moduli: Callable[[], Array]
+    returned: Return
     mu: Parameter
 
 
@@ -135,17 +143,19 @@ def _tangent(blocks: list[_ReturnedBlock], n_plastic: int, ncomp: int) -> Array:
     start = 0
     for block in blocks:
         stop = start + block.points.size
-        result[start:stop] = block.trial.tangent(block.moduli(), block.values, block.mu)
+        moduli = block.returned.moduli()
+        result[start:stop] = block.trial.tangent(moduli, block.returned.values, block.mu)
         start = stop
     return result
 
 
 def chosen(constants: Any, points: NDArray[np.intp]) -> Any:
     """Return the constants at some points, by their flat indices."""
-    return _map(
-        lambda value: value.reshape(-1)[points] if isinstance(value, np.ndarray) else value,
-        constants,
-    )
+
+    def choose(value: Parameter) -> Parameter:
+        return value.reshape(-1)[points] if isinstance(value, np.ndarray) else value
+
+    return _map(choose, constants)
 
 
 def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:
@@ -154,8 +164,7 @@ def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:
 
 
 def equivalent_shear_strain(relaxed: Array, mu: Parameter) -> Array:
-    """Return sqrt(2/3 e : e) of the plastic strain that relaxes the principal stresses by
-    ``relaxed``.
-    """
+    """Return sqrt(2/3 e : e) of the plastic strain that relaxes principal stresses (3, n)."""
     s1, s2, s3 = relaxed
-    return np.sqrt((s1 - s2) ** 2 + (s2 - s3) ** 2 + (s3 - s1) ** 2) / (np.sqrt(18) * mu)
+    squares = (s1 - s2) ** 2 + (s2 - s3) ** 2 + (s3 - s1) ** 2
+    return np.sqrt(squares) / (np.sqrt(18) * mu)

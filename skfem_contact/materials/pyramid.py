@@ -1,9 +1,8 @@
-"""Return mapping to the pyramid of Mohr and Coulomb with its tension cut-off, and its limit, the
-prism of Tresca.
+"""Return mapping to the pyramid of Mohr and Coulomb with its tension cut-off.
 
-In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 -
-strength, and the plastic potential is the same with psi. Trial stresses return by Koiter's rule to
-a face, an edge or the apex.
+Its limit without friction is the prism of Tresca. In principal stresses s1 >= s2 >= s3 the yield
+function is (1 + sin phi) s1 - (1 - sin phi) s3 - strength, and the plastic potential is the same
+with psi. Trial stresses return by Koiter's rule to a face, an edge or the apex.
 
 An edge is a face whose two meeting principal stresses are averaged: the difference of the
 multipliers of its two faces makes these stresses equal, and their sum follows from the mean of both
@@ -26,40 +25,42 @@ _FACE: _Weights = (1.0, 1.0)
 
 
 class PyramidConstants(NamedTuple):
-    """Floats, or arrays over elements or points; ``strength`` is 2 c cos(phi), ``tension`` the
-    cut-off or None.
-    """
+    """Constants of the pyramid: floats, or arrays over elements or points."""
 
     lam: Parameter
     mu: Parameter
     sin_phi: Parameter
     sin_psi: Parameter
-    strength: Parameter
-    tension: Parameter | None = None
+    strength: Parameter  # 2 c cos(phi)
+    tension: Parameter | None = None  # cut-off
 
 
 def cut_off_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Array:
     """Return the yield function of the pyramid with its cut-off."""
     excess = pyramid_excess(largest, smallest, k)
-    return excess if k.tension is None else np.maximum(excess, largest - k.tension, out=excess)
+    if k.tension is not None:
+        np.maximum(excess, largest - k.tension, out=excess)
+    return excess
 
 
 def return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
     """Return trial stresses to the pyramid, and to the cut-off where the result exceeds it."""
     if k.tension is None:
         return pyramid_return(trial, k)
+
+    # Return the points outside of the pyramid to it.
     values = trial.copy()
     sheared = np.flatnonzero(pyramid_excess(trial[0], trial[2], k) > 0)
     shear = pyramid_return(trial[:, sheared], chosen(k, sheared))
     values[:, sheared] = shear.values
 
+    # Return the points beyond the cut-off anew, from their trial stresses.
     torn = np.flatnonzero(values[0] > k.tension)
-    at = chosen(k, torn)
-    cut_off = _to_cut_off(trial[:, torn], at, at.tension)
+    cut_off = _to_cut_off(trial[:, torn], chosen(k, torn))
     values[:, torn] = cut_off.values
 
     def moduli() -> Array:
-        result = np.empty((3, *trial.shape))
+        result = np.empty((3, *trial.shape))  # (3, 3, n)
         result[:, :, sheared] = shear.moduli()
         result[:, :, torn] = cut_off.moduli()
         return result
@@ -67,40 +68,50 @@ def return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
     return Return(values, moduli)
 
 
-def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return:
-    """Return principal trial stresses (3, n) whose return to the pyramid alone exceeds the tensile
-    strength.
+def _to_cut_off(trial: Array, k: PyramidConstants) -> Return:
+    """Return principal trial stresses (3, n) that exceed the tensile strength to the cut-off.
 
     The three planes s_i = tension have associated flow and are combined with the faces of the
     pyramid by Koiter's rule. The returned stress lies on one, two or three of the planes, or where
-    they cut the pyramid; there s1 and s3 = lateral are given, and s2 is free, or equals one of them
-    at the end of that line.
+    they cut the pyramid; on this line s1 and s3 = lateral are given, and s2 is free, or equals one
+    of them at an end of the line.
     """
     s1, s2, s3 = trial
-    lam, mu = k.lam, k.mu
+    tension: Parameter = k.tension  # type: ignore[assignment]
     lateral = ((1 + k.sin_phi) * tension - k.strength) / (1 - k.sin_phi)
-    poisson = lam / (2 * (lam + mu))
-    constrained = lam / (lam + 2 * mu)
+    poisson = k.lam / (2 * (k.lam + k.mu))
+    constrained = k.lam / (k.lam + 2 * k.mu)
 
-    middle = s2 - constrained * (s1 - tension)
+    # Return to one plane, or to the line of two planes.
+    relaxed = constrained * (s1 - tension)
+    middle = s2 - relaxed
     two_planes = middle > tension
-    smallest = np.where(
-        two_planes, s3 - poisson * (s1 + s2 - 2 * tension), s3 - constrained * (s1 - tension)
-    )
+    smallest = np.where(two_planes, s3 - poisson * (s1 + s2 - 2 * tension), s3 - relaxed)
+
+    # Return to the line where the first plane cuts the pyramid.
     sheared = smallest < lateral
     between = s2 - poisson * (s1 - tension + s3 - lateral)
     middle = np.where(sheared, np.maximum(between, lateral), middle)
-    first = np.broadcast_to(tension, s1.shape)
-    values = np.stack((first, np.minimum(middle, tension), np.clip(smallest, lateral, tension)))
+
+    values = np.empty_like(trial)
+    values[0] = tension
+    values[1] = np.minimum(middle, tension)
+    values[2] = np.clip(smallest, lateral, tension)
 
     def moduli() -> Array:
-        result = np.zeros((3, *trial.shape))
+        result = np.zeros((3, *trial.shape))  # (3, 3, n)
+        # Plane stress on one plane: s2 and s3 are free.
         one_plane = ~two_planes & ~sheared
-        result[1, 1] = result[2, 2] = np.where(one_plane, lam + 2 * mu - lam * constrained, 0)
-        result[1, 2] = result[2, 1] = np.where(one_plane, lam - lam * constrained, 0)
-        young = 2 * mu * (1 + poisson)
-        result[2, 2] += np.where(two_planes & ~sheared & (smallest < tension), young, 0)
-        result[1, 1] += np.where(sheared & (lateral < between) & (between < tension), young, 0)
+        direct = k.lam + 2 * k.mu - k.lam * constrained
+        across = k.lam - k.lam * constrained
+        result[1, 1] = result[2, 2] = np.where(one_plane, direct, 0)
+        result[1, 2] = result[2, 1] = np.where(one_plane, across, 0)
+        # Young's modulus on a line: s3 or s2 is free.
+        young = 2 * k.mu * (1 + poisson)
+        third_free = two_planes & ~sheared & (smallest < tension)
+        second_free = sheared & (lateral < between) & (between < tension)
+        result[2, 2] += np.where(third_free, young, 0)
+        result[1, 1] += np.where(second_free, young, 0)
         return result
 
     return Return(values, moduli)
@@ -108,9 +119,11 @@ def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return
 
 def pyramid_return(trial: Array, k: PyramidConstants) -> Return:
     """Return descending principal trial stresses (3, n), all of them outside, to the pyramid."""
+    # Return to the face, then the points whose order changes to an edge or the apex.
     values = _to_plane(trial, _FACE, k)
     tolerance = ROUND_OFF * np.maximum(trial[0], -trial[2])
-    edge = np.flatnonzero(np.minimum(values[0] - values[1], values[1] - values[2]) < tolerance)
+    gap = np.minimum(values[0] - values[1], values[1] - values[2])
+    edge = np.flatnonzero(gap < tolerance)
     at_edge = chosen(k, edge)
     values[:, edge], weights, apex = _to_edge_or_apex(trial[:, edge], at_edge)
 
@@ -141,31 +154,39 @@ def pyramid_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Arra
 
 
 def _normal(sine: Parameter, weights: _Weights) -> tuple[Parameter, Parameter, Parameter]:
-    """Return the averaged gradient of the yield function (sine of phi) or of the potential (sine of
-    psi).
-    """
+    """Return the averaged gradient of the yield function (sin phi) or the potential (sin psi)."""
     w1, w3 = weights
-    return (1 + sine) * w1, (1 + sine) * (1 - w1) - (1 - sine) * (1 - w3), -(1 - sine) * w3
+    first = (1 + sine) * w1
+    second = (1 + sine) * (1 - w1) - (1 - sine) * (1 - w3)
+    third = -(1 - sine) * w3
+    return first, second, third
 
 
 def _averaging(weights: _Weights) -> tuple[tuple[Parameter, ...], ...]:
     """Return the matrix that averages the meeting principal stresses."""
     w1, w3 = weights
-    return (w1, 1 - w1, 0.0), (1 - w1, w1 + w3 - 1, 1 - w3), (0.0, 1 - w3, w3)
+    return (
+        (w1, 1 - w1, 0.0),
+        (1 - w1, w1 + w3 - 1, 1 - w3),
+        (0.0, 1 - w3, w3),
+    )
 
 
 def _step(weights: _Weights, k: PyramidConstants) -> tuple[Parameter, ...]:
-    """Return the drop of the averaged stresses that lowers the yield function by one."""
-    normal, flow = _normal(k.sin_phi, weights), _normal(k.sin_psi, weights)
-    product: Parameter = sum(n * r for n, r in zip(normal, flow))
+    """Return the drop of the averaged stresses that lowers the yield function by one.
+
+    With the averaged gradients n of the yield function and r of the potential the drop is
+    (lam sin(psi) + mu r) / (2 lam sin(phi) sin(psi) + mu n . r).
+    """
+    n = _normal(k.sin_phi, weights)
+    r = _normal(k.sin_psi, weights)
+    product = n[0] * r[0] + n[1] * r[1] + n[2] * r[2]
     resistance = 2 * k.lam * k.sin_phi * k.sin_psi + k.mu * product
-    return tuple((k.lam * k.sin_psi + k.mu * r) / resistance for r in flow)
+    return tuple((k.lam * k.sin_psi + k.mu * flow) / resistance for flow in r)
 
 
 def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
-    """Return averaged trial stresses along the averaged flow direction to the zero of the yield
-    function.
-    """
+    """Return averaged trial stresses along the averaged flow to the zero of the yield function."""
     excess = pyramid_excess(averaged[0], averaged[2], k)
     values = np.empty_like(averaged)
     for value, stress, step in zip(values, averaged, _step(weights, k)):
@@ -185,12 +206,16 @@ def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights
     and the smallest stress. The result holds the stresses, the weights of the edges, and the points
     at the apex.
     """
-    minor_pair = (trial[1] - trial[2]) * (1 + k.sin_psi) <= (trial[0] - trial[1]) * (1 - k.sin_psi)
-    weights = np.where(minor_pair, 1.0, 0.5), np.where(minor_pair, 0.5, 1.0)
-    averaged = np.stack([sum(w * s for w, s in zip(row, trial)) for row in _averaging(weights)])
-    values = _to_plane(averaged, weights, k)
-    values[1] = np.where(minor_pair, values[2], values[0])
+    # Find the pair of principal stresses that meets first.
+    weights = edge_weights(trial, k.sin_psi)
 
+    # Return their mean and the third stress.
+    s1, s2, s3 = trial
+    averaged = np.stack([a * s1 + b * s2 + c * s3 for a, b, c in _averaging(weights)])
+    values = _to_plane(averaged, weights, k)
+    values[1] = np.where(weights[0] == 1, values[2], values[0])
+
+    # Put stresses beyond the apex on it.
     apex = np.flatnonzero(values[0] < values[2])
     if apex.size:
         at_apex = chosen(k, apex)
@@ -198,14 +223,23 @@ def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights
     return values, weights, apex
 
 
+def edge_weights(trial: Array, sin_psi: Parameter) -> tuple[Array, Array]:
+    """Return the weights of the edge where the return along the flow of the face arrives first."""
+    s1, s2, s3 = trial
+    minor_pair = (s2 - s3) * (1 + sin_psi) <= (s1 - s2) * (1 - sin_psi)
+    return np.where(minor_pair, 1.0, 0.5), np.where(minor_pair, 0.5, 1.0)
+
+
 def _moduli(weights: _Weights, k: PyramidConstants, n: int) -> Array:
     """Return d principal stress / d principal strain on a face or an edge, shape (3, 3, n)."""
-    steps, normal, averaging = _step(weights, k), _normal(k.sin_phi, weights), _averaging(weights)
+    step = _step(weights, k)
+    normal = _normal(k.sin_phi, weights)
+    averaging = _averaging(weights)
     result = np.empty((3, 3, n))
     for i in range(3):
         for j in range(3):
             gradient = 2 * (k.lam * k.sin_phi + k.mu * normal[j])
-            result[i, j] = k.lam + 2 * k.mu * averaging[i][j] - steps[i] * gradient
+            result[i, j] = k.lam + 2 * k.mu * averaging[i][j] - step[i] * gradient
     return result
 
 

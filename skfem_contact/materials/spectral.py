@@ -25,28 +25,29 @@ _ROW, _COLUMN = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
 
 
 def extremes(stress: Array) -> tuple[Array, Array]:
-    """Return an upper bound of the largest and a lower bound of the smallest principal stress,
-    shape (...).
+    """Return bounds of the largest and the smallest principal stress, shape (...).
 
-    The bounds are sharp for 4 components; for 6 they lie outside by 1e-7 of the deviatoric stress.
+    The upper and the lower bound are sharp for 4 components; for 6 they lie outside by 1e-7 of the
+    deviatoric stress.
     """
     if stress.shape[0] == 4:
         centre, _, radius = _mohr_circle(stress)
         return np.maximum(centre + radius, stress[2]), np.minimum(centre - radius, stress[2])
+    # s_i = mean + r cos(lode + 2 pi i / 3) with cos(3 lode) = 4 J3 / r^3 and r = 2 sqrt(J2 / 3)
     mean, shear = mean_and_shear(stress)
     xx, yy, zz = stress[:3] - mean
     xy, yz, zx = stress[3:]
     j3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
     radius = 2 / np.sqrt(3) * shear
-    lode = np.arccos(np.clip(4 * j3 / np.where(radius > 0, radius, 1) ** 3, -1, 1)) / 3
+    cosine = 4 * j3 / np.where(radius > 0, radius, 1) ** 3
+    lode = np.arccos(np.clip(cosine, -1, 1)) / 3
+    first = np.cos(lode)
     third = np.cos(lode + 2 * np.pi / 3)
-    return mean + radius * (np.cos(lode) + _MARGIN), mean + radius * (third - _MARGIN)
+    return mean + radius * (first + _MARGIN), mean + radius * (third - _MARGIN)
 
 
 def mean_and_shear(stress: Array) -> tuple[Array, Array]:
-    """Return mean stress and sqrt(J2) of Cartesian components (4 or 6, ...) or principal stresses
-    (3, ...).
-    """
+    """Return mean stress and sqrt(J2) of Cartesian (4 or 6, ...) or principal stresses (3, ...)."""
     mean = stress[0] + stress[1] + stress[2]
     mean /= 3
     squares = np.square(stress[0] - mean)
@@ -59,9 +60,7 @@ def mean_and_shear(stress: Array) -> tuple[Array, Array]:
 
 
 def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:
-    """Return centre, half difference of the normal stresses and radius of the in-plane Mohr
-    circle.
-    """
+    """Return centre, half difference of the normal stresses and radius of the in-plane circle."""
     centre = stress[0] + stress[1]
     centre *= 0.5
     half = stress[0] - stress[1]
@@ -84,22 +83,18 @@ def _shear_modulus(
     close = np.flatnonzero(np.abs(gap) <= _COINCIDENT * np.maximum(trial[0], -trial[2]))
     gap[close] = 1
     modulus = shear * (values[i] - values[j]) / gap
-    at = moduli[:, :, close]
-    modulus[close] = (at[i, i] - at[i, j] - at[j, i] + at[j, j]) / 4
+    limit = moduli[:, :, close]
+    modulus[close] = (limit[i, i] - limit[i, j] - limit[j, i] + limit[j, j]) / 4
     return modulus
 
 
 class _PlaneFrame(NamedTuple):
-    """Principal stresses (3, n) in descending order with their directions, of 4 components.
-
-    Cosine and sine are those of the double angle from x to the major in-plane direction; ``rank``
-    is the position of zz among the sorted principal stresses.
-    """
+    """Principal stresses (3, n) in descending order with their directions, of 4 components."""
 
     values: Array
-    cos: Array
+    cos: Array  # of the double angle from x to the major in-plane direction
     sin: Array
-    rank: NDArray[np.int8]
+    rank: NDArray[np.int8]  # position of zz among the sorted principal stresses
 
     def take(self, points: NDArray[np.intp]) -> _PlaneFrame:
         """Return the frame at some of the points."""
@@ -108,117 +103,150 @@ class _PlaneFrame(NamedTuple):
         )
 
     def stress(self, values: Array) -> Array:
-        """Return the Cartesian components, (ncomp, n), of principal stresses (3, n) in these
-        directions.
-        """
-        major = np.where(self.rank == 0, values[1], values[0])
-        minor = np.where(self.rank == 2, values[1], values[2])
-        centre, radius = (major + minor) / 2, (major - minor) / 2
-        normal, tangential = radius * self.cos, radius * self.sin
-        zz = np.where(self.rank == 1, values[1], np.where(self.rank == 0, values[0], values[2]))
-        return np.array((centre + normal, centre - normal, zz, tangential))
+        """Return the Cartesian components (ncomp, n) of principal stresses (3, n)."""
+        s1, s2, s3 = values
+        major = np.where(self.rank == 0, s2, s1)
+        minor = np.where(self.rank == 2, s2, s3)
+        zz = np.where(self.rank == 0, s1, s3)
+        zz = np.where(self.rank == 1, s2, zz)
+        centre = (major + minor) / 2
+        radius = (major - minor) / 2
+        normal = radius * self.cos
+        return np.array((centre + normal, centre - normal, zz, radius * self.sin))
 
     def along(self, tensor: Array) -> Array:
-        """Return the normal components (3, n) of a symmetric tensor (ncomp, n) in these
-        directions.
-        """
-        centre = (tensor[0] + tensor[1]) / 2
-        radial = (tensor[0] - tensor[1]) / 2 * self.cos + tensor[3] * self.sin
-        major, minor, zz = centre + radial, centre - radial, tensor[2]
-        middle = np.where(self.rank == 1, zz, np.where(self.rank == 0, major, minor))
-        return np.array(
-            (np.where(self.rank == 0, zz, major), middle, np.where(self.rank == 2, zz, minor))
-        )
+        """Return the normal components (3, n) of a symmetric tensor (ncomp, n)."""
+        xx, yy, zz, xy = tensor
+        centre = (xx + yy) / 2
+        radial = (xx - yy) / 2 * self.cos + xy * self.sin
+        major = centre + radial
+        minor = centre - radial
+        first = np.where(self.rank == 0, zz, major)
+        second = np.where(self.rank == 0, major, minor)
+        second = np.where(self.rank == 1, zz, second)
+        third = np.where(self.rank == 2, zz, minor)
+        return np.array((first, second, third))
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
-        """Return the Cartesian tangent, (n, ncomp, ncomp), of a return mapping from this trial
-        frame.
+        """Return the Cartesian tangent (n, ncomp, ncomp) of a return mapping from this frame.
 
         The arguments are d principal stress / d principal strain, (3, 3, n), the principal stresses
         after the return, (3, n), and the elastic shear modulus.
         """
         result = np.empty((self.cos.size, 4, 4))
         for rank, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
-            at = self.rank == rank
-            if at.any():
-                here = (
-                    slice(None) if at.all() else np.flatnonzero(at)
-                )  # one rank for all: nothing is picked out
-                local = moduli[:, :, here]
-                shear_here = shear[here] if isinstance(shear, np.ndarray) else shear
-                modulus = _shear_modulus(
-                    self.values[:, here], values[:, here], local, shear_here, major, minor
-                )
-                result[here] = _rotate_plane(
-                    local, (major, minor, rank), modulus, self.cos[here], self.sin[here]
-                )
+            chosen = self.rank == rank
+            if not chosen.any():
+                continue
+            # A slice copies nothing where all points have one rank.
+            points = slice(None) if chosen.all() else np.flatnonzero(chosen)
+            local = moduli[:, :, points]
+            modulus = _shear_modulus(
+                self.values[:, points],
+                values[:, points],
+                moduli=local,
+                shear=shear[points] if isinstance(shear, np.ndarray) else shear,
+                i=major,
+                j=minor,
+            )
+            order = major, minor, rank
+            result[points] = _rotate_plane(
+                local, order, modulus, self.cos[points], self.sin[points]
+            )
         return result
 
 
 def _plane_frame(stress: Array) -> _PlaneFrame:
+    """Return the frame of stresses (4, n)."""
     centre, half, radius = _mohr_circle(stress)
     major, minor, zz = centre + radius, centre - radius, stress[2]
     middle = np.maximum(minor, np.minimum(major, zz))
     values = np.array((np.maximum(major, zz), middle, np.minimum(minor, zz)))
     rank = (zz <= major).astype(np.int8) + (zz < minor)
-    round_ = radius == 0
-    radius[round_], half[round_] = 1, 1
+    # Let the major direction be x where the stress in the plane is isotropic.
+    isotropic = radius == 0
+    radius[isotropic] = 1
+    half[isotropic] = 1
     return _PlaneFrame(values, half / radius, stress[3] / radius, rank)
 
 
 def _rotate_plane(
     moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array
 ) -> Array:
-    """Return the tangent (n, 4, 4) of moduli (3, 3, n); ``order`` are the positions of major, minor
-    and zz.
+    """Return the tangent (n, 4, 4) of moduli (3, 3, n).
+
+    With p and q the half sum and the half difference of the major and minor in-plane stresses, the
+    normal stresses are p + q cos, p - q cos and zz, and the shear stress is q sin. The positions of
+    major, minor and zz among the principal stresses are `order`.
     """
-    i, j, k = order
-    mean, half = (moduli[i] + moduli[j]) / 2, (moduli[i] - moduli[j]) / 2
+    # Transform the moduli to p, q and zz.
+    major, minor, third = order
+    p_row = (moduli[major] + moduli[minor]) / 2
+    q_row = (moduli[major] - moduli[minor]) / 2
+
+    def columns(row: Array) -> tuple[Array, Array, Array]:
+        return (row[major] + row[minor]) / 2, (row[major] - row[minor]) / 2, row[third]
+
+    pp, pq, pz = columns(p_row)
+    qp, qq, qz = columns(q_row)
+    zp, zq, zz = columns(moduli[third])
+
+    # Rotate them to x and y.
+    even = cos * cos * qq + sin * sin * shear
+    odd = cos * sin * (qq - shear)
     result = np.empty((4, 4, cos.size))
-    (pp, pq, pz), (qp, qq, qz), (zp, zq, zz) = (
-        ((row[i] + row[j]) / 2, (row[i] - row[j]) / 2, row[k]) for row in (mean, half, moduli[k])
-    )
-    even, odd = cos * cos * qq + sin * sin * shear, cos * sin * (qq - shear)
-    result[0, 0], result[0, 1] = pp + cos * (pq + qp) + even, pp - cos * (pq - qp) - even
-    result[1, 0], result[1, 1] = pp + cos * (pq - qp) - even, pp - cos * (pq + qp) + even
-    result[0, 2], result[1, 2], result[3, 2] = pz + cos * qz, pz - cos * qz, sin * qz
-    result[2, 0], result[2, 1], result[2, 3] = zp + cos * zq, zp - cos * zq, sin * zq
-    result[0, 3], result[1, 3] = sin * pq + odd, sin * pq - odd
-    result[3, 0], result[3, 1] = sin * qp + odd, sin * qp - odd
-    result[2, 2], result[3, 3] = zz, sin * sin * qq + cos * cos * shear
+    result[0, 0] = pp + cos * (pq + qp) + even
+    result[0, 1] = pp - cos * (pq - qp) - even
+    result[1, 0] = pp + cos * (pq - qp) - even
+    result[1, 1] = pp - cos * (pq + qp) + even
+    result[0, 2] = pz + cos * qz
+    result[1, 2] = pz - cos * qz
+    result[3, 2] = sin * qz
+    result[2, 0] = zp + cos * zq
+    result[2, 1] = zp - cos * zq
+    result[2, 3] = sin * zq
+    result[0, 3] = sin * pq + odd
+    result[1, 3] = sin * pq - odd
+    result[3, 0] = sin * qp + odd
+    result[3, 1] = sin * qp - odd
+    result[2, 2] = zz
+    result[3, 3] = sin * sin * qq + cos * cos * shear
     return result.transpose(2, 0, 1)
 
 
 class _SpaceFrame(NamedTuple):
-    """Principal stresses of 6 components; ``directions[:, :, i]`` is the unit vector of the i-th
-    largest one.
-    """
+    """Principal stresses (3, n) in descending order with their directions, of 6 components."""
 
     values: Array
-    directions: Array
+    directions: Array  # (n, 3, 3), [:, :, i] is the unit vector of the i-th largest stress
 
     def take(self, points: NDArray[np.intp]) -> _SpaceFrame:
+        """Return the frame at some of the points."""
         return _SpaceFrame(self.values[:, points], self.directions[points])
 
     def stress(self, values: Array) -> Array:
-        return np.einsum("nci,in->cn", self._dyads(_ROW[:3], _ROW[:3]), values)
+        """Return the Cartesian components (ncomp, n) of principal stresses (3, n)."""
+        dyads = self._dyads(_ROW[:3], _ROW[:3])
+        return np.einsum("nci,in->cn", dyads, values)
 
     def along(self, tensor: Array) -> Array:
+        """Return the normal components (3, n) of a symmetric tensor (ncomp, n)."""
         return np.einsum("nik,ijn,njk->kn", self.directions, tensor[_TENSOR], self.directions)
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
+        """Return the Cartesian tangent (n, ncomp, ncomp), see :meth:`_PlaneFrame.tangent`."""
         local = np.zeros((values.shape[1], 6, 6))
         local[:, :3, :3] = moduli.transpose(2, 0, 1)
         for k in range(3, 6):
-            local[:, k, k] = _shear_modulus(self.values, values, moduli, shear, _ROW[k], _COLUMN[k])
+            i, j = _ROW[k], _COLUMN[k]
+            local[:, k, k] = _shear_modulus(self.values, values, moduli, shear, i, j)
         dyads = self._dyads(_ROW, _COLUMN)
         return dyads @ local @ dyads.transpose(0, 2, 1)
 
     def _dyads(self, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
-        """Return components (n, 6, len(i)) of the dyads n_i n_i, or n_i n_j + n_j n_i where i
-        differs from j.
-        """
-        left, right = self.directions[:, :, i], self.directions[:, :, j]
+        """Return (n, 6, len(i)) components of n_i n_i, or of n_i n_j + n_j n_i if i is not j."""
+        left = self.directions[:, :, i]
+        right = self.directions[:, :, j]
         dyads = left[:, _ROW] * right[:, _COLUMN]
         return np.where(i == j, dyads, dyads + left[:, _COLUMN] * right[:, _ROW])
 
@@ -240,9 +268,7 @@ def principal_stresses(stress: Array) -> Array:
 
 
 def largest_shear(strain: Array) -> Array:
-    """Return the largest shear strain of engineering strains (4 or 6, ...); of plane ones in their
-    plane.
-    """
+    """Return the largest shear strain of engineering strains (4 or 6, ...); of 4 in their plane."""
     if len(strain) == 4:
         return np.hypot(strain[0] - strain[1], strain[3])
     largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))

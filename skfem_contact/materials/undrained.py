@@ -71,6 +71,25 @@ class Undrained(Material):
     undrained = True
 
     def __post_init__(self) -> None:
+        soil = self._effective_soil()
+        unnamed = (Internal(f"variable {k}") for k in range(len(soil.internal), soil.n_internal))
+        derived = {
+            "soil": soil,
+            "internal": (*soil.internal, *unnamed, Internal(EXCESS_PRESSURE, unit="stress")),
+            "time_dependent": soil.time_dependent,
+            "stress_dependent": soil.stress_dependent,
+        }
+        for name in ("bulk_modulus_water", "nu_undrained"):
+            value = getattr(self, name)
+            if value is not None:
+                derived[name] = as_parameter(name, value)
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
+        if not soil.functions:
+            self._check()
+
+    def _effective_soil(self) -> Material:
+        """Return the soil as a material, which must not be undrained itself."""
         if (self.bulk_modulus_water is None) == (self.nu_undrained is None):
             raise ValueError("an undrained soil needs either bulk_modulus_water or nu_undrained")
         try:
@@ -83,57 +102,37 @@ class Undrained(Material):
             raise ValueError(
                 f"the soil must be a material in effective stresses, not {self.soil!r}"
             )
-        unnamed = (Internal(f"variable {k}") for k in range(len(soil.internal), soil.n_internal))
-        derived = {
-            "soil": soil,
-            "internal": (*soil.internal, *unnamed, Internal(EXCESS_PRESSURE, unit="stress")),
-            "time_dependent": soil.time_dependent,
-            "stress_dependent": soil.stress_dependent,
-        }
-        for name in ("bulk_modulus_water", "nu_undrained"):
-            if (value := getattr(self, name)) is not None:
-                derived[name] = as_parameter(name, value)
-        for name, value in derived.items():
-            object.__setattr__(self, name, value)
-        if soil.functions:
-            return
+        return soil
+
+    def _check(self) -> None:
+        """Check the ranges of the parameters, and warn of a soil that dilates."""
+        name = "bulk_modulus_water"
         if self.nu_undrained is not None:
-            require(
-                "nu_undrained",
-                self.nu_undrained,
-                np.less(self.nu_undrained, 0.5),
-                "be less than 0.5",
-            )
-        require(
-            "bulk_modulus_water"
-            + (" (from nu_undrained)" if self.bulk_modulus_water is None else ""),
-            self.bulk_modulus,
-            np.greater_equal(self.bulk_modulus, 0),
-            "not be negative",
-        )
-        if soil.dilates:
+            name = "bulk_modulus_water (from nu_undrained)"
+            below = np.less(self.nu_undrained, 0.5)
+            require("nu_undrained", self.nu_undrained, below, "be less than 0.5")
+        water = self.bulk_modulus
+        require(name, water, np.greater_equal(water, 0), "not be negative")
+        if self.soil.dilates:
             warn(
                 "a soil that dilates, psi > 0, gets stronger without end where its water cannot "
-                "leave; "
-                "undrained soils take psi=0"
+                "leave; undrained soils take psi=0"
             )
 
     @property
     def bulk_modulus(self) -> Parameter:
-        """Bulk modulus of the water over the porosity; with stress-dependent elasticity that of its
-        typical value.
-        """
+        """Bulk modulus of the water over the porosity, typical with stress-dependent elasticity."""
         if self.bulk_modulus_water is not None:
             return self.bulk_modulus_water
         return as_parameter("bulk_modulus_water", self._bulk_modulus(self.soil.elasticity(4)))
 
     def _bulk_modulus(self, D: Array) -> Any:
-        """Return the bulk modulus of the water that belongs to `nu_undrained` and an elastic
-        stiffness.
-        """
+        """Return the bulk modulus of the water by `nu_undrained` and an elastic stiffness."""
+        shear = D[..., 3, 3]
+        bulk = D[..., :3, :3].mean(axis=(-1, -2))
         nu_u = np.asarray(self.nu_undrained, dtype=float)
-        shear, bulk = D[..., 3, 3], D[..., :3, :3].mean(axis=(-1, -2))
-        nu_u = nu_u.reshape(nu_u.shape + (1,) * (shear.ndim - nu_u.ndim) * (nu_u.ndim > 0))
+        if nu_u.ndim:
+            nu_u = nu_u.reshape(nu_u.shape + (1,) * (shear.ndim - nu_u.ndim))
         return 2 * shear * (1 + nu_u) / (3 * (1 - 2 * nu_u)) - bulk
 
     def _water(self, effective: Array, internal: Array) -> Parameter:
@@ -182,19 +181,24 @@ class Undrained(Material):
 
     @override
     def initial_internal(self, stress: Array) -> Array:
-        return np.concatenate(
-            (self.soil.initial_internal(stress), np.zeros((1, *stress.shape[1:])))
-        )
+        pressure = np.zeros((1, *stress.shape[1:]))
+        return np.concatenate((self.soil.initial_internal(stress), pressure))
 
     @override
     def update(
         self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0
     ) -> Update:
         effective, own = self._effective(stress, internal)
-        water, growth = cache(lambda: self._water(effective, own)), strain_increment[:3].sum(axis=0)
-        pressure = internal[-1] - (
-            water() * growth if growth.any() else 0.0
-        )  # soil may begin without a stiffness
+        # Compute the stiffness of the water only where it is needed: the soil may begin without.
+        water = cache(lambda: self._water(effective, own))
+
+        # Let the pressure grow with the compression.
+        growth = strain_increment[:3].sum(axis=0)
+        pressure = internal[-1].copy()
+        if growth.any():
+            pressure -= water() * growth
+
+        # Add the pressure to the effective stress of the soil.
         new = updated(self.soil, strain_increment, effective, own, dt)
         total = new.stress.copy()
         total[:3] -= pressure
@@ -202,9 +206,8 @@ class Undrained(Material):
 
         def tangent() -> Array:
             result = new.tangent().copy()
-            result[:, :3, :3] += np.broadcast_to(water(), pressure.shape).reshape(-1)[
-                new.plastic, None, None
-            ]
+            bulk = np.broadcast_to(water(), pressure.shape).reshape(-1)
+            result[:, :3, :3] += bulk[new.plastic, None, None]
             return result
 
         return Update(total, variables, new.plastic, tangent)
@@ -235,6 +238,7 @@ class Undrained(Material):
 
     def _effective(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         """Return effective stress and internal variables of the soil."""
-        effective, last = stress.copy(), self.n_internal - 1
+        last = self.n_internal - 1
+        effective = stress.copy()
         effective[:3] += internal[last]
         return effective, internal[:last]
