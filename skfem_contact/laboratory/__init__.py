@@ -1,6 +1,4 @@
-"""Laboratory tests of a material at a point: their steps, their results and their diagrams, and
-measured ones.
-"""
+"""Laboratory tests of a material at a point: steps, results, diagrams and measured tests."""
 
 from .measured import Fit, Measured, fit, read_csv
 from .paths import PathStep, isotropic, oedometer, simple_shear, triaxial

@@ -17,8 +17,8 @@ from .specimen import element_test
 
 #: Quantities of an element test that a column may hold.
 _QUANTITIES = ("axial", "shear", "p", "q", "volume", "pore_pressure")
-#: Step of derivatives as a share of the parameters: that of the tests' tolerance, 1e-10, costs 1e-6
-#: of the slope.
+#: Step of derivatives as a share of the parameters: the tests' tolerance of 1e-10 costs 1e-6 of the
+#: slope.
 _STEP = 1e-4
 
 
@@ -55,28 +55,28 @@ def read_csv(
     >>> file = os.path.join(tempfile.mkdtemp(), "test.csv")
     >>> with open(file, "w") as stream:
     ...     _ = stream.write("strain [%],q [kPa]\n0,0\n1,80\n2,95\n")
-    >>> sc.laboratory.read_csv(file, {"axial": "strain [%]", "q": "q [kPa]"}, factors={"axial": -0.01})
+    >>> columns = {"axial": "strain [%]", "q": "q [kPa]"}
+    >>> sc.laboratory.read_csv(file, columns, factors={"axial": -0.01})
     {'axial': array([-0.  , -0.01, -0.02]), 'q': array([ 0., 80., 95.])}
     """
     with open(file, encoding="utf-8-sig") as stream:
         names = [name.strip() for name in stream.readline().split(delimiter)]
         table = np.genfromtxt(stream, delimiter=delimiter, ndmin=2)
-    for name in (*columns, *(factors or {})):
-        look_up(name, dict.fromkeys(_QUANTITIES), "quantity of a test")
+    factors = factors or {}
+    for quantity in (*columns, *factors):
+        look_up(quantity, dict.fromkeys(_QUANTITIES), "quantity of a test")
     position = {name: k for k, name in enumerate(names)}
-    at = {
-        quantity: look_up(name, position, f"column of {file}") for quantity, name in columns.items()
-    }
-    return {
-        quantity: finite(table[:, k], f"column '{names[k]}' of {file}")
-        * (factors or {}).get(quantity, 1.0)
-        for quantity, k in at.items()
-    }
+    read = {}
+    for quantity, name in columns.items():
+        k = look_up(name, position, f"column of {file}")
+        values = finite(table[:, k], f"column '{name}' of {file}")
+        read[quantity] = values * factors.get(quantity, 1.0)
+    return read
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured test: its initial stress and path as those of :func:`element_test`, and its columns.
+    """Measured test: initial stress and path, as in :func:`element_test`, and columns.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Measured:
     path : PathStep or sequence of PathStep
         Steps of the test.
     columns : dict
-        Values by quantity, with that along which they are compared.
+        Values by quantity, with the quantity along which they are compared.
     along : str
         Quantity along which curves are compared; it only rises, or only falls, in the whole test.
     """
@@ -98,24 +98,30 @@ class Measured:
     def differences(self, material: Material) -> ndarray:
         """Return computed less measured values, over the largest measured one of each quantity."""
         test = element_test(material, self.stress, self.path)
-        x, at = getattr(test, self.along)[:, 0], look_up(self.along, self.columns, "column")
-        sign = 1.0 if x[-1] > x[0] else -1.0
-        if np.any(np.diff(sign * x) < 0):
+
+        # Let the quantity along which curves are compared rise.
+        computed = getattr(test, self.along)[:, 0]
+        sign = 1.0 if computed[-1] > computed[0] else -1.0
+        x = sign * computed
+        measured_x = sign * look_up(self.along, self.columns, "column")
+        if np.any(np.diff(x) < 0):
             raise ValueError(
                 f"'{self.along}' turns back in the test: compare along another quantity"
             )
-        if (beyond := float((sign * at).max() - sign * x[-1])) > 1e-6 * abs(x[-1]):
+        beyond = float(measured_x.max() - x[-1])
+        if beyond > 1e-6 * abs(x[-1]):
             raise ValueError(
                 f"the measured '{self.along}' goes beyond the end of the path by {beyond:.3g}"
             )
-        others = {name: values for name, values in self.columns.items() if name != self.along}
-        return np.concatenate(
-            [
-                (np.interp(sign * at, sign * x, getattr(test, name)[:, 0]) - values)
-                / (np.abs(values).max() or 1.0)
-                for name, values in others.items()
-            ]
-        )
+
+        # Compare all other quantities.
+        parts = []
+        for name, measured in self.columns.items():
+            if name != self.along:
+                difference = np.interp(measured_x, x, getattr(test, name)[:, 0]) - measured
+                largest = np.abs(measured).max() or 1.0
+                parts.append(difference / largest)
+        return np.concatenate(parts)
 
 
 @dataclass(frozen=True)
@@ -166,34 +172,42 @@ def fit(
     --------
     >>> import numpy as np
     >>> import skfem_contact as sc
-    >>> strain, q = -np.linspace(0.0, 0.02, 5), np.array([0.0, 50.0, 100.0, 120.0, 120.0])
-    >>> test = sc.laboratory.Measured(-100.0, sc.laboratory.triaxial(-0.02), {"axial": strain, "q": q})
-    >>> found = sc.laboratory.fit(lambda E, c: sc.Tresca(E, 0.25, c), {"E": 5e3, "c": 40.0}, test)
-    >>> {name: round(value) for name, value in found.parameters.items()}
+    >>> strain = -np.linspace(0.0, 0.02, 5)
+    >>> columns = {"axial": strain, "q": np.array([0.0, 50.0, 100.0, 120.0, 120.0])}
+    >>> test = sc.laboratory.Measured(-100.0, sc.laboratory.triaxial(-0.02), columns)
+    >>> fitted = sc.laboratory.fit(lambda E, c: sc.Tresca(E, 0.25, c), {"E": 5e3, "c": 40.0}, test)
+    >>> {name: round(value) for name, value in fitted.parameters.items()}
     {'E': 10000, 'c': 60}
     """
     measured = [tests] if isinstance(tests, Measured) else list(tests)
-    for name in limits or {}:
+    limits = limits or {}
+    for name in limits:
         look_up(name, start, "fitted parameter")
     first = np.array(list(start.values()), dtype=float)
     if not len(first) or not first.all() or not measured:
         raise ValueError("a fit needs a test, and first values of its parameters that are not zero")
-    ends = [(limits or {}).get(name, (0.1 * value, 10.0 * value)) for name, value in start.items()]
+    ends = [limits.get(name, (0.1 * value, 10.0 * value)) for name, value in start.items()]
     low, high = np.sort(ends, axis=1).T
 
+    def named(values: ndarray) -> dict[str, float]:
+        return dict(zip(start, values.tolist()))
+
     def differences(values: ndarray) -> ndarray:
-        material = law(**dict(zip(start, values.tolist())))
+        material = law(**named(values))
         return np.concatenate([test.differences(material) for test in measured])
 
-    found = least_squares(
+    # Minimise the squares of the differences between the limits.
+    result = least_squares(
         differences,
         first,
         bounds=(low, high),
         x_scale=np.abs(first),
         diff_step=np.full(len(first), _STEP),
     )
-    free = max(len(found.fun) - len(first), 1)
-    slope = np.asarray(found.jac, dtype=float)
-    spread = np.sqrt(np.diag(np.linalg.pinv(slope.T @ slope)) * (found.fun**2).sum() / free)
-    parameters = dict(zip(start, found.x.tolist()))
-    return Fit(law(**parameters), parameters, dict(zip(start, spread.tolist())), found.fun)
+
+    # Estimate the standard errors from the scatter, by the inverse of J^T J.
+    free = max(len(result.fun) - len(first), 1)
+    J = np.asarray(result.jac, dtype=float)
+    variance = np.diag(np.linalg.pinv(J.T @ J)) * (result.fun**2).sum() / free
+    parameters = named(result.x)
+    return Fit(law(**parameters), parameters, named(np.sqrt(variance)), result.fun)

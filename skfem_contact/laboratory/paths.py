@@ -1,13 +1,13 @@
 """Steps of laboratory tests: one linear condition on stress or strain for each component.
 
 A round sample stays round by equal strains, not by equal stresses: on an edge of Mohr-Coulomb's
-pyramid two equal stresses are one condition. For the same reason shear strains are prescribed where
-nothing else is.
+pyramid two equal stresses are one condition. For the same reason shear strains are prescribed
+unless another condition is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,7 +25,7 @@ _STRAINS = _UNIT | {"volume": _SUM, "xx-zz": _UNIT["xx"] - _UNIT["zz"]}
 
 @dataclass(frozen=True, eq=False)
 class PathStep:
-    """PathStep of an element test: as many conditions as there are components.
+    """PathStep of an element test: one condition for each component.
 
     Shear components without a condition keep their strain. Values are numbers, or one number a
     sample.
@@ -51,7 +51,8 @@ class PathStep:
     --------
     >>> import skfem_contact as sc
     >>> plane_strain = sc.laboratory.PathStep(stress={"xx": None}, strain={"yy": -0.01, "zz": 0.0})
-    >>> sc.element_test(sc.LinearElastic(E=100.0, nu=0.25), -10.0, plane_strain).stress[-1].ravel().round(9)
+    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.25), -10.0, plane_strain)
+    >>> test.stress[-1].ravel().round(9)
     array([-10.        , -11.06666667, -10.26666667,   0.        ])
     """
 
@@ -75,19 +76,17 @@ class PathStep:
 
     def conditions(self, ncomp: int) -> tuple[ndarray, ndarray]:
         """Return the rows of stresses and of strains, (n, ncomp) each, ncomp in all."""
-        stresses = [_STRESSES[name] for name in self.stress]
-        strains = [_STRAINS[name] for name in self.strain]
-        named = {*self.stress, *self.strain}
-        strains += [_UNIT[name] for name in COMPONENTS[3:ncomp] if name not in named]
-        if len(stresses) + len(strains) != ncomp or any(
-            row[ncomp:].any() for row in stresses + strains
-        ):
+        given = [*self.stress, *self.strain]
+        kept = [name for name in COMPONENTS[3:ncomp] if name not in given]
+        stresses = _rows(_STRESSES, self.stress)
+        strains = _rows(_STRAINS, [*self.strain, *kept])
+        rows = np.concatenate((stresses, strains))
+        if len(rows) != ncomp or rows[:, ncomp:].any():
             raise ValueError(
                 f"a step of {ncomp} components needs {ncomp} conditions, of which shear strains "
-                f"are kept "
-                f"by themselves; given are {[*self.stress, *self.strain]}"
+                f"are kept by themselves; given are {given}"
             )
-        return tuple(np.reshape(rows, (-1, 6))[:, :ncomp] for rows in (stresses, strains))  # type: ignore[return-value]
+        return stresses[:, :ncomp], strains[:, :ncomp]
 
     def targets(self, stress: ndarray, strain: ndarray) -> tuple[ndarray, ndarray]:
         """Return the values of the conditions at the end of the step, (n, n_samples) each."""
@@ -101,13 +100,20 @@ class PathStep:
         return stresses, strains
 
 
+def _rows(known: Mapping[str, ndarray], names: Iterable[str]) -> ndarray:
+    """Return the rows of some components, (n, 6)."""
+    return np.reshape([known[name] for name in names], (-1, 6))
+
+
 def isotropic(stress: ArrayLike, increments: int = 100) -> PathStep:
     """Return a step to an isotropic effective stress, tension positive.
 
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> sc.element_test(sc.LinearElastic(E=30.0, nu=0.0), -1.0, sc.laboratory.isotropic(-2.0)).volume[-1].round(9)
+    >>> path = sc.laboratory.isotropic(-2.0)
+    >>> test = sc.element_test(sc.LinearElastic(E=30.0, nu=0.0), -1.0, path)
+    >>> test.volume[-1].round(9)
     array([-0.1])
     """
     return PathStep(dict.fromkeys(COMPONENTS[:3], stress), {}, increments)
@@ -116,13 +122,13 @@ def isotropic(stress: ArrayLike, increments: int = 100) -> PathStep:
 def oedometer(
     stress: ArrayLike | None = None, strain: ArrayLike | None = None, increments: int = 100
 ) -> PathStep:
-    """Return a step to an axial stress (yy), or of a change of axial strain, without lateral
-    strain.
+    """Return a step of axial stress (yy), or change of axial strain, without lateral strain.
 
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.0), -10.0, sc.laboratory.oedometer(stress=-20.0))
+    >>> path = sc.laboratory.oedometer(stress=-20.0)
+    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.0), -10.0, path)
     >>> test.axial[-1].round(9)
     array([-0.1])
     """
@@ -135,12 +141,11 @@ def triaxial(
     drained: bool = True,
     increments: int = 100,
 ) -> PathStep:
-    """Return a step of a change of axial strain (yy), or to an axial effective stress, at constant
-    cell pressure.
+    """Return a step of axial strain (yy), or axial effective stress, at constant cell pressure.
 
-    Undrained, the volume is constant, and the pore pressure follows from the cell pressure. A
-    material
-    :class:`~skfem_contact.Undrained` has total stresses and takes ``drained=True``.
+    The strain is a change, the stress a value at the end. Undrained, the volume is constant, and
+    the pore pressure follows from the cell pressure. A material :class:`~skfem_contact.Undrained`
+    has total stresses and takes ``drained=True``.
 
     Examples
     --------
@@ -155,22 +160,20 @@ def triaxial(
 
 
 def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100) -> PathStep:
-    """Return a step of a change of engineering shear strain (xy) at constant normal stress yy, or
-    constant volume.
+    """Return a step of engineering shear strain (xy) at constant stress yy, or constant volume.
 
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.25), -10.0, sc.laboratory.simple_shear(0.01))
+    >>> path = sc.laboratory.simple_shear(0.01)
+    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.25), -10.0, path)
     >>> test.stress[-1, 3].round(9)
     array([0.4])
     """
-    side = {"xx": 0.0, "zz": 0.0, "xy": gamma}
-    return (
-        PathStep({"yy": None}, side, increments)
-        if drained
-        else PathStep({}, side | {"yy": 0.0}, increments, total="yy")
-    )
+    strain = {"xx": 0.0, "zz": 0.0, "xy": gamma}
+    if drained:
+        return PathStep({"yy": None}, strain, increments)
+    return PathStep({}, strain | {"yy": 0.0}, increments, total="yy")
 
 
 def _axial(

@@ -1,6 +1,4 @@
-"""Result of an element test: histories of stress and strain, their invariants, tables and
-diagrams.
-"""
+"""Result of an element test: histories of stress and strain, their tables and diagrams."""
 
 from __future__ import annotations
 
@@ -59,7 +57,8 @@ class ElementTest:
     @property
     def q(self) -> ndarray:
         """Equivalent shear stress sqrt(3 J2), (n_states, n_samples)."""
-        return np.sqrt(3.0) * mean_and_shear(self.stress.swapaxes(0, 1))[1]
+        _, shear = mean_and_shear(self.stress.swapaxes(0, 1))
+        return np.sqrt(3.0) * shear
 
     @property
     def volume(self) -> ndarray:
@@ -90,21 +89,16 @@ class ElementTest:
         states, ncomp, samples = self.stress.shape
         columns = {name: getattr(self, name) for name in ("p", "q", "volume", "pore_pressure")}
         for i, name in enumerate(COMPONENTS[:ncomp]):
-            columns[f"stress {name}"], columns[f"strain {name}"] = (
-                self.stress[:, i],
-                self.strain[:, i],
-            )
-        columns |= {
-            variable.name: row
-            for variable, row in zip(self.material.internal, self.internal.swapaxes(0, 1))
-        }
+            columns[f"stress {name}"] = self.stress[:, i]
+            columns[f"strain {name}"] = self.strain[:, i]
+        for i, variable in enumerate(self.material.internal):
+            columns[variable.name] = self.internal[:, i]
+        data = {"step": np.tile(self.step, samples)}
+        data |= {name: values.T.ravel() for name, values in columns.items()}
         index = pandas.MultiIndex.from_product(
             [range(samples), range(states)], names=["sample", "state"]
         )
-        return pandas.DataFrame(
-            {"step": np.tile(self.step, samples)} | {k: v.T.ravel() for k, v in columns.items()},
-            index=index,
-        )
+        return pandas.DataFrame(data, index=index)
 
     def plot(self, beside: dict[str, ndarray] | None = None) -> Any:
         """Draw the four standard diagrams of all samples; return the matplotlib figure.
@@ -122,26 +116,24 @@ class ElementTest:
         """
         import matplotlib.pyplot as plt
 
-        undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
-        third = (
-            ("pore_pressure", "excess pore pressure") if undrained else ("volume", "volume strain")
-        )
-        values = {
-            name: getattr(self, name) for name in ("shear", "p", "q", "volume", "pore_pressure")
+        labels = {
+            "shear": "shear strain",
+            "p": "p'",
+            "q": "q",
+            "volume": "volume strain",
+            "pore_pressure": "excess pore pressure",
         }
-        names = (
-            (("shear", "shear strain"), ("q", "q")),
-            (("p", "p'"), ("q", "q")),
-            (("shear", "shear strain"), third),
-            (("p", "p'"), ("volume", "volume strain")),
-        )
+        undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
+        third = "pore_pressure" if undrained else "volume"
+        diagrams = ("shear", "q"), ("p", "q"), ("shear", third), ("p", "volume")
+        measured = beside or {}
         figure, panels = plt.subplots(2, 2, figsize=(8.0, 6.5), layout="constrained")
-        for axes, ((x, along), (y, upright)) in zip(panels.flat, names, strict=True):
-            axes.plot(values[x], values[y], linewidth=1.2)
-            if beside and x in beside and y in beside:
-                axes.plot(beside[x], beside[y], "k.", markersize=4)
-            axes.set_xlabel(along)
-            axes.set_ylabel(upright)
+        for axes, (x, y) in zip(panels.flat, diagrams, strict=True):
+            axes.plot(getattr(self, x), getattr(self, y), linewidth=1.2)
+            if x in measured and y in measured:
+                axes.plot(measured[x], measured[y], "k.", markersize=4)
+            axes.set_xlabel(labels[x])
+            axes.set_ylabel(labels[y])
         if self.p.min() > 0:
             axes.set_xscale("log")
         return figure
@@ -151,4 +143,5 @@ class ElementTest:
         """Equivalent shear strain sqrt(2/3 e : e) of the deviator e, (n_states, n_samples)."""
         strain = self.strain.swapaxes(0, 1).copy()
         strain[3:] /= 2
-        return 2.0 / np.sqrt(3.0) * mean_and_shear(strain)[1]
+        _, shear = mean_and_shear(strain)
+        return 2.0 / np.sqrt(3.0) * shear

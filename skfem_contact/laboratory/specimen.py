@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -17,19 +17,32 @@ from ..materials.elastic import refuse_functions
 from .paths import COMPONENTS, PathStep
 from .result import ElementTest
 
-#: Residual as a share of the stresses; round-off of an update is some 1e-15 of the largest modulus
-#: times the strain.
+#: Residual as a share of the stresses; round-off is about 1e-15 of largest modulus times strain.
 _TOLERANCE = 1e-10
 #: Newton iterations: 3 to 6 are needed, 12 where an increment crosses an edge of the yield surface.
 _MOST = 25
-#: An increment is halved this often: 1e-6 of it is left.
+#: An increment is halved this often: 1e-6 of it remains.
 _HALVINGS = 20
 #: Change of the initial stress without strain, as a share, that shows a stress outside the yield
 #: surface.
 _DRIFT = 1e-8
 
-#: Strain, stress, internal variables.
-_State = tuple[ndarray, ndarray, ndarray]
+
+class _State(NamedTuple):
+    """State of the samples, components first."""
+
+    strain: ndarray
+    stress: ndarray
+    internal: ndarray
+
+
+class _Conditions(NamedTuple):
+    """Conditions ``S stress = stresses`` and ``E strain = strains`` of an increment."""
+
+    S: ndarray
+    E: ndarray
+    stresses: ndarray
+    strains: ndarray
 
 
 def element_test(
@@ -46,8 +59,8 @@ def element_test(
         sample, or components in rows, (4, n_samples) or (6, n_samples).
     path
         One step or several: :func:`laboratory.isotropic`, :func:`laboratory.oedometer`,
-        :func:`laboratory.triaxial`,
-        :func:`laboratory.simple_shear`, or any other :class:`laboratory.PathStep`.
+        :func:`laboratory.triaxial`, :func:`laboratory.simple_shear`, or any other
+        :class:`laboratory.PathStep`.
 
     Returns
     -------
@@ -67,18 +80,27 @@ def element_test(
     >>> sc.element_test(sand, [-100.0, -100.0], path).q[-1].round(3)
     array([400.   , 538.034])
     """
-    law, start = as_material(material), _components(stress)
+    law = as_material(material)
     refuse_functions(law)
-    state = np.zeros_like(start), start, law.initial_internal(start[:, :, None])[:, :, 0]
+    start = _components(stress)
+    internal = law.initial_internal(start[:, :, None])[:, :, 0]
+    state = _State(np.zeros_like(start), start, internal)
     _check_start(law, state)
-    history = [(*state, np.zeros(start.shape[1]), -1, 0)]
+
+    no_pressure = np.zeros(start.shape[1])
+    history = [(*state, no_pressure, -1, 0)]
     for number, step in enumerate([path] if isinstance(path, PathStep) else path):
-        before, targets, rows = state, step.targets(state[1], state[0]), step.conditions(len(start))
-        origin = rows[0] @ state[1], rows[1] @ state[0]
+        # Go from the values of the conditions at the start of the step to their targets.
+        S, E = step.conditions(len(start))
+        origin = S @ state.stress, E @ state.strain
+        targets = step.targets(state.stress, state.strain)
+        before = state.stress
         for k in range(step.increments):
-            goal = tuple(a + (k + 1) / step.increments * (b - a) for a, b in zip(origin, targets))
+            share = (k + 1) / step.increments
+            stresses, strains = (a + share * (b - a) for a, b in zip(origin, targets))
+            conditions = _Conditions(S, E, stresses, strains)
             try:
-                state, count = _increment(law, state, rows, goal, step.duration / step.increments)
+                state, count = _increment(law, state, conditions, step.duration / step.increments)
             except (_NoEquilibrium, IncrementTooLarge) as error:
                 failure = NotConverged(
                     f"step {number} of the element test stops after {k} of {step.increments} "
@@ -87,9 +109,13 @@ def element_test(
                 )
                 failure.result = _result(law, history)
                 raise failure from error
-            row = None if step.total is None else COMPONENTS.index(step.total)
-            held = np.zeros(start.shape[1]) if row is None else state[1][row] - before[1][row]
-            history.append((*state, held, number, count))
+
+            # The total stress stays: the change of the effective stress is the pore pressure.
+            pressure = no_pressure
+            if step.total is not None:
+                row = COMPONENTS.index(step.total)
+                pressure = state.stress[row] - before[row]
+            history.append((*state, pressure, number, count))
     return _result(law, history)
 
 
@@ -98,87 +124,83 @@ class _NoEquilibrium(Exception):
 
 
 def _advice(step: PathStep, error: Exception) -> str:
-    """Return what helps where two normal stresses are prescribed."""
+    """Return advice where two normal stresses are prescribed."""
     given = [name for name in COMPONENTS[:3] if name in step.stress]
     if len(given) != 2 or not isinstance(error.__cause__, np.linalg.LinAlgError):
         return ""
     return (
         f". Between the stresses {given[0]} and {given[1]}, where they are equal, the yield "
-        f"condition leaves the "
-        "strains free: laboratory.triaxial prescribes one of the lateral stresses and equal "
-        "lateral strains, "
-        "stress={'xx': None}, strain={'xx-zz': 0}"
+        "condition leaves the strains free: laboratory.triaxial prescribes one of the lateral "
+        "stresses and equal lateral strains, stress={'xx': None}, strain={'xx-zz': 0}"
     )
 
 
 def _increment(
-    law: Material,
-    state: _State,
-    rows: tuple[ndarray, ndarray],
-    goal: tuple[ndarray, ...],
-    dt: float,
-    halvings: int = _HALVINGS,
+    law: Material, state: _State, conditions: _Conditions, dt: float, halvings: int = _HALVINGS
 ) -> tuple[_State, int]:
-    """Return the state at the goals of stress and strain, and the iterations; halve an increment
-    that fails.
-    """
+    """Return the state that fulfils the conditions, and the iterations; halve if it fails."""
     try:
-        return _newton(law, state, rows, goal, dt)
+        return _newton(law, state, conditions, dt)
     except (_NoEquilibrium, IncrementTooLarge):
         if halvings == 0:
             raise
-    (S, E), (strain, stress, _) = rows, state
-    middle = (S @ stress + goal[0]) / 2, (E @ strain + goal[1]) / 2
-    half, first = _increment(law, state, rows, middle, dt / 2, halvings - 1)
-    whole, second = _increment(law, half, rows, goal, dt / 2, halvings - 1)
+    S, E, stresses, strains = conditions
+    middle = conditions._replace(
+        stresses=(S @ state.stress + stresses) / 2, strains=(E @ state.strain + strains) / 2
+    )
+    half, first = _increment(law, state, middle, dt / 2, halvings - 1)
+    whole, second = _increment(law, half, conditions, dt / 2, halvings - 1)
     return whole, first + second
 
 
-def _newton(
-    law: Material,
-    state: _State,
-    rows: tuple[ndarray, ndarray],
-    goal: tuple[ndarray, ...],
-    dt: float,
-) -> tuple[_State, int]:
-    """Solve the conditions ``S stress = goal[0]`` and ``E strain = goal[1]`` for the strain
-    increment.
-    """
-    (S, E), (strain, stress, internal) = rows, state
-    elasticity = elasticity_at(law, stress, internal)
-    scale, step, sizes = np.abs(elasticity).max(), np.zeros_like(strain), []
-    strains = np.broadcast_to(E, (stress.shape[1], *E.shape))
+def _newton(law: Material, state: _State, conditions: _Conditions, dt: float) -> tuple[_State, int]:
+    """Solve the conditions for the strain increment; return the state and the iterations."""
+    S, E, stresses, strains = conditions
+    elasticity = elasticity_at(law, state.stress, state.internal)
+    scale = np.abs(elasticity).max()
+    strain_rows = np.broadcast_to(E, (len(elasticity), *E.shape))  # (n_samples, n, ncomp)
+    largest_goal = np.abs(stresses).max(axis=0, initial=1e-300)
+    increment = np.zeros_like(state.strain)
     for count in range(_MOST):
-        new = updated(law, step[:, :, None], stress[:, :, None], internal[:, :, None], dt)
-        reached = new.stress[:, :, 0]
-        missing = goal[0] - S @ reached, goal[1] - E @ (strain + step)
-        largest = np.maximum(
-            np.abs(reached).max(axis=0), np.abs(goal[0]).max(axis=0, initial=1e-300)
-        )
-        errors = np.concatenate((missing[0] / largest, missing[1] * scale / largest))
-        sizes.append(np.abs(errors).max(axis=0))
-        if not np.isfinite(sizes[-1]).all():
+        # Evaluate the conditions.
+        new = _updated(law, increment, state, dt)
+        stress = new.stress[:, :, 0]
+        strain = state.strain + increment
+        missing_stress = stresses - S @ stress
+        missing_strain = strains - E @ strain
+
+        # Stop where each sample is in equilibrium.
+        largest = np.maximum(np.abs(stress).max(axis=0), largest_goal)
+        errors = np.concatenate((missing_stress / largest, missing_strain * scale / largest))
+        error = np.abs(errors).max(axis=0)
+        if not np.isfinite(error).all():
             break
-        if count and sizes[-1].max() < _TOLERANCE:
-            return (strain + step, reached, new.internal[:, :, 0]), count
-        tangent = tangent_at(elasticity, new)
+        if count and error.max() < _TOLERANCE:
+            return _State(strain, stress, new.internal[:, :, 0]), count
+
+        # Solve [S D; E] change = missing.
+        rows = np.concatenate((S @ tangent_at(elasticity, new), strain_rows), axis=1)
+        missing = np.concatenate((missing_stress, missing_strain))
         try:
-            change = np.linalg.solve(
-                np.concatenate((S @ tangent, strains), axis=1),
-                np.concatenate(missing).T[:, :, None],
-            )[:, :, 0]
-        except np.linalg.LinAlgError as error:
+            change = np.linalg.solve(rows, missing.T[:, :, None])[:, :, 0]
+        except np.linalg.LinAlgError as failure:
             raise _NoEquilibrium(
                 "the stiffness under these conditions is singular: a stress is prescribed that the "
                 "material does not resist, so prescribe a strain instead"
-            ) from error
-        step = step + change.T
-    worst = int(np.argmax(np.nan_to_num(sizes[-1], nan=np.inf)))
+            ) from failure
+        increment = increment + change.T
+    worst = int(np.argmax(np.nan_to_num(error, nan=np.inf)))
     raise _NoEquilibrium(
-        f"no equilibrium in {len(sizes)} iterations, {sizes[-1][worst]:.1e} of the stress is out "
-        f"of "
-        f"balance in sample {worst}, {_listed(stress[:, worst])}"
+        f"no equilibrium in {count + 1} iterations, {error[worst]:.1e} of the stress is out of "
+        f"balance in sample {worst}, {_listed(state.stress[:, worst])}"
     )
+
+
+def _updated(law: Material, increment: ndarray, state: _State, dt: float) -> Update:
+    """Return the response of the samples, each an element of one point."""
+    stress = state.stress[:, :, None]
+    internal = state.internal[:, :, None]
+    return updated(law, increment[:, :, None], stress, internal, dt)
 
 
 def tangent_at(elasticity: ndarray, new: Update) -> ndarray:
@@ -195,39 +217,36 @@ def elasticity_at(law: Material, stress: ndarray, internal: ndarray) -> ndarray:
     ncomp, samples = stress.shape
     state = (stress[:, :, None], internal[:, :, None]) if law.stress_dependent else ()
     moduli = np.asarray(law.elasticity(ncomp, *state))
-    return (
-        moduli.reshape(samples, ncomp, ncomp)
-        if moduli.ndim > 2
-        else np.broadcast_to(moduli, (samples, ncomp, ncomp))
-    )
+    if moduli.ndim > 2:
+        return moduli.reshape(samples, ncomp, ncomp)
+    return np.broadcast_to(moduli, (samples, ncomp, ncomp))
 
 
 def _components(stress: ArrayLike) -> ndarray:
     """Return initial stresses (ncomp, n_samples) from numbers or components."""
     values = finite(stress, "stress")
     if values.ndim < 2:
-        return np.concatenate((np.tile(values, (3, 1)).reshape(3, -1), np.zeros((1, values.size))))
+        components = np.zeros((4, values.size))
+        components[:3] = values
+        return components
     if values.ndim > 2 or len(values) not in (4, 6):
         raise ValueError(
-            f"stress must be a number, one number a sample, or of shape (4, n_samples) or (6, "
-            f"n_samples), "
-            f"not {values.shape}"
+            "stress must be a number, one number a sample, or of shape (4, n_samples) or (6, "
+            f"n_samples), not {values.shape}"
         )
     return values
 
 
 def _check_start(law: Material, state: _State) -> None:
     """Refuse initial stresses that the material does not admit."""
-    strain, stress, internal = state
-    new = updated(law, strain[:, :, None], stress[:, :, None], internal[:, :, None], 0.0)
-    drift = np.abs(new.stress[:, :, 0] - stress).max(axis=0)
+    new = _updated(law, state.strain, state, 0.0)
+    drift = np.abs(new.stress[:, :, 0] - state.stress).max(axis=0)
     worst = int(np.argmax(drift))
-    if drift[worst] > _DRIFT * np.abs(stress[:, worst]).max():
+    stress = state.stress[:, worst]
+    if drift[worst] > _DRIFT * np.abs(stress).max():
         raise ValueError(
-            f"{law.label} does not admit the initial stress of sample {worst}, "
-            f"{_listed(stress[:, worst])}: it lies outside the yield surface, by "
-            f"{drift[worst]:.3g} in a "
-            "component"
+            f"{law.label} does not admit the initial stress of sample {worst}, {_listed(stress)}: "
+            f"it lies outside the yield surface, by {drift[worst]:.3g} in a component"
         )
 
 
@@ -239,8 +258,10 @@ def _listed(stress: ndarray) -> str:
 def _result(law: Material, history: Sequence[tuple[Any, ...]]) -> ElementTest:
     """Return the histories; stresses of an undrained material become effective."""
     strain, stress, internal, pressure, numbers, counts = map(np.array, zip(*history))
-    if (own := law.variable(EXCESS_PRESSURE, internal.swapaxes(0, 1))) is not None:
+    own = law.variable(EXCESS_PRESSURE, internal.swapaxes(0, 1))
+    if own is not None:
         pressure = pressure + own
     if law.undrained:
-        stress = law.drained(stress.swapaxes(0, 1), internal.swapaxes(0, 1))[0].swapaxes(0, 1)
+        effective, _ = law.drained(stress.swapaxes(0, 1), internal.swapaxes(0, 1))
+        stress = effective.swapaxes(0, 1)
     return ElementTest(law, stress, strain, internal, pressure, numbers, counts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -67,7 +67,6 @@ def check_form(
     >>> sc.testing.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-8
     True
     """
-    rng = np.random.default_rng(seed)
     form = as_forms({"form": form})["form"]
     if directions < 1 or type(state) is not type(form.initial_state()):
         raise ValueError(
@@ -78,83 +77,91 @@ def check_form(
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before its first access")
-
-    def arrays() -> tuple[ndarray, ...]:
-        response = _among_all(form, x, state)
-        return (response.force, response.stiffness.data, *arrays_of(response.state).values())
-
-    out = same_twice(arrays, (x, *arrays_of(state).values()), "form.assemble")
-    force, K = np.asarray(out[0]), cast(Any, _among_all(form, x, state).stiffness)
-    require(
-        isinstance(K, csr_matrix) and K.shape == (len(x), len(x)),
-        "the stiffness is no csr_matrix (N, N)",
-    )
-    require(
-        force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
-        "the force is no (N,), or not finite",
-    )
-    if form.symmetric:
-        require(
-            abs(K - K.T).max() <= EXACT * abs(K).max(),
-            "`symmetric` is True, but the tangent is not symmetric",
-        )
-    scale = max(float(np.abs(force).max()), 1e-300)
-    accepted = _among_all(form, x, first.state)
-    require(
-        np.abs(accepted.force - force).max() <= 1e-7 * scale,
-        "the accepted candidate gives another force",
-    )
-    again = form.outer(x, state, first.state) if isinstance(form, Regularised) else None
-    require(
-        again is None
-        or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
-        "`outer` returns neither a form with a state nor None",
-    )
-    outputs = form.outputs(x, first.state)
-    require(isinstance(outputs, Outputs), "`outputs` returns no Outputs")
-    require(isinstance(outputs.summary, str), "the summary of `outputs` is no text")
-    require(
-        all(isinstance(remark, Remark) for remark in outputs.remarks),
-        "the remarks of `outputs` are no remarks",
-    )
-    error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
+    force, K = _checked_arrays(form, x, state)
+    _check_candidate(form, x, state, first.state, force)
+    samples = np.random.default_rng(seed).standard_normal((directions, len(x)))
+    error = _form_tangent(form, x, state, K, samples, tolerance)
     if locations is not None:
         _check_balance(force, K, x, np.asarray(locations))
     return error
 
 
+def _checked_arrays(form: Form, x: ndarray, state: Any) -> tuple[ndarray, Any]:
+    """Return force and stiffness among all dofs, after a check that both are right."""
+
+    def arrays() -> tuple[ndarray, ...]:
+        response = _among_all(form, x, state)
+        return (response.force, response.stiffness.data, *arrays_of(response.state).values())
+
+    # Check the types, the shapes and the values.
+    force = np.asarray(same_twice(arrays, (x, *arrays_of(state).values()), "form.assemble")[0])
+    K: Any = _among_all(form, x, state).stiffness
+    square = isinstance(K, csr_matrix) and K.shape == (len(x), len(x))
+    require(square, "the stiffness is no csr_matrix (N, N)")
+    finite = np.isfinite(force).all() and np.isfinite(K.data).all()
+    require(force.shape == x.shape and finite, "the force is no (N,), or not finite")
+
+    # Check the symmetry.
+    if form.symmetric:
+        skew = abs(K - K.T).max()
+        message = "`symmetric` is True, but the tangent is not symmetric"
+        require(skew <= EXACT * abs(K).max(), message)
+    return force, K
+
+
+def _check_candidate(form: Form, x: ndarray, state: Any, candidate: Any, force: ndarray) -> None:
+    """Check the force of the candidate state, and the types that depend on it."""
+    scale = max(float(np.abs(force).max()), 1e-300)
+    drift = np.abs(_among_all(form, x, candidate).force - force).max()
+    require(drift <= 1e-7 * scale, "the accepted candidate gives another force")
+    again = form.outer(x, state, candidate) if isinstance(form, Regularised) else None
+    pair = isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))
+    require(again is None or pair, "`outer` returns neither a form with a state nor None")
+    outputs = form.outputs(x, candidate)
+    require(isinstance(outputs, Outputs), "`outputs` returns no Outputs")
+    require(isinstance(outputs.summary, str), "the summary of `outputs` is no text")
+    known = all(isinstance(remark, Remark) for remark in outputs.remarks)
+    require(known, "the remarks of `outputs` are no remarks")
+
+
 def _among_all(form: Form, x: ndarray, state: Any) -> Response:
     """Return the response; a local one among all dofs."""
     response = form.assemble(x, state)
-    return (
-        response.padded(len(x)) if isinstance(response, Response) and response.local else response
-    )
+    if isinstance(response, Response) and response.local:
+        return response.padded(len(x))
+    return response
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
     """Check that resultant, moment and stiffness of rigid motions vanish."""
     dim = len(locations)
-    f, points = force.reshape(-1, dim), locations[:, ::dim].T
-    arms = max(float(np.ptp(points)), 1e-300)
-    require(np.abs(f.sum(axis=0)).max() <= 1e-8 * np.abs(f).sum(), "the forces do not balance")
-    shift = np.tile(np.eye(dim), len(f))
+    f = force.reshape(-1, dim)
+    total = np.abs(f).sum()
     stiffness = max(float(abs(K).max()), 1e-300)
-    require(np.abs(K @ shift.T).max() <= 1e-8 * stiffness, "a rigid shift meets resistance")
-    moments, resistances = [], []
+
+    # Check resultant and rigid shifts.
+    require(np.abs(f.sum(axis=0)).max() <= 1e-8 * total, "the forces do not balance")
+    shifts = np.tile(np.eye(dim), len(f)).T
+    require(np.abs(K @ shifts).max() <= 1e-8 * stiffness, "a rigid shift meets resistance")
+
+    # Compute moments and resistances to rigid rotations in both configurations.
+    points = locations[:, ::dim].T
+    arms = max(float(np.ptp(points)), 1e-300)
     turns = [np.outer(b, a) - np.outer(a, b) for a, b in combinations(np.eye(dim), 2)]
+    moments = []
+    resistances = []
     for configuration, follows in ((points, 0.0), (points + x.reshape(-1, dim), 1.0)):
         p = configuration - configuration.mean(axis=0)
-        spins = [p @ turn.T for turn in turns]
-        moments.append(
-            max(abs((spin * f).sum()) for spin in spins) / (np.abs(f).sum() * arms + 1e-300)
-        )
-        resistances.append(
-            max(
-                np.abs(K @ spin.ravel() - follows * (f @ turn.T).ravel()).max()
-                for spin, turn in zip(spins, turns)
-            )
-            / (stiffness * arms)
-        )
+        moment = resistance = 0.0
+        for turn in turns:
+            spin = p @ turn.T
+            moment = max(moment, abs((spin * f).sum()))
+            change = K @ spin.ravel() - follows * (f @ turn.T).ravel()
+            resistance = max(resistance, np.abs(change).max())
+        moments.append(moment / (total * arms + 1e-300))
+        resistances.append(resistance / (stiffness * arms))
+
+    # Require balance in either of them.
     require(min(moments) <= 1e-8, "the moments of the forces do not balance")
     require(
         min(resistances) <= 1e-8, "a rigid rotation changes more than the directions of the forces"
@@ -164,20 +171,19 @@ def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> No
 def _form_tangent(
     form: Form, x: ndarray, state: Any, K: Any, directions: ndarray, tolerance: float
 ) -> float:
+    """Return the largest error of the tangent in all directions, at smooth points."""
     size = max(float(np.abs(x).max()), 1e-6)
-    errors, kinks = [], []
+    error = np.zeros(len(x))
+    kink = np.zeros(len(x))
     for d in directions:
 
-        def force(h: Any, d: ndarray = d) -> ndarray:
+        def force(h: float, d: ndarray = d) -> ndarray:
             return _among_all(form, x + h * d, state).force
 
-        slope, kink = differences(force, STEP * size)
-        largest = max(float(np.abs(K @ d).max()), float(np.abs(slope).max()), 1e-300)
-        errors.append(np.abs(slope - K @ d) / largest)
-        kinks.append(kink / largest)
-    return largest_error(
-        np.max(errors, axis=0),
-        np.max(kinks, axis=0),
-        tolerance,
-        "the tangent differs from the differences of the force",
-    )
+        slope, gap = differences(force, STEP * size)
+        tangent = K @ d
+        largest = max(float(np.abs(tangent).max()), float(np.abs(slope).max()), 1e-300)
+        error = np.maximum(error, np.abs(slope - tangent) / largest)
+        kink = np.maximum(kink, gap / largest)
+    message = "the tangent differs from the differences of the force"
+    return largest_error(error, kink, tolerance, message)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -13,9 +14,9 @@ from ..contact.laws import LawUpdate as Traction
 from ..materials.base import Material, Update, as_material, updated
 from ..materials.elastic import refuse_functions
 
-#: Steps of the differences, relative to the size of what is varied.
+#: Steps of the differences, relative to the size of the varied values.
 STEP = 1e-6
-#: What counts as round-off, relative to the size of the values.
+#: Largest round-off, relative to the size of the values.
 EXACT = 1e-9
 #: Second differences above this share of the first ones show a kink, where there is no tangent.
 _KINK = 1e-3
@@ -26,45 +27,43 @@ class CheckFailed(AssertionError):
 
 
 def differences(function: Callable[[float], ndarray], h: float) -> tuple[ndarray, ndarray]:
-    """Return the central difference, and by how much the one-sided ones differ."""
-    forward, backward, middle = function(h), function(-h), function(0.0)
+    """Return the central difference, and the gap between the one-sided ones."""
+    forward = function(h)
+    backward = function(-h)
+    middle = function(0.0)
     return (forward - backward) / (2 * h), np.abs(forward - 2 * middle + backward) / h
 
 
 def largest_error(
     error: ndarray, kink: ndarray, tolerance: float, message: str, kinks: float = 0.1
 ) -> float:
-    """Return the largest error at smooth points; at most the share `kinks` of the points may be
-    others.
-    """
+    """Return the largest error at smooth points; a share `kinks` of the points may be others."""
     smooth = kink <= _KINK
-    require(
-        smooth.mean() >= 1.0 - kinks,
-        f"{np.sum(~smooth)} of {smooth.size} derivatives jump and cannot be checked",
-    )
-    require_all(
-        ~smooth | (error <= tolerance), f"{message}, by {error[smooth].max(initial=0.0):.1e}"
-    )
-    return float(error[smooth].max(initial=0.0))
+    enough = smooth.mean() >= 1.0 - kinks
+    require(enough, f"{np.sum(~smooth)} of {smooth.size} derivatives jump and cannot be checked")
+    largest = float(error[smooth].max(initial=0.0))
+    require_all(~smooth | (error <= tolerance), f"{message}, by {largest:.1e}")
+    return largest
 
 
 def same_twice(function: Callable[[], Any], arguments: tuple[ndarray, ...], name: str) -> Any:
     """Return the value of a function, which must be the same twice; arguments must not change."""
-    before = [a.copy() for a in arguments]
-    first, second = function(), function()
-    require(
-        all(
-            np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
-            for a, b in zip(arguments, before, strict=True)
-        ),
-        f"{name} changes its arguments",
-    )
-    for a, b in zip(
-        *((first, second) if isinstance(first, tuple) else ((first,), (second,))), strict=True
-    ):
-        same = callable(a) or np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f")
-        require(same, f"{name} returns other values the second time")
+    before = [array.copy() for array in arguments]
+    first = function()
+    second = function()
+    unchanged = all(map(_equal, arguments, before))
+    require(unchanged, f"{name} changes its arguments")
+    single = not isinstance(first, tuple)
+    firsts = (first,) if single else first
+    seconds = (second,) if single else second
+    for a, b in zip(firsts, seconds, strict=True):
+        require(callable(a) or _equal(a, b), f"{name} returns other values the second time")
     return first
+
+
+def _equal(a: Any, b: Any) -> bool:
+    """Return True for equal arrays; floats that are not numbers are equal."""
+    return np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f")
 
 
 def require(holds: Any, message: str) -> None:
@@ -94,8 +93,8 @@ def check_material(
 
     Shapes are right, a second call returns the same, and arguments do not change.  The returned
     stress is admissible: a zero increment does not change it.  Points that `plastic` does not name
-    are elastic.  The tangent agrees with central differences wherever the step has no kink.
-    Plastic flow dissipates.
+    are elastic.  The tangent agrees with central differences where the step has no kink. Plastic
+    flow dissipates.
 
     Parameters
     ----------
@@ -112,9 +111,9 @@ def check_material(
     steps
         Length of the paths.
     dissipation
-        True if plastic strain must do work on the stress in every step. The plastic strain is that
-        of the accepted stiffness: pass False for a hyperelastic law, whose stiffness changes in the
-        step.
+        True if plastic strain must do work on the stress in every step. The plastic strain is
+        computed with the accepted stiffness: pass False for a hyperelastic law, whose stiffness
+        changes in the step.
     tolerance
         Error of the tangent, relative to the largest elastic modulus.
     seed
@@ -133,123 +132,119 @@ def check_material(
     >>> sc.testing.check_material(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=30., psi=10.)) < 1e-6
     True
     """
-    rng, material = np.random.default_rng(seed), as_material(material)
+    rng = np.random.default_rng(seed)
+    material = as_material(material)
     refuse_functions(material)
-    D = np.asarray(material.elasticity(ncomp))
-    require(
-        D.shape in ((ncomp, ncomp), (shape[0], ncomp, ncomp)), f"elasticity has the shape {D.shape}"
-    )
-    require(
-        np.abs(D - np.swapaxes(D, -1, -2)).max() <= EXACT * np.abs(D).max(),
-        "the elasticity is not symmetric",
-    )
-    require(np.linalg.eigvalsh(D).min() > 0, "the elasticity is not positive definite")
+    _check_elasticity(np.asarray(material.elasticity(ncomp)), ncomp, shape[0])
     stress = np.zeros((ncomp, *shape))
     stress[:3] = initial_stress
     internal = material.initial_internal(stress)
     worst = 0.0
     for _ in range(steps):
         increment = strain * rng.standard_normal((ncomp, *shape)) * rng.uniform(0, 1, shape)
-        D = _moduli(material, stress, internal)
+        update = partial(updated, material, stress=stress, internal=internal, dt=0.0)
         new = same_twice(
-            lambda e=increment, s=stress, i=internal: updated(material, e, s, i, 0.0),  # type: ignore[misc]
-            (increment, stress, internal),
-            "material.update",
+            partial(update, increment), (increment, stress, internal), "material.update"
         )
         _check_update(new, internal.shape, stress.shape)
+
+        # Repeat the update without strain.
         again = updated(material, np.zeros_like(increment), new.stress, new.internal, 0.0)
-        require_all(
-            np.abs(again.stress - new.stress).max(axis=0) <= 1e-7 * np.abs(new.stress).max(),
-            "the stress is not admissible: a zero increment changes it",
-        )
-        elastic = np.linalg.solve(D, np.moveaxis(new.stress - stress, 0, -1)[..., None])[..., 0]
+        drift = np.abs(again.stress - new.stress).max(axis=0)
+        largest = np.abs(new.stress).max()
+        message = "the stress is not admissible: a zero increment changes it"
+        require_all(drift <= 1e-7 * largest, message)
+
+        # Compare the plastic strain with the points that have flowed, and compute its work.
+        D = _moduli(material, stress, internal)
+        change = np.moveaxis(new.stress - stress, 0, -1)
+        elastic = np.linalg.solve(D, change[..., None])[..., 0]
         flow = increment - np.moveaxis(elastic, -1, 0)
         plastic = np.zeros(shape, bool)
         plastic.ravel()[new.plastic] = True
-        require_all(
-            plastic | (np.abs(flow).max(axis=0) <= EXACT * strain),
-            "points that are not named in `plastic` are not elastic",
-        )
+        rigid = np.abs(flow).max(axis=0) <= EXACT * strain
+        require_all(plastic | rigid, "points that are not named in `plastic` are not elastic")
         if dissipation:
-            require_all(
-                (new.stress * flow).sum(axis=0) >= -EXACT * np.abs(new.stress).max() * strain,
-                "plastic flow dissipates a negative work",
-            )
-        worst = max(
-            worst,
-            _material_tangent(material, increment, stress, internal, new, D, strain, tolerance),
-        )
+            work = (new.stress * flow).sum(axis=0)
+            least = -EXACT * largest * strain
+            require_all(work >= least, "plastic flow dissipates a negative work")
+
+        # Compare the tangent with differences.
+        tangent = D.reshape(-1, ncomp, ncomp).copy()
+        if len(new.plastic):
+            tangent[new.plastic] = new.tangent()
+        error = _material_tangent(update, increment, tangent, np.abs(D).max(), strain, tolerance)
+        worst = max(worst, error)
         stress, internal = new.stress, new.internal
     return worst
 
 
+def _check_elasticity(D: ndarray, ncomp: int, n_elements: int) -> None:
+    """Check shape, symmetry and sign of an elastic stiffness."""
+    shapes = (ncomp, ncomp), (n_elements, ncomp, ncomp)
+    require(D.shape in shapes, f"elasticity has the shape {D.shape}")
+    skew = np.abs(D - np.swapaxes(D, -1, -2)).max()
+    require(skew <= EXACT * np.abs(D).max(), "the elasticity is not symmetric")
+    require(np.linalg.eigvalsh(D).min() > 0, "the elasticity is not positive definite")
+
+
 def _moduli(material: Material, stress: ndarray, internal: ndarray) -> ndarray:
-    """Return the elastic stiffness at the points of a state, (n_elements, n_points, ncomp,
-    ncomp).
-    """
+    """Return the elastic stiffness at the points, (n_elements, n_points, ncomp, ncomp)."""
     ncomp = len(stress)
     if material.stress_dependent:
         return material.elasticity(ncomp, stress, internal)
     D = np.asarray(material.elasticity(ncomp))
-    return np.broadcast_to(D if D.ndim == 2 else D[:, None], (*stress.shape[1:], ncomp, ncomp))
+    if D.ndim == 3:
+        D = D[:, None]
+    return np.broadcast_to(D, (*stress.shape[1:], ncomp, ncomp))
 
 
 def _check_update(new: Update, internal: tuple[int, ...], stress: tuple[int, ...]) -> None:
-    require(
-        new.stress.shape == stress, f"the stress has the shape {new.stress.shape}, not {stress}"
-    )
-    require(
-        np.isfinite(new.stress).all() and np.isfinite(new.internal).all(),
-        "the values are not finite",
-    )
-    n, points = len(new.plastic), int(np.prod(stress[1:]))
-    require(
-        new.internal.shape == internal,
-        f"the internal variables have the shape {new.internal.shape}, not {internal}",
-    )
-    require(
-        n == len(np.unique(new.plastic))
-        and (n == 0 or 0 <= new.plastic.min() <= new.plastic.max() < points),
-        "`plastic` must hold different indices of points",
-    )
+    """Check the shapes and indices of an update."""
+    _check_shape("the stress has", new.stress, stress)
+    finite = np.isfinite(new.stress).all() and np.isfinite(new.internal).all()
+    require(finite, "the values are not finite")
+    _check_shape("the internal variables have", new.internal, internal)
+    n = len(new.plastic)
+    points = np.arange(np.prod(stress[1:]))
+    different = len(np.unique(new.plastic)) == n and np.isin(new.plastic, points).all()
+    require(different, "`plastic` must hold different indices of points")
     tangent = new.tangent()
-    wanted = (n, stress[0], stress[0])
-    require(
-        n == 0 or tangent.shape == wanted,
-        f"the tangent has the shape {tangent.shape}, not {wanted}",
-    )
+    if n:
+        _check_shape("the tangent has", tangent, (n, stress[0], stress[0]))
+
+
+def _check_shape(name: str, array: Any, shape: tuple[int, ...]) -> None:
+    """Check the shape of an array, whose name comes with its verb."""
+    actual = np.shape(array)
+    require(actual == shape, f"{name} the shape {actual}, not {shape}")
 
 
 def _material_tangent(
-    material: Material,
+    update: Callable[[ndarray], Update],
     increment: ndarray,
-    stress: ndarray,
-    internal: ndarray,
-    new: Update,
-    D: ndarray,
+    tangent: ndarray,
+    modulus: float,
     strain: float,
     tolerance: float,
 ) -> float:
     """Return the largest error of the tangent at smooth points."""
-    ncomp, h, modulus = len(stress), STEP * strain, np.abs(D).max()
-    tangent = D.reshape(-1, ncomp, ncomp).copy()
-    if len(new.plastic):
-        tangent[new.plastic] = new.tangent()
+    ncomp = len(increment)
 
-    def stress_at(j: int, step: float) -> ndarray:
+    def stress_at(step: float, j: int) -> ndarray:
         moved = increment.copy()
         moved[j] += step
-        return updated(material, moved, stress, internal, 0.0).stress
+        return update(moved).stress
 
-    slopes = [differences(lambda step, j=j: stress_at(j, step), h) for j in range(ncomp)]  # type: ignore[misc]
-    slope = np.stack([s for s, _ in slopes]).reshape(ncomp, ncomp, -1).transpose(2, 1, 0)
-    kinks = np.stack([k for _, k in slopes]).reshape(ncomp * ncomp, -1).max(axis=0)
-    return largest_error(
-        np.abs(slope - tangent).max(axis=(1, 2)) / modulus,
-        kinks / modulus,
-        tolerance,
-        "the tangent differs from the differences of the stress",
-    )
+    error = np.zeros(len(tangent))
+    kink = np.zeros(len(tangent))
+    for j in range(ncomp):
+        slope, gap = differences(partial(stress_at, j=j), STEP * strain)
+        difference = np.abs(slope.reshape(ncomp, -1) - tangent[:, :, j].T)
+        error = np.maximum(error, difference.max(axis=0))
+        kink = np.maximum(kink, gap.reshape(ncomp, -1).max(axis=0))
+    message = "the tangent differs from the differences of the stress"
+    return largest_error(error / modulus, kink / modulus, tolerance, message)
 
 
 def check_interface_law(
@@ -267,8 +262,8 @@ def check_interface_law(
     out of reach, and closed points of zero gap resist pressure.  The tangent agrees with
     differences.  The returned traction is admissible: the elastic slip with the new internal
     variables gives the same traction.  Slip dissipates, opposite directions are alike, and pressure
-    does not fall with penetration.  All of this holds with initial internal variables and with
-    those that the law returns.
+    does not fall with penetration.  All of this holds with initial internal variables and with the
+    variables that the law returns.
 
     Parameters
     ----------
@@ -300,44 +295,34 @@ def check_interface_law(
     """
     require(isinstance(law, InterfaceLaw), "the law is no InterfaceLaw")
     require(isinstance(law.bonds, bool), "`bonds` must be True or False")
-    rng, worst = np.random.default_rng(seed), 0.0
+    rng = np.random.default_rng(seed)
+    worst = 0.0
     for dim in dimensions:
         internal = np.zeros((law.n_internal, n))
-        for _ in range(3):  # initial internal variables, and twice those that the law returned
-            jump = size * np.concatenate(
-                (rng.uniform(-1, 1, (1, n)), rng.standard_normal((dim - 1, n)))
-            )
-            jump[1:, : n // 10] = 0.0
+        for _ in range(3):  # initial internal variables, and twice the returned ones
+            gap = rng.uniform(-1, 1, (1, n))
+            slip = rng.standard_normal((dim - 1, n))
+            slip[:, : n // 10] = 0.0
+            jump = size * np.concatenate((gap, slip))
             reached = _check_reach(law, jump[0], internal, rng.random(n) < 0.5)
-            new = _check_traction(law, jump[:, reached], internal[:, reached], penalties, size)
-            worst = max(
-                worst,
-                _law_tangent(
-                    law, jump[:, reached], internal[:, reached], penalties, size, tolerance
-                ),
-            )
+            some = jump[:, reached], internal[:, reached]
+            new = _check_traction(law, *some, penalties, size)
+            worst = max(worst, _law_tangent(law, *some, penalties, size, tolerance))
             internal[:, reached] = new.internal
         _check_touching(law, penalties, dim)
     return worst
 
 
 def _check_reach(law: InterfaceLaw, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-    """Return the points within reach: none that was open and still is, except by its internal
-    variables.
-    """
-    reached = same_twice(
-        lambda: law.reaches(gap, internal, closed), (gap, internal, closed), "law.reaches"
-    )
-    require(
-        np.shape(reached) == gap.shape and np.asarray(reached).dtype == bool,
-        "`reaches` must return (n,) booleans",
-    )
+    """Return the points within reach; points without internal variables must not stay open."""
+    arguments = gap, internal, closed
+    reached = np.asarray(same_twice(partial(law.reaches, *arguments), arguments, "law.reaches"))
+    booleans = reached.shape == gap.shape and reached.dtype == bool
+    require(booleans, "`reaches` must return (n,) booleans")
     untouched = (internal == 0.0).all(axis=0)
-    require_all(
-        ~(reached & ~closed & (gap > 0.0) & untouched),
-        "`reaches` names points that were open and still are",
-    )
-    return np.asarray(reached)
+    open_still = reached & ~closed & (gap > 0.0) & untouched
+    require_all(~open_still, "`reaches` names points that were open and still are")
+    return reached
 
 
 def _check_traction(
@@ -345,10 +330,12 @@ def _check_traction(
 ) -> Traction:
     """Check shapes, signs and admissibility of the traction, and return the update."""
 
-    def updated(slip: ndarray, before: ndarray) -> Traction:
-        return law.update(np.concatenate((jump[:1], slip)), before, penalties)
+    def traction(slip: ndarray, before: ndarray) -> ndarray:
+        return law.update(np.concatenate((jump[:1], slip)), before, penalties).traction
 
-    new = same_twice(lambda: law.update(jump, internal, penalties), (jump, internal), "law.update")
+    # Check shapes and values.
+    update = partial(law.update, jump, internal, penalties)
+    new = same_twice(update, (jump, internal), "law.update")
     dim, n = jump.shape
     shapes = {
         "traction": (dim, n),
@@ -359,22 +346,21 @@ def _check_traction(
     }
     for name, shape in shapes.items():
         value = getattr(new, name)
-        require(np.shape(value) == shape, f"{name} has the shape {np.shape(value)}, not {shape}")
+        _check_shape(f"{name} has", value, shape)
         require(np.isfinite(value).all(), f"{name} is not finite")
-    require_all(
-        np.isin(new.status, [int(s) for s in Status]), "`status` has values that are no Status"
-    )
+    known = np.isin(new.status, [int(status) for status in Status])
+    require_all(known, "`status` has values that are no Status")
+
+    # Check that the elastic slip gives the same traction, and the opposite slip the opposite one.
     force = max(float(np.abs(new.traction).max(initial=0.0)), 1e-300)
-    again = updated(new.elastic_slip, new.internal).traction
-    require_all(
-        (np.abs(again - new.traction) <= EXACT * force).all(axis=0),
-        "the traction is not admissible: the elastic slip gives another one",
-    )
-    opposite = updated(-jump[1:], internal).traction
-    require_all(
-        (np.abs(opposite[1:] + new.traction[1:]) <= EXACT * force).all(axis=0),
-        "the opposite slip gives no opposite traction",
-    )
+    drift = np.abs(traction(new.elastic_slip, new.internal) - new.traction).max(axis=0)
+    message = "the traction is not admissible: the elastic slip gives another one"
+    require_all(drift <= EXACT * force, message)
+    opposite = traction(-jump[1:], internal)
+    skew = np.abs(opposite[1:] + new.traction[1:]).max(axis=0)
+    require_all(skew <= EXACT * force, "the opposite slip gives no opposite traction")
+
+    # Check the signs of work and stiffness.
     work = (new.traction[1:] * (jump[1:] - new.elastic_slip)).sum(axis=0)
     require_all(work >= -EXACT * force * size, "sliding dissipates negative work")
     require_all((new.tangent[0, 0] >= 0) | (jump[0] > 0), "the pressure falls with the penetration")
@@ -390,36 +376,35 @@ def _law_tangent(
     tolerance: float,
 ) -> float:
     """Return the largest difference between tangent and differences, component by component."""
+    units = np.eye(len(jump))[:, :, None]
 
-    def traction(by: int) -> Callable[[float], ndarray]:
-        unit = np.eye(len(jump))[by][:, None]
-        return lambda d: law.update(jump + d * unit, internal, penalties).traction
+    def traction(step: float, j: int) -> ndarray:
+        return law.update(jump + step * units[j], internal, penalties).traction
 
-    tangent, scale, worst = law.update(jump, internal, penalties).tangent, max(penalties), 0.0
-    for by in range(len(jump)):
-        slope, kink = differences(traction(by), STEP * size)
-        for of in range(len(jump)):
-            worst = max(
-                worst,
-                largest_error(
-                    np.abs(slope[of] - tangent[of, by]) / scale,
-                    kink[of] / scale,
-                    tolerance,
-                    f"tangent[{of}, {by}] differs from the differences",
-                    kinks=0.5,
-                ),
-            )
+    tangent = law.update(jump, internal, penalties).tangent
+    scale = max(penalties)
+    worst = 0.0
+    for j in range(len(jump)):
+        slope, kink = differences(partial(traction, j=j), STEP * size)
+        for i in range(len(jump)):
+            error = np.abs(slope[i] - tangent[i, j]) / scale
+            message = f"tangent[{i}, {j}] differs from the differences"
+            largest = largest_error(error, kink[i] / scale, tolerance, message, kinks=0.5)
+            worst = max(worst, largest)
     return worst
 
 
 def _check_touching(law: InterfaceLaw, penalties: tuple[float, float], dim: int) -> None:
     """Check that points of zero gap are closed: bodies in contact as meshed need them."""
-    jump, internal = np.zeros((dim, 1)), np.zeros((law.n_internal, 1))
+    jump = np.zeros((dim, 1))
+    internal = np.zeros((law.n_internal, 1))
+    reached = law.reaches(jump[0], internal, np.ones(1, bool))
     require(
-        np.all(law.reaches(jump[0], internal, np.ones(1, bool))),
+        np.all(reached),
         "closed points of zero gap are out of reach: bodies in contact as meshed would be loose",
     )
+    stiffness = law.update(jump, internal, penalties).tangent[0, 0]
     require(
-        np.all(law.update(jump, internal, penalties).tangent[0, 0] > 0),
+        np.all(stiffness > 0),
         "closed points of zero gap have no stiffness: bodies in contact as meshed would be loose",
     )
