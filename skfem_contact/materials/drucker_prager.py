@@ -108,11 +108,15 @@ class DruckerPrager(ConePlasticity):
         """
         soil = MohrCoulomb(E, nu, c, phi, psi)
         phi = np.radians(soil.phi)
-        psi = np.radians(soil.psi)
-        beta = np.sin(psi) / np.sqrt(9 + 3 * np.sin(psi) ** 2)
-        scale = np.sqrt(1 - 3 * beta**2) + beta * np.sin(phi)
-        alpha = np.where(np.equal(psi, phi), beta, np.sin(phi) / (3 * scale))
-        return cls(E, nu, k=soil.c * np.cos(phi) / scale, alpha=alpha, beta=beta)
+        sin_phi = np.sin(phi)
+        sin_psi = np.sin(np.radians(soil.psi))
+        beta = sin_psi / np.sqrt(9 + 3 * sin_psi**2)
+        scale = np.sqrt(1 - 3 * beta**2) + beta * sin_phi
+        alpha = sin_phi / (3 * scale)
+        associated = np.equal(soil.psi, soil.phi)
+        alpha = np.where(associated, beta, alpha)
+        k = soil.c * np.cos(phi) / scale
+        return cls(E, nu, k, alpha, beta)
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> DruckerPrager:

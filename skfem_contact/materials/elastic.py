@@ -109,8 +109,9 @@ class Isotropic(Material):
         self, ncomp: int, stress: Array | None = None, internal: Array | None = None
     ) -> Array:
         lam, mu = np.broadcast_arrays(*self.lame)
-        lam, mu = lam[..., None, None], mu[..., None, None]
-        stiffness = np.zeros((*lam.shape[:-2], ncomp, ncomp))
+        stiffness = np.zeros((*lam.shape, ncomp, ncomp))
+        lam = lam[..., None, None]
+        mu = mu[..., None, None]
         stiffness[..., :3, :3] = lam + 2 * mu * np.eye(3)
         stiffness[..., 3:, 3:] = mu * np.eye(ncomp - 3)
         return stiffness

@@ -153,8 +153,9 @@ class HoekBrown(IsotropicPlasticity):
         require("gsi", index, (index > 0) & (index <= 100), "be above 0 and at most 100")
         require("disturbance", D, (D >= 0) & (D <= 1), "lie between 0 and 1")
         require("m_i", m_i, np.greater(m_i, 0), "be positive")
-        m_b = np.asarray(m_i) * np.exp((index - 100) / (28 - 14 * D))
-        s = np.exp((index - 100) / (9 - 3 * D))
+        fractured = index - 100
+        m_b = np.asarray(m_i) * np.exp(fractured / (28 - 14 * D))
+        s = np.exp(fractured / (9 - 3 * D))
         a = 0.5 + (np.exp(-index / 15) - np.exp(-20 / 3)) / 6
         return cls(E, nu, sigma_ci, m_b, s, a, psi)
 
@@ -262,9 +263,13 @@ def _excess(largest: Array, smallest: Array, k: _Constants) -> Array:
     if np.all(np.equal(k.factor, 1.0)):
         strength = k.ci * np.maximum(t, 0.0) ** k.a
     else:
+
+        def beyond(t: Any) -> Array:
+            return tangent(t, k).s1 - largest
+
         # Find the tangent that touches at the largest stress.
-        touching = falling_root(lambda t: tangent(t, k).s1 - largest, np.maximum(t, APEX))
-        strength = np.where(t > 0, largest - tangent(touching, k).s3, 0.0)
+        touching = tangent(falling_root(beyond, np.maximum(t, APEX)), k)
+        strength = np.where(t > 0, largest - touching.s3, 0.0)
     beyond_apex = np.maximum(-t, 0.0) * k.ci / k.m_b
     return largest - smallest - strength + beyond_apex
 
@@ -312,10 +317,11 @@ def _touch(line: _Line, k: _Constants) -> tuple[Array, Array, Tangent]:
     touching = tangent(np.maximum(t, APEX), k)
 
     # Return anew where the strength is reduced, or the dilatancy exceeds the friction.
-    points = np.flatnonzero(np.not_equal(k.factor, 1.0) | (sine > touching.sine))
+    reduced = np.not_equal(k.factor, 1.0)
+    points = np.flatnonzero(reduced | (sine > touching.sine))
     if points.size:
         sine = sine.copy()
-        some = _Line(*chosen(line, points))
+        some = chosen(line, points)
         t[points], sine[points] = _touch_capped(some, t[points], chosen(k, points))
         touching = tangent(np.maximum(t, APEX), k)
     return t, sine, touching
@@ -385,17 +391,22 @@ def _change_of_flow(
 
     # Compute the flow d and its derivative e by the sine of the dilatancy.
     d1, d3 = _directions(_Line(s1, s1, w1, w3), sine, k)
-    d = np.stack((d1, _middle(d1, 2 * k.lam * sine, d3, weights), d3))
+    d2 = _middle(d1, 2 * k.lam * sine, d3, weights)
+    d = np.stack((d1, d2, d3))
     e1 = 2 * k.lam + 2 * k.mu * w1
     e3 = 2 * k.lam + 2 * k.mu * w3
-    e = np.stack((e1, _middle(e1, 2 * k.lam, e3, weights), e3))
+    e2 = _middle(e1, 2 * k.lam, e3, weights)
+    e = np.stack((e1, e2, e3))
 
     # Compute L d sin(psi) / d s1 by an imaginary step of t.
-    along_t = tangent(np.maximum(t, APEX) * (1 + IMAGINARY * 1j), k)
-    rate = along_t.sine.imag / along_t.s1.imag * (s1 - values[0]) / d1
+    t = np.maximum(t, APEX)
+    along_t = tangent(t * (1 + IMAGINARY * 1j), k)
+    rate = along_t.sine.imag / along_t.s1.imag
+    rate = rate * (s1 - values[0]) / d1
 
     # Eliminate dL by the condition that the stress stays on the tangent.
     share = rate / (1 + rate * e1)
-    by_d = (1 + sine) * d[0] - (1 - sine) * d[2]
-    by_e = (1 + sine) * e[0] - (1 - sine) * e[2]
-    return -share * e + (d - share * d1 * e) * share * by_e / (by_d - share * d1 * by_e)
+    d_less = d - share * d1 * e
+    by_d = (1 + sine) * d1 - (1 - sine) * d3
+    by_e = (1 + sine) * e1 - (1 - sine) * e3
+    return -share * e + d_less * share * by_e / (by_d - share * d1 * by_e)

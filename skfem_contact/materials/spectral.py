@@ -33,17 +33,23 @@ def extremes(stress: Array) -> tuple[Array, Array]:
     if stress.shape[0] == 4:
         centre, _, radius = _mohr_circle(stress)
         return np.maximum(centre + radius, stress[2]), np.minimum(centre - radius, stress[2])
-    # s_i = mean + r cos(lode + 2 pi i / 3) with cos(3 lode) = 4 J3 / r^3 and r = 2 sqrt(J2 / 3)
+
+    # Compute the third invariant J3 of the deviator, its determinant.
     mean, shear = mean_and_shear(stress)
     xx, yy, zz = stress[:3] - mean
     xy, yz, zx = stress[3:]
-    j3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
+    first_minor = yy * zz - yz * yz
+    second_minor = xy * zz - yz * zx
+    third_minor = xy * yz - yy * zx
+    j3 = xx * first_minor - xy * second_minor + zx * third_minor
+
+    # s_i = mean + r cos(lode + 2 pi i / 3) with cos(3 lode) = 4 J3 / r^3 and r = 2 sqrt(J2 / 3)
     radius = 2 / np.sqrt(3) * shear
     cosine = 4 * j3 / np.where(radius > 0, radius, 1) ** 3
     lode = np.arccos(np.clip(cosine, -1, 1)) / 3
-    first = np.cos(lode)
-    third = np.cos(lode + 2 * np.pi / 3)
-    return mean + radius * (first + _MARGIN), mean + radius * (third - _MARGIN)
+    largest = np.cos(lode) + _MARGIN
+    smallest = np.cos(lode + 2 * np.pi / 3) - _MARGIN
+    return mean + radius * largest, mean + radius * smallest
 
 
 def mean_and_shear(stress: Array) -> tuple[Array, Array]:
@@ -80,11 +86,12 @@ def _shear_modulus(
     limit by the moduli.
     """
     gap = trial[i] - trial[j]
-    close = np.flatnonzero(np.abs(gap) <= _COINCIDENT * np.maximum(trial[0], -trial[2]))
+    largest = np.maximum(trial[0], -trial[2])
+    close = np.flatnonzero(np.abs(gap) <= _COINCIDENT * largest)
     gap[close] = 1
     modulus = shear * (values[i] - values[j]) / gap
-    limit = moduli[:, :, close]
-    modulus[close] = (limit[i, i] - limit[i, j] - limit[j, i] + limit[j, j]) / 4
+    own = moduli[i, i, close] - moduli[i, j, close]
+    modulus[close] = (own - moduli[j, i, close] + moduli[j, j, close]) / 4
     return modulus
 
 

@@ -132,8 +132,11 @@ class Undrained(Material):
         bulk = D[..., :3, :3].mean(axis=(-1, -2))
         nu_u = np.asarray(self.nu_undrained, dtype=float)
         if nu_u.ndim:
-            nu_u = nu_u.reshape(nu_u.shape + (1,) * (shear.ndim - nu_u.ndim))
-        return 2 * shear * (1 + nu_u) / (3 * (1 - 2 * nu_u)) - bulk
+            # One value an element: let it follow the points of the stiffness.
+            ones = (1,) * (shear.ndim - nu_u.ndim)
+            nu_u = nu_u.reshape(nu_u.shape + ones)
+        undrained_bulk = 2 * shear * (1 + nu_u) / (3 * (1 - 2 * nu_u))
+        return undrained_bulk - bulk
 
     def _water(self, effective: Array, internal: Array) -> Parameter:
         """Return the bulk modulus of the water at the points of an accepted state of the soil."""
