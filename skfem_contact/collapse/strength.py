@@ -79,11 +79,6 @@ class _Strength(Branch):
         self.search: Search = "either" if self.with_contact else "step"
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the reduced parts."""
-        return part_names(self.targets)
-
-    @property
     def materials(self) -> list[Any]:
         """Materials of the reduced parts."""
         found = []
@@ -282,7 +277,7 @@ def _search(
         load=load,
         steps=log.steps,
         flow=branch.flow,
-        reduced=branch.names,
+        reduced=part_names(branch.targets),
         davis=davis,
     )
 
