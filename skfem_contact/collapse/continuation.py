@@ -359,22 +359,24 @@ def _follow(
         # end on a plateau or beyond the largest value; otherwise lengthen the step
         points.append(point)
         log.accept(point)
-        remaining = remainder(points)
         moved = log.moved(point.x) >= course.min_displacement
-        if (
-            moved
-            and remaining < margin
-            and not _rises(branch, control, points, newton, margin, log)
-        ):
-            best = max(point.parameter for point in points)
-            stop = Stop("plateau", f"the curve may rise by {max(remaining, 0.0):.2g} more")
-            return SearchResult(points, stop, best + (remaining if remaining > 0.0 else margin))
+        flat = remainder(points) < margin
+        if moved and flat and not _rises(branch, control, points, newton, margin, log):
+            return _plateau(points, margin)
         if point.parameter > course.max_value:
             return SearchResult(points, no_collapse_below(course.max_value))
         if not failures:
             length = min(growth * length, course.max_step)
         failures.clear()
     return SearchResult(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
+
+
+def _plateau(points: list[Point], margin: float) -> SearchResult:
+    """Return the end of a curve that may rise by less than a margin."""
+    remaining = remainder(points)
+    best = max(point.parameter for point in points)
+    stop = Stop("plateau", f"the curve may rise by {max(remaining, 0.0):.2g} more")
+    return SearchResult(points, stop, best + (remaining if remaining > 0.0 else margin))
 
 
 def _as_collapse(
