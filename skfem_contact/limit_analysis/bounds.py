@@ -312,8 +312,8 @@ def _tell(search: Search, gap: float) -> None:
     elif missing and not low > _NOTHING * high:
         warn(
             "no lower bound could be proven on these meshes: soil without tensile strength may "
-            "resist nothing at a free surface; give it a small one, or allow more `elements`; the "
-            f"upper bound is {high:.5g}"
+            "resist nothing at a free surface; give it a small tension, or allow more `elements`; "
+            f"the upper bound is {high:.5g}"
         )
     elif search.overloaded:
         reason = f"they need {1 / search.fixed_factor:.4g} times the strength"
