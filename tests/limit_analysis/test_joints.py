@@ -192,7 +192,7 @@ def test_a_wall_that_is_much_stronger_than_clay() -> None:
     mesh = MeshTri.init_tensor(np.r_[0:10:6j, 10.5:20:6j], np.linspace(-10, 0, 11))
     x, y = mesh.p[:, mesh.t].mean(axis=1)
     mesh = mesh.restrict(np.flatnonzero((x < 10.5) | (y < -3)))
-    wall = lambda x: (abs(x[0] - 10.25) < 0.25) & (x[1] > -6)
+    wall = lambda x: (abs(x[0] - 10.25) < 0.25) & (x[1] > -6)  # noqa: E731
     mesh = mesh.with_subdomains({"wall": wall, "clay": lambda x: ~wall(x)})
     basis, found = Basis(mesh, ElementVector(ElementTriP2()), intorder=2), []
     for concrete in (sc.LinearElastic(E=3e7, nu=0.2), sc.Tresca(E=3e7, nu=0.2, c=1e4)):

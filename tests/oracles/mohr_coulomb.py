@@ -20,9 +20,9 @@ ACTIVE_SETS = (((0, 2),), ((0, 2), (0, 1)), ((0, 2), (1, 2)))
 
 def rational_return(trial, lam, mu, sin_phi, sin_psi, strength):
     """Principal stresses after the return, in exact arithmetic; descending trial stresses."""
-    elastic = lambda v: [lam * sum(v) + 2 * mu * x for x in v]
-    normal = lambda i, j, s: [(k == i) * (1 + s) - (k == j) * (1 - s) for k in range(3)]
-    excess = lambda s, i, j: (1 + sin_phi) * s[i] - (1 - sin_phi) * s[j] - strength
+    elastic = lambda v: [lam * sum(v) + 2 * mu * x for x in v]  # noqa: E731
+    normal = lambda i, j, s: [(k == i) * (1 + s) - (k == j) * (1 - s) for k in range(3)]  # noqa: E731
+    excess = lambda s, i, j: (1 + sin_phi) * s[i] - (1 - sin_phi) * s[j] - strength  # noqa: E731
     if max(excess(trial, *pair) for pair in PAIRS) <= 0:
         return list(trial)
     for pairs in ACTIVE_SETS:

@@ -135,7 +135,7 @@ def test_dam_in_space():
         water = flow_through(dam(10, 5.0, kind), 10.0, 2.0)
         assert water.discharge("left") == pytest.approx(9.6, rel=5e-3)
         with pytest.raises(ValueError, match="plane flow only"):
-            water.free_surface
+            water.free_surface  # noqa: B018
 
 
 def test_retention_of_the_soil():

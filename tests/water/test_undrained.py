@@ -53,7 +53,7 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
         warnings.simplefilter(
             "ignore", sc.AnalysisWarning
         )  # the top holds the stress: no load of the start does
-        isotropic = lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]])
+        isotropic = lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]])  # noqa: E731
         start = sc.Model({"soil": form}, fixed).initial_state(load, stress=isotropic)
     stages = []
     for k, settlement in enumerate(steps):
