@@ -174,11 +174,11 @@ def test_number_of_points_may_be_numpy():
         ({"smoothing": 0.0}, "alpha must lie in"),
         (
             {"enforcement": "augmented"},
-            "enforcement must be an AugmentedLagrangian or a DualMultipliers or None",
+            "enforcement must be a Penalty or an AugmentedLagrangian or a DualMultipliers or None",
         ),
         (
             {"enforcement": sc.AugmentedLagrangian},
-            "enforcement must be an AugmentedLagrangian or a DualMultipliers",
+            "enforcement must be a Penalty or an AugmentedLagrangian or a DualMultipliers",
         ),
     ],
 )

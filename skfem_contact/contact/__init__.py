@@ -1,10 +1,12 @@
 """Contact between bodies: closest points, kinematics, interface laws and the contact pair."""
 
 from ..surfaces.surface import Surface
+from .augmented import AugmentedLagrangian
+from .dual import DualMultipliers
 from .interface import ContactState
 from .laws import InterfaceLaw, LawUpdate
 from .pair import ContactPair
-from .penalty import AugmentedLagrangian, DualMultipliers, choose_penalties
+from .penalty import Penalty, choose_penalties
 
 __all__ = [
     "AugmentedLagrangian",
@@ -13,6 +15,7 @@ __all__ = [
     "DualMultipliers",
     "InterfaceLaw",
     "LawUpdate",
+    "Penalty",
     "Surface",
     "choose_penalties",
 ]

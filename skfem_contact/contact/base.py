@@ -16,14 +16,17 @@ from typing_extensions import Self, override
 from ..checks import check_basis, is_number
 from ..forms.base import Form
 from ..forms.roles import Reducible, Regularised, Staged, Stiff, Touching, having
-from ..layout import Field
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
+from ..surfaces.vectors import dot
+from .augmented import AugmentedLagrangian
+from .dual import DualMultipliers
+from .enforcement import Enforcement
 from .interface import ContactState, Interface
 from .laws import InterfaceLaw, Status
 from .multipliers import Nodes
-from .penalty import AugmentedLagrangian, DualMultipliers, chosen
+from .penalty import Penalty, chosen
 from .quadrature import SlavePoints
 
 #: Initial fit of bodies; a number: they touch exactly, and interfere by that much.
@@ -34,14 +37,13 @@ Fit = NamedFit | float
 TOUCHING = 1e-8
 #: Gaps below this share of it are those of one surface meshed twice.
 _ADJUSTED = 0.5
-#: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers
-#: there double the pressure at the edge of the contact, of a sphere on a block with 4 elements in
-#: its half-width.
-_NEGATIVE = 8
 #: Cosine of the angle between facets, above which they face the same way.
 _SAME_WAY = 0.5
 #: Round-off of the axis, as a share of a facet.
 _ON_AXIS = 1e-9
+#: Largest tractions in the damped tangent's geometric part, over those at which the surfaces yield
+#: by a segment.
+_LARGEST_TRACTION = 0.1
 
 
 class ContactBase(Form, Touching, Staged, Reducible, Regularised):
@@ -68,7 +70,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         quadrature: Literal["nodal", "segments"] | int = "segments",
         penalty: float | tuple[float, float] | None = None,
         smoothing: float | None = None,
-        enforcement: AugmentedLagrangian | DualMultipliers | None = None,
+        enforcement: Penalty | AugmentedLagrangian | DualMultipliers | None = None,
         initial: Fit = "as meshed",
         share: float = 1.0,
         tangent: Literal["exact", "primary"] = "exact",
@@ -76,23 +78,23 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         if basis is not None or isinstance(slave, str) or isinstance(master, str):
             check_basis(basis)
         self.mesh_dofs = 0 if basis is None else int(basis.N)
-        self.slave, self.facets = (
-            side if isinstance(side, Surface) else Surface.from_boundary(basis, side)
-            for side in (slave, master)
-        )
-        self.master = (
-            self.facets if smoothing is None else smoothed(self.facets, smoothing)
-        ).facing(self.slave)
+        self.slave = _surface(basis, slave)
+        self.facets = _surface(basis, master)
+        curves = self.facets if smoothing is None else smoothed(self.facets, smoothing)
+        self.master = curves.facing(self.slave)
+        self.law = law
+        self.quadrature = quadrature
+        self.tangent = tangent
+        self.enforcement: Enforcement = Penalty() if enforcement is None else enforcement
+        self.initial = initial
+        self.share = share
         _check_surfaces(self.slave, self.master)
-        _check_settings(self.slave, quadrature, enforcement, initial, share)
+        _check_settings(quadrature, initial, share)
         _check_law(law, len(self.slave.nodes))
-        self.law, self.quadrature, self.tangent = law, quadrature, tangent
-        self.enforcement, self.initial, self.share = enforcement, initial, share
-        self.dual = self.saddle = isinstance(enforcement, DualMultipliers)
-        if self.dual:
-            _check_dual(self.slave, law, quadrature, share)
-            nodes = np.repeat(self.slave.nodes.T, self.slave.dim, axis=1)
-            self.fields = (Field(f"contact traction of '{self.slave.name}'", nodes, "multiplier"),)
+        self.enforcement.check(self.slave, law, quadrature, share)
+
+        self.saddle = self.enforcement.saddle
+        self.fields = self.enforcement.fields(self.slave)
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
         self.complete = False
@@ -118,8 +120,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     def __repr__(self) -> str:
         return (
             f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} "
-            f"facets, "
-            f"quadrature {self.quadrature}, {self.law!r}>"
+            f"facets, quadrature {self.quadrature}, {self.law!r}>"
         )
 
     def _parameters(self) -> Mapping[str, Any]:
@@ -141,9 +142,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     def with_penalty(
         self, normal: float, tangential: float, stiffness: float | None = None
     ) -> Self:
-        """Return a copy with other penalties; `stiffness` is the traction per displacement of the
-        surfaces, E/h.
-        """
+        """Return a copy with other penalties, and the surfaces' traction per displacement, E/h."""
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
@@ -189,12 +188,11 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         penalty, stiffness = chosen(
             new.slave,
             new.facets,
-            [form.elastic_stiffness for form in stiff],
-            new.penalty,
-            new.enforcement is None,
+            bodies=[form.elastic_stiffness for form in stiff],
+            penalty=new.penalty,
+            warns=new.enforcement.keeps_penalty,
         )
-        if self.dual:
-            new.fields = (replace(self.fields[0], scale=stiffness or penalty[0]),)
+        new.fields = tuple(replace(field, scale=stiffness or penalty[0]) for field in new.fields)
         return new.with_penalty(*penalty, stiffness=stiffness)
 
     @property
@@ -215,11 +213,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     @property
     @override
     def outer_after(self) -> Literal["near", "exact"] | None:  # type: ignore[override]
-        """Equilibrium after which multipliers are improved ("exact"), or cuts follow the bodies
-        ("near").
-        """
-        if isinstance(self.enforcement, AugmentedLagrangian):
-            return "exact"
+        """Equilibrium after which multipliers improve ("exact"), or cuts follow bodies ("near")."""
+        if self.enforcement.outer_after is not None:
+            return self.enforcement.outer_after
         return "near" if self.quadrature == "segments" else None
 
     @property
@@ -237,9 +233,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     @property
     @override
     def changing(self) -> ndarray:  # type: ignore[override]
-        return (
-            np.concatenate((self.acts_on, self.multipliers.ravel())) if self.dual else self.acts_on
-        )
+        return np.concatenate((self.acts_on, self.multipliers.ravel()))
 
     @property
     @override
@@ -278,9 +272,24 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     def nodes_at(self, state: ContactState) -> Nodes:
         """Return the slave's nodes at the points of a state."""
         points = self.points(state)
-        if self._nodes[0] is not points:
-            self._nodes = (points, Nodes.of(self.slave, points))
-        return self._nodes[1]
+        known, nodes = self._nodes
+        if known is not points:
+            nodes = Nodes.of(self.slave, points)
+            self._nodes = (points, nodes)
+        return nodes
+
+    def depth(self, points: SlavePoints) -> ndarray:
+        """Return the largest penetration of points that may have traction, shape (n,)."""
+        if self.law.reaches_far:
+            return np.full(len(points.weight), np.inf)
+        return self.interface.depth(points)
+
+    @property
+    def largest_traction(self) -> float:
+        """Largest traction in the damped tangent's geometric part."""
+        if self.stiffness is None:
+            return np.inf
+        return _LARGEST_TRACTION * self.stiffness * self.slave.spacing
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Return the normal and the tangential penalty in a state."""
@@ -289,26 +298,25 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
                 f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                 "`penalty=`, or take the pair from Model(forms).forms"
             )
-        if self.dual and self.stiffness is not None:  # on the way only
-            return self.stiffness, self.stiffness
-        normal, tangential = self.penalty * state.penalty_factor
-        return float(normal), float(tangential)
+        return self.enforcement.penalties(self, state)
 
     def penetration(self, state: ContactState) -> float:
         """Return the largest penetration as a share of the slave segment there."""
-        closed, size = state.status != Status.OPEN, self.points(state).size
-        return float(np.max((state.clearance - state.gap)[closed] / size[closed], initial=0.0))
+        closed = state.status != Status.OPEN
+        depth = (state.clearance - state.gap)[closed]
+        return float(np.max(depth / self.points(state).size[closed], initial=0.0))
 
     def effective(self, state: ContactState) -> ContactState:
-        """Return an accepted state with this pair's internal variables, clearance, stick and broken
-        bonds.
+        """Return an accepted state as this pair sees it: law, clearance, stick and broken bonds.
 
         Internal variables that the state lacks are zero, as before any update.
         """
-        missing, changes = self.law.n_internal - len(state.internal), {}
+        changes: dict[str, Any] = {}
         internal = state.internal
+        missing = self.law.n_internal - len(internal)
         if missing:
-            internal = np.pad(internal, ((0, max(missing, 0)), (0, 0)))[: self.law.n_internal]
+            padded = np.pad(internal, ((0, max(missing, 0)), (0, 0)))
+            internal = padded[: self.law.n_internal]
         if self.debonded is not None:
             internal = np.where(self.debonded, self.law.debonded(internal), internal)
         if internal is not state.internal:
@@ -318,6 +326,11 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         if self.softness < 1.0:
             changes["penalty_factor"] = state.penalty_factor * [1.0, self.softness]
         return replace(state, **changes) if changes else state
+
+
+def _surface(basis: CellBasis | None, side: str | Surface) -> Surface:
+    """Return a side of a pair: a surface, or a boundary of the mesh."""
+    return side if isinstance(side, Surface) else Surface.from_boundary(basis, side)
 
 
 def _check_surfaces(slave: Surface, master: Surface) -> None:
@@ -332,74 +345,35 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
             f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
             "itself there; separate the bodies with join_bodies"
         )
-    # a run refuses what is not finite
-    here, there = (np.nan_to_num(surface.centres.x[0]) for surface in (slave, master))
-    opposite = cKDTree(there).query(here)[1]
-    if (
-        np.einsum("nc,nc->n", slave.centres.normal, master.centres.normal[opposite]) > _SAME_WAY
-    ).all():
+    # Compare each facet of the slave with the nearest one; a run refuses what is not finite
+    slave_centres = np.nan_to_num(slave.centres.x[0])
+    master_centres = np.nan_to_num(master.centres.x[0])
+    opposite = cKDTree(master_centres).query(slave_centres)[1]
+    cosine = dot(slave.centres.normal, master.centres.normal[opposite])
+    if (cosine > _SAME_WAY).all():
         raise ValueError(
             f"slave '{slave.name}' and master '{master.name}' face the same way, and cannot touch: "
-            f"take "
-            "the boundary on the other side of the body; a rigid line is free to the left of its "
-            "way"
+            "take the boundary on the other side of the body; a rigid line is free to the left of "
+            "its way"
         )
 
 
-def _check_settings(
-    slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any
-) -> None:
-    for name, value, what in (
+def _check_settings(quadrature: Any, initial: Any, share: Any) -> None:
+    """Check numbers that may be given in place of names, and the share of the work."""
+    for name, value, meaning in (
         ("quadrature", quadrature, "number of points"),
         ("initial", initial, "interference"),
     ):
         if not isinstance(value, str) and value <= 0:
             raise ValueError(
-                f"{name} must be one of its names, or a positive {what}, not {value!r}"
+                f"{name} must be one of its names, or a positive {meaning}, not {value!r}"
             )
     if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
-    if enforcement is not None and slave.facets.shape[1] == _NEGATIVE:
-        raise ValueError(
-            f"multipliers are not for facets of eight nodes, as '{slave.name}' has them: the "
-            f"corners have "
-            "negative areas; take ElementHex2 or ElementHex1, or the penalty method"
-        )
-
-
-def _check_dual(slave: Surface, law: InterfaceLaw, quadrature: Any, share: float) -> None:
-    """Refuse what has more multipliers than motions, or directions of slip that differ at a
-    node.
-    """
-    if slave.rigid:
-        raise ValueError(
-            f"DualMultipliers are dofs of a slave that deforms: '{slave.name}' is rigid, make it "
-            f"the "
-            "master"
-        )
-    if share != 1.0:
-        raise ValueError(
-            "DualMultipliers hold both surfaces in one pass: share must be 1, and no second pair"
-        )
-    if not isinstance(quadrature, str) and quadrature <= slave.shape.exponents.max():
-        raise ValueError(
-            f'DualMultipliers need quadrature="segments", or at least '
-            f"{slave.shape.exponents.max() + 1} "
-            f"points along a facet, not {quadrature}"
-        )
-    if slave.dim == 3 and not law.symmetric and (slave.directions != slave.directions[0]).any():
-        raise ValueError(
-            f"DualMultipliers with friction: the facets of '{slave.name}' have no axis that lies "
-            f"along all"
-            " of them, from which slip is counted; split the boundary, or take "
-            "AugmentedLagrangian()"
-        )
 
 
 def _check_law(law: Any, n_nodes: int) -> None:
-    """Check that a law has an update, and one parameter for each node of the slave where they are
-    arrays.
-    """
+    """Check that a law has an update, and array parameters of one value for each slave node."""
     if not isinstance(law, InterfaceLaw) or type(law).update is InterfaceLaw.update:
         raise ValueError(
             f"law must be an InterfaceLaw with an `update`, like Coulomb(mu=.3), unlike {law!r}"
@@ -408,7 +382,7 @@ def _check_law(law: Any, n_nodes: int) -> None:
         if isinstance(value, np.ndarray) and value.shape != (n_nodes,):
             raise ValueError(
                 f"{type(law).__name__}: {name} has shape {value.shape}; the slave has {n_nodes} "
-                f"nodes"
+                "nodes"
             )
 
 
@@ -420,18 +394,18 @@ def initial_clearance(
     Gaps are given where the bodies become active, and in the mesh: bodies are built to fit into
     displaced surfaces, so that their gaps remain those of the mesh.
     """
+    # A larger change than this is no displacement: other surfaces have come to face each other
     with np.errstate(invalid="ignore"):  # inf - inf where nothing is near
-        # a change of more than this is no displacement: other surfaces have come to face each other
         moved = np.where(np.abs(gap - meshed) <= 0.5 * size, gap - meshed, 0.0)
     ramped = fit == "ramped" or not isinstance(fit, str)
     if ramped:
         moved = np.zeros_like(gap)
-    clearance = np.where(np.abs(gap - moved) <= _adjusted(fit, bonded) * size, gap, moved)
+    touching = np.abs(gap - moved) <= _adjusted(fit, bonded) * size
+    clearance = np.where(touching, gap, moved)
     return np.minimum(gap, clearance) if ramped else clearance
 
 
 def _adjusted(fit: Fit, bonded: bool) -> float:
-    """Return the share of a facet's size up to which gaps of the mesh are those of one surface
-    meshed twice.
-    """
-    return _ADJUSTED if bonded or fit == "adjusted" or not isinstance(fit, str) else TOUCHING
+    """Return the share of a facet's size below which gaps of the mesh are none."""
+    touches = bonded or fit == "adjusted" or not isinstance(fit, str)
+    return _ADJUSTED if touches else TOUCHING

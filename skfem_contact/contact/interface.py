@@ -1,13 +1,11 @@
-"""Interface of a contact pair: the slave's points, their state, and their closest points on the
-master.
-"""
+"""Interface of a contact pair: the slave's points, their state, and their closest points."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -22,7 +20,7 @@ from ..surfaces.material_points import (
     offset_back,
 )
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import frame
+from ..surfaces.vectors import dot, frame
 from .kinematics import Kinematics, variations
 from .laws import LawUpdate, Status
 from .neighbours import NeighbourList, Neighbours
@@ -111,25 +109,20 @@ class ContactState:
         stick: MaterialPoints,
         slip: ndarray,
     ) -> ContactState:
-        """Return the candidate state after the update of the points `at`; open points stick to
-        their closest points.
+        """Return the candidate state after an update of the points `at`.
+
+        Open points stick to their closest points.
         """
-        closest, traction, internal = (
-            found.closest,
-            np.zeros_like(self.traction),
-            self.internal.copy(),
-        )
-        facet, xi, status = (
-            closest.facet.copy(),
-            closest.xi.copy(),
-            np.full(len(found.gap), int(Status.OPEN)),
-        )
-        facet[at], xi[at] = stick
-        traction[:, at], status[at], internal[:, at] = (
-            update.traction,
-            update.status,
-            update.internal,
-        )
+        closest = found.closest
+        stick_facet = closest.facet.copy()
+        stick_xi = closest.xi.copy()
+        stick_facet[at], stick_xi[at] = stick
+        traction = np.zeros_like(self.traction)
+        traction[:, at] = update.traction
+        status = np.full(len(found.gap), int(Status.OPEN))
+        status[at] = update.status
+        internal = self.internal.copy()
+        internal[:, at] = update.internal
         slip = np.where(status == Status.OPEN, 0.0, slip)
         closing_slip = np.where(
             self.status == Status.OPEN, np.linalg.norm(slip, axis=0), self.closing_slip
@@ -138,8 +131,8 @@ class ContactState:
             self,
             facet=closest.facet,
             position=closest.xi.T,
-            stick_facet=facet,
-            stick_point=xi.T,
+            stick_facet=stick_facet,
+            stick_point=stick_xi.T,
             gap=found.gap,
             slip=slip,
             closing_slip=closing_slip,
@@ -153,11 +146,18 @@ class ContactState:
         return replace(self, stick_facet=stick.facet, stick_point=stick.xi.T)
 
 
+class _Found(NamedTuple):
+    """Last projection: given points and coordinates, a mask of projected points, and the result."""
+
+    points: SlavePoints
+    given: tuple[ndarray, ...]
+    near: ndarray
+    result: Projection
+
+
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Slave and master with the quadrature rule of a contact pair, and the share of a facet that
-    its gaps may have.
-    """
+    """Slave and master with a quadrature rule, and the share of a facet that gaps may have."""
 
     slave: Surface
     master: Surface
@@ -180,8 +180,7 @@ class Interface:
         return NeighbourList(self.slave)
 
     def positions(self, x: ndarray | None) -> tuple[ndarray, ndarray]:
-        """Return the nodes of both surfaces displaced by x : ndarray, shape (N,), or undeformed for
-        None.
+        """Return the nodes of both surfaces displaced by x (N,), or undeformed for None.
 
         They count from the middle of the slave: large coordinates would cost digits.
         """
@@ -201,7 +200,8 @@ class Interface:
         """Return True if cuts belong to this slave."""
         if len(cuts) == 0 or cuts.ndim != self.slave.dim - 1:
             return False
-        return bool((cuts[-1] - 1 if cuts.ndim == 1 else cuts[-1, 0]) == len(self.slave.facets) - 1)
+        last_facet = cuts[-1] - 1 if cuts.ndim == 1 else cuts[-1, 0]
+        return bool(last_facet == len(self.slave.facets) - 1)
 
     def points(self, cuts: ndarray) -> SlavePoints:
         """Return the points between cuts."""
@@ -212,6 +212,7 @@ class Interface:
         return self._last[1]
 
     def _between(self, cuts: ndarray) -> SlavePoints:
+        """Return the points on pieces: in the plane between cuts, in space given by their rows."""
         if self.slave.dim == 2:
             return between(self.slave, cuts, self.slave.facets.shape[1] + 1)
         facet, xi, weight, facing = np.split(cuts, [1, 3, 4], axis=1)
@@ -220,15 +221,15 @@ class Interface:
 
     @cached_property
     def _last(self) -> list[Any]:
+        """Last cuts and the points between them."""
         return [None, None]
 
     @cached_property
     def _everywhere(self) -> SlavePoints:
-        return (
-            nodal(self.slave)
-            if self.rule == "nodal"
-            else gauss(self.slave, self.master, int(self.rule))
-        )
+        """Points of a rule that knows no cuts."""
+        if self.rule == "nodal":
+            return nodal(self.slave)
+        return gauss(self.slave, self.master, int(self.rule))
 
     def depth(self, points: SlavePoints) -> ndarray:
         """Return the largest penetration: a deeper point belongs to the other side of the body."""
@@ -243,19 +244,18 @@ class Interface:
         previous: ndarray | None,
         among: Neighbours,
     ) -> Projection:
-        """Return closest points; points on pieces in space stay on the facet that their piece
-        faces.
-        """
-        if not (faces := points.facing >= 0).any():
-            return project(self.master, nodes, positions, depth, previous, None, among)
-        previous = np.where(faces, points.facing, -1 if previous is None else previous)
-        return project(self.master, nodes, positions, depth, previous, faces, among)
+        """Return closest points; points on pieces in space stay on the facets that these face."""
+        frozen = None
+        faces = points.facing >= 0
+        if faces.any():
+            frozen = faces
+            previous = np.where(faces, points.facing, -1 if previous is None else previous)
+        return project(self.master, nodes, positions, depth, previous, frozen, among)
 
     def near(
         self, slave: ndarray, nodes: ndarray, state: ContactState, reach: ndarray, depth: ndarray
     ) -> tuple[Projection, Callable[[], Projection]]:
-        """Project closed points and those that may be as near as a reach; the second result
-        projects all others too.
+        """Project closed points, and open ones that may be as near as a reach.
 
         Parameters
         ----------
@@ -263,39 +263,47 @@ class Interface:
             Present coordinates of the nodes of both surfaces.
         reach, depth : ndarray, shape (n,)
             Gap that matters; largest penetration.
+
+        Returns
+        -------
+        Projection
+            Closest points of these points.
+        callable
+            Function that projects all others as well, and returns the closest points of all.
         """
         points = self.points(state.cuts)
         positions = points.positions(slave)
         around = self.neighbours.at(nodes, positions, points.facing)
-        near = (state.status != Status.OPEN) | around.within(
-            reach, depth
-        )  # the others need not be projected
+        near = (state.status != Status.OPEN) | around.within(reach, depth)
 
         def projected(chosen: ndarray) -> Projection:
             return self.project(points, nodes, positions, depth, state.facet, around.of(chosen))
 
-        given, last = (state.facet, slave, nodes, depth), self._found
-        if (
-            last and last[0] is points and all(map(np.array_equal, last[1], given))
-        ):  # only multipliers are others
-            known, found = last[2:]
-            if (near & ~known).any():
-                found = merged(known, found, lambda others: projected(others & near))
-            near |= known
+        # Reuse the last projection where nothing but multipliers has changed
+        given = (state.facet, slave, nodes, depth)
+        last = self._found[0]
+        reused = last is not None and last.points is points
+        if reused and all(map(np.array_equal, last.given, given)):
+            found = last.result
+            if (near & ~last.near).any():
+                found = merged(last.near, found, lambda others: projected(others & near))
+            near |= last.near
         else:
             found = projected(near)
             self.neighbours.learn(near, found.distance, found.gap)
-        last[:] = points, given, near, found
+        self._found[0] = _Found(points, given, near, found)
 
         def everywhere() -> Projection:
-            last[:] = points, given, np.ones_like(near), merged(near, found, projected)
-            return last[3]
+            result = merged(near, found, projected)
+            self._found[0] = _Found(points, given, np.ones_like(near), result)
+            return result
 
         return found, everywhere
 
     @cached_property
     def _found(self) -> list[Any]:
-        return []  # for what points were projected last, which of them, and where to
+        """Last projection, a :class:`_Found`."""
+        return [None]
 
     def closest(
         self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None
@@ -304,9 +312,8 @@ class Interface:
         slave, nodes = self.positions(x)
         points = self.points(cuts)
         positions = points.positions(slave)
-        around = (self._meshed if x is None else self.neighbours).at(
-            nodes, positions, points.facing
-        )
+        candidates = self._meshed if x is None else self.neighbours
+        around = candidates.at(nodes, positions, points.facing)
         return self.project(points, nodes, positions, self.depth(points), previous, around)
 
     def variations(
@@ -325,77 +332,68 @@ class Interface:
         )
 
     def passed_through(self, x: ndarray, accepted: ContactState, found: ContactState) -> int:
-        """Count points that were outside the master, or near its surface, and are deep inside now,
-        or beyond it.
-        """
-        points, (slave, nodes) = self.points(accepted.cuts), self.positions(x)
+        """Count points from outside, or near the surface, that are deep inside now, or beyond."""
+        points = self.points(accepted.cuts)
+        slave, nodes = self.positions(x)
         depth = self.depth(points)
         was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
         passed = was_outside & (found.gap < -depth)
-        left = np.flatnonzero(
-            was_outside
-            & accepted.closest.exist
-            & (accepted.gap <= depth)
-            & (found.status == Status.OPEN)
-        )
-        touched = self.master.at(*accepted.closest.take(left), nodes)
-        offset = points.positions(slave)[left] - touched.x[0]
-        passed[left] |= np.einsum("nc,nc->n", offset, touched.normal) < -depth[left]
+
+        # Compare points that were near and are open now with their former closest points
+        was_near = was_outside & accepted.closest.exist & (accepted.gap <= depth)
+        released = np.flatnonzero(was_near & (found.status == Status.OPEN))
+        touched = self.master.at(*accepted.closest.take(released), nodes)
+        offset = points.positions(slave)[released] - touched.x[0]
+        passed[released] |= dot(offset, touched.normal) < -depth[released]
         return int(passed.sum())
 
     def _tangents(self, points: SlavePoints, closest: MaterialPoints) -> ndarray:
-        """Return unit tangents of the undeformed master, shape (n, dim - 1, dim), in the directions
-        of slips.
-        """
+        """Return unit tangents of the undeformed master along slips, shape (n, dim - 1, dim)."""
         normal = self.master.at(closest.facet, closest.known, self.master.nodes).normal
         return frame(normal, points.direction(self.slave, self.slave.nodes))
 
     def _distance(self, cuts: ndarray, closest: MaterialPoints, before: MaterialPoints) -> ndarray:
+        """Return distances along the undeformed master, shape (dim - 1, n)."""
         tangents = self._tangents(self.points(cuts), closest)
         return distance(self.master, self.master.nodes, tangents, closest, before).T
 
     def slid(self, accepted: ContactState, closest: MaterialPoints) -> ndarray:
-        """Return the distance of closest points from those of a state: along the chain, or straight
-        in space.
-        """
+        """Return distances of closest points from a state's: along the chain, straight in space."""
         if self.slave.dim == 2:
             return arc_distance(self.master, closest, accepted.closest)[None]
         return self._distance(accepted.cuts, closest, accepted.closest)
 
     def elastic_slip(self, state: ContactState, found: ContactState | None = None) -> ndarray:
-        """Return the slip of the closest points, or of those of a state found, from the stick
-        points.
-        """
-        return self._distance(state.cuts, (found or state).closest, state.stick)
+        """Return the slip of the closest points, or of a found state's, from the stick points."""
+        closest = state.closest if found is None else found.closest
+        return self._distance(state.cuts, closest, state.stick)
 
     def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
         """Return the state with stick points from which the closest points have this slip."""
         tangents = self._tangents(self.points(state.cuts), state.closest)
-        return state.with_stick(
-            offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T)
-        )
+        stick = offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T)
+        return state.with_stick(stick)
 
     def follow(self, state: ContactState, x: ndarray) -> ContactState | None:
-        """Return an accepted state at cuts that follow the bodies to x; None where they have hardly
-        moved.
-        """
+        """Return the state at cuts that follow the bodies to x; None where these hardly move."""
         cuts = self.cuts(x)
-        return (
-            None
-            if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED
-            else self.transferred(state, cuts, x)
-        )
+        if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED:
+            return None
+        return self.transferred(state, cuts, x)
 
     def transferred(self, state: ContactState, cuts: ndarray, x: ndarray | None) -> ContactState:
         """Return the state at points between other cuts, at displacements x.
 
         Positions on the master and fields that are not smooth come from the nearest old point.
         """
-        old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.positions(x)
-        at, elastic = self.nearest(old, new), self.elastic_slip(state)
+        old = self.points(state.cuts)
+        new = self.points(cuts)
+        elastic = self.elastic_slip(state)
         slip, closing_slip, traction, clearance, elastic = self.interpolated(
             old, new, (state.slip, state.closing_slip, state.traction, state.clearance, elastic)
         )
+        slave, master = self.positions(x)
+        at = self.nearest(old, new)
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
         state = replace(
@@ -418,30 +416,29 @@ class Interface:
     def nearest(self, old: SlavePoints, new: SlavePoints) -> ndarray:
         """Return the number of the old point nearest to each new one in the undeformed slave."""
         if self.slave.dim == 2:
-            before, after = (
-                along_chain(self.slave, points.facet, points.xi) for points in (old, new)
-            )
+            before = along_chain(self.slave, old.facet, old.xi)
+            after = along_chain(self.slave, new.facet, new.xi)
             return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
-        before, after = (self._positions_and_normals(points) for points in (old, new))
-        return np.asarray(cKDTree(before).query(after)[1])
+        tree = cKDTree(self._positions_and_normals(old))
+        return np.asarray(tree.query(self._positions_and_normals(new))[1])
 
     def _positions_and_normals(self, points: SlavePoints) -> ndarray:
+        """Return coordinates in which points on facets of other directions are far away."""
         normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
         return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
 
     def interpolated(
         self, old: SlavePoints, new: SlavePoints, fields: Iterable[ndarray]
     ) -> list[ndarray]:
-        """Interpolate fields, shape (..., n), along the slave in the plane; take the nearest old
-        point in space.
-        """
+        """Interpolate fields (..., n) along the slave; in space take the nearest old point's."""
         if self.slave.dim == 3:
             at = self.nearest(old, new)
             return [values[..., at] for values in fields]
-        before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))
-        return [
-            np.array(
-                [np.interp(after, before, row) for row in values.reshape(-1, len(before))]
-            ).reshape(*values.shape[:-1], len(after))
-            for values in fields
-        ]
+        before = along_chain(self.slave, old.facet, old.xi)
+        after = along_chain(self.slave, new.facet, new.xi)
+        result = []
+        for values in fields:
+            rows = values.reshape(-1, len(before))
+            interpolated = np.array([np.interp(after, before, row) for row in rows])
+            result.append(interpolated.reshape(*values.shape[:-1], len(after)))
+        return result

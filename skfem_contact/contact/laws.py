@@ -259,7 +259,7 @@ class Coulomb(InterfaceLaw):
         gap = jump[0]
         slip = jump[1:]
 
-        # Eq. 4: t_N = eps_N g; an unbroken bond bears tension
+        # Eq. 4: t_N = eps_N g; an unbroken bond transfers tension
         t_N = eps_N * gap
         pulls = gap > 0.0
         whole = internal[0] == 0.0

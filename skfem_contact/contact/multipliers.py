@@ -1,5 +1,4 @@
-r"""Lagrange multipliers inside Newton's method: tractions of the slave's nodes are dofs beside the
-displacements.
+r"""Lagrange multipliers inside Newton's method: tractions of the slave's nodes are dofs.
 
 The traction :math:`t = \sum_j \psi_j t_j` has dual shape functions,
 :math:`\int \psi_j N_k = \delta_{jk} \int N_k` over the part of each facet that faces the master,
@@ -46,8 +45,7 @@ _ALONG = 0.99
 
 
 def hats(shape: Shape, xi: ndarray) -> ndarray:
-    """Return the functions of the nodes to which the duals belong, shape (n, k), at local
-    coordinates (n, dim - 1).
+    """Return the functions N_k of the nodes, shape (n, k), at local coordinates (n, dim - 1).
 
     Lines have their shape functions.  On facets in space functions are linear between neighbouring
     nodes: the integral of a shape function of second order is zero at the corner of a triangle.
@@ -55,33 +53,35 @@ def hats(shape: Shape, xi: ndarray) -> ndarray:
     if shape.dim == 1:
         return shape.at(np.zeros(len(xi), int), xi, 0)[0]
     spacing = np.ptp(shape.corners[:, 0]) / shape.exponents.max()
-    away = (xi[:, None] - shape.nodes) / spacing
-    if shape.triangular:
-        return np.asarray(
-            np.maximum(1.0 - np.abs(np.dstack((away, away.sum(axis=2)))).max(axis=2), 0.0)
-        )
-    return np.asarray(np.maximum(1.0 - np.abs(away), 0.0).prod(axis=2))
+    away = (xi[:, None] - shape.nodes) / spacing  # (n, k, 2)
+    if not shape.triangular:
+        return np.asarray(np.maximum(1.0 - np.abs(away), 0.0).prod(axis=2))
+    with_third = np.dstack((away, away.sum(axis=2)))
+    farthest = np.abs(with_third).max(axis=2)
+    return np.asarray(np.maximum(1.0 - farthest, 0.0))
 
 
 def duals(points: SlavePoints, values: ndarray, n_facets: int) -> ndarray:
-    """Return the dual shape functions, shape (n, k), of functions with such values at points, facet
-    by facet.
+    """Return dual shape functions psi_j, shape (n, k), of functions N_k with values at points.
+
+    Facet by facet ``psi = A M^-1 N`` with the integrals A of N_j and M of N_j N_k.
     """
-    if values.shape[1] == 1:
+    k = values.shape[1]
+    if k == 1:
         return values
     weighted = points.weight[:, None] * values
-    products = np.zeros((n_facets, values.shape[1], values.shape[1]))
-    np.add.at(products, points.facet, weighted[:, :, None] * values[:, None])
-    factors = products.sum(axis=2)[:, :, None] * np.linalg.pinv(
-        products, rcond=_SINGULAR, hermitian=True
-    )
+    M = np.zeros((n_facets, k, k))
+    np.add.at(M, points.facet, weighted[:, :, None] * values[:, None])
+    A = M.sum(axis=2)
+    factors = A[:, :, None] * np.linalg.pinv(M, rcond=_SINGULAR, hermitian=True)
     return np.asarray(np.einsum("njk,nk->nj", factors[points.facet], values))
 
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """Hats of a slave at points, the node that each point is nearest to, and the point whose memory
-    is each node's.
+    """Hats of a slave at points, nearest node of each point, and nearest point of each node.
+
+    A node has the internal variables of its nearest point.
     """
 
     values: ndarray
@@ -91,14 +91,15 @@ class Nodes:
     @classmethod
     def of(cls, slave: Surface, points: SlavePoints) -> Nodes:
         """Return the nodes of a slave at points."""
-        single = points.nodes.shape[1] == 1
-        values = np.ones(points.nodes.shape) if single else hats(slave.shape, points.xi)
+        n, k = points.nodes.shape
+        values = np.ones((n, k)) if k == 1 else hats(slave.shape, points.xi)
+        owner = points.nodes[np.arange(n), values.argmax(axis=1)]
+
+        # Of all points of a node the last one remains, which has the largest value
         order = np.argsort(values.ravel(), kind="stable")
         point = np.full(len(slave.nodes), -1)
-        point[points.nodes.ravel()[order]] = (
-            order // values.shape[1]
-        )  # the last one, with the largest value, remains
-        return cls(values, points.nodes[np.arange(len(values)), values.argmax(axis=1)], point)
+        point[points.nodes.ravel()[order]] = order // k
+        return cls(values, owner, point)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,186 +135,197 @@ class _Closed:
 
 def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
     """Return the response of a pair whose multipliers are dofs of the analysis."""
+    state = pair.effective(accepted)
+    points = pair.points(accepted)
     slave, nodes = pair.interface.positions(x)
-    points, exact, state = (
-        pair.points(accepted),
-        ROUND_OFF * float(np.abs(nodes).max()),
-        pair.effective(accepted),
-    )
-    penalties = np.array(pair.penalties(state))[[0, *[1] * (pair.slave.dim - 1)]]
-    depth = (
-        np.full(len(points.weight), np.inf)
-        if pair.law.reaches_far
-        else pair.interface.depth(points)
-    )
-    found, projected = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
-    multipliers = x[pair.multipliers]
-    closed = _closed(pair, x, state, found, multipliers / penalties[:, None], exact)
+    round_off = ROUND_OFF * float(np.abs(nodes).max())
+    eps_N, eps_T = pair.penalties(state)
+    eps = np.array([eps_N] + [eps_T] * (pair.slave.dim - 1))
 
-    traction, kinematics, near = (
-        closed.everywhere(closed.update.traction),
-        closed.kinematics,
-        closed.points,
-    )
+    # Evaluate the law at nodes: t_j = t(J_j + lambda_j / eps)
+    depth = pair.depth(points)
+    found, projected = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
+    multipliers = x[pair.multipliers]  # (dim, n_nodes)
+    closed = _closed(pair, x, state, found, multipliers / eps[:, None], round_off)
+    traction = closed.everywhere(closed.update.traction)
+
+    # Forces of the tractions that the duals interpolate, and what round-off leaves of them
+    kinematics = closed.kinematics
+    near = closed.points
+    weight = points.weight[near, None]
     acting = np.einsum("nk,nki->ni", closed.weights, traction.T[points.nodes[near]])
-    work, share = kinematics.expanded(kinematics.work), closed.area / penalties[:, None]
+    work = kinematics.expanded(kinematics.work)
     force = pair.gathering.force(kinematics.dofs, np.einsum("ni,nim->nm", acting, work))
-    lost = pair.gathering.force(
-        kinematics.dofs, penalties[0] * exact * points.weight[near, None] * np.abs(work[:, 0])
-    )
-    force[pair.multipliers], measure = share * (traction - multipliers), force.copy()
+    lost = pair.gathering.force(kinematics.dofs, eps_N * round_off * weight * np.abs(work[:, 0]))
+
+    # Equations of the multipliers: W_j / eps (t_j - lambda_j) = 0
+    share = closed.area / eps[:, None]
+    measure = force.copy()
+    force[pair.multipliers] = share * (traction - multipliers)
     measure[pair.multipliers] = share * (np.abs(traction) + np.abs(multipliers))
-    lost[pair.multipliers] = closed.area * exact
+    lost[pair.multipliers] = closed.area * round_off
 
     def candidate() -> ContactState:
         return _after(pair, state, projected(), closed)
 
     def stiffness(limit: float = np.inf) -> csr_matrix:
-        largest = limit * points.weight[near, None]
-        return _stiffness(pair, closed, np.clip(acting, -largest, largest), share, penalties)
+        largest = limit * weight
+        return _stiffness(pair, closed, np.clip(acting, -largest, largest), share, eps)
 
-    status = closed.everywhere(closed.update.status)
     return Response(
         force,
-        candidate,
-        stiffness,
-        lambda: stiffness(pair.largest_traction),
-        lost,
-        status.tobytes(),
-        measure,
+        state=candidate,
+        stiffness=stiffness,
+        damped=lambda: stiffness(pair.largest_traction),
+        round_off=lost,
+        active=closed.everywhere(closed.update.status).tobytes(),
+        measure=measure,
     )
 
 
 def _closed(
-    pair: Any, x: ndarray, state: ContactState, found: Projection, multiplied: ndarray, exact: float
+    pair: Any,
+    x: ndarray,
+    state: ContactState,
+    found: Projection,
+    multiplied: ndarray,
+    round_off: float,
 ) -> _Closed:
-    """Evaluate the law at the nodes that it may close, at means of gap and slip where they face the
-    master.
-    """
-    points, around, n = pair.points(state), pair.nodes_at(state), multiplied.shape[1]
+    """Evaluate the law at the nodes that it may close, at means of gap and slip."""
+    around = pair.nodes_at(state)
+
+    def without_round_off(values: ndarray) -> ndarray:
+        return np.where(np.abs(values) <= round_off, 0.0, values)
+
+    # Mean gap J_j of the nodes that face the master
     at = np.flatnonzero(found.found)
     facing, weights, area, opened = integrals(pair, state, at, found.gap)
-    some = np.flatnonzero(area > _NOTHING * area.max(initial=0.0))
+    faces = area > _NOTHING * area.max(initial=0.0)
+    some = np.flatnonzero(faces)
+    gap = without_round_off(opened[some] / area[some])
+    gap = without_round_off(gap + multiplied[0, some])
 
-    def nearly(values: ndarray) -> ndarray:
-        return np.where(np.abs(values) <= exact, 0.0, values)
-
-    gap = nearly(nearly(opened[some] / area[some]) + multiplied[0, some])
-    reached = _law_at(pair, points, around, some).reaches(
-        gap, state.internal[:, around.point[some]], state.closed[some]
-    )
-    on, gap = some[reached], gap[reached]
-    number = np.full(n, -1)
+    # Number the nodes that the law reaches, and find the points that act on them
+    internal = state.internal[:, around.point[some]]
+    reached = _law_at(pair, state, some).reaches(gap, internal, state.closed[some])
+    on = some[reached]
+    number = np.full(multiplied.shape[1], -1)
     number[on] = np.arange(len(on))
     numbers = number[facing.nodes]
-    act = np.flatnonzero((numbers >= 0).any(axis=1))
-    weights, numbers = weights[act], numbers[act]
-    kinematics = pair.interface.variations(x, state, found, at[act])
+    acts = (numbers >= 0).any(axis=1)
+    near = at[acts]
+    weights = weights[acts]
+    numbers = numbers[acts]
+
+    # Mean slip of these nodes
+    kinematics = pair.interface.variations(x, state, found, near)
     row, column = np.nonzero(numbers >= 0)
-    sums = csr_matrix(
-        (weights[row, column], (numbers[row, column], row)), shape=(len(on), len(act))
-    )
-    slip = nearly((sums @ kinematics.slip).T / area[on]) + multiplied[1:, on]
-    update = _law_at(pair, points, around, on).update(
-        np.vstack((gap[None], slip)), state.internal[:, around.point[on]], pair.penalties(state)
-    )
-    area[area <= _NOTHING * area.max(initial=0.0)] = pair.slave.area.mean()
-    return _Closed(on, at[act], weights, sums, area, kinematics, update)
+    entries = (weights[row, column], (numbers[row, column], row))
+    sums = csr_matrix(entries, shape=(len(on), len(near)))
+    slip = without_round_off((sums @ kinematics.slip).T / area[on]) + multiplied[1:, on]
+
+    jump = np.vstack((gap[None, reached], slip))
+    update = _law_at(pair, state, on).update(jump, internal[:, reached], pair.penalties(state))
+    area[~faces] = pair.slave.area.mean()
+    return _Closed(on, near, weights, sums, area, kinematics, update)
 
 
 def integrals(
     pair: Any, state: ContactState, at: ndarray, gap: ndarray
 ) -> tuple[SlavePoints, ndarray, ndarray, ndarray]:
-    """Return the points `at` that face the master, their weights, and nodal integrals of the duals
-    and of the gap.
+    """Return points `at` facing the master, their weights, and integrals of duals and of the gap.
+
+    The integrals of the nodes are ``W_j`` and ``W_j J_j``, shape (n_nodes,) each.
     """
-    around, facing = pair.nodes_at(state), pair.points(state).take(at)
-    weights = (
-        pair.share
-        * facing.weight[:, None]
-        * duals(facing, around.values[at], len(pair.slave.facets))
-    )
-    area, opened = (
-        np.bincount(facing.nodes.ravel(), (weights * part[:, None]).ravel(), len(pair.slave.nodes))
-        for part in (np.ones(len(at)), (gap - state.clearance)[at])
-    )
+    facing = pair.points(state).take(at)
+    psi = duals(facing, pair.nodes_at(state).values[at], len(pair.slave.facets))
+    weights = pair.share * facing.weight[:, None] * psi
+    gaps = (gap - state.clearance)[at]
+    nodes = facing.nodes.ravel()
+    n = len(pair.slave.nodes)
+    area = np.bincount(nodes, weights.ravel(), n)
+    opened = np.bincount(nodes, (weights * gaps[:, None]).ravel(), n)
     return facing, weights, area, opened
 
 
 def mean_gaps(pair: Any, state: ContactState, found: ndarray, gap: ndarray) -> ndarray:
-    """Return the nodes' means of the gap at the points `found`, a mask; inf where they face
-    nothing.
-    """
+    """Return the nodes' mean gaps at the points `found`, a mask; inf where they face nothing."""
     *_, area, opened = integrals(pair, state, np.flatnonzero(found), gap)
     some = area > _NOTHING * area.max(initial=0.0)
     return np.where(some, opened / np.where(some, area, 1.0), np.inf)
 
 
 def nodal_forces(pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:
-    """Return the internal forces of pressure and of friction in a state, shape (N,) each, by the
-    dual functions.
-    """
+    """Return the internal forces of pressure and of friction in a state, shape (N,) each."""
     found = pair.interface.closest(x, state.cuts, state.facet)
     at = np.flatnonzero(found.found)
     facing, weights, *_ = integrals(pair, state, at, found.gap)
     kinematics = pair.interface.variations(x, state, found, at)
     acting = np.einsum("nk,ink->ni", weights, state.multiplier[:, facing.nodes])
     work = kinematics.expanded(kinematics.work)
-    return [
-        pair.gathering.force(
-            kinematics.dofs, np.einsum("ni,nim->nm", acting[:, part], work[:, part])
-        )
-        for part in (slice(1), slice(1, None))
-    ]
+    forces = []
+    for part in (slice(1), slice(1, None)):
+        by_points = np.einsum("ni,nim->nm", acting[:, part], work[:, part])
+        forces.append(pair.gathering.force(kinematics.dofs, by_points))
+    return forces
 
 
 def idle(pair: Any, fixed: ndarray) -> ndarray:
-    """Return the tangential multipliers at nodes that supports hold along the surface, with the
-    master beside them.
+    """Return tangential multipliers at nodes that supports hold along the surface, as the master.
 
     Nothing slips across a plane of symmetry.  A multiplier there would act on the master's inside
-    alone, and its equations would nearly be those of its neighbours.
+    alone, and its equations would nearly be equations of its neighbours.
     """
-    slave, master = pair.slave, pair.facets
-    directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
-    both, held = np.isin(slave.dofs, fixed), np.isin(master.dofs, fixed)
+    slave = pair.slave
+    master = pair.facets
+    reach = max(slave.spacing, master.spacing)
+    fixed_slave = np.isin(slave.dofs, fixed)
+    fixed_master = np.isin(master.dofs, fixed)
+
+    # Keep the nodes of the slave near fixed nodes of the master, direction by direction
     for i in range(slave.dim):
-        near = (
-            cKDTree(master.nodes[held[:, i]]).query(slave.nodes)[0] if held[:, i].any() else np.inf
-        )
-        both[:, i] &= near < max(slave.spacing, master.spacing)
-    along = (directions**2 * both[:, None]).sum(axis=2) > _ALONG
+        near: ndarray | bool = False
+        if fixed_master[:, i].any():
+            near = cKDTree(master.nodes[fixed_master[:, i]]).query(slave.nodes)[0] < reach
+        fixed_slave[:, i] &= near
+    directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
+    along = (directions**2 * fixed_slave[:, None]).sum(axis=2) > _ALONG
     return np.asarray(pair.multipliers[1:][along.T])
 
 
-def _law_at(pair: Any, points: SlavePoints, around: Nodes, numbers: ndarray) -> Any:
+def _law_at(pair: Any, state: ContactState, numbers: ndarray) -> Any:
     """Return the law at nodes."""
-    nodes, ones = numbers[:, None], np.ones((len(numbers), 1))
-    return pair.law.take(replace(points.take(around.point[numbers]), nodes=nodes, values=ones))
+    points = pair.points(state).take(pair.nodes_at(state).point[numbers])
+    ones = np.ones((len(numbers), 1))
+    return pair.law.take(replace(points, nodes=numbers[:, None], values=ones))
 
 
 def _after(pair: Any, state: ContactState, found: Projection, closed: _Closed) -> ContactState:
-    """Return the candidate state; all points stick to their closest points: what sticks has not
-    moved.
-    """
-    around, at = pair.nodes_at(state), closed.points
-    traction, status = (
-        closed.everywhere(closed.update.traction),
-        closed.everywhere(closed.update.status),
-    )
-    nodes, values = pair.points(state).nodes[at], around.values[at]
+    """Return the candidate state; all points stick to their closest points."""
+    around = pair.nodes_at(state)
+    at = closed.points
+    traction = closed.everywhere(closed.update.traction)
+    status = closed.everywhere(closed.update.status)
+
+    # Points have the status of the closed node with the largest hat
+    nodes = pair.points(state).nodes[at]
+    values = around.values[at]
     share = np.where(status[nodes] != Status.OPEN, values, 0.0)
     nearest = nodes[np.arange(len(at)), share.argmax(axis=1)]
+
+    # Points have the internal variables of their nearest node
     number = np.full(len(status), -1)
     number[closed.on] = np.arange(len(closed.on))
-    own, internal = number[around.owner], state.internal.copy()
-    internal[:, own >= 0] = closed.update.internal[:, own[own >= 0]]
+    own = number[around.owner]
+    known = own >= 0
+    internal = state.internal.copy()
+    internal[:, known] = closed.update.internal[:, own[known]]
     update = LawUpdate(
-        np.einsum("nk,nki->in", values, traction.T[nodes]),
-        internal[:, at],
-        np.zeros(0),
-        np.zeros(0),
-        np.where(share.any(axis=1), status[nearest], int(Status.OPEN)),
+        traction=np.einsum("nk,nki->in", values, traction.T[nodes]),
+        internal=internal[:, at],
+        tangent=np.zeros(0),
+        elastic_slip=np.zeros(0),
+        status=np.where(share.any(axis=1), status[nearest], int(Status.OPEN)),
     )
     slip = state.slip + pair.interface.slid(state, found.closest)
     after = state.after(found, at, update, found.closest.take(at), slip)
@@ -321,59 +333,59 @@ def _after(pair: Any, state: ContactState, found: Projection, closed: _Closed) -
 
 
 def _stiffness(
-    pair: Any, closed: _Closed, acting: ndarray, share: ndarray, penalties: ndarray
+    pair: Any, closed: _Closed, acting: ndarray, share: ndarray, eps: ndarray
 ) -> csr_matrix:
     """Return the tangent of the forces and of the conditions at the nodes."""
-    n, dim, on, kinematics = pair.size, len(share), closed.on, closed.kinematics
+    n = pair.size
+    dim = len(share)
+    on = closed.on
+    kinematics = closed.kinematics
+
+    # Change of the tractions: dt = D (dJ + dlambda / eps)
     gradient = np.concatenate((kinematics.work[:, :1], slip_gradient(kinematics)), axis=1)
-    forces, jumps = (
-        _rows(closed.sums, kinematics.dofs, kinematics.expanded(part), n)
-        for part in (kinematics.work, gradient)
-    )
-    own, everywhere = _picks(pair.multipliers[:, on], n), _picks(pair.multipliers, n)
-    change = _blocks(closed.update.tangent) @ (
-        diags_array(np.tile(1.0 / closed.area[on], dim)) @ jumps
-        + diags_array(np.repeat(1.0 / penalties, len(on))) @ own
-    )
-    K = (forces + diags_array(share[:, on].ravel()) @ own).T @ change - everywhere.T @ diags_array(
-        (1.0 + _HELD) * share.ravel()
-    ) @ everywhere
+    jumps = _rows(closed.sums, kinematics.dofs, kinematics.expanded(gradient), n)
+    mean = diags_array(np.tile(1.0 / closed.area[on], dim))
+    compliance = diags_array(np.repeat(1.0 / eps, len(on)))
+    own = _picks(pair.multipliers[:, on], n)
+    dt = _blocks(closed.update.tangent) @ (mean @ jumps + compliance @ own)
+
+    # Change of the forces, and of the conditions W / eps (t - lambda)
+    forces = _rows(closed.sums, kinematics.dofs, kinematics.expanded(kinematics.work), n)
+    conditions = diags_array(share[:, on].ravel()) @ own
+    everywhere = _picks(pair.multipliers, n)
+    held = diags_array((1.0 + _HELD) * share.ravel())
+    K = (forces + conditions).T @ dt - everywhere.T @ held @ everywhere
+
+    # Change of the frames in which the tractions act
     if pair.tangent == "exact":
         turned = kinematics.expanded(geometric_tangent(kinematics, acting.T)).transpose(0, 2, 1)
-        K = K + pair.gathering.matrix(
-            kinematics.dofs, kinematics.expanded(turned).transpose(0, 2, 1)
-        )
+        turned = kinematics.expanded(turned).transpose(0, 2, 1)
+        K = K + pair.gathering.matrix(kinematics.dofs, turned)
     return csr_matrix(K)
 
 
 def _blocks(tangent: ndarray) -> csr_matrix:
     """Return derivatives, shape (dim, dim, n), as a matrix of dim n rows."""
     dim, _, n = tangent.shape
-    row, column = (
-        np.broadcast_to(number * n, (dim, dim))[:, :, None] + np.arange(n)
-        for number in (np.arange(dim)[:, None], np.arange(dim))
-    )
+    component, by_component, point = np.indices(tangent.shape)
+    row = component * n + point
+    column = by_component * n + point
     return csr_matrix((tangent.ravel(), (row.ravel(), column.ravel())), shape=(dim * n, dim * n))
 
 
 def _picks(dofs: ndarray, n: int) -> csr_matrix:
-    return csr_matrix(
-        (np.ones(dofs.size), dofs.ravel(), np.arange(dofs.size + 1)), shape=(dofs.size, n)
-    )
+    """Return the matrix that picks dofs out of n."""
+    ends = np.arange(dofs.size + 1)
+    return csr_matrix((np.ones(dofs.size), dofs.ravel(), ends), shape=(dofs.size, n))
 
 
 def _rows(sums: csr_matrix, dofs: ndarray, variations: ndarray, n: int) -> csr_matrix:
-    """Return weighted sums over points of variations, shape (n_points, dim, m), by dofs: component
-    by component.
-    """
+    """Return weighted sums over points of variations (n_points, dim, m), shape (dim n_on, n)."""
     count, m = dofs.shape
-    columns, ends = (
-        np.where(dofs < 0, n, dofs).ravel(),
-        np.arange(count + 1) * m,
-    )  # column n: what does not move
-    return vstack(
-        [
-            sums @ csr_matrix((variations[:, i].ravel(), columns, ends), shape=(count, n + 1))
-            for i in range(variations.shape[1])
-        ]
-    ).tocsr()[:, :n]
+    columns = np.where(dofs < 0, n, dofs).ravel()  # column n: dofs that do not move
+    ends = np.arange(count + 1) * m
+    parts = []
+    for i in range(variations.shape[1]):
+        part = csr_matrix((variations[:, i].ravel(), columns, ends), shape=(count, n + 1))
+        parts.append(sums @ part)
+    return vstack(parts).tocsr()[:, :n]

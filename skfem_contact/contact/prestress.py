@@ -1,6 +1,4 @@
-"""Contact in a held geometry: tractions in equilibrium with given forces, and contact linearised
-about a state.
-"""
+"""Contact in a fixed geometry: tractions in equilibrium with forces, and linearised contact."""
 
 from __future__ import annotations
 
@@ -57,48 +55,73 @@ def prestressed(
         should differ little.
     """
     where = np.arange(len(force)) if where is None else where
-    near = {
-        name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])
-        for name, a in operators.items()
-    }
-    forces = {name: a.forces_on(len(force)) for name, a in operators.items()}
-    left = force - sum(part @ near[name] for name, part in forces.items())
-    operator = csr_matrix(
-        hstack([forces[name] @ diags_array(a.scale) for name, a in operators.items()])
-    )[where]
-    found = lsqr(operator, left[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST)[
-        0
-    ]
-    ends = np.cumsum([0] + [len(a.scale) for a in operators.values()])
-    return {
-        name: a.state_with(near[name] + a.scale * found[ends[k] : ends[k + 1]])
-        for k, (name, a) in enumerate(operators.items())
-    }
+
+    # Begin with the guess, and find the least change of tractions that exerts the missing forces
+    given = np.zeros(len(force))
+    near = []
+    blocks = []
+    for name, operator in operators.items():
+        if guess is None:
+            tractions = np.zeros(operator.forces.shape[1])
+        else:
+            tractions = operator.of_stress(guess[name])
+        forces = operator.forces_on(len(force))
+        given = given + forces @ tractions
+        near.append(tractions)
+        blocks.append(forces @ diags_array(operator.scale))
+    matrix = csr_matrix(hstack(blocks))[where]
+    change, *_ = lsqr(
+        matrix, (force - given)[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST
+    )
+
+    # Split the change by pairs
+    states = {}
+    start = 0
+    for (name, operator), tractions in zip(operators.items(), near, strict=True):
+        end = start + len(operator.scale)
+        states[name] = operator.state_with(tractions + operator.scale * change[start:end])
+        start = end
+    return states
 
 
 class TractionOperator:
-    """Linear map `forces` from the tractions at all points of a pair, the normal ones first, to
-    nodal forces.
+    """Linear map `forces` from tractions at all points of a pair, normal ones first, to forces.
 
-    Tractions of `scale` have a square with the integral one; `coordinates` are those of the points
-    in the mesh.
+    Attributes
+    ----------
+    forces : csr_matrix, shape (size, dim n_points)
+        Nodal forces of tractions.
+    scale : ndarray, shape (dim n_points,)
+        Tractions whose square has the integral one.
+    coordinates : ndarray, shape (n_points, dim)
+        Coordinates of the points in the mesh.
     """
 
     def __init__(self, pair: ContactBase, x: ndarray, state: ContactState) -> None:
-        self._pair, self._x, self._state = pair, x, state
-        self._points = points = pair.points(state)
+        # Closed points with their frames
+        points = pair.points(state)
         found = pair.interface.closest(x, state.cuts, state.facet)
-        self._at = at = np.flatnonzero(found.found & (state.status != Status.OPEN))
-        self._frame = frame = pair.interface.variations(x, state, found, at)
+        at = np.flatnonzero(found.found & (state.status != Status.OPEN))
+        frame = pair.interface.variations(x, state, found, at)
+        self._pair = pair
+        self._x = x
+        self._state = state
+        self._points = points
+        self._at = at
+        self._frame = frame
         self.coordinates = points.positions(pair.slave.nodes)
-        n, dim, weight = len(points.weight), pair.slave.dim, pair.share * points.weight[at]
-        values = weight[:, None, None] * frame.expanded(frame.work)
+
+        # Forces of a traction at each point
+        n = len(points.weight)
+        dim = pair.slave.dim
+        weight = pair.share * points.weight[at]
+        values = weight[:, None, None] * frame.expanded(frame.work)  # (n_closed, dim, m)
+        component = at[:, None] + n * np.arange(dim)
         rows = np.broadcast_to(frame.dofs[:, None], values.shape)
-        columns = np.broadcast_to((at[:, None] + n * np.arange(dim))[:, :, None], values.shape)
+        columns = np.broadcast_to(component[:, :, None], values.shape)
         moving = rows >= 0
-        self.forces = coo_matrix(
-            (values[moving], (rows[moving], columns[moving])), shape=(pair.size, dim * n)
-        ).tocsr()
+        entries = (values[moving], (rows[moving], columns[moving]))
+        self.forces = coo_matrix(entries, shape=(pair.size, dim * n)).tocsr()
         self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
 
     def forces_on(self, n: int) -> csr_matrix:
@@ -109,44 +132,35 @@ class TractionOperator:
 
     def of_stress(self, stress: ndarray) -> ndarray:
         """Return the tractions of stresses at the points, shape (dim n_points,)."""
-        frame, dim = self._frame, self._pair.slave.dim
-        vector = np.einsum("ijn,nj->ni", stress[:, self._at][_TENSOR[:dim, :dim]], frame.normal)
+        dim = self._pair.slave.dim
+        normal = self._frame.normal
+        tensor = stress[:, self._at][_TENSOR[:dim, :dim]]  # (dim, dim, n_closed)
+        vector = np.einsum("ijn,nj->ni", tensor, normal)
         tractions = np.zeros((dim, len(self._points.weight)))
-        tractions[0, self._at] = np.einsum("nc,nc->n", vector, frame.normal)
-        tractions[1:, self._at] = np.einsum("nic,nc->in", frame.tangents, vector)
+        tractions[0, self._at] = np.einsum("nc,nc->n", vector, normal)
+        tractions[1:, self._at] = np.einsum("nic,nc->in", self._frame.tangents, vector)
         return tractions.ravel()
 
     def state_with(self, tractions: ndarray) -> ContactState:
         """Return the state with these tractions, shape (dim n_points,)."""
-        pair, state, points = self._pair, self._state, self._points
-        if pair.dual:
-            raise ValueError(
-                f"contact of '{pair.slave.name}' has DualMultipliers, and cannot start with given "
-                "tractions: take the penalty method or AugmentedLagrangian()"
-            )
-        tractions = tractions.reshape(pair.slave.dim, -1)
-        if pair.enforcement is not None:
-            at_points = np.repeat(np.arange(len(points.weight)), points.nodes.shape[1])
-            shapes = csr_matrix((points.values.ravel(), (at_points, points.nodes.ravel())))
-            nodal = np.stack(
-                [lsqr(shapes, part, atol=_ACCURACY, btol=_ACCURACY)[0] for part in tractions]
-            )
-            state = replace(state, multiplier=nodal)
-            tractions = tractions - nodal @ shapes.T
+        pair = self._pair
+        state, tractions = pair.enforcement.start_with(
+            pair, self._state, tractions.reshape(pair.slave.dim, -1)
+        )
+
+        # Let gap and slip begin where the penalties give these tractions
         by_gap, by_slip = pair.penalties(state)
-        clearance = np.where(
-            state.status != Status.OPEN, state.gap - tractions[0] / by_gap, state.clearance
-        )
-        at, stick = self._at, MaterialPoints(state.stick_facet.copy(), state.stick_point.T.copy())
-        nodes = pair.interface.positions(self._x)[1]
+        closed = state.status != Status.OPEN
+        clearance = np.where(closed, state.gap - tractions[0] / by_gap, state.clearance)
+        _, nodes = pair.interface.positions(self._x)
+        at = self._at
+        slip = tractions[1:, at].T / by_slip
+        stick = MaterialPoints(state.stick_facet.copy(), state.stick_point.T.copy())
         stick.facet[at], stick.xi[at] = offset_back(
-            pair.master,
-            nodes,
-            self._frame.tangents,
-            self._frame.closest,
-            tractions[1:, at].T / by_slip,
+            pair.master, nodes, self._frame.tangents, self._frame.closest, slip
         )
-        return pair.assemble(self._x, replace(state, clearance=clearance).with_stick(stick)).state
+        start = replace(state, clearance=clearance).with_stick(stick)
+        return pair.assemble(self._x, start).state
 
 
 class LinearisedContact(Form, Couples, Reducible, Regularised):
@@ -168,18 +182,30 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
     _resists = False
 
     def __init__(self, pair: ContactBase, x: ndarray, state: ContactState) -> None:
-        self.pair, self.size, self.strengths = pair, pair.size, pair.strengths
-        self.joins, self.changing = pair.joins, pair.changing
-        self._points = points = pair.points(state)
+        self.pair = pair
+        self.size = pair.size
+        self.strengths = pair.strengths
+        self.joins = pair.joins
+        self.changing = pair.changing
+
+        # Variations of the points that face the master
+        points = pair.points(state)
         found = pair.interface.closest(x, state.cuts, state.facet)
-        self._at = at = np.flatnonzero(found.found)
-        near, frame = points.take(at), pair.interface.variations(x, state, found, at)
-        self._dofs, self._work = frame.dofs, frame.expanded(frame.work)
-        penalties = pair.penalties(state)
-        closing = state.clearance - points.at(state.multiplier[0]) / penalties[0]
-        self._gap, self._closing = (found.gap - closing)[at], closing[at]
-        self._elastic = frame.slip.T + near.at(state.multiplier[1:].T).T / penalties[1]
+        at = np.flatnonzero(found.found)
+        frame = pair.interface.variations(x, state, found, at)
+        self._points = points
+        self._at = at
+        self._near = points.take(at)
+        self._dofs = frame.dofs
+        self._work = frame.expanded(frame.work)
         self._first = x.take(frame.dofs.clip(0))
+
+        # Gap and elastic slip, to which multipliers contribute
+        eps_N, eps_T = pair.penalties(state)
+        closing = state.clearance - points.at(state.multiplier[0]) / eps_N
+        self._closing = closing[at]
+        self._gap = (found.gap - closing)[at]
+        self._elastic = frame.slip.T + self._near.at(state.multiplier[1:].T).T / eps_T
 
     def __repr__(self) -> str:
         return f"<{self.pair!r}, linearised>"
@@ -202,16 +228,23 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
     @override
     def released(self, x: ndarray, state: ContactState) -> tuple[Form, ContactState]:
         """Return the pair that follows the bodies, and its state with the same tractions."""
-        pair, found = self.pair, self.pair.interface.closest(x, state.cuts)
+        pair = self.pair
+        found = pair.interface.closest(x, state.cuts)
+        closest = found.closest
         on = np.flatnonzero((state.status != Status.OPEN) & found.found)
-        closest, clearance = found.closest, state.clearance.copy()
         frame = pair.interface.variations(x, state.with_stick(closest), found, on)
+
+        # Keep the penetration
+        clearance = state.clearance.copy()
         clearance[on] += found.gap[on] - state.gap[on]
+
+        # Keep the elastic slip
+        _, nodes = pair.interface.positions(x)
         multiplied = self._points.at(state.multiplier[1:].T).T / pair.penalties(state)[1]
-        stick = MaterialPoints(closest.facet.copy(), closest.xi.copy())
         slip = (state.position - state.stick_point - multiplied)[:, on]
+        stick = MaterialPoints(closest.facet.copy(), closest.xi.copy())
         stick.facet[on], stick.xi[on] = offset_back(
-            pair.master, pair.interface.positions(x)[1], frame.tangents, frame.closest, slip.T
+            pair.master, nodes, frame.tangents, frame.closest, slip.T
         )
         state = replace(
             state, facet=closest.facet, position=closest.xi.T, gap=found.gap, clearance=clearance
@@ -232,41 +265,49 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
 
     @override
     def assemble(self, x: ndarray, state: ContactState) -> Response:
-        pair, near = self.pair, self._points.take(self._at)
+        pair = self.pair
+        near = self._near
+
+        # g = g_0 + G . (u - u_0), s = T . (u - u_0)
         change = np.where(self._dofs < 0, 0.0, x.take(self._dofs.clip(0)) - self._first)
-        gap, *motions = np.einsum("nim,nm->in", self._work, change)
-        gap, moved = self._gap + gap, np.array(motions)
-        internal, closed = pair.effective(state).internal, state.status != int(Status.OPEN)
-        on = np.flatnonzero(
-            pair.law.take(near).reaches(gap, internal[:, self._at], closed[self._at])
-        )
-        at, dofs, work = self._at[on], self._dofs[on], self._work[on]
-        jump = np.stack((gap[on], *(moved[:, on] - state.stick_point[:, at])))
-        update = pair.law.take(near.take(on)).update(jump, internal[:, at], pair.penalties(state))
+        motion = np.einsum("nim,nm->in", self._work, change)
+        gap = self._gap + motion[0]
+        moved = motion[1:]
+
+        # Update the law at the points that it reaches
+        internal = pair.effective(state).internal
+        closed = state.status[self._at] != int(Status.OPEN)
+        on = np.flatnonzero(pair.law.take(near).reaches(gap, internal[:, self._at], closed))
+        at = self._at[on]
+        dofs = self._dofs[on]
+        work = self._work[on]
         weight = pair.share * self._points.weight[at]
+        jump = np.concatenate((gap[None, on], moved[:, on] - state.stick_point[:, at]))
+        update = pair.law.take(near.take(on)).update(jump, internal[:, at], pair.penalties(state))
 
         def candidate() -> ContactState:
-            motion, origin, gaps, new = (
-                a.copy() for a in (state.position, state.stick_point, state.gap, internal)
-            )
-            motion[:, self._at], gaps[self._at] = moved, gap + self._closing
+            position = state.position.copy()
+            position[:, self._at] = moved
+            origin = state.stick_point.copy()
             origin[:, self._at] = moved
             origin[:, at] -= update.elastic_slip
-            traction, status = np.zeros_like(state.traction), np.full(len(gaps), int(Status.OPEN))
-            traction[:, at], status[at], new[:, at] = (
-                update.traction,
-                update.status,
-                update.internal,
-            )
-            slip = np.where(status == Status.OPEN, 0.0, state.slip + motion - state.position)
+            gaps = state.gap.copy()
+            gaps[self._at] = gap + self._closing
+            traction = np.zeros_like(state.traction)
+            traction[:, at] = update.traction
+            status = np.full(len(gaps), int(Status.OPEN))
+            status[at] = update.status
+            new_internal = internal.copy()
+            new_internal[:, at] = update.internal
+            slip = np.where(status == Status.OPEN, 0.0, state.slip + position - state.position)
             return replace(
                 state,
                 gap=gaps,
                 slip=slip,
                 traction=traction,
                 status=status,
-                internal=new,
-                position=motion,
+                internal=new_internal,
+                position=position,
                 stick_point=origin,
             )
 
@@ -274,31 +315,27 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
             K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
             return pair.gathering.matrix(dofs, K * weight[:, None, None])
 
+        def damped() -> csr_matrix:
+            return stiffness(resisting(update, jump[1:]) if self._resists else update)
+
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
-        return Response(
-            pair.gathering.force(dofs, force),
-            candidate,
-            lambda: stiffness(update),
-            lambda: stiffness(resisting(update, jump[1:]) if self._resists else update),
-        )
+        force = pair.gathering.force(dofs, force)
+        return Response(force, candidate, lambda: stiffness(update), damped)
 
     @override
     def outputs(self, x: ndarray, state: ContactState) -> Outputs:
         return Outputs(remarks=lambda: self._remarks(state))
 
     def _remarks(self, state: ContactState) -> Iterator[Remark]:
-        """Yield a remark where the last point of a joint's quadrature, inside of its end, has all
-        of the pressure.
-        """
-        force = self._points.weight * np.abs(state.traction[0])
-        along = self._points.facet + 0.5 * (1.0 + self._points.xi[:, 0])
+        """Yield a remark where a joint's last point, inside of its end, has all of the pressure."""
+        points = self._points
+        has_points_at_ends = points.nodes.shape[1] == 1
+        if self.pair.slave.dim > 2 or has_points_at_ends:
+            return
+        force = points.weight * np.abs(state.traction[0])
+        along = points.facet + 0.5 * (1.0 + points.xi[:, 0])
         positions = np.unique(along[self._at])
-        if (
-            self.pair.slave.dim > 2
-            or self._points.nodes.shape[1] == 1
-            or not force.any()
-            or len(positions) < 2
-        ):
+        if not force.any() or len(positions) < 2:
             return
         apart = np.diff(positions)[[0, -1]]
         from_ends = np.abs(force @ along / force.sum() - positions[[0, -1]]) / apart
@@ -308,6 +345,5 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
                 1.0 - from_ends.min(),
                 f"'{self.pair.slave.name}' turns about its last point of "
                 'quadrature, inside of its end, and the limit is too low: quadrature="nodal" has '
-                "points at "
-                'the ends, "segments" close to them',
+                'points at the ends, "segments" close to them',
             )

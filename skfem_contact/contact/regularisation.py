@@ -1,5 +1,4 @@
-"""Regularised contact pairs for increments in which Newton's method fails, or bodies overlap at the
-start.
+"""Regularised contact pairs where Newton's method fails, or bodies overlap at the start.
 
 A family of regularised pairs begins with one that Newton's method solves, and proceeds to the pair
 as given.
@@ -18,7 +17,7 @@ from typing_extensions import override
 
 from ..errors import Failure, warn
 from .base import ContactBase
-from .diagnosis import PENETRATION
+from .compliance import PENETRATION
 from .interface import ContactState
 from .laws import InterfaceLaw, LawUpdate, Status
 from .quadrature import SlavePoints
@@ -63,17 +62,17 @@ class Family(NamedTuple):
 def begin(pair: Pair, accepted: ContactState, failure: Failure | None) -> Pair:
     """Return the first pair of the first family that helps; the pair itself where none does."""
     for family in FAMILIES:
-        if (easier := family.start(pair, accepted, failure)) is not None:
+        easier = family.start(pair, accepted, failure)
+        if easier is not None:
             return easier.with_(families=(*_without(pair, family), family))  # type: ignore[return-value]
     return pair
 
 
 def proceed(pair: Pair, accepted: ContactState, found: ContactState) -> Pair:
-    """Return the next pair of the first family that continues; the pair itself at the end of all
-    families.
-    """
+    """Return the next pair of the first family that continues; the pair itself in the end."""
     for family in pair.families:
-        if (step := family.proceed(pair, accepted, found)) is not None:
+        step = family.proceed(pair, accepted, found)
+        if step is not None:
             after, regularised = step
             last = (family,) if regularised else ()
             return after.with_(families=(*_without(pair, family), *last))
@@ -81,24 +80,27 @@ def proceed(pair: Pair, accepted: ContactState, found: ContactState) -> Pair:
 
 
 def _without(pair: ContactBase, family: Family) -> tuple[Family, ...]:
+    """Return the families of a pair without one of them."""
     return tuple(other for other in pair.families if other is not family)
 
 
-# -- bodies that overlap: a part of the overlap counts as touching, and less from solution to
-# solution -----------
+# Bodies that overlap: a part of the overlap counts as touching, and less from solution to solution
 
 
 def _start_interference(
     pair: ContactBase, accepted: ContactState, failure: Failure | None
 ) -> ContactBase | None:
-    """Return a pair without interference, unless closed points have tractions: then it has been
-    resolved before.
-    """
+    """Return a pair without interference, unless tractions have resolved it before."""
     untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
-    named = isinstance(pair.initial, str)
-    wanted = np.zeros_like(accepted.clearance) if named else accepted.clearance + pair.initial
-    ramped = (not named or pair.initial == "ramped") and (accepted.clearance != wanted).any()
-    if failure is not None or not untouched or not ramped:
+    if failure is not None or not untouched:
+        return None
+    if isinstance(pair.initial, str):
+        if pair.initial != "ramped":
+            return None
+        wanted = np.zeros_like(accepted.clearance)
+    else:
+        wanted = accepted.clearance + pair.initial
+    if (accepted.clearance == wanted).all():
         return None
     return pair.with_(clearance=np.stack((accepted.clearance, wanted)))
 
@@ -106,17 +108,17 @@ def _start_interference(
 def _resolve_interference(
     pair: ContactBase, accepted: ContactState, found: ContactState
 ) -> tuple[ContactBase, bool] | None:
+    """Return the pair with a part of the remaining interference resolved."""
     assert pair.clearance is not None
     now, wanted = pair.clearance
-    left = _LEFT * (now - wanted)
-    if not left.any():
+    remaining = _LEFT * (now - wanted)
+    if not remaining.any():
         return None
-    left[np.abs(left) < PENETRATION * pair.points(accepted).size] = 0.0
-    return pair.with_(clearance=np.stack((wanted + left, wanted))), True
+    remaining[np.abs(remaining) < PENETRATION * pair.points(accepted).size] = 0.0
+    return pair.with_(clearance=np.stack((wanted + remaining, wanted))), True
 
 
-# -- loose bodies: soft springs until contact is closed, softer from solution to solution
-# -------------------------
+# Loose bodies: soft springs until contact is closed, softer from solution to solution
 
 
 def _start_springs(
@@ -127,17 +129,15 @@ def _start_springs(
         return None
     logger.info(
         "bodies are loose while contact is open: stabilisation by soft springs closes '%s', which "
-        "are then "
-        "taken away",
+        "are then taken away",
         pair.slave.name,
     )
-    distance = accepted.gap - accepted.clearance
-    if np.isfinite(nearest := distance.min()) and nearest > _APART * pair.slave.spacing:
+    nearest = (accepted.gap - accepted.clearance).min()
+    if np.isfinite(nearest) and nearest > _APART * pair.slave.spacing:
         warn(
             f"nothing holds a body before contact closes, and '{pair.slave.name}' starts "
-            f"{nearest:.3g} away from "
-            f"'{pair.master.name}', {nearest / pair.slave.spacing:.0%} of a facet: its "
-            f"displacements contain this "
+            f"{nearest:.3g} away from '{pair.master.name}', "
+            f"{nearest / pair.slave.spacing:.0%} of a facet: its displacements contain this "
             'distance; move it in the mesh, or initial="adjusted" if they touch'
         )
     return pair.with_(law=Stabilised(pair.law, _FIRST))
@@ -146,14 +146,16 @@ def _start_springs(
 def _soften_springs(
     pair: ContactBase, accepted: ContactState, found: ContactState
 ) -> tuple[ContactBase, bool]:
+    """Return the pair with softer springs, or without any once they hardly act."""
     assert isinstance(pair.law, Stabilised)
     force = pair.points(accepted).weight * np.abs(found.traction[0])
-    is_open, slides = found.status == Status.OPEN, (found.status == Status.SLIP).any()
+    is_open = found.status == Status.OPEN
+    slides = (found.status == Status.SLIP).any()
+    hardly_act = force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum()
     share = pair.law.share * _FALL
-    gone = share < _LAST or (
-        not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum()
-    )
-    return pair.with_(law=pair.law.law if gone else replace(pair.law, share=share)), not gone
+    if share < _LAST or (hardly_act and not slides):
+        return pair.with_(law=pair.law.law), False
+    return pair.with_(law=replace(pair.law, share=share)), True
 
 
 @dataclass(frozen=True)
@@ -190,22 +192,26 @@ class Stabilised(InterfaceLaw):
 
     @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
-        is_open, pressed = jump[0] > 0.0, np.zeros_like(jump)
-        law = self.law.update(
-            np.concatenate((np.minimum(jump[:1], 0.0), jump[1:])), internal, penalty
-        )
+        is_open = jump[0] > 0.0
+        closed_jump = np.concatenate((np.minimum(jump[:1], 0.0), jump[1:]))
+        law = self.law.update(closed_jump, internal, penalty)
+
+        # Springs have a share of the penalty, sideways where the law resists slip under pressure
+        pressed = np.zeros_like(jump)
         pressed[0] = -1.0
         resists = self.law.update(pressed, internal, penalty).tangent
         springs = self.share * np.einsum("iin->in", resists)
         springs[0] = np.where(is_open, self.share * penalty[0], 0.0)
+
+        diagonal = np.arange(len(jump))
         tangent = np.where(is_open, 0.0, law.tangent)
-        tangent[np.arange(len(jump)), np.arange(len(jump))] += springs
+        tangent[diagonal, diagonal] += springs
         return LawUpdate(
-            np.where(is_open, 0.0, law.traction) + springs * jump,
-            law.internal,
-            tangent,
-            np.where(is_open, 0.0, law.elastic_slip),
-            np.where(is_open, int(Status.OPEN), law.status),
+            traction=np.where(is_open, 0.0, law.traction) + springs * jump,
+            internal=law.internal,
+            tangent=tangent,
+            elastic_slip=np.where(is_open, 0.0, law.elastic_slip),
+            status=np.where(is_open, int(Status.OPEN), law.status),
         )
 
     @override
@@ -213,8 +219,7 @@ class Stabilised(InterfaceLaw):
         return self.law.debonded(internal)
 
 
-# -- points that chatter between stick and slip: a soft stick, harder from solution to solution
-# ------------------
+# Points that chatter between stick and slip: a soft stick, harder from solution to solution
 #
 # Sticking points react to an elastic slip e with the traction s epsilon_T (e + d).  The softness s
 # is below 1, and the shift d makes this the traction t of the last solution where e is that of the
@@ -225,25 +230,26 @@ class Stabilised(InterfaceLaw):
 def _start_soft_stick(
     pair: ContactBase, accepted: ContactState, failure: Failure | None
 ) -> ContactBase | None:
-    """Return the softest stick where points change between stick and slip, or the direction of
-    their slip.
+    """Return the softest stick where points change between stick and slip, or turn their slip.
 
     From slip in one direction to slip in the other the traction runs through stick, in an elastic
     slip that is smaller the higher the penalty; Newton's method may jump over it for ever.
     """
-    if failure is None or not failure.seen or pair.softness < 1.0 or pair.dual:
+    if failure is None or not failure.seen or pair.softness < 1.0 or pair.saddle:
         return None
-    slides = np.array(
-        [np.sign(state.traction[1:]) * (state.status == Status.SLIP) for state in failure.seen]
-    )
-    chatters = (slides != slides[0]).any(axis=(0, 1))
+    directions = []
+    for state in failure.seen:
+        slides = state.status == Status.SLIP
+        directions.append(np.sign(state.traction[1:]) * slides)
+    seen = np.array(directions)  # (states, dim - 1, n)
+    chatters = (seen != seen[0]).any(axis=(0, 1))
     if not chatters.any():
         return None
     hardness = 1.0 if pair.stiffness is None else pair.penalties(accepted)[1] / pair.stiffness
     softness = min(_SHARE, _SOFT / hardness)
     logger.info(
-        "points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the "
-        "penalty",
+        "points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of "
+        "the penalty",
         np.flatnonzero(chatters),
         pair.slave.name,
         softness,
@@ -254,11 +260,10 @@ def _start_soft_stick(
 def _harden_stick(
     pair: ContactBase, accepted: ContactState, found: ContactState
 ) -> tuple[ContactBase, bool]:
+    """Return the pair with a harder stick, or the whole penalty in the end."""
     elastic = pair.interface.elastic_slip(found) * pair.softness
-    sticks = found.status == Status.STICK
-    wrong = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)[:, sticks].max(
-        initial=0.0
-    )
+    change = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)
+    wrong = change[:, found.status == Status.STICK].max(initial=0.0)
     harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
     softness = max(harder, pair.softness * _GROWTH)
     if softness < 1.0:
@@ -267,14 +272,11 @@ def _harden_stick(
 
 
 def _soft(pair: ContactBase, softness: float, elastic: ndarray) -> ContactBase:
-    """Return a pair whose points have the same tractions at an elastic slip of the whole penalty,
-    (dim - 1, n).
-    """
+    """Return a pair with the tractions of the whole penalty at an elastic slip (dim - 1, n)."""
     return pair.with_(softness=softness, slip_shift=elastic / softness - elastic)
 
 
-# -- points that open and close in turn: their bond breaks for good
-# -----------------------------------------------
+# Points that open and close in turn: their bond breaks for good
 #
 # The tractions of a brittle bond jump to zero as a point opens.  Then there may be no equilibrium:
 # with its bond the point is drawn open, and without it pressed on.
@@ -283,6 +285,7 @@ def _soft(pair: ContactBase, softness: float, elastic: ndarray) -> ContactBase:
 def _start_debonding(
     pair: ContactBase, accepted: ContactState, failure: Failure | None
 ) -> ContactBase | None:
+    """Return a pair with broken bonds where points open and close in turn."""
     if failure is None or not failure.seen:
         return None
     closed = np.array([state.status != Status.OPEN for state in failure.seen])

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
-from ..contact.multipliers import nodal_forces
 from ..forms.roles import Touching, having
 from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
@@ -285,11 +284,5 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
 
 def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
     """Return the sums of the nodal forces on the slave from pressure and from friction."""
-    if pair.dual:
-        forces = nodal_forces(pair, x, state)
-    else:
-        operator = pair.tractions_at(x, state).forces
-        normal = np.zeros_like(state.traction)
-        normal[0] = state.traction[0]
-        forces = [operator @ part.ravel() for part in (normal, state.traction - normal)]
+    forces = pair.enforcement.nodal_forces(pair, x, state)
     return [0.0 - force[pair.slave.dofs].sum(axis=0) for force in forces]
