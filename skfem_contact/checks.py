@@ -297,7 +297,7 @@ def _any_of(tests: list[Callable[[Any], bool]]) -> Callable[[Any], bool]:
     """Return the test that holds where one of several does; the loop is faster than `any`."""
 
     def holds(value: Any) -> bool:
-        for test in tests:
+        for test in tests:  # noqa: SIM110
             if test(value):
                 return True
         return False

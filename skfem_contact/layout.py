@@ -139,7 +139,7 @@ class Layout:
 
     @classmethod
     def of(cls, displacements: ndarray, brought: Iterable[Field] = ()) -> Layout:
-        """Number the fields after the displacements at their coordinates, (dim, N)."""
+        """Give numbers to the fields after the displacements at their coordinates, (dim, N)."""
         fields = [Field("displacement", displacements)]
         for new in brought:
             if new.taken:

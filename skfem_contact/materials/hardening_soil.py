@@ -138,7 +138,7 @@ class HardeningSoil(CohesiveFrictional):
             require("K0nc", self.K0nc, 0 < self.K0nc < 1, "lie between 0 and 1")
         self._check_small_strains()
         warn_of_radians(phi=self.phi)
-        self.constants
+        self.constants  # noqa: B018  a cap that cannot be met is refused here
 
     def _check_small_strains(self) -> None:
         """Check the parameters of small strains, and declare their memory."""

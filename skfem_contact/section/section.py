@@ -124,7 +124,7 @@ class Section:
                     raise ValueError(
                         f"'{name}' reaches to x = {low:.4g}: axisymmetric sections have x >= 0"
                     )
-        self.plan
+        self.plan  # noqa: B018 - refuses wrong outlines now
 
     @cached_property
     def outlines(self) -> dict[str, tuple[Outline, ...]]:

@@ -177,8 +177,8 @@ def smoothed_aggregation() -> Callable[..., Any]:
 def _repeatable() -> Iterator[None]:
     """Give pyamg the same random numbers in every run, and keep those of the user."""
     state = np.random.get_state()  # pyamg draws from the global generator
-    np.random.seed(0)
+    np.random.seed(0)  # noqa: NPY002
     try:
         yield
     finally:
-        np.random.set_state(state)
+        np.random.set_state(state)  # noqa: NPY002

@@ -379,7 +379,7 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
 
 
 def _layout_of(forms: Mapping[str, Form]) -> Layout:
-    """Number the dofs of all forms of an analysis, also of inactive ones."""
+    """Give numbers to the dofs of all forms of an analysis, also of inactive ones."""
     fields = [field for form in forms.values() for field in form.fields]
     for form in solids_of(forms).values():
         return Layout.of(np.asarray(form.basis.doflocs), fields)
