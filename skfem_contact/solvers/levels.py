@@ -176,7 +176,7 @@ def smoothed_aggregation() -> Callable[..., Any]:
 @contextmanager
 def _repeatable() -> Iterator[None]:
     """Give pyamg the same random numbers in every run, and keep those of the user."""
-    state = np.random.get_state()  # pyamg draws from the global generator
+    state = np.random.get_state()  # noqa: NPY002  # pyamg draws from the global generator
     np.random.seed(0)  # noqa: NPY002
     try:
         yield
