@@ -24,7 +24,7 @@ ROOMS = {
     "Models and stages": ("model", "stages"),
     "Meshes": ("mesh", "layout"),
     "Sections from a sketch": ("section",),
-    "Forms": ("forms",),
+    "Forms": ("forms", "roles"),
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),
     "Beams": ("beams",),

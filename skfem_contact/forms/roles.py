@@ -18,6 +18,21 @@ from numpy import ndarray
 from ..errors import Failure, Remark
 from ..layout import Field, elements_of
 
+__all__ = [
+    "Body",
+    "Couples",
+    "Draining",
+    "Loaded",
+    "Reducible",
+    "Regularised",
+    "Staged",
+    "Stiff",
+    "Timed",
+    "Touching",
+    "Wet",
+    "having",
+]
+
 Self = TypeVar("Self")
 
 
