@@ -199,7 +199,8 @@ def _third_hessian(s: Array) -> Array:
         (-2 * yz, n, n, 2 * zx, -2 * xx, 2 * xy),
         (n, -2 * zx, n, 2 * yz, 2 * xy, -2 * yy),
     )
-    return np.array(rows)[: len(s), : len(s)]
+    hessian = np.array(rows)
+    return hessian[: len(s), : len(s)]
 
 
 class _Returned(NamedTuple):
@@ -262,7 +263,7 @@ def _newton(
 def _start(trial: Array, first: Array, share: Array, k: ADPConstants) -> Array:
     """Return the stress and the root of w from which Newton's method begins.
 
-    The mobilisation is that of the elastic stress; beyond the strength its excess is strain.
+    The elastic stress gives the mobilisation; its excess over the strength becomes strain.
     """
     # find the mobilisation by the elastic stress
     root = np.sqrt(share)
@@ -357,18 +358,24 @@ def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants)
     def jacobian() -> Array:
         # differentiate C times the plastic strain by the modified deviator
         turned = np.einsum("nki,kln->nil", project, second) / length[:, None, None]
-        turned -= flow.T[:, :, None] * np.einsum("in,nil->nl", metric * flow, turned)[:, None, :]
-        by_flow = (grown * flow).T[:, :, None] * by_direction.T[:, None, :]
-        to_s = np.matmul(C, strain[:, None, None] * turned + by_flow)  # (n, ncomp, ncomp)
+        longer = np.einsum("in,nil->nl", metric * flow, turned)
+        turned -= flow.T[:, :, None] * longer[:, None, :]
+        increased = grown * flow
+        changed = increased.T[:, :, None] * by_direction.T[:, None, :]
+        changed = strain[:, None, None] * turned + changed
+        to_s = np.matmul(C, changed)  # (n, ncomp, ncomp)
 
         # collect the derivatives by stress and root
-        moved = -rate[:, None] * np.einsum("nij,jn->ni", project, _offset(first, k))
-        by_root = np.einsum("nij,nj->ni", to_s, moved) + (2 * root * failure * relaxed).T
+        moved = np.einsum("nij,jn->ni", project, _offset(first, k))
+        moved = -rate[:, None] * moved
+        by_root = np.einsum("nij,nj->ni", to_s, moved)
+        by_root = by_root + (2 * root * failure * relaxed).T
+        by_excess = np.einsum("in,ni->n", by_s, moved) - rate * k.radius
         result = np.zeros((root.size, ncomp + 1, ncomp + 1))
         result[:, :ncomp, :ncomp] = np.eye(ncomp) + np.matmul(to_s, project)
         result[:, :ncomp, ncomp] = by_root
         result[:, ncomp, :ncomp] = normal.T
-        result[:, ncomp, ncomp] = np.einsum("in,ni->n", by_s, moved) - rate * k.radius
+        result[:, ncomp, ncomp] = by_excess
         return result / k.radius[:, None, None]
 
     return _System(residual, jacobian, strain)

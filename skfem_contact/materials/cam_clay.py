@@ -72,7 +72,7 @@ class CamClayConstants(NamedTuple):
 class CamClay(Material):
     r"""Modified Cam Clay: stiffness that grows with pressure, compression, and critical state.
 
-    The logarithm of the specific volume falls with that of the mean effective stress p by ``kappa``
+    The logarithm of the specific volume falls with ln(p) of the effective pressure p by ``kappa``
     inside the yield surface :math:`q^2 / M^2 + p (p - p_c) = 0` and by ``lambda_`` on it, without
     an elastic range of pressures where p is zero: ground without stress needs an `attraction`.
     Elasticity is hyperelastic: closed cycles of strain do no work.
@@ -160,23 +160,30 @@ class CamClay(Material):
     ) -> Array:
         if stress is None:
             p = np.asarray(self.p_ref + 0 * self.kappa + 0 * self.nu)
+            isotropic = np.zeros((ncomp, *p.shape))
             k = 1 / self.kappa
             g = 1.5 * (1 - 2 * self.nu) / (1 + self.nu) / self.kappa
-            return _elastic(p, np.zeros((ncomp, *p.shape)), k, g)
+            return _elastic(p, isotropic, k, g)
         c = self._constants(stress.shape)
         p, e, _ = elastic_strain(stress.reshape(ncomp, -1), c)
         self._check_pressure(p, p <= 0)
-        return _elastic(p, e, c.k, c.g).reshape(*stress.shape[1:], ncomp, ncomp)
+        moduli = _elastic(p, e, c.k, c.g)
+        return moduli.reshape(*stress.shape[1:], ncomp, ncomp)
 
     @override
     def initial_internal(self, stress: Array) -> Array:
         c = self._constants(stress.shape)
         p, e, E = elastic_strain(stress.reshape(len(stress), -1), c)
-        self._check_pressure(p, (p < 0) | ((p == 0) & (E > 0)))
-        equivalent = p * (1 + 6 * c.g**2 * E / critical(e, E, c)[0] ** 2)
-        pressure = along_elements(self.OCR, stress.shape) * equivalent.reshape(stress.shape[1:])
-        pressure += along_elements(self.POP, stress.shape)
-        return np.stack((np.zeros_like(pressure), pressure))
+        sheared = (p == 0) & (E > 0)
+        self._check_pressure(p, (p < 0) | sheared)
+
+        # p_c = OCR (p + q^2 / (M^2 p)) + POP
+        M = critical(e, E, c)[0]
+        equivalent = p * (1 + 6 * c.g**2 * E / M**2)
+        equivalent = equivalent.reshape(stress.shape[1:])
+        pc = along_elements(self.OCR, stress.shape) * equivalent
+        pc += along_elements(self.POP, stress.shape)
+        return np.stack((np.zeros_like(pc), pc))
 
     def _check_pressure(self, p: Array, wrong: NDArray[np.bool_]) -> None:
         """Refuse points without a positive pressure."""
@@ -310,7 +317,8 @@ def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
     ratio = np.moveaxis(ratio, 0, -1)
     dyad = ratio[..., :, None] * ratio[..., None, :]
     stiff, shear = np.broadcast_arrays(p * k, p * g)
-    return stiff[..., None, None] * dyad + 2 * shear[..., None, None] * deviator(len(e))
+    volumetric = stiff[..., None, None] * dyad
+    return volumetric + 2 * shear[..., None, None] * deviator(len(e))
 
 
 def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
@@ -384,16 +392,20 @@ def condition(y: Array, base: Array, E: Array, c: CamClayConstants) -> tuple[Arr
     m2 = c.M**2
     square = E * x * x
     h = 6 * c.g**2 * square
-    value = base - B * y * (m2 - h) / (6 * c.g) + c.k * c.g * square + np.log1p(h / m2)
-    rate = (m2 - h) / (6 * c.g) + 2 * y * c.g * square * x
-    return value, -B * rate - 2 * c.k * c.g * square * x - 2 * h * x / (m2 + h)
+    g = c.g
+    BD = B * y * (m2 - h) / (6 * g)
+    value = base - BD + c.k * g * square + np.log1p(h / m2)
+    D_y = (m2 - h) / (6 * g) + 2 * y * g * square * x
+    slope = -B * D_y - 2 * c.k * g * square * x
+    slope = slope - 2 * h * x / (m2 + h)
+    return value, slope
 
 
 def _plastic(base: Array, E: Array, c: CamClayConstants) -> Rate:
     """Return the plastic strain y that fulfils the yield condition, zero in elastic points.
 
     Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0,
-    y_M) if F(y_M) < 0: Newton's method without the bracket jumps between several roots there.
+    y_M) if F(y_M) < 0; without this bracket Newton's method jumps between several roots.
     """
     # find the points outside of the yield surface
     y = np.zeros_like(E)
@@ -438,10 +450,12 @@ def _tangent(
     D_y = volume_strain(y, E, c)[1]
     ncomp = len(e)
     unit = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
-    dF = k * unit + ((B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)) * 2 * e
+    by_E = (B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)
+    dF = k * unit + by_E * 2 * e
     dD = -y * g * x * x * 2 * e
     if dM is not None:
-        dF += (-B * y * M / (3 * g) - 2 * h / (M * (M**2 + h))) * dM
+        by_M = -B * y * M / (3 * g) - 2 * h / (M * (M**2 + h))
+        dF += by_M * dM
         dD += y * M / (3 * g) * dM
 
     # differentiate the equation that y solves
@@ -455,6 +469,8 @@ def _tangent(
     # collect the changes of the pressure and of the deviator
     dlnp = k * (unit - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)
     stress = p * (unit + 2 * g * x * e)
+    turned = 2 * g * p * e
+    shear = 2 * g * p * x
     result = stress.T[:, :, None] * dlnp.T[:, None, :]
-    result += (2 * g * p * e).T[:, :, None] * dx.T[:, None, :]
-    return result + (2 * g * p * x)[:, None, None] * deviator(ncomp)
+    result += turned.T[:, :, None] * dx.T[:, None, :]
+    return result + shear[:, None, None] * deviator(ncomp)

@@ -1,8 +1,8 @@
 """Return mapping of the Hardening Soil in principal stresses.
 
-Stresses, and the scale of the stiffness, are those of :mod:`.hardening_stiffness`. The variables of
-a point are the shear multiplier L and the cap multiplier C, both times the scale, the sine of the
-mobilised dilatancy, and the scale. As in :mod:`.pyramid` an edge is a face whose two meeting
+Stresses, and the scale of the stiffness, are defined in :mod:`.hardening_stiffness`. The variables
+of a point are the shear multiplier L and the cap multiplier C, both times the scale, the sine of
+the mobilised dilatancy, and the scale. As in :mod:`.pyramid` an edge is a face whose two meeting
 principal stresses are averaged. An admissible result fulfils the yield and flow conditions of all
 mechanisms, keeps the order of the principal stresses, and on an edge the multipliers of both
 meeting faces are not negative.
@@ -47,7 +47,7 @@ _STEPS = 1, 4
 class _Modes(NamedTuple):
     """Faces and edges to which points return: 0 the face, 1 the edge c2 = c3, 2 the edge c1 = c2.
 
-    The averages are those of c1, c3 and c2, in this order, (3, n).
+    The averages belong to c1, c3 and c2, in this order, (3, n).
     """
 
     number: NDArray[np.intp]
@@ -200,7 +200,7 @@ def _residual(
     rowe = np.where(to_gamma == 0, k.sin_psi, rowe)
     dilatancy = np.minimum(np.maximum(rowe, 0.0), k.sin_psi)
 
-    # collect the residuals; an inactive mechanism has that of its multiplier
+    # collect the residuals; the multiplier of an inactive mechanism is its error
     values = np.array(
         (
             c1 - c3 - strength,
@@ -264,31 +264,37 @@ def _matrix(state: _State, r: _Residual) -> Array:
 def _solve(A: Array, b: Array) -> Array:
     """Return the solutions of A x = b for right-hand sides (m, 3, n), by Cramer's rule."""
     (a, d, g), (m, e, h), (n, f, i) = A  # rows
-    inverse = np.array(
+    adjugate = np.array(
         (
             (e * i - h * f, g * f - d * i, d * h - g * e),
             (h * n - m * i, a * i - g * n, g * m - a * h),
             (m * f - e * n, d * n - a * f, a * e - d * m),
         )
     )
-    det = (A[0] * inverse[:, 0]).sum(axis=0)
-    return (inverse * b[:, None]).sum(axis=2) / np.where(det == 0, np.nan, det)
+    det = (A[0] * adjugate[:, 0]).sum(axis=0)
+    det = np.where(det == 0, np.nan, det)
+    return (adjugate * b[:, None]).sum(axis=2) / det
 
 
 def _step(z: Array, trial: _Trial, state: _State, r: _Residual) -> Array:
     """Return Newton's step, (4, n): the scale by a Schur complement, then L, C and s."""
     # solve for L, C and s with the scale fixed, and for their derivatives by the scale
     by_scale = state.by_trial(*trial.rates)
-    right = np.array((r.values[:3], _rows(by_scale, r)))  # (2, 3, n)
-    right[0, :2] = np.where(r.active, right[0, :2], z[:2])
-    right[1, :2] += r.to_memory / z[3]
-    first, second = _solve(_matrix(state, r), right)
+    fixed = r.values[:3].copy()
+    fixed[:2] = np.where(r.active, fixed[:2], z[:2])
+    moving = _rows(by_scale, r)
+    moving[:2] += r.to_memory / z[3]
+    matrix = _matrix(state, r)
+    first, second = _solve(matrix, np.array((fixed, moving)))
 
     # insert them into the equation of the scale
     pull = r.to_scale * state.slopes.c[:, 1]
     own = 1 + r.to_scale * by_scale.c[1] - (pull * second).sum(axis=0)
-    change = (r.values[3] - (pull * first).sum(axis=0)) / np.where(own == 0, np.nan, own)
-    return np.array((*(second * change - first), -change))
+    own = np.where(own == 0, np.nan, own)
+    missing = r.values[3] - (pull * first).sum(axis=0)
+    change = missing / own
+    others = second * change - first
+    return np.array((*others, -change))
 
 
 def _newton(
@@ -304,9 +310,11 @@ def _newton(
         state = _state(z, trial, modes, k)
         residual = _residual(z, t, trial, k, state, with_cap)
         new = z + _step(z, trial, state, residual)
-        if not np.isfinite(new).all():  # a singular matrix: no solution
-            new = np.where(np.isfinite(new).all(axis=0), new, z)
-        return _limited(new, z, t, trial, k) - z, residual.error
+        solved = np.isfinite(new)
+        if not solved.all():  # a singular matrix: no solution
+            new = np.where(solved.all(axis=0), new, z)
+        new = _limited(new, z, t, trial, k)
+        return new - z, residual.error
 
     return damped_newton(step, start, (t, modes), _LAST_STEP, _ITERATIONS, _HALVINGS)
 
@@ -315,17 +323,25 @@ def _limited(new: Array, z: Array, t: Points, trial: _Trial, k: Constants) -> Ar
     """Return the variables after Newton's step within their limits; change them in place."""
     # do not shear beyond the isotropic stress
     c1, c3, _ = trial.averages[0]
-    new[0] = np.maximum(np.minimum(new[0], (c1 - c3) / (0.5 * k.mu)), 0.0)
+    largest = (c1 - c3) / (0.5 * k.mu)
+    new[0] = np.minimum(new[0], largest)
+    new[0] = np.maximum(new[0], 0.0)
 
     # take the step of the cap, which is nearly linear in its logarithm, in this logarithm
     bulk = 2 * k.lam + 4 / 3 * k.mu
     grown = 1 + bulk * z[1]
-    growth = np.maximum(np.minimum(bulk * (new[1] - z[1]) / grown, 3.0), -3.0)
-    new[1] = np.maximum(grown * np.exp(growth) - 1, 0.0) / bulk
+    change = new[1] - z[1]
+    growth = bulk * change / grown
+    growth = np.maximum(np.minimum(growth, 3.0), -3.0)
+    compression = grown * np.exp(growth) - 1
+    new[1] = np.maximum(compression, 0.0) / bulk
 
-    new[2] = np.minimum(np.maximum(new[2], 0.0), k.sin_psi)
+    # bound dilatancy and scale
+    new[2] = np.maximum(new[2], 0.0)
+    new[2] = np.minimum(new[2], k.sin_psi)
     least = np.maximum(0.5 * t.factor * t.scale, 0.3 * z[3])
-    new[3] = np.minimum(np.maximum(new[3], least), 3 * z[3])
+    new[3] = np.maximum(new[3], least)
+    new[3] = np.minimum(new[3], 3 * z[3])
     return new
 
 
@@ -357,7 +373,7 @@ def _followed(
 class Returned(NamedTuple):
     """Returned stresses (3, n), memory (n,), scale (n,), and `failed` points without a result.
 
-    ``slopes()`` computes d c / d trial (3, 3, n), and d c / d ln(scale) beside it (3, n).
+    ``slopes()`` computes d c / d trial (3, 3, n), and d c / d ln(scale), (3, n).
     """
 
     c: Array
@@ -435,7 +451,8 @@ def _checked(
     c2 = np.clip(c2, c3, np.maximum(c1, c3))
     rate = t.faster / scale
     cap = k.hardened(t.cap, 2 * state.p * C * rate)[0]
-    holds = (residual.error <= _SOLVED) & (c1 >= c3) & ordered
+    solved = residual.error <= _SOLVED
+    holds = solved & (c1 >= c3) & ordered
     memory = np.array((t.gamma + L * rate, cap))
     return np.array((c1, c2, c3)), memory, holds, (state, residual)
 
@@ -451,11 +468,14 @@ def _slopes(parts: list[_Part], n: int, k: Constants) -> tuple[Array, Array]:
 
         # solve for the changes of the variables by c1, c3 and c2 of the trial, and by the scale
         memory = np.array((*residual.to_memory, np.zeros(indices.size)))
-        right = np.array((*(_rows(slopes, residual) for slopes in direct), memory))
-        changes = _solve(_matrix(state, residual), right)  # (4, 3, n)
+        right = [_rows(slopes, residual) for slopes in direct]
+        right.append(memory)
+        matrix = _matrix(state, residual)
+        changes = _solve(matrix, np.array(right))  # (4, 3, n)
 
         # change the stresses with them
-        change = -np.einsum("mvn,vsn->msn", changes, state.slopes.c)[:, _SORTED]
+        change = -np.einsum("mvn,vsn->msn", changes, state.slopes.c)
+        change = change[:, _SORTED]
         by_scale[:, indices] = change[3]
         for i, own, slopes in zip(_SORTED, change, direct):
             by_trial[:, i, indices] = own + slopes.c[_SORTED]

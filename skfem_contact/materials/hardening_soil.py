@@ -258,16 +258,20 @@ class HardeningSoil(CohesiveFrictional):
         least = np.maximum(c[2], LEAST * k.reference)
         scale = k.scale(c[2])
         q = np.minimum(c[0] - c[2], k.failure * least)
-        growth = 1 / (k.initial * (1 - q / (k.asymptote * least)))
-        gamma = 2 * q / scale * (growth - 1 / k.unloading)
+        secant = k.initial * (1 - q / (k.asymptote * least))
+        gamma = 2 * q / scale * (1 / secant - 1 / k.unloading)
 
         # find the cap through the present stress or the vertical stress of the past
         vertical = self.OCR * (c[0] - k.shift) + self.POP + k.shift
         lateral = self._K0 * vertical
-        past = np.maximum(k.cap_stress(np.stack((vertical, lateral, lateral))), k.cap_stress(c))
-        cap = np.maximum(past, LEAST * k.reference)
-        history = np.zeros((self.n_internal - 3, gamma.size))
-        return np.concatenate(([0 * gamma, gamma, cap], history)).reshape(-1, *stress.shape[1:])
+        past = np.stack((vertical, lateral, lateral))
+        cap = np.maximum(k.cap_stress(past), k.cap_stress(c))
+        cap = np.maximum(cap, LEAST * k.reference)
+
+        memory = np.zeros((self.n_internal, gamma.size))
+        memory[1] = gamma
+        memory[2] = cap
+        return memory.reshape(-1, *stress.shape[1:])
 
     def _check_initial(self, c: Array) -> None:
         """Refuse stresses (3, n), compression positive, in tension or outside of the surface."""
@@ -355,7 +359,8 @@ class HardeningSoil(CohesiveFrictional):
         """Return the tangent of halved increments, (n, ncomp, ncomp), by central differences."""
         ncomp, n = increment.shape
         size = _DIFFERENCE * np.abs(increment).max(axis=0)
-        units = np.concatenate((np.eye(ncomp), -np.eye(ncomp)))
+        unit = np.eye(ncomp)
+        units = np.concatenate((unit, -unit))
         steps = units[:, :, None] * size  # (2 ncomp, ncomp, n)
         ends = np.concatenate(list(increment + steps), axis=1)
         stresses = np.tile(stress, 2 * ncomp)
@@ -453,8 +458,10 @@ def _tangent(block: _Block, k: Constants) -> Array:
     result = block.scale[:, None, None] * k.stiffness(ncomp)
     slopes, own = block.returned.slopes()
     scale = block.scale[points]
-    moduli = (2 * k.mu * slopes + k.lam * slopes.sum(axis=1, keepdims=True)) * scale
-    result[points] = block.frame.tangent(moduli[::-1, ::-1], block.values, k.mu * scale)
+    volume = slopes.sum(axis=1, keepdims=True)
+    moduli = (2 * k.mu * slopes + k.lam * volume) * scale
+    moduli = moduli[::-1, ::-1]
+    result[points] = block.frame.tangent(moduli, block.values, k.mu * scale)
 
     # differentiate it by the scale
     by_scale = block.push.copy()
@@ -466,7 +473,8 @@ def _tangent(block: _Block, k: Constants) -> Array:
     factor = block.small.factor
     if len(block.small.slope) == ncomp:
         by_factor = block.scale / factor * by_scale
-        by_factor[:, points] += (1 + 0.5 * k.unloading / k.initial) / factor[points] * hardened
+        power = 1 + 0.5 * k.unloading / k.initial
+        by_factor[:, points] += power / factor[points] * hardened
         result += by_factor.T[:, :, None] * block.small.slope.T[:, None, :]
 
     # add the change of the scale by the stress at the end
@@ -475,5 +483,6 @@ def _tangent(block: _Block, k: Constants) -> Array:
     direction = axes.stress(np.eye(3)[:, :1] * np.ones(n))
     rate = -0.5 * factor * k.scale_slope(least, k.scale(least)) * direction
     rate[3:] *= 2
-    gain = np.einsum("in,nij->nj", rate, result) / (1 - (rate * by_scale).sum(axis=0))[:, None]
+    own = 1 - (rate * by_scale).sum(axis=0)
+    gain = np.einsum("in,nij->nj", rate, result) / own[:, None]
     return result + by_scale.T[:, :, None] * gain[:, None, :]

@@ -137,7 +137,7 @@ class Points(NamedTuple):
 def elastic_scale(t: Points, k: Constants) -> Array:
     """Return the scales x of elastic increments, x = factor (scale_0 + scale(c3(x))) / 2.
 
-    The scale at the end is a concave function of that of the increment: repeated insertion
+    The scale at the end is a concave function of the increment's scale: repeated insertion
     converges, and so does Newton's method from where its slope is good. Near the least stiffness
     steps that overshoot are bisected. Beyond the limit, without a solution, a point lies outside
     the cap.
@@ -170,8 +170,10 @@ def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array, Arra
     scale = t.factor * t.scale
     c = k.shift - t.trial(scale).values[::-1]
     strength, to_least, to_gamma = k.shear_strength(c[2], t.gamma, k.scale(c[2]))
-    excess = np.maximum(c[0] - c[2] - strength, 0.0)
-    shear = excess / (2 + to_least + to_gamma * t.faster / (k.mu * scale))
+    sheared = c[0] - c[2]
+    excess = np.maximum(sheared - strength, 0.0)
+    hardening = to_gamma * t.faster / (k.mu * scale)
+    shear = excess / (2 + to_least + hardening)
 
     # take one step of the cap, F = ln((q^2 / M^2 + p^2) / p_p^2)
     w = np.array([1, k.lode - 1, -k.lode])
@@ -180,17 +182,24 @@ def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array, Arra
     N = 4 * k.mu / k.cap_slope
     K = k.lam + 2 * k.mu / 3
     squares = q * q / k.cap_slope
-    radius = np.maximum(squares + p * p, (LEAST * t.cap) ** 2)  # the cap is far where it is less
-    softer = (N * (w @ w) * squares + 2 * K * p * p) / radius
-    harder = 2 * p * k.hardened(t.cap, 0.0 * p)[1] * t.faster / (scale * t.cap)
+    least = (LEAST * t.cap) ** 2  # the cap is far from smaller stresses
+    radius = np.maximum(squares + p * p, least)
+    softer = N * (w @ w) * squares + 2 * K * p * p
+    softer = softer / radius
+    rate = k.hardened(t.cap, 0.0 * p)[1]
+    harder = 2 * p * rate * t.faster / (scale * t.cap)
+    resistance = np.maximum(softer + harder, K * LEAST)
     excess = np.maximum(np.log(radius / t.cap**2), 0.0)
-    multiplier = excess / (2 * np.maximum(softer + harder, K * LEAST))
+    multiplier = excess / (2 * resistance)
 
     # compare the change of the meeting stresses with their distance
     cap = N * q * multiplier
-    minor = c[1] - c[2] <= shear + (2 * k.lode - 1) * cap
-    major = c[0] - c[1] <= shear + (2 - k.lode) * cap
-    return np.where(minor, 1, np.where(major, 2, 0)), shear / k.mu, multiplier
+    to_minor = shear + (2 * k.lode - 1) * cap
+    to_major = shear + (2 - k.lode) * cap
+    minor = c[1] - c[2] <= to_minor
+    major = c[0] - c[1] <= to_major
+    mode = np.where(minor, 1, np.where(major, 2, 0))
+    return mode, shear / k.mu, multiplier
 
 
 def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:

@@ -182,12 +182,16 @@ class NgiAdp(Isotropic):
 
         # round the corners so that triaxial compression fails at its strength
         cosine = np.sqrt(0.75) * radius / (self.triaxial * A - 0.5 * shift)
-        rounding = 0.5 * (1 - np.cos(6 * np.arccos(np.clip(cosine, -1, 1))))
+        angle = np.arccos(np.clip(cosine, -1, 1))
+        rounding = 0.5 * (1 - np.cos(6 * angle))
 
         plastic = self.gamma_A is None
         gammas = (1.0, 1.0, 1.0) if plastic else (self.gamma_A, self.gamma_DSS, self.gamma_P)
         values = (*self.lame, radius, shift, radius / D, rounding, *gammas)
-        flat = [np.broadcast_to(along_elements(v, shape), shape[1:]).ravel() for v in values]
+        flat = []
+        for value in values:
+            spread = np.broadcast_to(along_elements(value, shape), shape[1:])
+            flat.append(spread.ravel())
         return ADPConstants(*flat, plastic)  # type: ignore[call-arg, arg-type]
 
     def _shear(self, stress: Array, k: ADPConstants) -> Array:

@@ -1,5 +1,4 @@
-"""Small-strain stiffness of the Hardening Soil: shear modulus that falls with the strain since the
-last reversal.
+"""Small-strain stiffness of the Hardening Soil: it falls with the strain since the last reversal.
 
 In the history of a point, deviators have engineering shear strains. The shear strain of a deviator
 e is sqrt(3/2 e : e), the difference of the principal strains of a triaxial test. An increment
@@ -32,13 +31,11 @@ _FIRST = 1.0 - 1e-9
 
 
 class Stiffening(NamedTuple):
-    """Ratio of the modulus of an increment to that of unloading, its derivative by the strain, and
-    the new memory.
-    """
+    """Ratio of the modulus of an increment to the modulus of unloading, and its slope."""
 
     factor: Array
-    slope: Array
-    memory: Array
+    slope: Array  # derivative by the strain, (ncomp, n)
+    memory: Array  # new memory
 
 
 class SmallStrain(NamedTuple):
@@ -49,54 +46,69 @@ class SmallStrain(NamedTuple):
 
     def stiffening(self, strain: Array, memory: Array) -> Stiffening:
         """Return the stiffening over increments (ncomp, n) from a memory (13, n)."""
+        # compute the deviator of the increment
         e = np.zeros((6, strain.shape[1]))
         e[: len(strain)] = strain
         e[:3] -= e[:3].mean(axis=0)
-        start, since, largest = memory[:6], memory[6:12], memory[12]
+        length = _norm(e)
+        moves = length > 0
+        direction = e / np.where(moves, length, 1.0)
+
+        # choose the history that the increment continues: the first loading, or the last reversal
+        start = memory[:6]
+        since = memory[6:12]
+        largest = memory[12]
         first = _shear(start) >= _FIRST * largest
-        history, length, travelled = np.where(first, start, since), _norm(e), _norm(start)
-        direction = e / np.where(length > 0, length, 1.0)
-        along = np.where(
-            length > 0, _product(history, direction), _norm(history)
-        )  # without an increment it continues
+        history = np.where(first, start, since)
+        along = np.where(moves, _product(history, direction), _norm(history))
         ahead = np.maximum(along, 0.0)
-        share = np.where(first, ahead / np.where(travelled > 0, travelled, 1.0), 0.0)
-        share = np.where(first & (travelled == 0), 1.0, share)
+
+        # widen the hyperbola: once in the first loading, twice (Masing) after a reversal
+        travelled = _norm(start)
+        begun = travelled > 0
+        share = np.where(first, ahead / np.where(begun, travelled, 1.0), 0.0)
+        share = np.where(first & ~begun, 1.0, share)
         rate = 0.385 / self.gamma_07 * np.sqrt(1.5)
         scale = 0.5 * rate * (1 + np.minimum(share, 1.0))
         factor, by_begin, by_end = self._secant(scale * ahead, scale * (ahead + length))
-        turns = first & (along > 0) & (travelled > 0)
+
+        # differentiate the factor: by the share of the history along the increment, by its length
+        turns = first & (along > 0) & begun
         turned = np.where(turns, 0.5 * rate / np.where(turns, travelled, 1.0), 0.0)
-        by_along = (by_begin + by_end) * (
-            np.where(along > 0, scale, 0.0) + turned * ahead
-        ) + by_end * turned * length
-        across = (history - along * direction) / np.where(length > 0, length, np.inf)
+        by_ahead = np.where(along > 0, scale, 0.0) + turned * ahead
+        by_along = (by_begin + by_end) * by_ahead + by_end * turned * length
+        across = (history - along * direction) / np.where(moves, length, np.inf)
         slope = _covector(by_along * across + by_end * scale * direction)[: len(strain)]
+
+        # forget the history against the direction of the increment
         history = history - np.minimum(along, 0.0) * direction + e
-        new = np.concatenate(
-            (
-                start + e,
-                np.where(length > 0, history, since),
-                np.maximum(largest, _shear(start + e))[None],
-            )
-        )
-        return Stiffening(factor, slope, new)
+        since = np.where(moves, history, since)
+        largest = np.maximum(largest, _shear(start + e))
+        return Stiffening(factor, slope, np.concatenate((start + e, since, largest[None])))
 
     def _secant(self, begin: Array, end: Array) -> tuple[Array, Array, Array]:
-        """Return the mean ratio of the tangent moduli between two strains over that of G_0, and its
-        derivatives.
+        """Return the mean ratio G / G_ur between two strains, and its derivatives.
+
+        The strains are 0.385 gamma / gamma_07. The tangent modulus is G_0 / (1 + x)^2 up to G_ur,
+        its integral from a to b has the mean G_0 / ((1 + a) (1 + b)).
         """
-        limit, gap = np.sqrt(self.ratio) - 1, end - begin
-        above = np.where(begin < limit, 1.0, 0.0), np.where(end < limit, 1.0, 0.0)
-        a, b = np.minimum(begin, limit), np.minimum(end, limit)
-        some = np.where(gap > 0, gap, 1.0)
-        share = np.where(gap > 0, (b - a) / some, above[0])
+        limit = np.sqrt(self.ratio) - 1
+        before = np.where(begin < limit, 1.0, 0.0)
+        after = np.where(end < limit, 1.0, 0.0)
+        a = np.minimum(begin, limit)
+        b = np.minimum(end, limit)
+
+        # compute the mean over the share of the increment before the limit
+        gap = end - begin
+        moves = gap > 0
+        width = np.where(moves, gap, 1.0)
+        share = np.where(moves, (b - a) / width, before)
         secant = self.ratio / ((1 + a) * (1 + b))
-        turn = np.where(gap > 0, (secant - 1) / some, 0.0)
+        turn = np.where(moves, (secant - 1) / width, 0.0)
         return (
             1 + (secant - 1) * share,
-            -above[0] * secant / (1 + a) * share + turn * (share - above[0]),
-            -above[1] * secant / (1 + b) * share + turn * (above[1] - share),
+            -before * secant / (1 + a) * share + turn * (share - before),
+            -after * secant / (1 + b) * share + turn * (after - share),
         )
 
 

@@ -37,7 +37,7 @@ from .cam_clay import (
 )
 from .local_newton import bracketed_root
 
-# Logarithms of the smallest y, below which there is no creep, and of the largest.
+# Logarithms of the smallest y, below which nothing creeps, and of the largest.
 _LEAST, _MOST = -80.0, 20.0
 # Iterations: 5 to 12 are needed, bisections from the bounds 60. The last one changes ln(y) by less.
 _ITERATIONS, _LAST = 120, 8e-13
@@ -57,8 +57,8 @@ class SoftSoilCreep(CamClay):
     kappa, lambda_, M, nu, p_ref, OCR, POP, extension, attraction : float or ndarray
         Parameters of :class:`CamClay`.
     mu : float or ndarray
-        Creep index: compression of the logarithm of the volume by that of time, 0 < mu < lambda -
-        kappa. The index C_alpha of void ratio e on the common logarithm of time is 2.3 (1 + e) mu.
+        Creep index: compression of ln(volume) by ln(time), 0 < mu < lambda - kappa. The index
+        C_alpha of void ratio e on the common logarithm of time is 2.3 (1 + e) mu.
     tau : float or ndarray
         Time since normally consolidated clay reached its preconsolidation, usually one day: the
         unit of all durations.
@@ -93,17 +93,22 @@ class SoftSoilCreep(CamClay):
     def update(
         self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0
     ) -> Update:
+        shape = stress.shape
         mu, tau = (
-            np.broadcast_to(along_elements(value, stress.shape), stress.shape[1:]).ravel()
+            np.broadcast_to(along_elements(value, shape), shape[1:]).ravel()
             for value in (self.mu, self.tau)
         )
-        c = self._constants(stress.shape)
+
+        # compute R at the start, 1 where stress and creep are none
+        c = self._constants(shape)
         p, e, E = elastic_strain(stress.reshape(len(stress), -1), c)
+        M = critical(e, E, c)[0]
         pressed = p > 0
         pc = np.where(pressed, internal[1].ravel(), 1.0)
-        R = p / pc * (1 + 6 * c.g**2 * E / critical(e, E, c)[0] ** 2)
+        R = p / pc * (1 + 6 * c.g**2 * E / M**2)
         begin = np.log(np.where(pressed, R, 1.0))
-        return self._update(strain_increment, stress, internal, _creep, (mu, dt / tau, begin))
+        data = mu, dt / tau, begin
+        return self._update(strain_increment, stress, internal, _creep, data)
 
 
 def _creep(
@@ -111,7 +116,8 @@ def _creep(
 ) -> Rate:
     """Return the plastic strain y after a time over tau, from ln(R) at its start."""
     beta = 1 / (c.hardening * mu)
-    log_time = np.log(np.maximum(time, 1e-300))
+    passed = np.maximum(time, 1e-300)
+    log_time = np.log(passed)
     data = base, E, c, mu, beta, log_time, begin
 
     def function(log_y: Array, *data: Any) -> tuple[Array, Array, float]:
@@ -121,9 +127,11 @@ def _creep(
     low = np.full(E.shape, _LEAST)
     high = np.full(E.shape, _MOST)
     log_y, _ = bracketed_root(function, start, low, high, data, _ITERATIONS)
-    y = np.where((time > 0) & (log_y > _LEAST + 1), np.exp(log_y), 0.0)
+    creeps = (time > 0) & (log_y > _LEAST + 1)
+    y = np.where(creeps, np.exp(log_y), 0.0)
     _, _, of_condition, of_volume = _equation(log_y, *data)
-    return Rate(y, of_condition, of_volume, -1 / np.where(y > 0, y, 1.0), -2 / c.M)
+    of_y = -1 / np.where(y > 0, y, 1.0)
+    return Rate(y, of_condition, of_volume, of_y, of_M=-2 / c.M)
 
 
 def _equation(
@@ -171,5 +179,8 @@ def _growth(z: Array) -> tuple[Array, Array]:
     size = np.abs(safe)
     decay = -np.expm1(-size)
     value = np.maximum(safe, 0.0) + np.log(decay / size)
-    slope = np.where(safe > 0, 1.0, 1.0 - decay) / decay * np.sign(safe) - 1 / safe
-    return np.where(small, z / 2 + z * z / 24, value), np.where(small, 0.5 + z / 12, slope)
+    value = np.where(small, z / 2 + z * z / 24, value)
+    share = np.where(safe > 0, 1.0, 1.0 - decay)
+    slope = share / decay * np.sign(safe) - 1 / safe
+    slope = np.where(small, 0.5 + z / 12, slope)
+    return value, slope
