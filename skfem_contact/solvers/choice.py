@@ -102,20 +102,22 @@ def linear_solver(
     """
     changing = [form.changing for form in forms.values() if form.changing is not None]
     anywhere = len(changing) < len(forms)
-    interface = np.unique(np.concatenate(changing or [np.zeros(0, int)]))
-    engine = fastest_engine() if solver is None else ""
-    displacements_only = not any(form.fields for form in forms.values())
-    most = (
-        iterations_that_pay(locations, free, engine, anywhere)
-        if solver is None and displacements_only
-        else 0
-    )
-    inner = (
-        AmgOrDirect(locations, free, interface, engine, most)
-        if most
-        else as_solver(solver, locations, free, interface, single=anywhere)
-    )
-    given = callable(solver) or (isinstance(solver, str) and solver == "amg")
-    if given or anywhere or len(interface) == 0 or (most and len(free) > FACTORED_ONCE):
-        return inner  # where bodies yield, factors that are made to be kept do not pay
+    interface = np.unique(np.concatenate([np.zeros(0, int), *changing]))
+
+    # iterate where this pays, for displacements alone
+    most = 0
+    if solver is None and not any(form.fields for form in forms.values()):
+        engine = fastest_engine()
+        most = iterations_that_pay(locations, free, engine, anywhere)
+    inner: LinearSolver
+    if most:
+        inner = AmgOrDirect(locations, free, interface, engine, most)
+    else:
+        inner = as_solver(solver, locations, free, interface, single=anywhere)
+
+    # keep factors of elastic bodies; where bodies yield, factors made to be kept do not pay
+    given = callable(solver) or solver == "amg"
+    iterates = most > 0 and len(free) > FACTORED_ONCE
+    if given or iterates or anywhere or len(interface) == 0:
+        return inner
     return SchurSolver(inner, locations, free, interface)

@@ -44,9 +44,7 @@ class Solve(Protocol):
     """Solution of a prepared system."""
 
     def __call__(self, b: ndarray, rtol: float = REFINE) -> ndarray:
-        """Return the solution for b (N,); iterative solvers may leave a residual of `rtol` times
-        b.
-        """
+        """Return the solution for b (N,); iterative solvers may leave a residual of rtol |b|."""
 
 
 class LinearSolver(Protocol):
@@ -81,10 +79,8 @@ class Engine(Protocol):
 #: accuracy.
 Way = Literal["single", "double", "careful"]
 WAYS: tuple[Way, ...] = ("single", "double", "careful")
-ENGINES: dict[str, Callable[[], Engine]] = {
-    "pardiso": Pardiso,
-    "superlu": SuperLU,
-}  # the fastest first
+#: The fastest first.
+ENGINES: dict[str, Callable[[], Engine]] = {"pardiso": Pardiso, "superlu": SuperLU}
 
 
 class DirectSolver:
@@ -139,12 +135,11 @@ class DirectSolver:
         return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} dofs)"
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Factor the free block of K, (N, N), for solutions b (N,) -> x (N,) with zeros at the
-        prescribed dofs.
+        """Factor the free block of K, (N, N), for solutions b (N,) -> x (N,).
 
-        PARDISO makes use of the symmetry of K; K is nonsymmetric in slip and in non-associated
-        flow.  A motion of the free dofs without stiffness raises :class:`SingularSystem`, here or
-        in the callable.
+        The solutions are zero at the prescribed dofs. PARDISO makes use of the symmetry of K; K is
+        nonsymmetric in slip and in non-associated flow. A motion of the free dofs without stiffness
+        raises :class:`SingularSystem`, here or in the callable.
         """
         n = self._locations.shape[1]
         if K.shape != (n, n):
@@ -153,26 +148,30 @@ class DirectSolver:
             )
         if len(self._free) == 0:
             return nothing_free
-        last, block = self._last, self._block or self._ordered(K)
+        # return the last factor if it belongs to K
+        last = self._last
+        serves = last is not None and last.usable and last.symmetric == symmetric
+        kept = last if serves else None
         known = self._given is not None and self._given() is K and not K.data.flags.writeable
-        if known and last is not None and last.usable and last.symmetric == symmetric:
-            return last
-        self._block, self._given, A = block, ref(K), block.gather(K)
-        if (
-            last is not None
-            and last.usable
-            and last.symmetric == symmetric
-            and same_matrix(A, last.A)
-        ):
-            return last
+        if kept is not None and known:
+            return kept
+        if self._block is None:
+            self._block = self._ordered(K)
+        A = self._block.gather(K)
+        self._given = ref(K)
+        if kept is not None and same_matrix(A, kept.A):
+            return kept
+
+        # factor in the first way that may hold
         if self._engine.outdated():
-            block = self._block = self._ordered(K)
-            A = block.gather(K)
-        self._single = self._single and (last is None or last.holds)
-        self._last = last = None  # its memory is free for the next one
-        factor = self._last = _Factor(
-            A, self._engine, symmetric, block.order, n, WAYS[not self._single :]
-        )
+            self._block = self._ordered(K)
+            A = self._block.gather(K)
+        if last is not None and not last.holds:
+            self._single = False
+        ways = WAYS if self._single else WAYS[1:]
+        self._last = last = kept = None  # its memory is free for the next one
+        factor = _Factor(A, self._engine, symmetric, self._block.order, n, ways)
+        self._last = factor
         return factor
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
@@ -204,9 +203,7 @@ def as_engine(name: str | None = None) -> Engine:
 
 
 class _Factor:
-    """Factor of one free block, with checks of its solutions: computed in one of the `ways`, the
-    first that holds.
-    """
+    """Factor of one free block, in the first of the `ways` that holds, with checks of solutions."""
 
     def __init__(
         self,
@@ -217,15 +214,20 @@ class _Factor:
         size: int,
         ways: tuple[Way, ...],
     ) -> None:
-        self.A, self.symmetric, self._ways = A, symmetric, ways
-        self._engine, self._order, self._size = engine, order, size
+        self.A = A
+        self.symmetric = symmetric
+        self._ways = ways
+        self._engine = engine
+        self._order = order
+        self._size = size
         self._scale = self._row_norms()
         for way in ways:
             try:
                 self._factor(way)
             except RuntimeError:  # an exact zero among the pivots
                 continue
-            if self._stiffness() > (FIRM if way == "single" else SINGULAR):
+            least = FIRM if way == "single" else SINGULAR
+            if self._stiffness() > least:
                 return
         raise self._singular()
 
@@ -275,22 +277,19 @@ class _Factor:
         return x
 
     def _refined(self, rhs: ndarray, size: float) -> tuple[ndarray, float]:
-        """Solve, refine where the residual is not small, and return the relative residual as
-        well.
-        """
+        """Return the refined solution, and its relative residual."""
         x = self._solve(rhs)
         residual = rhs - self.A @ x
         small, most = (ROUND_OFF, REFINEMENTS) if self._way == "single" else (REFINE, 1)
         while np.linalg.norm(residual) > small * size and most > 0:
-            x, most = x + self._solve(residual), most - 1
+            x = x + self._solve(residual)
+            most -= 1
             residual = rhs - self.A @ x
         error = float(np.linalg.norm(residual)) / size
         return x, error if np.isfinite(error) else np.inf
 
     def _row_norms(self) -> ndarray:
-        """Return the largest entry of each row, the measure of stiffness: penalties may be millions
-        of times E.
-        """
+        """Return the largest entry of each row: penalties may be millions of times E."""
         A = self.A
         filled = np.flatnonzero(np.diff(A.indptr))
         norms = np.zeros(A.shape[0])
@@ -302,8 +301,7 @@ class _Factor:
         return norms
 
     def _stiffness(self) -> float:
-        """Estimate the stiffness of the softest motion relative to the rows by one or two inverse
-        iterations.
+        """Estimate the relative stiffness of the softest motion by one or two inverse iterations.
 
         SuperLU needs a copy of its factors for the ratio of the pivots.
         """
@@ -317,36 +315,32 @@ class _Factor:
         return stiffness
 
     def _singular(self) -> SingularSystem:
-        """Create the error with the dofs of the softest motion, found with a little stiffness
-        added.
-        """
+        """Return the error with the dofs of the softest motion, found with a little stiffness."""
         self._forget()
-        for careful in (
-            False,
-            True,
-        ):  # scaled as an earlier matrix the first factors may give no numbers
-            solve = self._engine.factor(
-                (self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful
-            )
+        stiffened = (self.A + diags(HOLD * self._scale)).tocsr()
+        # scaled as an earlier matrix the first factors may give no numbers
+        for careful in (False, True):
+            solve = self._engine.factor(stiffened, self.symmetric, careful)
             motion = _any_motion(len(self._scale))
             for _ in range(2):
                 motion = solve(self._scale * motion)
                 motion /= np.abs(motion).max()
             if np.isfinite(motion).all():
                 break
-        return _floating(
-            self._order[~(np.abs(motion) <= MOVES)], len(motion)
-        )  # all of them without numbers
+        moving = ~(np.abs(motion) <= MOVES)  # all of them without numbers
+        return _floating(self._order[moving], len(motion))
 
 
 def _in_single(engine: Engine, A: csr_matrix, symmetric: bool) -> Callable[[ndarray], ndarray]:
     """Factor A in single precision and return its solution, in any units."""
     largest = float(np.abs(A.data).max())
-    solve = engine.factor(with_data(A, (A.data / largest).astype(np.float32)), symmetric)
+    scaled = (A.data / largest).astype(np.float32)
+    solve = engine.factor(with_data(A, scaled), symmetric)
 
     def solution(b: ndarray) -> ndarray:
         size = float(np.abs(b).max()) or 1.0
-        return solve((b / size).astype(np.float32)).astype(float) * (size / largest)
+        x = solve((b / size).astype(np.float32))
+        return x.astype(float) * (size / largest)
 
     return solution
 

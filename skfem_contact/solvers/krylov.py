@@ -31,18 +31,23 @@ def conjugate_gradients(
     The residual follows the recursion.  Recomputed from x every few iterations, the residual
     stagnates at 1e-7 on slender beams and then grows.
     """
-    x, residual, target = np.zeros_like(b), b.copy(), tolerance * np.linalg.norm(b)
-    direction, product = np.zeros_like(b), np.inf
+    x = np.zeros_like(b)
+    residual = b.copy()
+    target = tolerance * np.linalg.norm(b)
+    direction = np.zeros_like(b)
+    product = np.inf
     for count in range(most):
         preconditioned = cycle(residual)
-        product, last = float(residual @ preconditioned), product
+        last = product
+        product = float(residual @ preconditioned)
         direction = preconditioned + product / last * direction
         image = A @ direction
         curvature = float(direction @ image)
         if not curvature > 0.0:
             return x, count
-        x += product / curvature * direction
-        residual -= product / curvature * image
+        length = product / curvature
+        x += length * direction
+        residual -= length * image
         if np.linalg.norm(residual) <= target:
             return x, count + 1
     return x, most
@@ -72,7 +77,10 @@ class Fgmres:
         """Return the solution and the number of iterations."""
         if self.forgets or self._slow.shape[1] != len(b):
             self._slow = np.zeros((0, len(b)))
-        x, residual, target, count = np.zeros_like(b), b, tolerance * float(np.linalg.norm(b)), 0
+        x = np.zeros_like(b)
+        residual = b
+        target = tolerance * float(np.linalg.norm(b))
+        count = 0
         while count < most and float(np.linalg.norm(residual)) > target:
             space = _Space.of(A, self._slow)
             first, residual = space.projected(residual)
@@ -82,130 +90,126 @@ class Fgmres:
             if taken == 0 or not np.isfinite(step).all():
                 x = x + first
                 break
-            x, count = x + first + step, count + taken
+            x = x + first + step
+            count += taken
             residual = b - A @ x
         return x, count
 
 
 @dataclass(eq=False)
 class _Space:
-    """Krylov space beside some directions.
+    """Some directions, and a Krylov space whose images are orthogonal to their images.
 
-    Attributes
-    ----------
-    directions, images : ndarray, shape (n, N)
-        Directions, and what the matrix makes of them, which is orthonormal.
-    steps : ndarray, shape (k, N)
-        Steps of the Krylov space; A times them is made of the images, by `beside`, and of an
-        orthonormal basis.
-    R : ndarray, shape (k, k)
-        Triangular factor of the coefficients of this basis.
+    The images of the steps are A steps^T = images^T shares + V R, with an orthonormal basis V.
     """
 
-    directions: ndarray
-    images: ndarray
-    steps: ndarray
-    beside: ndarray
-    R: ndarray
+    directions: ndarray  # (n, N)
+    images: ndarray  # A times the directions, orthonormal, (n, N)
+    steps: ndarray  # of the Krylov space, (k, N)
+    shares: ndarray  # of the directions' images, (n, k)
+    R: ndarray  # triangular, (k, k)
 
     @classmethod
     def of(cls, A: csr_matrix, directions: ndarray) -> _Space:
         """Return the space of directions alone."""
         Q, R = np.linalg.qr(A @ directions.T)
-        independent = np.abs(np.diagonal(R)) > _DEPENDENT * np.abs(R).max(initial=0.0)
-        if not independent.all():
-            directions, Q, R = directions[:0], Q[:, :0], R[:0, :0]
         none = np.zeros((0, 0))
-        return cls(
-            solve_triangular(R, directions, trans="T", check_finite=False)
-            if len(R)
-            else directions,
-            np.ascontiguousarray(Q.T),
-            none,
-            none,
-            none,
-        )
+        least = _DEPENDENT * np.abs(R).max(initial=0.0)
+        independent = np.abs(np.diagonal(R)) > least
+        if len(R) == 0 or not independent.all():
+            directions = directions[:0]
+            images = np.zeros((0, A.shape[0]))
+        else:
+            directions = solve_triangular(R, directions, trans="T", check_finite=False)
+            images = np.ascontiguousarray(Q.T)
+        return cls(directions, images, none, none, none)
 
     def projected(self, residual: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the step along the directions that reduces a residual most, and the residual that
-        it leaves.
-        """
+        """Return the step along the directions that reduces a residual most, and its residual."""
         along = self.images @ residual
         return along @ self.directions, residual - along @ self.images
 
     def arnoldi(
         self, A: csr_matrix, b: ndarray, cycle: Preconditioner, target: float, most: int
     ) -> tuple[ndarray, int]:
-        """Return the step of least residual, and the iterations, in a space that grows until this
-        is small enough.
-        """
-        basis, steps = (
-            np.empty((most + 1, len(b))),
-            np.empty((most, len(b))),
-        )  # memory is taken as they are filled
-        R, right, beside = (
-            np.zeros((most, most)),
-            np.zeros(most + 1),
-            np.zeros((len(self.images), most)),
-        )
+        """Return the step of least residual, and the iterations, until it is small enough."""
+        basis = np.empty((most + 1, len(b)))  # memory is taken as they are filled
+        steps = np.empty((most, len(b)))
+        R = np.zeros((most, most))
+        shares = np.zeros((len(self.images), most))
+        right = np.zeros(most + 1)
         right[0] = np.linalg.norm(b)
-        basis[0], k = b / right[0], 0
+        basis[0] = b / right[0]
         turns: list[tuple[float, float]] = []
+        k = 0
         while k < most and abs(right[k]) > target:
+            # make the image of the next step orthogonal to the others
             steps[k] = cycle(basis[k])
             vector = A @ steps[k]
-            beside[:, k] = self.images @ vector
-            vector -= beside[:, k] @ self.images
-            along, left = _orthogonal(basis[: k + 1], vector)
-            column = np.append(along, left)
-            for i, (cosine, sine) in enumerate(turns):  # Givens rotations
+            shares[:, k] = self.images @ vector
+            vector -= shares[:, k] @ self.images
+            along, length = _orthogonal(basis[: k + 1], vector)
+
+            # turn its column by Givens rotations
+            column = np.append(along, length)
+            for i, (cosine, sine) in enumerate(turns):
                 column[i : i + 2] = (
                     cosine * column[i] + sine * column[i + 1],
                     cosine * column[i + 1] - sine * column[i],
                 )
-            length = float(np.hypot(column[k], left))
-            if not length > 0.0:  # the cycle returned nothing new
+            diagonal = float(np.hypot(column[k], length))
+            if not diagonal > 0.0:  # the cycle returned nothing new
                 break
-            turns.append((column[k] / length, left / length))
-            R[:k, k], R[k, k] = column[:k], length
-            right[k : k + 2] = turns[k][0] * right[k], -turns[k][1] * right[k]
+            cosine = column[k] / diagonal
+            sine = length / diagonal
+            turns.append((cosine, sine))
+            R[:k, k] = column[:k]
+            R[k, k] = diagonal
+            right[k : k + 2] = cosine * right[k], -sine * right[k]
             k += 1
-            if left > 0.0:
-                basis[k] = vector / left
-        self.steps, self.beside, self.R = steps[:k], beside[:, :k], R[:k, :k]
-        shares = solve_triangular(self.R, right[:k], check_finite=False)
-        return shares @ self.steps - (self.beside @ shares) @ self.directions, k
+            if length > 0.0:
+                basis[k] = vector / length
+
+        # combine the steps, without the part of their images along the directions
+        self.steps = steps[:k]
+        self.shares = shares[:, :k]
+        self.R = R[:k, :k]
+        weights = solve_triangular(self.R, right[:k], check_finite=False)
+        return weights @ self.steps - (self.shares @ weights) @ self.directions, k
 
     def slowest(self) -> ndarray:
-        """Return the directions that the matrix changes least, over their length: harmonic Ritz
-        vectors.
-        """
-        n, k = self.beside.shape
-        images = np.block([[np.eye(n), self.beside], [np.zeros((k, n)), self.R]])
+        """Return the unit directions that the matrix changes least: harmonic Ritz vectors."""
+        # compute products of directions and steps, of unit length, and of their images
+        n, k = self.shares.shape
+        images = np.block([[np.eye(n), self.shares], [np.zeros((k, n)), self.R]])
+        own = self.directions @ self.directions.T
         mixed = self.directions @ self.steps.T
-        lengths = np.block(
-            [[self.directions @ self.directions.T, mixed], [mixed.T, self.steps @ self.steps.T]]
-        )
+        stepped = self.steps @ self.steps.T
+        lengths = np.block([[own, mixed], [mixed.T, stepped]])
         scale = 1.0 / np.sqrt(np.diagonal(lengths))
-        lengths = scale[:, None] * lengths * scale + _DEPENDENT * np.eye(len(scale))
+        lengths = scale[:, None] * lengths * scale
+        lengths = lengths + _DEPENDENT * np.eye(len(scale))
         images = images * scale
-        shares = (
-            scale[:, None] * eigh(images.T @ images, lengths, subset_by_index=(0, _KEPT - 1))[1]
-        )
-        found = shares[:n].T @ self.directions + shares[n:].T @ self.steps
-        return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])
+
+        # minimise |A x| / |x|
+        first = (0, _KEPT - 1)
+        _, weights = eigh(images.T @ images, lengths, subset_by_index=first)
+        weights = scale[:, None] * weights
+        slow = weights[:n].T @ self.directions
+        slow = slow + weights[n:].T @ self.steps
+        size = np.linalg.norm(slow, axis=1)
+        return np.asarray(slow / size[:, None])
 
 
 def _orthogonal(basis: ndarray, vector: ndarray) -> tuple[ndarray, float]:
-    """Make a vector orthogonal to a basis in place; return what was along the basis, and the length
-    that is left.
-    """
+    """Make a vector orthogonal to a basis in place; return its shares of it, and its length."""
     before = float(np.linalg.norm(vector))
     along = basis @ vector
     vector -= along @ basis
-    left = float(np.linalg.norm(vector))
-    if left < _LEFT * before:
+    length = float(np.linalg.norm(vector))
+    if length < _LEFT * before:
         again = basis @ vector
         vector -= again @ basis
-        along, left = along + again, float(np.linalg.norm(vector))
-    return along, left
+        along = along + again
+        length = float(np.linalg.norm(vector))
+    return along, length

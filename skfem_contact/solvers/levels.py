@@ -1,6 +1,4 @@
-"""Levels of an algebraic multigrid method: aggregates by pyamg, polynomial smoothers, coarse
-matrices that are kept.
-"""
+"""Levels of algebraic multigrid: aggregates by pyamg, polynomial smoothers, coarse matrices."""
 
 from __future__ import annotations
 
@@ -29,8 +27,8 @@ COARSEST = 300
 #: Degree of the smoother's polynomial, and the smallest eigenvalue that it reduces over the largest
 #: one.
 _DEGREE, _LOWEST = 3, 0.05
-#: Products for the largest eigenvalue from any vector and from that of the last matrix, and what
-#: they may miss.
+#: Products for the largest eigenvalue from any vector and from that of the last matrix, and the
+#: factor by which they may miss it.
 _FIRST, _NEXT, _MISSED = 15, 4, 1.1
 
 
@@ -61,7 +59,7 @@ class Levels:
         self._set([level.A for level in made.levels[1:]])
 
     def fit(self, pattern: csr_matrix) -> bool:
-        """Return True if the prolongators are those of a matrix with this pattern."""
+        """Return True if the prolongators were made for this pattern."""
         return same_pattern(pattern, self._pattern)
 
     def update(self, A: bsr_matrix) -> None:
@@ -107,7 +105,8 @@ class Smoother:
         self.A, self._size = A, blocks.blocksize[0]
         self._inverse = get_block_diag(blocks, self._size, inv_flag=True)
         highest = self._highest(largest)
-        self._middle, self._half = 0.5 * highest * (1.0 + _LOWEST), 0.5 * highest * (1.0 - _LOWEST)
+        self._middle = 0.5 * highest * (1.0 + _LOWEST)
+        self._half = 0.5 * highest * (1.0 - _LOWEST)
 
     def from_zero(self, b: ndarray) -> ndarray:
         """Return an approximation of the solution for b."""
@@ -118,12 +117,15 @@ class Smoother:
         return self._smoothed(x, b - self.A @ x)
 
     def _smoothed(self, x: ndarray, residual: ndarray) -> ndarray:
+        """Return x after the steps of the polynomial; x and its residual change in place."""
         ratio = self._middle / self._half
-        step, share = self._scaled(residual) / self._middle, 1.0 / ratio
+        step = self._scaled(residual) / self._middle
+        share = 1.0 / ratio
         for _ in range(_DEGREE - 1):
             x += step
             residual -= self.A @ step
-            share, last = 1.0 / (2.0 * ratio - share), share
+            last = share
+            share = 1.0 / (2.0 * ratio - share)
             step = share * last * step + (2.0 * share / self._half) * self._scaled(residual)
         x += step
         return x
@@ -133,19 +135,19 @@ class Smoother:
 
     def _highest(self, start: ndarray | None) -> float:
         """Return the largest eigenvalue by the power method."""
-        vector = (
-            np.random.default_rng(0).standard_normal(self.A.shape[0]) if start is None else start
-        )
-        for _ in range(_FIRST if start is None else _NEXT):
+        products = _NEXT
+        vector = start
+        if vector is None:
+            products = _FIRST
+            vector = np.random.default_rng(0).standard_normal(self.A.shape[0])
+        for _ in range(products):
             self.largest = vector / np.linalg.norm(vector)
             vector = self._scaled(self.A @ self.largest)
         return _MISSED * float(np.linalg.norm(vector))
 
 
 def _solution(coarsest: bsr_matrix) -> Callable[[ndarray], ndarray]:
-    """Factor a coarse matrix and return its solution; modes of aggregates that are held have no
-    stiffness and stay.
-    """
+    """Return the solution of a coarse matrix; modes of fixed aggregates have no stiffness."""
     A = coarsest.tocsc()
     A.eliminate_zeros()
     moves = np.flatnonzero(np.diff(A.indptr))
@@ -175,7 +177,7 @@ def smoothed_aggregation() -> Callable[..., Any]:
 
 @contextmanager
 def _repeatable() -> Iterator[None]:
-    """Give pyamg the same random numbers in every run, and keep those of the user."""
+    """Give pyamg the same random numbers in every run, and keep the user's generator."""
     state = np.random.get_state()  # noqa: NPY002  # pyamg draws from the global generator
     np.random.seed(0)  # noqa: NPY002
     try:

@@ -1,6 +1,4 @@
-"""Algebraic multigrid for large bodies: pyamg's smoothed aggregation with the rigid motions of
-every body.
-"""
+"""Algebraic multigrid for large bodies: smoothed aggregation with their rigid motions."""
 
 from __future__ import annotations
 
@@ -28,9 +26,8 @@ Balance = Callable[[ndarray, ndarray], ndarray]
 Method = Callable[[csr_matrix, ndarray, Preconditioner, float, int], tuple[ndarray, int]]
 
 MOST = 300  # iterations of a solution
-# Coarse matrices are kept for the next tangents until the iterations beyond those that new ones
-# would have taken have cost more than new ones, which take as long as 9 to 11 iterations (9,000 to
-# 36,000 dofs of yielding soil).
+# Coarse matrices are kept for the next tangents until the additional iterations have cost more
+# than new ones, which take as long as 9 to 11 iterations (9,000 to 36,000 dofs of yielding soil).
 KEPT = 15
 # Dofs in space for each iteration that takes as long as a factorisation: a paraboloid in contact,
 # 50,240 dofs, is factored in 1.4 s by PARDISO and in 7.2 s by SuperLU, times that grow with the
@@ -47,7 +44,7 @@ FEWEST = 20
 #: Newton's method for 28.
 _ROUGH, _ENOUGH = 1e-3, 0.1
 #: Residual from which on a solution is far from equilibrium, and iterations after which it ends
-#: with any residual. Mechanisms are about to form there, along which directions that are more
+#: with any residual. Mechanisms are about to form then, along which directions that are more
 #: accurate lead away.  After one that leaves more than a tenth the next may take twice as many.  A
 #: footing of 98,301 dofs takes 57 iterations of Newton's method and 524 of the linear solver; with
 #: 100 for each solution it takes 59 and 587. Newton's method asks for .03 far from equilibrium, and
@@ -56,15 +53,14 @@ _FAR, _EARLY = 0.02, 25
 
 
 class AmgSolver:
-    """Conjugate gradients, or FGMRES where K is not symmetric or not definite, preconditioned by
-    algebraic multigrid.
+    """Conjugate gradients or FGMRES, preconditioned by algebraic multigrid.
 
-    Coarse levels consist of aggregates of nodes and represent the rigid motions of every body
-    exactly.  The levels are built from the whole tangent and contain the coupling by contact.  A
-    factor of the block of the interface removes the residual that the levels leave there, where
-    penalties are large.  Contact therefore costs few iterations, whatever the penalty.  Time and
-    memory grow in proportion to the dofs.  Nearly incompressible material and stretched elements
-    increase the number of iterations.
+    FGMRES solves where K is not symmetric or not definite. Coarse levels consist of aggregates of
+    nodes and represent the rigid motions of every body exactly. The levels are built from the whole
+    tangent and contain the coupling by contact. A factor of the block of the interface removes the
+    residual that the levels leave on it, where penalties are large. Contact therefore costs few
+    iterations, whatever the penalty. Time and memory grow in proportion to the dofs. Nearly
+    incompressible material and stretched elements increase the number of iterations.
 
     Parameters
     ----------
@@ -92,100 +88,110 @@ class AmgSolver:
         most: int | None = None,
     ) -> None:
         smoothed_aggregation()
-        self._locations, dim = locations, len(locations)
+        dim = len(locations)
         nodes = np.unique(np.asarray(free) // dim)
+        self._locations = locations
         self._dofs = (dim * nodes[:, None] + np.arange(dim)).ravel()  # of whole nodes
-        self._held = ~np.isin(self._dofs, free)
+        self._fixed = ~np.isin(self._dofs, free)
         self._block = FreeBlock(self._dofs)
-        self._interface = np.flatnonzero(
-            np.isin(self._dofs, [] if interface is None else interface)
-        )
-        self._levels: Levels | None = None
-        self._rate, self._spent = 0.0, 0.0
+        on_interface = np.isin(self._dofs, [] if interface is None else interface)
+        self._interface = np.flatnonzero(on_interface)
         self._couplings: tuple[ndarray, ndarray] | None = None
-        self.iterations, self._early, self._fgmres = 0, _EARLY, Fgmres()
         self._most = MOST if most is None else most
+        # levels, the iterations that they took a digit, and the iterations spent beyond these
+        self._levels: Levels | None = None
+        self._rate = 0.0
+        self._spent = 0.0
+        self.iterations = 0
+        self._early = _EARLY
+        self._fgmres = Fgmres()
         logger.info("linear solver: %s", self.name)
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution, see :meth:`DirectSolver.factor`; the callable raises NotConverged
-        if it fails.
+        """Prepare the solution, see :meth:`DirectSolver.factor`.
+
+        The callable raises NotConverged if it fails.
         """
         if len(self._dofs) == 0:
             return nothing_free
-        A = self._without_held(self._block.gather(K))
-        try:
-            balanced = _balance(A, self._interface)
-        except RuntimeError as error:  # an exact zero among the pivots
-            raise SingularSystem(
-                "the interface can move without force", self._dofs[self._interface]
-            ) from error
+        A = self._without_fixed(self._block.gather(K))
+        balanced = self._balance(A)
         blocks = A.tobsr(2 * (len(self._locations),))
-        fresh = self._levels is None or self._spent > KEPT
-        levels = self._renewed(A, blocks) if self._levels is None or fresh else self._levels
+        levels = self._levels
+        fresh = self._spent > KEPT
+        if levels is None or fresh:
+            levels = self._renewed(A, blocks)
+            fresh = True
         cycle = levels.cycle(A, blocks)
         methods = (conjugate_gradients if symmetric else self._fgmres, self._fgmres)
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
-            right, x = np.where(self._held, 0.0, b[self._dofs]), np.zeros(len(b))
-            far = self._fgmres.forgets = rtol >= _FAR
+            right = np.where(self._fixed, 0.0, b[self._dofs])
+            far = rtol >= _FAR
+            self._fgmres.forgets = far
             most = min(self._most, self._early) if far else self._most
+
+            # iterate with the present coarse matrices as long as they pay, then with new ones
             patience = most if fresh else min(most, self._patience(rtol))
-            found = _iterated(A, cycle, balanced, right, methods, patience, rtol)
-            self.iterations, left = found.count, most - found.count if far else most
-            if not (found.close or fresh) and left > 0:
-                cycle, fresh = self._renewed(A, blocks).cycle(A, blocks), True
-                found = _iterated(A, cycle, balanced, right, methods, left, rtol, found.x)
-                self.iterations += found.count
-            logger.debug(
-                "multigrid: %d iterations to a residual of %.1e", self.iterations, found.error
-            )
-            if not found.close and (
-                rtol < _ROUGH or (most == self._most and found.error > _ENOUGH)
-            ):
-                raise NotConverged(
-                    f"algebraic multigrid does not converge, its relative residual is "
-                    f"{found.error:.1e} "
-                    f"after {self.iterations} iterations: bodies may be loose, very thin or nearly "
-                    "incompressible"
-                )
-            if found.close:
-                self._count(found, fresh)
-            if far:
-                self._end_early(found, fresh)
-            x[self._dofs] = found.x
-            x[self._dofs[self._held]] = 0.0  # not the round-off of the blocks of nodes
+            result = _iterated(A, cycle, balanced, right, methods, patience, rtol)
+            self.iterations = result.count
+            remaining = most - result.count if far else most
+            if remaining > 0 and not (result.close or fresh):
+                cycle = self._renewed(A, blocks).cycle(A, blocks)
+                fresh = True
+                result = _iterated(A, cycle, balanced, right, methods, remaining, rtol, result.x)
+                self.iterations += result.count
+            self._judge(result, rtol, most, fresh)
+
+            x = np.zeros(len(b))
+            x[self._dofs] = result.x
+            x[self._dofs[self._fixed]] = 0.0  # not the round-off of the blocks of nodes
             return x
 
         return solve
+
+    def _judge(self, result: _Result, rtol: float, most: int, fresh: bool) -> None:
+        """Refuse a solution that is too rough, and learn from its iterations."""
+        logger.debug(
+            "multigrid: %d iterations to a residual of %.1e", self.iterations, result.error
+        )
+        failed = rtol < _ROUGH or (most == self._most and result.error > _ENOUGH)
+        if failed and not result.close:
+            raise NotConverged(
+                f"algebraic multigrid does not converge, its relative residual is "
+                f"{result.error:.1e} after {self.iterations} iterations: bodies may be loose, "
+                "very thin or nearly incompressible"
+            )
+        if result.close:
+            self._count(result, fresh)
+        if rtol >= _FAR:
+            self._end_early(result, fresh)
 
     def _patience(self, rtol: float) -> int:
         """Return the iterations up to which coarse matrices of an earlier tangent pay."""
         return int(self._rate * -np.log10(rtol) + KEPT - self._spent) + 1
 
-    def _end_early(self, found: _Found, fresh: bool) -> None:
-        """Decide when the next solution far from equilibrium ends, and whether it needs other
-        coarse matrices.
-        """
-        if found.close and self.iterations <= _EARLY:
+    def _end_early(self, result: _Result, fresh: bool) -> None:
+        """Decide when the next solution far from equilibrium ends, and on its coarse matrices."""
+        if result.close and self.iterations <= _EARLY:
             self._early = _EARLY
-        elif found.error > _ENOUGH:
+        elif result.error > _ENOUGH:
             self._early *= 2
-        if not (found.close or fresh):
+        if not (result.close or fresh):
             self._spent = KEPT + 1.0
 
-    def _count(self, found: _Found, fresh: bool) -> None:
+    def _count(self, result: _Result, fresh: bool) -> None:
         """Count the iterations that other coarse matrices would have saved."""
         if fresh:
-            self._rate = max(self._rate, found.count / max(found.digits, 1.0))
-        self._spent += max(0.0, found.count - self._rate * found.digits)
+            self._rate = max(self._rate, result.count / max(result.digits, 1.0))
+        self._spent += max(0.0, result.count - self._rate * result.digits)
 
     def _renewed(self, A: csr_matrix, blocks: bsr_matrix) -> Levels:
-        """Return levels with the coarse matrices of A, of the known aggregates if it has their
-        pattern.
-        """
-        levels, self._rate, self._spent = self._levels, 0.0, 0.0
+        """Return levels of A, with the known aggregates if A has their pattern."""
+        self._rate = 0.0
+        self._spent = 0.0
+        levels = self._levels
         if levels is not None and levels.fit(A):
             levels.update(blocks)
             return levels
@@ -193,16 +199,14 @@ class AmgSolver:
         self._levels = levels = self._built(A, blocks)
         return levels
 
-    def _without_held(self, A: csr_matrix) -> csr_matrix:
+    def _without_fixed(self, A: csr_matrix) -> csr_matrix:
         """Remove all but the diagonal from the rows and columns of prescribed dofs."""
         if not np.isfinite(A.data).all():
             raise ValueError("the stiffness has entries that are not finite")
         if self._couplings is None or self._couplings[0] is not A.indices:
             row = np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
-            self._couplings = (
-                A.indices,
-                (self._held[row] | self._held[A.indices]) & (row != A.indices),
-            )
+            fixed = self._fixed[row] | self._fixed[A.indices]
+            self._couplings = A.indices, fixed & (row != A.indices)
         A.data[self._couplings[1]] = 0.0
         loose = np.flatnonzero(A.diagonal() == 0.0)
         if len(loose):
@@ -221,41 +225,44 @@ class AmgSolver:
         modes = np.empty((len(body), dim * (dim + 1) // 2))
         for number in range(count):
             modes[body == number] = rigid_modes(self._locations, self._dofs[body == number])
-        modes[self._held] = 0.0
+        modes[self._fixed] = 0.0
         levels = Levels(A, blocks, modes)
         logger.info(
             "multigrid: %d bodies, %s dofs on the levels", count, ", ".join(map(str, levels.sizes))
         )
         return levels
 
+    def _balance(self, A: csr_matrix) -> Balance:
+        """Return the function (x, b) -> x that removes the residual b - A x of the interface.
 
-def _balance(A: csr_matrix, at: ndarray) -> Balance:
-    """Return the function (x, b) -> x that removes the residual b - A x of some dofs; RuntimeError
-    if singular.
+        A preconditioner that ends with this balance is symmetric for all residuals that vanish on
+        the interface, as all residuals of its iterations do.
+        """
+        indices = self._interface
+        if len(indices) == 0:
+            return lambda x, b: x
+        rows = A[indices]
+        try:
+            solve = splu(rows[:, indices].tocsc()).solve
+        except RuntimeError as error:  # an exact zero among the pivots
+            raise SingularSystem(
+                "the interface can move without force", self._dofs[indices]
+            ) from error
 
-    A preconditioner that ends with this balance is symmetric for all residuals that vanish there,
-    as all residuals of its iterations do.
-    """
-    rows = A[at]
-    solve = splu(rows[:, at].tocsc()).solve if len(at) else None
+        def balanced(x: ndarray, b: ndarray) -> ndarray:
+            x[indices] += solve(b[indices] - rows @ x)
+            return x
 
-    def balanced(x: ndarray, b: ndarray) -> ndarray:
-        if solve is not None:
-            x[at] += solve(b[at] - rows @ x)
-        return x
-
-    return balanced
+        return balanced
 
 
 @dataclass(frozen=True)
-class _Found:
-    """Solution with its relative residual and that of the start; `close` if it is small or what
-    round-off leaves.
-    """
+class _Result:
+    """Solution with its relative residual, which is `close` if it is small or round-off."""
 
     x: ndarray
     count: int
-    first: float
+    first: float  # residual of the start
     error: float
     close: bool
 
@@ -274,38 +281,43 @@ def _iterated(
     most: int,
     rtol: float,
     start: ndarray | None = None,
-) -> _Found:
+) -> _Result:
     """Solve A x = b to a relative residual, or to the residual that round-off leaves."""
     size = float(np.linalg.norm(b))
     if not np.isfinite(size):
         raise ValueError("the right-hand side has entries that are not finite")
-    x, count, wanted = balanced(np.zeros_like(b) if start is None else start, b), 0, rtol
-    first = error = float(np.linalg.norm(b - A @ x)) / size if size > 0.0 else 0.0
+    x = balanced(np.zeros_like(b) if start is None else start, b)
+    error = float(np.linalg.norm(b - A @ x)) / size if size > 0.0 else 0.0
+    first = error
+    count = 0
+    wanted = rtol
+
+    def preconditioned(r: ndarray) -> ndarray:
+        return balanced(cycle(r), r)
+
     for method in methods:
-        if error > wanted and count < most:
-            step, taken = method(
-                A, b - A @ x, lambda r: balanced(cycle(r), r), wanted / error, most - count
-            )
-            candidate, count = balanced(x + step, b), count + taken
-            improved = float(np.linalg.norm(b - A @ candidate)) / size
-            if improved < error:
-                x, error = candidate, improved
-            if error > rtol:
-                wanted = max(rtol, _round_off(A, x) / size)
-    return _Found(x, count, first, error, error <= (max(WRONG, rtol) if count < most else wanted))
+        if error <= wanted or count >= most:
+            continue
+        step, taken = method(A, b - A @ x, preconditioned, wanted / error, most - count)
+        count += taken
+        candidate = balanced(x + step, b)
+        improved = float(np.linalg.norm(b - A @ candidate)) / size
+        if improved < error:
+            x = candidate
+            error = improved
+        if error > rtol:
+            wanted = max(rtol, _round_off(A, x) / size)
+    enough = max(WRONG, rtol) if count < most else wanted
+    return _Result(x, count, first, error, close=error <= enough)
 
 
 def _round_off(A: csr_matrix, x: ndarray) -> float:
-    """Estimate the residual that round-off leaves: 7e-9 of the load of a beam 30 times as long as
-    high.
-    """
+    """Estimate the residual of round-off: 7e-9 of the load of a beam 30 times as long as high."""
     return float(np.finfo(float).eps * np.linalg.norm(with_data(A, np.abs(A.data)) @ np.abs(x)))
 
 
 class AmgOrDirect:
-    """Algebraic multigrid up to a number of iterations; from its first failure on a direct
-    solver.
-    """
+    """Algebraic multigrid up to a number of iterations; a direct solver after its first failure."""
 
     def __init__(
         self,
@@ -315,7 +327,9 @@ class AmgOrDirect:
         engine: str | None = None,
         most: int | None = None,
     ) -> None:
-        self._locations, self._free, self._engine = locations, free, engine
+        self._locations = locations
+        self._free = free
+        self._engine = engine
         self._solver: LinearSolver = AmgSolver(locations, free, interface, most)
 
     @property
@@ -324,9 +338,7 @@ class AmgOrDirect:
         return self._solver.name
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution of K[free, free] x[free] = b[free]; see
-        :meth:`DirectSolver.factor`.
-        """
+        """Prepare the solution of K[free, free] x[free] = b[free]."""
         try:
             first = self._solver.factor(K, symmetric)
         except NotConverged as error:
@@ -349,8 +361,9 @@ class AmgOrDirect:
 
 
 def iterations_that_pay(locations: ndarray, free: ndarray, engine: str, yielding: bool) -> int:
-    """Return the iterations that cost less than a factorisation by an engine; 0 where multigrid
-    does not pay.
-    """
-    most = len(free) // (PER_ITERATION_YIELDING if yielding else PER_ITERATION)[engine]
-    return most if len(locations) == 3 and most >= FEWEST and find_spec("pyamg") is not None else 0
+    """Return the iterations that cost less than factors; 0 where multigrid does not pay."""
+    per_iteration = PER_ITERATION_YIELDING if yielding else PER_ITERATION
+    most = len(free) // per_iteration[engine]
+    if len(locations) < 3 or most < FEWEST or find_spec("pyamg") is None:
+        return 0
+    return most

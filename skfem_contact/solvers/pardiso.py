@@ -14,25 +14,20 @@ from numpy import ndarray
 from numpy.ctypeslib import ndpointer
 from scipy.sparse import csr_matrix, eye
 
-from ..sparse import same_pattern
+from ..sparse import same_pattern, with_data
 from .threads import allowed
 
 UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
 OUT_OF_MEMORY = -2  # its error
-OPTIONS = {
-    1: 1,
-    2: 2,
-    10: 18,
-    11: 1,
-    13: 1,
-}  # own options, METIS, pivots above 1e-18, scaling, matching
+#: Own options, METIS, pivots above 1e-18, scaling, matching.
+OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}
 #: Entries up to which minimum degree replaces METIS: with 10,000 to 90,000 of plane bodies the
 #: analysis takes 13 to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30
 #: % more, with 130,000 in space 17 %.
 FEW = 100_000
 #: Entries from which a factor is computed by all threads that the process may use. On two free
-#: cores they save a quarter of an iteration in the plane from 3,000 dofs on, but beside one more
+#: cores they save a quarter of an iteration in the plane from 3,000 dofs on, but with one more
 #: process they take up to four times as long as one thread, since each waits for the other at every
 #: small block.
 MANY = 300_000
@@ -40,8 +35,7 @@ SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
 
 
 class Pardiso:
-    """Engine of MKL, through the library that pypardiso finds; ImportError where it is not
-    installed.
+    """Engine of MKL, through the library of pypardiso; ImportError where it is not installed.
 
     An analysis costs as much as a factor and is kept for all matrices whose pattern lies within the
     analysed one, so that contacts may open and close.  Without scaling and matching PARDISO returns
@@ -66,8 +60,9 @@ class Pardiso:
     def factor(
         self, A: csr_matrix, symmetric: bool, careful: bool = False
     ) -> Callable[[ndarray], ndarray]:
-        """Factor A and return its solution; `careful` scales and matches by its values, without use
-        of symmetry.
+        """Factor A and return its solution; `careful` scales and matches by its values.
+
+        No use is made of symmetry then.
         """
         symmetric = symmetric and not careful
         self._prepare(A, symmetric, careful)
@@ -81,43 +76,50 @@ class Pardiso:
         return solve
 
     def _prepare(self, A: csr_matrix, symmetric: bool, afresh: bool) -> None:
-        analysis, self._factored = self._analysis, None
+        """Factor A with the present analysis, or with a new one where it does not serve."""
+        self._factored = None
+        analysis = self._analysis
         if analysis is None or afresh or not analysis.admits(A, symmetric):
             pattern = _ones(A) + eye(A.shape[0], format="csr")  # PARDISO wants every diagonal entry
-            if analysis is not None and (both := pattern + analysis.pattern).nnz < SPARE * A.nnz:
-                pattern = both
+            if analysis is not None:
+                both = pattern + analysis.pattern
+                pattern = both if both.nnz < SPARE * A.nnz else pattern
             self._analysis = analysis = None  # its memory is free for the next one
-            self._analysis = analysis = _Analysis(self._library, pattern, A, symmetric)
+            analysis = _Analysis(self._library, pattern, A, symmetric)
+            self._analysis = analysis
         analysis.factor(A)
         self._factored = A
 
 
 class _Analysis:
-    """PARDISO's analysis of one pattern and the factor of the last values on it; its memory ends
-    with it.
-    """
+    """PARDISO's analysis of one pattern, and the factor of the last values on it."""
 
     def __init__(
         self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool
     ) -> None:
-        self.pattern, self._symmetric, self._dtype = _ones(pattern), symmetric, A.dtype
+        self.pattern = _ones(pattern)
+        self._symmetric = symmetric
+        self._dtype = A.dtype
         self._last: csr_matrix | None = None
         self._positions: ndarray | slice
-        n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
-        row = np.repeat(np.arange(n), np.diff(indptr))
-        self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
-        self._rows = (
-            np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
-        )
-        self._columns = indices[self._stored].astype(np.int32) + 1
-        self._call = _Call(
-            library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz, A.dtype == np.float32
-        )
+
+        # store rows and columns as PARDISO does: from 1 on, the upper triangle if symmetric
+        n = pattern.shape[0]
+        row = np.repeat(np.arange(n), np.diff(pattern.indptr))
+        self._stored = np.flatnonzero(pattern.indices >= row) if symmetric else slice(None)
+        entries = np.bincount(row[self._stored] + 1, minlength=n + 1)
+        self._rows = np.cumsum(entries, dtype=np.int32) + 1
+        self._columns = pattern.indices[self._stored].astype(np.int32) + 1
+
+        # analyse, and release the memory with this object
+        kind = SYMMETRIC if symmetric else UNSYMMETRIC
+        self._call = _Call(library, kind, pattern.nnz, A.dtype == np.float32)
         self.admits(A, symmetric)
         self._run(ANALYSE, A)
-        weakref.finalize(
+        release = weakref.finalize(
             self, self._call, RELEASE, np.zeros(1), self._rows, self._columns
-        ).atexit = False
+        )
+        release.atexit = False
 
     def admits(self, A: csr_matrix, symmetric: bool) -> bool:
         """Return True if A is of the analysed kind and its pattern lies within the analysed one."""
@@ -126,16 +128,16 @@ class _Analysis:
         if self._last is not None and same_pattern(A, self._last):
             return True
         if same_pattern(A, self.pattern):
-            self._last, self._positions = A, slice(None)
+            self._last = A
+            self._positions = slice(None)
             return True
-        numbers = csr_matrix(
-            (np.arange(1.0, self.pattern.nnz + 1), self.pattern.indices, self.pattern.indptr),
-            shape=A.shape,
-        )
+        # find the positions of A's entries by their numbers in the pattern
+        numbers = with_data(self.pattern, np.arange(1.0, self.pattern.nnz + 1))
         common = numbers.multiply(_ones(A)).tocsr()
         if common.nnz < A.nnz:
             return False
-        self._last, self._positions = A, common.data.astype(np.int64) - 1
+        self._last = A
+        self._positions = common.data.astype(np.int64) - 1
         return True
 
     def factor(self, A: csr_matrix) -> None:
@@ -149,6 +151,7 @@ class _Analysis:
         return x
 
     def _run(self, phase: int, A: csr_matrix) -> None:
+        """Run a phase with the values of A."""
         values = np.zeros(self.pattern.nnz, self._dtype)
         values[self._positions] = A.data
         self._values = values[self._stored]
@@ -157,16 +160,18 @@ class _Analysis:
 
 def _ones(A: csr_matrix) -> csr_matrix:
     """Return the pattern of A with entries one, so that sums keep the pattern."""
-    return csr_matrix((np.ones(A.nnz), A.indices, A.indptr), shape=A.shape)
+    return with_data(A, np.ones(A.nnz))
 
 
 class _Call:
-    """Phases of PARDISO on one handle, with one number of threads: another one than at the analysis
-    is not safe.
+    """Phases of PARDISO on one handle, with the number of threads of the analysis.
+
+    Another number is not safe.
     """
 
     def __init__(self, library: _Library, kind: int, entries: int, single: bool) -> None:
-        self._library, self._kind = library, kind
+        self._library = library
+        self._kind = kind
         self._threads = allowed() if entries >= MANY else 1
         self._handle = np.zeros(64, dtype=np.intp)
         self._options = np.zeros(64, dtype=np.int32)
@@ -184,24 +189,10 @@ class _Call:
             for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
         )
         b, x = vectors or (np.zeros(1), np.zeros(1))
+        matrix = kind, phases, size, values, rows, columns
         before = self._library.limit(self._threads)
         self._library.pardiso(
-            self._handle,
-            one,
-            one,
-            kind,
-            phases,
-            size,
-            values,
-            rows,
-            columns,
-            zero,
-            one,
-            self._options,
-            zero,
-            b,
-            x,
-            error,
+            self._handle, one, one, *matrix, zero, one, self._options, zero, b, x, error
         )
         self._library.limit(before)
         if error[0] == OUT_OF_MEMORY:
@@ -214,28 +205,21 @@ class _Library:
     """Entry points of MKL."""
 
     def __init__(self) -> None:
-        with suppress(
-            PackageNotFoundError
-        ):  # without the path pypardiso looks through all directories, for 1.5 s
+        # without the path pypardiso looks through all directories, for 1.5 s
+        with suppress(PackageNotFoundError):
             for path in files("mkl") or ():
                 if "mkl_rt" in path.name:
                     os.environ.setdefault("PYPARDISO_MKL_RT", str(path.locate()))
         from pypardiso import ps
 
         self.pardiso = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
-        integers, reals = ndpointer(np.int32, flags="C"), ndpointer(flags="C")
         handle = ndpointer(np.intp, flags="C")
-        self.pardiso.argtypes = [
-            handle,
-            *5 * [integers],
-            reals,
-            *6 * [integers],
-            reals,
-            reals,
-            integers,
-        ]
+        integers = ndpointer(np.int32, flags="C")
+        reals = ndpointer(flags="C")
+        inputs = [handle, *5 * [integers], reals, *6 * [integers]]
+        self.pardiso.argtypes = [*inputs, reals, reals, integers]
         self.pardiso.restype = None
-        self.limit = ps.libmkl[
-            "MKL_Set_Num_Threads_Local"
-        ]  # of this thread of Python; returns the last one
-        self.limit.argtypes, self.limit.restype = [c_int], c_int
+        # threads of this thread of Python; the call returns the last number
+        self.limit = ps.libmkl["MKL_Set_Num_Threads_Local"]
+        self.limit.argtypes = [c_int]
+        self.limit.restype = c_int

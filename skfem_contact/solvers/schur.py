@@ -1,8 +1,8 @@
 """Schur complement of an interface: elastic bodies in contact are factored once.
 
-The dofs of the contact surfaces are eliminated last.  The trailing blocks of the factors are then
-those of the Schur complement S, the condensed stiffness of the interface.  A tangent ``K + P dK
-P^T`` whose change dK lies on the interface costs two solutions with the old factors and a small
+The dofs of the contact surfaces are eliminated last. The trailing blocks of the factors are then
+the factors of the Schur complement S, the condensed stiffness of the interface. A tangent ``K + P
+dK P^T`` whose change dK lies on the interface costs two solutions with the old factors and a small
 dense system
 
     z = K^-1 b,    (S + dK) x_S = S z_S,    x = K^-1 (b - P dK x_S).
@@ -37,14 +37,16 @@ _SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left t
 
 
 class SchurSolver:
-    """Linear solver that keeps its factors while the tangent changes on an interface only; else
-    `solver` is used.
+    """Linear solver that keeps its factors while the tangent changes on an interface only.
+
+    Other tangents are solved by `solver`.
     """
 
     def __init__(
         self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray
     ) -> None:
-        self._solver, self._locations = solver, locations
+        self._solver = solver
+        self._locations = locations
         self._on_interface = np.zeros(locations.shape[1], bool)
         self._on_interface[np.intersect1d(interface, free)] = True
         self._free = free
@@ -58,45 +60,52 @@ class SchurSolver:
         return self._solver.name
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution of K[free, free] x[free] = b[free]; see
-        :meth:`DirectSolver.factor`.
-        """
-        base, last, self._last = self._base, self._last, K
-        if base is not None and (change := self._change(K, base.K)) is not None:
-            return base.updated(K, change, lambda: self._solver.factor(K, symmetric))
+        """Prepare the solution of K[free, free] x[free] = b[free]."""
+        last = self._last
+        self._last = K
+
+        def other() -> Solve:
+            return self._solver.factor(K, symmetric)
+
+        # solve with the factors that are kept
+        if self._base is not None:
+            change = self._change(K, self._base.K)
+            if change is not None:
+                return self._base.updated(K, change, other)
         self._base = None
+
+        # factor K to be kept from the second tangent on whose change lies on the interface
         if self._worth and last is not None and self._change(K, last) is not None:
             self._base = _Base.of(K, self._locations, self._free, self._on_interface)
             if self._base is not None:
-                return self._base.updated(
-                    K, csr_matrix(K.shape), lambda: self._solver.factor(K, symmetric)
-                )
+                return self._base.updated(K, csr_matrix(K.shape), other)
             self._worth = False
-        return self._solver.factor(K, symmetric)
+        return other()
 
     def _change(self, K: csr_matrix, old: csr_matrix) -> csr_matrix | None:
-        """Return the change of the free block if the change lies on the interface, else None."""
+        """Return the change of the free block if it lies on the interface, else None."""
         if same_pattern(K, old):
-            at = np.flatnonzero(K.data != old.data)
-            row, col, data = (
-                np.searchsorted(K.indptr, at, side="right") - 1,
-                K.indices[at],
-                K.data[at] - old.data[at],
-            )
+            entries = np.flatnonzero(K.data != old.data)
+            row = np.searchsorted(K.indptr, entries, side="right") - 1
+            col = K.indices[entries]
+            data = K.data[entries] - old.data[entries]
         else:
             change = (K - old).tocoo()
-            row, col, data = change.row, change.col, change.data
+            row = change.row
+            col = change.col
+            data = change.data
         free = np.zeros(K.shape[0], bool)
         free[self._free] = True
-        keep = (data != 0.0) & free[row] & free[col]
-        row, col = row[keep], col[keep]
+        kept = (data != 0.0) & free[row] & free[col]
+        row = row[kept]
+        col = col[kept]
         if not (self._on_interface[row].all() and self._on_interface[col].all()):
             return None
-        return csr_matrix((data[keep], (row, col)), shape=K.shape)
+        return csr_matrix((data[kept], (row, col)), shape=K.shape)
 
 
 class _Base:
-    """Factors of one tangent with the interface eliminated last.
+    """Factors of one tangent with the m dofs of the interface eliminated last.
 
     Multipliers, which no element gives stiffness to, are left to the dense system: `apart`.
     """
@@ -104,9 +113,14 @@ class _Base:
     def __init__(
         self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, lu: SuperLU, schur: ndarray
     ) -> None:
-        self.K, self._order, self._m, self._lu, self._schur = K, order, m, lu, schur
-        self._all, ends = np.concatenate((order, apart)), np.concatenate((order[-m:], apart))
-        self._ends, self._added = ends, K[ends][:, ends].toarray()
+        self.K = K
+        self._order = order
+        self._m = m
+        self._lu = lu
+        self._schur = schur
+        self._all = np.concatenate((order, apart))
+        self._ends = np.concatenate((order[-m:], apart))  # dofs of the dense system
+        self._added = K[self._ends][:, self._ends].toarray()
         self._added[:m, :m] = 0.0
 
     @classmethod
@@ -114,15 +128,19 @@ class _Base:
         cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray
     ) -> _Base | None:
         """Factor K; None where the interface is too large or pivots are too small."""
-        inner, last = free[~on_interface[free]], free[on_interface[free]]
-        beside = np.diff(K[last][:, inner].indptr) > 0
-        last, apart = last[beside], last[~beside]
+        # order the dofs: inner ones, then the interface; multipliers couple with no inner dof
+        inner = free[~on_interface[free]]
+        last = free[on_interface[free]]
+        coupled = np.diff(K[last][:, inner].indptr) > 0
+        apart = last[~coupled]
+        last = last[coupled]
         m = len(last)
         if m == 0 or len(inner) == 0:
             return None
-        order = np.concatenate(
-            (inner[nested_dissection(K[inner][:, inner], locations[:, inner])], last)
-        )
+        dissected = inner[nested_dissection(K[inner][:, inner], locations[:, inner])]
+        order = np.concatenate((dissected, last))
+
+        # factor without pivoting
         block = FreeBlock(order).gather(K)
         try:
             lu = splu(
@@ -134,32 +152,29 @@ class _Base:
         except RuntimeError:  # an exact zero among the pivots
             return None
         columns = np.diff(lu.L.indptr).astype(float)
-        identity = np.arange(len(order))
-        sound = (np.abs(lu.U.diagonal()) > _SINGULAR * np.abs(block.diagonal())).all()
-        if (
-            not (
-                sound
-                and np.array_equal(lu.perm_r, identity)
-                and np.array_equal(lu.perm_c, identity)
-            )
-            or m**3 > 3.0 * _SHARE * (columns**2).sum()
-        ):
+        too_large = m**3 > 3.0 * _SHARE * (columns**2).sum()
+        if too_large or not _unpivoted(lu, block):
             return None
         schur = (lu.L.tocsc()[-m:, -m:] @ lu.U.tocsc()[-m:, -m:]).toarray()
         logger.info("elastic bodies in contact: factored once, %d dofs on the interface", m)
         return cls(K, order, apart, m, lu, schur)
 
     def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
-        """Prepare solutions with the factored tangent plus `change`; `other` solves where they are
-        inaccurate.
+        """Prepare solutions with the factored tangent plus `change`.
+
+        `other` solves where they are inaccurate.
         """
-        order, m, ends = self._order, self._m, self._ends
+        order = self._order
+        ends = self._ends
+        m = self._m
         delta = self._added + change[ends][:, ends].toarray()
+
+        # leave multipliers of open nodes out of the dense system
         single = (np.count_nonzero(delta, axis=0) == 1) & (np.count_nonzero(delta, axis=1) == 1)
-        single &= (np.diagonal(delta) != 0.0) & (
-            np.arange(len(ends)) >= m
-        )  # multipliers of open nodes
-        live, alone = np.flatnonzero(~single), np.flatnonzero(single)
+        single &= np.diagonal(delta) != 0.0
+        single[:m] = False
+        live = np.flatnonzero(~single)
+        alone = np.flatnonzero(single)
         total = delta[np.ix_(live, live)]
         total[:m, :m] += self._schur
         with warnings.catch_warnings():
@@ -169,12 +184,14 @@ class _Base:
             return other()
 
         def once(b: ndarray, inside: bool = True) -> ndarray:
-            rhs, x, right = b[order], np.zeros_like(b), b[ends]
+            rhs = b[order]
+            right = b[ends]
             if inside:
                 right[:m] = self._schur @ self._lu.solve(rhs)[-m:]
             right[live] = lu_solve(dense, right[live])
             right[alone] /= delta[alone, alone]
             rhs[-m:] -= delta[:m] @ right
+            x = np.zeros_like(b)
             x[ends] = right
             x[order] = self._lu.solve(rhs)
             return x
@@ -182,9 +199,8 @@ class _Base:
         def unbalanced(x: ndarray, b: ndarray) -> tuple[ndarray, float]:
             residual = np.zeros_like(b)
             residual[self._all] = (b - K @ x)[self._all]
-            return residual, float(np.linalg.norm(residual)) / max(
-                float(np.linalg.norm(b[self._all])), 1e-300
-            )
+            size = max(float(np.linalg.norm(b[self._all])), 1e-300)
+            return residual, float(np.linalg.norm(residual)) / size
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[ends]))
@@ -196,3 +212,11 @@ class _Base:
             return x if error <= _WRONG else other()(b, rtol)
 
         return solve
+
+
+def _unpivoted(lu: SuperLU, block: csr_matrix) -> bool:
+    """Return True if the factors have the order of the block and no pivots of round-off."""
+    identity = np.arange(block.shape[0])
+    kept = np.array_equal(lu.perm_r, identity) and np.array_equal(lu.perm_c, identity)
+    pivots = np.abs(lu.U.diagonal())
+    return kept and bool((pivots > _SINGULAR * np.abs(block.diagonal())).all())

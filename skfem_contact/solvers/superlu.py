@@ -22,14 +22,12 @@ WALL = 2**28  # capacity that no separator reaches
 KEPT = 8
 FEWER = 100_000  # of fewer dofs than these: of more the order is a small part
 
-#: The last orders, by the pattern and the coordinates that they are of.
+#: The last orders, by their pattern and coordinates.
 _orders: dict[bytes, ndarray] = {}
 
 
 class SuperLU:
-    """Engine of scipy, :func:`~scipy.sparse.linalg.splu` of the transposed matrix, which needs no
-    copy.
-    """
+    """Engine of scipy: :func:`~scipy.sparse.linalg.splu` of the transposed matrix, without copy."""
 
     name = "SuperLU with nested dissection"
 
@@ -44,10 +42,10 @@ class SuperLU:
             return nested_dissection(graph, locations)
         parts = (graph.indptr, graph.indices, np.ascontiguousarray(locations))
         key = blake2b(b"".join(part.tobytes() for part in parts)).digest()
-        # what was used last is the last one
-        _orders[key] = order = (
-            _orders.pop(key) if key in _orders else nested_dissection(graph, locations)
-        )
+        order = _orders.pop(key, None)
+        if order is None:
+            order = nested_dissection(graph, locations)
+        _orders[key] = order  # the last one is the one used last
         while len(_orders) > KEPT:
             _orders.pop(next(iter(_orders)))
         return order
@@ -59,11 +57,11 @@ class SuperLU:
     def factor(
         self, A: csr_matrix, symmetric: bool, careful: bool = False
     ) -> Callable[[ndarray], ndarray]:
-        """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of
-        symmetry.
+        """Factor A and return its solution; `careful` pivots for accuracy.
 
-        Where the entries that are not zero leave a row without a pivot, whatever their values,
-        SuperLU reads beyond its arrays: it prints errors of BLAS, or ends the process.
+        SuperLU makes no use of symmetry. Where the entries that are not zero leave a row without a
+        pivot, whatever their values, it reads beyond its arrays: it prints errors of BLAS, or ends
+        the process.
         """
         if not A.diagonal().all():
             entries = A.copy()
@@ -72,8 +70,12 @@ class SuperLU:
                 raise RuntimeError("the matrix is singular by its pattern")
         transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
         transposed.has_canonical_format = True
-        threshold, options = (1.0, {}) if careful else (0.01, {"SymmetricMode": True})
-        lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=threshold, options=options)
+        lu = splu(
+            transposed,
+            permc_spec="NATURAL",
+            diag_pivot_thresh=1.0 if careful else 0.01,
+            options={} if careful else {"SymmetricMode": True},
+        )
         if not careful:
             self._fill = lu.nnz
             self._first_fill = self._first_fill or lu.nnz
@@ -106,9 +108,7 @@ def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:
 
 
 def _points(locations: ndarray) -> tuple[ndarray, ndarray]:
-    """Return the number of the point of each dof, and the integer coordinates of the points, (dim,
-    n).
-    """
+    """Return the number of each dof's point, and integer coordinates of the points, (dim, n)."""
     low = locations.min(axis=1, keepdims=True)
     extent = np.ptp(locations, axis=1).max() or 1.0
     steps = np.round((locations - low) / (COINCIDENT * extent)).astype(np.int64)
@@ -125,17 +125,15 @@ def _edges(graph: csr_matrix, group: ndarray) -> tuple[ndarray, ndarray]:
     """Return each pair of coupled points once in each direction."""
     coo = graph.tocoo()
     n = group.max() + 1
-    row, col = group[coo.row], group[coo.col]
-    between = csr_matrix((np.ones(len(row), dtype=bool), (row, col)), shape=(n, n))
+    pairs = group[coo.row], group[coo.col]
+    between = csr_matrix((np.ones(coo.nnz, dtype=bool), pairs), shape=(n, n))
     both = (between + between.T).tocoo()
     off = both.row != both.col
     return both.row[off], both.col[off]
 
 
 def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -> ndarray:
-    """Return the sorting key of each point: base-3 digits left 0, right 1, separator 2, level by
-    level.
-    """
+    """Return sorting keys of points: base-3 digits left 0, right 1, separator 2, by level."""
     n = points.shape[1]
     along = np.array([np.unique(axis, return_inverse=True)[1] for axis in points])
     key = np.zeros(n, dtype=np.int64)
@@ -145,7 +143,8 @@ def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -
     size = n
     while size > LEAF:
         active = np.flatnonzero(inner)
-        right, near = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        right = np.zeros(n, dtype=bool)
+        near = np.zeros(n, dtype=bool)
         right[active], near[active] = _bisect(along[:, active], points[:, active], part[active])
         separator = _separator(row, col, right, near, weight, HOPS if size > SMALL else 0)
         key[active] = 3 * key[active] + right[active]
@@ -154,60 +153,72 @@ def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -
         inner[separator] = False
         part = 2 * part + right
         kept = inner[row] & inner[col] & (part[row] == part[col])
-        row, col = row[kept], col[kept]
+        row = row[kept]
+        col = col[kept]
         size //= 2
     return key
 
 
 def _bisect(along: ndarray, points: ndarray, part: ndarray) -> tuple[ndarray, ndarray]:
-    """Return the points beyond the median of the longest side of their part, and the points near
-    the median.
+    """Return masks of points beyond and near the median of the longest side of their part.
 
     Points of one coordinate stay together: the separators of a structured mesh are straight.
     """
+    # find the longest side of each part
     part = np.unique(part, return_inverse=True)[1]
     count = np.bincount(part)
     start = np.cumsum(count) - count
-    in_parts = points[:, np.argsort(part, kind="stable")]
-    extent = np.maximum.reduceat(in_parts, start, axis=1) - np.minimum.reduceat(
-        in_parts, start, axis=1
-    )
-    along = along[extent.argmax(axis=0)[part], np.arange(len(part))]
+    by_part = np.argsort(part, kind="stable")
+    in_parts = points[:, by_part]
+    highest = np.maximum.reduceat(in_parts, start, axis=1)
+    extent = highest - np.minimum.reduceat(in_parts, start, axis=1)
+    side = extent.argmax(axis=0)
+    along = along[side[part], np.arange(len(part))]
+
+    # cut it at its median
     order = np.argsort(part * (along.max() + 1) + along)
-    median, lowest = along[order][start + count // 2], along[order][start]
+    ordered = along[order]
+    median = ordered[start + count // 2]
+    lowest = ordered[start]
     right = np.where((median > lowest)[part], along >= median[part], along > lowest[part])
     rank = np.empty(len(part))
     rank[order] = np.arange(len(part)) + 0.5
-    return right, np.abs((rank - start[part]) / count[part] - 0.5) < SLACK
+    share = (rank - start[part]) / count[part]
+    return right, np.abs(share - 0.5) < SLACK
 
 
 def _separator(
     row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight: ndarray, hops: int
 ) -> ndarray:
-    """Find the points of least weight that separate left from right; update `right` where points
-    change sides.
+    """Return the points of least weight that separate left from right; update `right`.
 
     A point v of the band about the cut is an arc (v, v + m) of its weight in a network whose other
     arcs cannot be cut. Points with neighbours outside the band and points far from the median are
     tied to the source or the sink: they stay on their side or join the separator.
     """
+    # widen the band from the cut
     band = np.zeros(len(right), dtype=bool)
     band[row[right[row] != right[col]]] = True
     inside = near[row] & near[col]
-    near_row, near_col = row[inside], col[inside]
+    near_row = row[inside]
+    near_col = col[inside]
     for _ in range(hops):
         band[near_col[band[near_row]]] = True
     points = np.flatnonzero(band)
     m = len(points)
     number = np.zeros(len(right), dtype=np.int64)
     number[points] = np.arange(m)
+
+    # tie points with neighbours outside to their side
     from_band = band[row]
-    row, col = row[from_band], col[from_band]
+    row = row[from_band]
+    col = col[from_band]
     tied = ~near
     tied[row[~band[col]]] = True
-    sources, sinks = (
-        number[points[tied[points] & (right[points] == side)]] for side in (False, True)
-    )
+    sources = number[points[tied[points] & ~right[points]]]
+    sinks = number[points[tied[points] & right[points]]]
+
+    # cut the network
     within = band[col]
     tails = np.concatenate(
         [np.arange(m), m + number[row[within]], np.full(len(sources), 2 * m), m + sinks]
@@ -218,14 +229,15 @@ def _separator(
     capacity = np.full(len(tails), WALL, dtype=np.int32)
     capacity[:m] = weight[points]
     network = csr_array((capacity, (tails, heads)), shape=(2 * m + 2, 2 * m + 2))
-    entered, left = _source_side(network)[: 2 * m].reshape(2, m)
-    right[points] = ~left
-    return points[entered & ~left]
+    entered, passed = _source_side(network)[: 2 * m].reshape(2, m)
+    right[points] = ~passed
+    return points[entered & ~passed]
 
 
 def _source_side(network: csr_array) -> ndarray:
-    """Return the nodes on the source's side of the minimum cut; source and sink are the last two
-    nodes.
+    """Return a mask of the nodes on the source's side of the minimum cut.
+
+    Source and sink are the last two nodes.
     """
     n = network.shape[0]
     residual = network - maximum_flow(network, n - 2, n - 1).flow

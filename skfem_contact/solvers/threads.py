@@ -20,7 +20,8 @@ class _OneThread(ContextDecorator):
     """
 
     def __init__(self) -> None:
-        self._lock, self.runs = Lock(), 0
+        self._lock = Lock()
+        self.runs = 0
         self._context: Any = None
 
     @cached_property
@@ -45,13 +46,16 @@ single_threaded = _OneThread()
 
 
 def allowed() -> int:
-    """Return the number of threads for a large factor: the cores of the process, at most
-    ``OMP_NUM_THREADS``.
+    """Return the number of threads for a large factor: cores, at most ``OMP_NUM_THREADS``.
 
     Analyses side by side in one process have one each.
     """
     if single_threaded.runs > 1:
         return 1
-    cores = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+    if sys.platform == "linux":
+        cores = len(os.sched_getaffinity(0))
+    else:
+        cores = os.cpu_count() or 1
     given = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
-    return min(cores, int(given)) if given.isdigit() and int(given) > 0 else cores
+    limit = int(given) if given.isdigit() else 0
+    return min(cores, limit) if limit > 0 else cores
