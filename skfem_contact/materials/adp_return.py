@@ -1,6 +1,6 @@
 """Return mapping of NGI-ADP, see :mod:`.ngi_adp`, by Newton's method.
 
-The unknowns are the stress and the root of w, the share of the shear strain at failure.
+The variables are the stress and the root of w, the share of the shear strain at failure.
 Engineering shear strains belong to the shear stresses: derivatives by stresses are strains. The
 norm of a plastic strain is its engineering shear strain in plane strain, sqrt(2 e:e).
 """
