@@ -37,7 +37,7 @@ _OFF = 0.1
 
 
 @runtime_checkable
-class Flow(Protocol):
+class SteadyFlow(Protocol):
     """Steady flow of water, with heads and pressures at the vertices of a mesh."""
 
     basis: CellBasis
@@ -166,7 +166,7 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
         for name, level in water.items():
             by_region[name] = as_pressure(getattr(level, "pressure", level), mesh, unit_weight)
         return by_region
-    given = isinstance(water, Flow) or callable(water)
+    given = isinstance(water, SteadyFlow) or callable(water)
     if given or np.shape(water) == (mesh.nvertices,):
         return water
     if unit_weight is None:
@@ -187,7 +187,7 @@ def at_nodes(solid: Any, water: Any, unit_weight: float | None) -> ndarray:
 
 def in_elements(basis: CellBasis, pressure: Any, elements: ndarray) -> ndarray:
     """Return the pressure of water in given elements at their integration points."""
-    if not isinstance(pressure, Flow):
+    if not isinstance(pressure, SteadyFlow):
         return _by_region(basis, pressure, elements)
     values, wet = _in_seepage(basis, pressure, elements, at_points(basis, pressure.head))
     # Dry pores have suction.
@@ -198,7 +198,7 @@ def in_elements(basis: CellBasis, pressure: Any, elements: ndarray) -> ndarray:
 
 def _on_facets(outside: FacetBasis, pressure: Any, porous: ndarray) -> ndarray:
     """Return the pressure at the integration points of facets, some of porous elements."""
-    seepage = isinstance(pressure, Flow)
+    seepage = isinstance(pressure, SteadyFlow)
     if not seepage and not isinstance(pressure, Mapping):
         return at_points(outside, pressure)
     faced = facing(Sides.of(outside), porous)
@@ -216,7 +216,7 @@ def _on_facets(outside: FacetBasis, pressure: Any, porous: ndarray) -> ndarray:
 
 
 def _in_seepage(
-    basis: CellBasis | FacetBasis, seepage: Flow, elements: ndarray, head: ndarray
+    basis: CellBasis | FacetBasis, seepage: SteadyFlow, elements: ndarray, head: ndarray
 ) -> tuple[ndarray, ndarray]:
     """Return the pressure of a head at integration points, and which elements are porous."""
     x = np.asarray(basis.global_coordinates())  # (dim, n, n_points)
@@ -265,7 +265,7 @@ def _beside_facets(outside: FacetBasis, pressure: Any, facets: ndarray, points: 
     nearest = np.stack((1.0 - s, s))
     values = np.zeros(len(points))
     # Continue the head of a seepage.
-    if isinstance(pressure, Flow):
+    if isinstance(pressure, SteadyFlow):
         wet = np.isin(owner, elements_of(pressure.basis))
         head = (nearest * pressure.head[ends]).sum(axis=0)
         values[wet] = pressure.pressure_at(points[wet].T, head[wet])

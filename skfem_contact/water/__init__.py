@@ -1,18 +1,27 @@
 """Water in the ground: seepage, steady or in time, and consolidation."""
 
+from .conditions import Conditions
 from .conductivity import Permeability
-from .deprecated import CompactingPoreWater, UnsaturatedPoreWater
+from .deprecated import (
+    CompactingPoreWater,
+    UnsaturatedPoreWater,
+    seepage,
+    transient_seepage,
+)
+from .flow import Flow
 from .inflow import Inflow
 from .pore_water import PoreWater
 from .porous import PoreState
 from .retention import BrooksCorey, Ramp, Retention, VanGenuchten
-from .seepage import Seepage, seepage
+from .seepage import Seepage
 from .seepage_face import SeepageFace
-from .transient import TransientSeepage, transient_seepage
+from .transient import TransientSeepage
 
 __all__ = [
     "BrooksCorey",
     "CompactingPoreWater",
+    "Conditions",
+    "Flow",
     "Inflow",
     "Permeability",
     "PoreState",

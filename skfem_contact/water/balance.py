@@ -15,7 +15,7 @@ from skfem import CellBasis
 
 from ..errors import NotConverged, warn
 from ..solvers.direct import DirectSolver
-from .boundary import Conditions, nodes_on
+from .boundary import NodalConditions, nodes_on
 from .darcy import DarcyFlow
 from .retention import Laws
 
@@ -74,7 +74,7 @@ class WaterBalance:
     """
 
     def __init__(
-        self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, coordinates: ndarray
+        self, flow: DarcyFlow, given: NodalConditions, tie: csr_matrix, coordinates: ndarray
     ) -> None:
         self.flow, self.given, self.tie = flow, given, tie
         diagonal = (tie.T @ flow.saturated @ tie).diagonal()
@@ -113,7 +113,7 @@ class WaterBalance:
         return self._balance(now, laws)
 
     def step(
-        self, flow: DarcyFlow, given: Conditions, head: ndarray, leaking: ndarray, laws: Laws
+        self, flow: DarcyFlow, given: NodalConditions, head: ndarray, leaking: ndarray, laws: Laws
     ) -> tuple[Balance, ndarray]:
         """Return the balance of another flow that is near to heads, and where it leaks; or raise
         Unbalanced.

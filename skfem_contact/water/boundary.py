@@ -1,6 +1,4 @@
-"""Boundary conditions of water: heads, seepage faces, fluxes, wells, drains, and connected
-boundaries.
-"""
+"""Conditions of water at the nodes: heads, seepage faces, fluxes, wells, drains, connections."""
 
 from __future__ import annotations
 
@@ -28,13 +26,21 @@ _PAIRS = 200_000
 
 
 @dataclass(frozen=True)
-class Conditions:
-    """Conditions at the nodes: held heads, their values (NaN elsewhere), seepage faces and supply,
-    (N,) each.
+class NodalConditions:
+    """Conditions at the nodes, (N,) each.
 
-    The supply is the water that enters per time as given. Facets of the boundaries through which
-    water passes are `passing`, by name. Drains take the conductance times the head above their
-    level.
+    Attributes
+    ----------
+    held, head
+        Nodes with a given head, and the heads, NaN elsewhere.
+    face
+        Nodes of seepage faces.
+    supply
+        Water that enters per time as given.
+    passing
+        Facets of the boundaries through which water passes, by name.
+    conductance, level
+        Drains take the conductance times the head above their level.
     """
 
     held: ndarray
@@ -50,6 +56,10 @@ class Conditions:
         """Held heads and levels of drains, NaN elsewhere."""
         return np.where(np.asarray(self.conductance) > 0.0, self.level, self.head)
 
+    def above(self, datum: float) -> NodalConditions:
+        """Return the conditions with heads and levels that count from a datum."""
+        return replace(self, head=self.head - datum, level=self.level - datum)
+
     def taken(self, head: ndarray) -> ndarray:
         """Return the water that drains take at heads, (N,)."""
         return np.asarray(self.conductance * np.maximum(head - self.level, 0.0))
@@ -62,10 +72,10 @@ class Conditions:
 def nodes_on(basis: CellBasis, boundary: str) -> ndarray:
     """Return the nodes of the porous ground of a basis of heads or pressures on a boundary."""
     facets = look_up(boundary, basis.mesh.boundaries or {}, "boundary")
-    found = np.intersect1d(basis.mesh.facets[:, facets], basis.element_dofs)
-    if len(found) == 0:
+    nodes = np.intersect1d(basis.mesh.facets[:, facets], basis.element_dofs)
+    if len(nodes) == 0:
         raise ValueError(f"boundary '{boundary}' has no node of the porous ground")
-    return found
+    return nodes
 
 
 def values_at(given: Given, x: ndarray, what: str) -> ndarray:
@@ -86,41 +96,24 @@ def conditions(
     flux: Mapping[str, Given],
     sources: Mapping[str, Given],
     axisymmetric: bool,
-) -> Conditions:
-    """Return the conditions at the nodes from those on boundaries; a head holds at and below its
-    own height.
+) -> NodalConditions:
+    """Return the conditions at the nodes; a head holds at and below its own height.
 
-    Boundaries with a flux into the ground are seepage faces as well: what the ground does not take
-    runs off.
+    Boundaries with a flux into the ground are seepage faces as well: the water that the ground does
+    not take runs off.
     """
-    mesh, faces = basis.mesh, names_of(seepage_face)
+    mesh = basis.mesh
+    faces = names_of(seepage_face)
     nodes = {name: nodes_on(basis, name) for name in (*head, *faces, *flux)}
-    passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
-    values, by = np.full(basis.N, np.nan), np.zeros(basis.N, dtype=object)
     tolerance = _SAME * float(np.ptp(mesh.p, axis=1).max())
-    on_axis = [
-        name
-        for name, at in nodes.items()
-        if axisymmetric and np.abs(mesh.p[0, at]).max() <= tolerance
-    ]
-    if on_axis:
-        raise ValueError(
-            f"boundary '{on_axis[0]}' lies on the axis and has no area: no water passes through "
-            f"it; a "
-            "well has a radius"
-        )
-    for name, value in head.items():
-        wet, heads = _below(name, value, mesh.p[:, nodes[name]], tolerance)
-        at = nodes[name][wet]
-        clash = np.flatnonzero(np.abs(values[at] - heads[wet]) > tolerance)
-        if len(clash):
-            raise ValueError(
-                f"the boundaries '{by[at[clash[0]]]}' and '{name}' share the node at "
-                f"{format_point(mesh.p[:, at[clash[0]]])} and give it different heads"
-            )
-        values[at], by[at] = heads[wet], name
-    held = ~np.isnan(values)
-    on_face, supply = np.zeros(basis.N, dtype=bool), sourced(basis, sources, axisymmetric)
+    if axisymmetric:
+        _refuse_axis(mesh, nodes, tolerance)
+    heads = _heads(mesh, {name: nodes[name] for name in head}, head, basis.N, tolerance)
+    held = ~np.isnan(heads)
+    # Add the water that enters.
+    passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
+    supply = sourced(basis, sources, axisymmetric)
+    on_face = np.zeros(basis.N, dtype=bool)
     for name in faces:
         on_face[nodes[name]] = True
     for name, rate in flux.items():
@@ -131,19 +124,78 @@ def conditions(
         entering = through(basis, passing[name], rate, axisymmetric)
         supply += entering
         on_face[entering > 0.0] = True
-    return Conditions(held, values, on_face & ~held, supply, passing)
+    return NodalConditions(held, heads, on_face & ~held, supply, passing)
+
+
+def _refuse_axis(mesh: Mesh, nodes: Mapping[str, ndarray], tolerance: float) -> None:
+    """Refuse boundaries on the axis."""
+    for name, indices in nodes.items():
+        if np.abs(mesh.p[0, indices]).max() <= tolerance:
+            raise ValueError(
+                f"boundary '{name}' lies on the axis and has no area: no water passes through "
+                "it; a well has a radius"
+            )
+
+
+def _heads(
+    mesh: Mesh,
+    nodes: Mapping[str, ndarray],
+    given: Mapping[str, Given],
+    n: int,
+    tolerance: float,
+) -> ndarray:
+    """Return given heads at nodes at or below them, (n,), NaN elsewhere."""
+    result = np.full(n, np.nan)
+    owner = np.zeros(n, dtype=object)
+    for name, value in given.items():
+        x = mesh.p[:, nodes[name]]
+        heads = values_at(value, x, f"head of boundary '{name}'")
+        wet = x[-1] <= heads + tolerance
+        if not wet.any():
+            raise ValueError(
+                f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, "
+                f"from {x[-1].min():.4g} up: it is dry; name it in seepage_face= if water may leave"
+            )
+        indices = nodes[name][wet]
+        clash = np.flatnonzero(np.abs(result[indices] - heads[wet]) > tolerance)
+        if len(clash):
+            node = indices[clash[0]]
+            raise ValueError(
+                f"the boundaries '{owner[node]}' and '{name}' share the node at "
+                f"{format_point(mesh.p[:, node])} and give it different heads"
+            )
+        result[indices] = heads[wet]
+        owner[indices] = name
+    return result
+
+
+def with_suction(
+    basis: CellBasis, suction: Mapping[str, Given], given: NodalConditions
+) -> NodalConditions:
+    """Return the conditions with suctions on boundaries, which hold like heads."""
+    held = given.held.copy()
+    heads = given.head.copy()
+    passing = dict(given.passing)
+    for name, value in suction.items():
+        nodes = nodes_on(basis, name)
+        nodes = nodes[~given.held[nodes]]
+        x = basis.mesh.p[:, nodes]
+        heads[nodes] = x[-1] - values_at(value, x, f"suction of boundary '{name}'")
+        held[nodes] = True
+        passing[name] = np.asarray(basis.mesh.boundaries[name])
+    return replace(given, held=held, head=heads, face=given.face & ~held, passing=passing)
 
 
 def through(basis: CellBasis, facets: ndarray, rate: Given, axisymmetric: bool) -> ndarray:
     """Return the water that enters the nodes through facets by a rate per area, (N,)."""
+    entering = np.zeros(basis.N)
     if len(facets) == 0:
-        return np.zeros(basis.N)
+        return entering
     sides = FacetBasis(basis.mesh, basis.elem, facets=facets)
-    rates, entering = _at_points(sides, rate, "flux", axisymmetric), np.zeros(basis.N)
-    on = np.unique(basis.mesh.facets[:, facets])
-    entering[on] = LinearForm(lambda v, w: rates * v).assemble(sides)[
-        on
-    ]  # round-off at the other nodes
+    rates = _at_points(sides, rate, "flux", axisymmetric)
+    nodes = np.unique(basis.mesh.facets[:, facets])
+    # Nodes off the facets have round-off.
+    entering[nodes] = LinearForm(lambda v, w: rates * v).assemble(sides)[nodes]
     return entering
 
 
@@ -151,9 +203,8 @@ def sourced(basis: CellBasis, sources: Mapping[str, Given], axisymmetric: bool) 
     """Return the water that enters the nodes by rates per volume of subdomains, (N,)."""
     total = np.zeros(basis.N)
     for name, rate in sources.items():
-        elements = np.intersect1d(
-            look_up(name, basis.mesh.subdomains or {}, "subdomain"), elements_of(basis)
-        )
+        subdomain = look_up(name, basis.mesh.subdomains or {}, "subdomain")
+        elements = np.intersect1d(subdomain, elements_of(basis))
         if len(elements) == 0:
             raise ValueError(f"subdomain '{name}' has a source and no element of the porous ground")
         part = Basis(basis.mesh, basis.elem, intorder=2, elements=elements)
@@ -166,35 +217,33 @@ def _at_points(
     basis: CellBasis | FacetBasis, rate: Given, what: str, axisymmetric: bool
 ) -> ndarray:
     """Return a rate at the integration points, times the radius in axial symmetry."""
-    x = np.asarray(basis.global_coordinates())
-    return radius(basis, axisymmetric) * values_at(rate, x.reshape(len(x), -1), what).reshape(
-        x.shape[1:]
-    )
+    x = np.asarray(basis.global_coordinates())  # (dim, n, n_points)
+    rates = values_at(rate, x.reshape(len(x), -1), what).reshape(x.shape[1:])
+    return radius(basis, axisymmetric) * rates
 
 
 def pumped(
-    basis: CellBasis, wells: Mapping[str, float], given: Conditions
-) -> tuple[Conditions, ndarray]:
-    """Return the conditions with wells, and the first node of the well for each of its nodes,
-    itself else, (N,).
+    basis: CellBasis, wells: Mapping[str, float], given: NodalConditions
+) -> tuple[NodalConditions, ndarray]:
+    """Return the conditions with wells, and the first node of the well of each node, (N,).
+
+    A node outside of wells is its own first node.
     """
-    face, supply, passing, first = (
-        given.face.copy(),
-        given.supply.copy(),
-        dict(given.passing),
-        np.arange(basis.N),
-    )
+    face = given.face.copy()
+    supply = given.supply.copy()
+    passing = dict(given.passing)
+    first = np.arange(basis.N)
     for name, discharge in wells.items():
-        at = nodes_on(basis, name)
-        taken = at[given.held[at] | (first[at] != at)]
+        nodes = nodes_on(basis, name)
+        taken = nodes[given.held[nodes] | (first[nodes] != nodes)]
         if len(taken):
             raise ValueError(
                 f"well '{name}' shares the node at {format_point(basis.mesh.p[:, taken[0]])} with "
-                f"a head "
-                "or another well"
+                "a head or another well"
             )
-        first[at], face[at] = at[0], False
-        supply[at[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
+        first[nodes] = nodes[0]
+        face[nodes] = False
+        supply[nodes[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
         passing[name] = np.asarray(basis.mesh.boundaries[name])
     return replace(given, face=face, supply=supply, passing=passing), first
 
@@ -202,160 +251,160 @@ def pumped(
 def drained(
     basis: CellBasis,
     drains: Mapping[str, tuple[Given, float]],
-    given: Conditions,
+    given: NodalConditions,
     axisymmetric: bool,
-) -> Conditions:
+) -> NodalConditions:
     """Return the conditions with drains: boundaries with a level and a resistance."""
-    conductance, level, passing = np.zeros(basis.N), np.full(basis.N, np.nan), dict(given.passing)
+    conductance = np.zeros(basis.N)
+    level = np.full(basis.N, np.nan)
+    passing = dict(given.passing)
     for name, (value, resistance) in drains.items():
-        at, x = nodes_on(basis, name), basis.mesh.p
-        taken = at[given.held[at] | (conductance[at] > 0.0)]
+        nodes = nodes_on(basis, name)
+        x = basis.mesh.p[:, nodes]
+        taken = np.flatnonzero(given.held[nodes] | (conductance[nodes] > 0.0))
         if len(taken):
             raise ValueError(
                 f"drain '{name}' shares the node at {format_point(x[:, taken[0]])} with a head or "
-                f"another "
-                "drain"
+                "another drain"
             )
         passing[name] = np.asarray(basis.mesh.boundaries[name])
-        conductance += through(
-            basis,
-            passing[name],
-            1.0 / positive(resistance, f"resistance of drain '{name}'"),
-            axisymmetric,
-        )
-        level[at] = np.maximum(values_at(value, x[:, at], f"level of drain '{name}'"), x[-1, at])
-    return replace(
-        given,
-        passing=passing,
-        conductance=conductance,
-        level=np.where(conductance > 0.0, level, 0.0),
-    )
+        rate = 1.0 / positive(resistance, f"resistance of drain '{name}'")
+        conductance += through(basis, passing[name], rate, axisymmetric)
+        # Drains are empty above their level.
+        level[nodes] = np.maximum(values_at(value, x, f"level of drain '{name}'"), x[-1])
+    level = np.where(conductance > 0.0, level, 0.0)
+    return replace(given, passing=passing, conductance=conductance, level=level)
 
 
 def screens_and_ties(
     basis: CellBasis, connected: Sequence[tuple[str, str]], held: ndarray, first: ndarray
 ) -> csr_matrix:
-    """Return the matrix (N, N) that gives all heads from those of nodes that are not tied, nor in
-    wells after one.
+    """Return the matrix (N, N) that gives all heads from the heads of free nodes.
+
+    Nodes of connected boundaries are tied to the opposite side, nodes of a well to its first node.
     """
-    n, screened = basis.N, first != np.arange(basis.N)
+    n = basis.N
+    screened = first != np.arange(n)
     screened[first[screened]] = True
     tie = tied_heads(basis, connected, held | screened)
-    return csr_matrix(tie @ csr_matrix((np.ones(n), (np.arange(n), first)), shape=tie.shape))
-
-
-def _below(name: str, value: Given, x: ndarray, tolerance: float) -> tuple[ndarray, ndarray]:
-    """Find the nodes of a boundary at or below the given head; return them as a mask, and the heads
-    of all.
-    """
-    heads = values_at(value, x, f"head of boundary '{name}'")
-    wet = x[-1] <= heads + tolerance
-    if not wet.any():
-        raise ValueError(
-            f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, from "
-            f"{x[-1].min():.4g} up: it is dry; name it in seepage_face= if water may leave"
-        )
-    return wet, heads
+    to_first = csr_matrix((np.ones(n), (np.arange(n), first)), shape=tie.shape)
+    return csr_matrix(tie @ to_first)
 
 
 def check_heads(basis: CellBasis, held: ndarray, tie: csr_matrix) -> None:
     """Refuse parts of the ground without a head; elements and tied nodes connect them."""
-    dofs, porous = basis.element_dofs, np.unique(basis.element_dofs)
+    dofs = basis.element_dofs
+    porous = np.unique(dofs)
     first = np.broadcast_to(dofs[0], dofs.shape)
-    graph = csr_matrix((np.ones(dofs.size), (first.ravel(), dofs.ravel())), shape=tie.shape) + tie
-    part = connected_components(graph, directed=False)[1]
-    lost = porous[~np.isin(part[porous], part[held])]
-    if len(lost):
+    graph = csr_matrix((np.ones(dofs.size), (first.ravel(), dofs.ravel())), shape=tie.shape)
+    part = connected_components(graph + tie, directed=False)[1]
+    without = porous[~np.isin(part[porous], part[held])]
+    if len(without):
         raise ValueError(
             f"no head is given in the part of the ground around "
-            f"{format_point(basis.mesh.p[:, lost[0]])}, "
-            f"{len(lost)} nodes: bodies that share no node need connected= or a head each"
+            f"{format_point(basis.mesh.p[:, without[0]])}, {len(without)} nodes: bodies that share "
+            "no node need connected= or a head each"
         )
 
 
 def tied_heads(basis: CellBasis, connected: Sequence[tuple[str, str]], held: ndarray) -> csr_matrix:
-    """Return the matrix (N, N) that gives the heads of all nodes from those of the nodes that are
-    not tied.
+    """Return the matrix (N, N) that gives all heads from the heads of nodes that are not tied.
 
-    A node on the side with the smaller facets has the head of the nearest point of the other side,
-    unless it is held.
+    A node on the side with the smaller facets has the head of the nearest point of the opposite
+    side, unless it is held.
     """
-    mesh, n = basis.mesh, basis.N
-    tie, tied = lil_matrix(eye(n)), np.zeros(n, dtype=bool)
+    n = basis.N
+    tie = lil_matrix(eye(n))
+    tied = np.zeros(n, dtype=bool)
     for pair in connected:
         if len(pair) != 2 or isinstance(pair, str):
             raise ValueError(f"connected boundaries are pairs of names, not {pair!r}")
-        sides = [np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in pair]
-        sides.sort(
-            key=lambda facets: float(
-                np.ptp(mesh.p[:, mesh.facets[:, facets]], axis=1).max(axis=0).mean()
-            )
-        )
-        ends, other = (np.unique(mesh.facets[:, facets]) for facets in sides)
-        nodes = np.setdiff1d(
-            ends, np.append(np.flatnonzero(held | tied), other)
-        )  # a slit ends in a node of both
-        corners, weights, near = _nearest(mesh, mesh.p[:, nodes], sides[1])
-        if not near.any():
-            raise ValueError(
-                f"the boundaries '{pair[0]}' and '{pair[1]}' are nowhere next to each other"
-            )
-        for node, at, share in zip(nodes[near], corners[near], weights[near]):
+        nodes, corners, weights = _ties(basis.mesh, pair, held | tied)
+        for node, indices, share in zip(nodes, corners, weights):
             tie[node, :] = 0.0
-            tie[node, at] = share
-        tied[nodes[near]] = True
+            tie[node, indices] = share
+        tied[nodes] = True
+    # Follow ties to nodes that are tied themselves.
     result = tie.tocsr()
-    for _ in connected:  # tied to nodes that are tied themselves
+    for _ in connected:
         result = result @ result
     result.eliminate_zeros()
     if result[:, tied].nnz:
         raise ValueError(
             f"the pairs connected={list(connected)} tie bodies to each other in a circle: name "
-            f"each pair "
-            "once"
+            "each pair once"
         )
     return csr_matrix(result)
 
 
+def _ties(mesh: Mesh, pair: tuple[str, str], held: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Return the nodes of a pair that are tied, (n,), to corners by weights, (n, dim) each."""
+    sides = [np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in pair]
+    fine, coarse = sorted(sides, key=lambda facets: _mean_size(mesh, facets))
+    # The end of a slit is a node of both sides.
+    fixed = np.append(np.flatnonzero(held), mesh.facets[:, coarse])
+    nodes = np.setdiff1d(mesh.facets[:, fine], fixed)
+    corners, weights, near = _nearest(mesh, mesh.p[:, nodes], coarse)
+    if not near.any():
+        raise ValueError(
+            f"the boundaries '{pair[0]}' and '{pair[1]}' are nowhere next to each other"
+        )
+    return nodes[near], corners[near], weights[near]
+
+
+def _mean_size(mesh: Mesh, facets: ndarray) -> float:
+    return float(np.ptp(mesh.p[:, mesh.facets[:, facets]], axis=1).max(axis=0).mean())
+
+
 def exchange(basis: CellBasis, connected: Sequence[tuple[str, str]]) -> tuple[csr_matrix, ndarray]:
-    """Return the matrix (N, N) of pressures less those of the connected boundaries opposite, and
-    their facets.
+    """Return the matrix (N, N) of differences of pressures across connected boundaries.
+
+    The second value are the facets of these boundaries that have an opposite side.
     """
-    n, mesh, facets = basis.N, basis.mesh, [np.zeros(0, int)]
+    mesh = basis.mesh
+    n = basis.N
     apart = csr_matrix(eye(n) - tied_heads(basis, connected, np.zeros(n, dtype=bool)))
-    for name, other in (sides for pair in connected for sides in (pair, pair[::-1])):
-        side, opposite = (np.asarray(mesh.boundaries[each]) for each in (name, other))
+    facets = [np.zeros(0, int)]
+    both_ways = [sides for pair in connected for sides in (pair, pair[::-1])]
+    for name, opposite in both_ways:
+        side = np.asarray(mesh.boundaries[name])
         if not np.isin(mesh.f2t[0, side], elements_of(basis)).all():
             raise ValueError(
                 f"connected boundaries have porous ground on both sides, but not on '{name}'"
             )
-        facets.append(
-            side[_nearest(mesh, mesh.p[:, mesh.facets[:, side]].mean(axis=1), opposite)[2]]
-        )
+        middles = mesh.p[:, mesh.facets[:, side]].mean(axis=1)
+        near = _nearest(mesh, middles, np.asarray(mesh.boundaries[opposite]))[2]
+        facets.append(side[near])
     return apart, np.unique(np.concatenate(facets))
 
 
 def _nearest(mesh: Mesh, points: ndarray, facets: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Return corners and weights, (n, dim) each, of the nearest points on facets, and a mask of
-    those that are near.
+    """Return the nearest points on facets by corners and weights, (n, dim) each.
+
+    The third value is a mask of the points (dim, n) that are near.
     """
+    # Divide quadrilateral facets into triangles.
     ends = mesh.facets[:, facets]
     parts = ends if len(ends) == mesh.dim() else np.hstack((ends[[0, 1, 2]], ends[[0, 2, 3]]))
-    p = mesh.p[:, parts]  # (dim, corners, m)
-    along = (p[:, 1:] - p[:, :1]).transpose(2, 0, 1)
-    project = np.linalg.pinv(along)  # (m, corners - 1, dim)
+    p = mesh.p[:, parts]  # (dim, n_corners, m)
+    along = (p[:, 1:] - p[:, :1]).transpose(2, 0, 1)  # (m, dim, n_corners - 1)
+    project = np.linalg.pinv(along)  # (m, n_corners - 1, dim)
     size = np.linalg.norm(along, axis=1).max(axis=1)
-    found, weights, near = [], [], []
-    for block in np.array_split(points.T, max(1, points.shape[1] * parts.shape[1] // _PAIRS)):
+    corners, weights, near = [], [], []
+    n_blocks = max(1, points.shape[1] * parts.shape[1] // _PAIRS)
+    for block in np.array_split(points.T, n_blocks):
+        # Project the points on all facets, and clip them to the facets.
         offset = block[:, None] - p[:, 0].T  # (n, m, dim)
         local = np.einsum("mij,nmj->nmi", project, offset)
-        share = np.clip(
-            np.concatenate((1.0 - local.sum(axis=2, keepdims=True), local), axis=2), 0.0, None
-        )
+        first = 1.0 - local.sum(axis=2, keepdims=True)
+        share = np.clip(np.concatenate((first, local), axis=2), 0.0, None)
         share /= share.sum(axis=2, keepdims=True)
-        distance = np.linalg.norm(offset - np.einsum("mij,nmj->nmi", along, share[..., 1:]), axis=2)
-        best, rows = distance.argmin(axis=1), np.arange(len(block))
-        found.append(parts[:, best].T)
+        # Take the nearest facet.
+        nearest = np.einsum("mij,nmj->nmi", along, share[..., 1:])
+        distance = np.linalg.norm(offset - nearest, axis=2)
+        best = distance.argmin(axis=1)
+        rows = np.arange(len(block))
+        corners.append(parts[:, best].T)
         weights.append(share[rows, best])
         near.append(distance[rows, best] <= _BESIDE * size[best])
-    return np.concatenate(found), np.concatenate(weights), np.concatenate(near)
+    return np.concatenate(corners), np.concatenate(weights), np.concatenate(near)
