@@ -76,8 +76,8 @@ def test_nothing_given(call, message):
             "water is 1000, which is its density",
         ),
         (
-            lambda: sc.water.seepage(
-                column().forms["soil"].basis, 1e-5, {"left": 1.0}, unit_weight=1025.0
+            lambda: sc.water.Flow(column().forms["soil"].basis, 1e-5, unit_weight=1025.0).steady(
+                sc.water.Conditions(head={"left": 1.0})
             ),
             "water is 1025",
         ),

@@ -86,7 +86,7 @@ model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=9.81)
 
 load = model.traction("load", (0.0, -10.0))
 heads, wet = {"right": table, "lift 2|remaining": floors[1]}, basis.with_elements("remaining")
-flow = sc.water.seepage(wet, 1e-4, heads, unit_weight=9.81)
+flow = sc.water.Flow(wet, 1e-4, unit_weight=9.81).steady(sc.water.Conditions(head=heads))
 stages = [
     sc.Stage("load", load, deactivate="prop"),
     sc.Stage("dig 1", load, deactivate=["lift 1", "lift 1|wall"]),

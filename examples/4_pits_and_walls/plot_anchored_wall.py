@@ -50,7 +50,11 @@ def dig(k, **more):
     """Pump a lift out and dig it."""
     below = [*(f"lift {n}" for n in range(k + 1, 5)), "remaining"]
     heads, wet = {"right": table, f"lift {k}|{below[0]}": floors[k - 1]}, basis.with_elements(below)
-    flow = sc.water.seepage(wet, 1e-4, heads, unit_weight=9.81) if floors[k - 1] < table else None
+    flow = (
+        sc.water.Flow(wet, 1e-4, unit_weight=9.81).steady(sc.water.Conditions(head=heads))
+        if floors[k - 1] < table
+        else None
+    )
     return sc.Stage(f"dig {k}", deactivate=[f"lift {k}", f"lift {k}|wall"], water=flow, **more)
 
 

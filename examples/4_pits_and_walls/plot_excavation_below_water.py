@@ -159,7 +159,9 @@ flows, rows = {}, []
 for lift in (1, 2, 3):
     began = process_time()
     wet = basis.with_elements(left_after(lift))
-    flow = sc.water.seepage(wet, K, {"lake": 0.0, f"floor {lift}": LEVELS[lift]}, unit_weight=WATER)
+    flow = sc.water.Flow(wet, K, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"lake": 0.0, f"floor {lift}": LEVELS[lift]})
+    )
     flows[lift] = flow
     q, (expected, share) = flow.discharge("lake"), fragments(lift)
     at_toe = flow.head_at(np.array([INNER + THICK / 2, TOE])) / -LEVELS[lift] + 1

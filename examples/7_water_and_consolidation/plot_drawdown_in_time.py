@@ -5,7 +5,7 @@ Drawdown in time
 How fast may a reservoir fall? The factor of safety of the slope in :doc:`plot_drawdown` has two
 limits once the reservoir is gone: that of a slope from which all water has drained, and that of one
 that is still full. In between the water drains through saturated and unsaturated ground that does
-not deform, by Richards' equation (:func:`~skfem_contact.water.transient_seepage`): the pressures at
+not deform, by Richards' equation (:meth:`~skfem_contact.water.Flow.in_time`): the pressures at
 any time are a load of the stability analysis.
 
 The reservoir falls from the crest to the toe within 5 or 80 days.
@@ -59,15 +59,12 @@ def factor(pressure):
 
 def drawn_down(days, shares):
     """Flow at shares of the time in which the reservoir falls from the crest to the toe."""
-    return sc.water.transient_seepage(
-        basis,
-        K,
-        head=lambda t: {"face": HEIGHT * max(1.0 - t / days, 0.0)},
-        seepage_face="face",
-        retention=SAND,
+    return sc.water.Flow(basis, K, unit_weight=WATER, retention=SAND).in_time(
+        sc.water.Conditions(
+            head=lambda t: {"face": HEIGHT * max(1.0 - t / days, 0.0)}, seepage_face="face"
+        ),
         times=days * np.array([0.0, *shares]),
         start=HEIGHT,
-        unit_weight=WATER,
         error=0.03,
     )
 

@@ -10,7 +10,7 @@ Godt 2008; S is the effective saturation):
 .. math:: F = \frac{\tan\varphi}{\tan\beta} + \frac{2 c}{\gamma z \sin 2\beta}
           - \frac{S\,u_w}{\gamma z} (\tan\beta + \cot\beta) \tan\varphi .
 
-The flow is that of :func:`transient_seepage <skfem_contact.water.transient_seepage>`, the factor
+The flow is that of :meth:`Flow.in_time <skfem_contact.water.Flow.in_time>`, the factor
 that of the strength reduction of a strip whose sides move alike. ``error`` is that of the factor.
 """
 
@@ -42,15 +42,9 @@ column = MeshQuad.init_tensor(
     np.array([0.0, 0.1]), np.linspace(0, DEPTH * turned, 81)
 ).with_defaults()
 silt = sc.water.VanGenuchten(alpha=1.5, n=2.0, content=(0.05, 0.4))
-flow = sc.water.transient_seepage(
-    Basis(column, ElementQuad1()),
-    K * turned,
-    retention=silt,
-    times=DAYS,
-    start=lambda x: x[1] - 2.0,
-    flux={"top": RAIN * turned},
-    unit_weight=WATER,
-)
+flow = sc.water.Flow(
+    Basis(column, ElementQuad1()), K * turned, unit_weight=WATER, retention=silt
+).in_time(sc.water.Conditions(flux={"top": RAIN * turned}), times=DAYS, start=lambda x: x[1] - 2.0)
 print(flow)
 assert flow.balance_error < 1e-8
 assert abs(flow.entered[1] / (4.0 * RAIN * turned * 0.1) - 1) < 1e-6  # nothing runs off at first

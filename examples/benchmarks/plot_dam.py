@@ -48,7 +48,9 @@ def leak(mesh, up: float, down: float, k=1.0) -> sc.water.Seepage:
     """Flow from the left to the right."""
     element = ElementTriP1() if isinstance(mesh, MeshTri) else ElementQuad1()
     heads = {"left": up, "right": down} if down > 0 else {"left": up}
-    return sc.water.seepage(Basis(mesh, element), k, heads, seepage_face="right", unit_weight=9.81)
+    return sc.water.Flow(Basis(mesh, element), k, unit_weight=9.81).steady(
+        sc.water.Conditions(head=heads, seepage_face="right")
+    )
 
 
 rows = []

@@ -46,13 +46,8 @@ def ditches(n):
         np.linspace(0, LENGTH, 2 * n + 1), np.linspace(0, HEIGHT, n + 1)
     ).with_defaults()
     levels = {"left": LEVEL, "right": LEVEL}
-    return sc.water.seepage(
-        Basis(mesh, ElementQuad1()),
-        K,
-        levels,
-        unit_weight=WATER,
-        seepage_face=list(levels),
-        flux={"top": RAIN},
+    return sc.water.Flow(Basis(mesh, ElementQuad1()), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head=levels, flux={"top": RAIN}, seepage_face=list(levels))
     )
 
 
@@ -122,13 +117,8 @@ def drained(near):
             "top": lambda p: p[1] > 2.0 - 1e-9,
         }
     )
-    return sc.water.seepage(
-        Basis(mesh, ElementQuad1()),
-        K,
-        {"drain": 0.0},
-        unit_weight=WATER,
-        seepage_face="drain",
-        flux={"top": SHOWER},
+    return sc.water.Flow(Basis(mesh, ElementQuad1()), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"drain": 0.0}, flux={"top": SHOWER}, seepage_face="drain")
     )
 
 
@@ -215,13 +205,8 @@ def deep(near):
             {"drain": lambda p: (abs(p[1]) < 1e-9) & (p[0] < HALF_WIDTH)}, boundaries_only=False
         )
     )
-    return sc.water.seepage(
-        Basis(mesh, ElementQuad1()),
-        K,
-        {"drain": 0.0},
-        unit_weight=WATER,
-        seepage_face="drain",
-        flux={"top": RAIN},
+    return sc.water.Flow(Basis(mesh, ElementQuad1()), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"drain": 0.0}, flux={"top": RAIN}, seepage_face="drain")
     )
 
 

@@ -68,13 +68,9 @@ def flow(n: int, toe: float) -> sc.water.Seepage:
     """The flow, and its row of the table."""
     began = time.process_time()
     basis = Basis(ground(n, toe), ElementQuad1())
-    water = sc.water.seepage(
-        basis,
-        K,
-        {"left:top": DROP, "right:top": 0.0},
-        connected=[("left|right", "right|left")],
-        unit_weight=9.81,
-    )
+    water = sc.water.Flow(
+        basis, K, unit_weight=9.81, connected=[("left|right", "right|left")]
+    ).steady(sc.water.Conditions(head={"left:top": DROP, "right:top": 0.0}))
     q, (nodes, flux) = water.discharge("left:top"), water.flux("right:top")
     gradient = -flux[basis.mesh.p[0, nodes].argmin()] / K
     rows.append(

@@ -69,14 +69,9 @@ def row(method, n, unknowns, error, began, limit):
 
 for n in (25, 50, 100):
     began = time.process_time()
-    flow = sc.water.seepage(
-        Basis(layer(50.0, n), ElementQuad1()),
-        K,
-        {"far": 40.0},
-        unit_weight=WATER,
-        wells={"screen": PER_RADIAN},
-        coordinates="axisymmetric",
-    )
+    flow = sc.water.Flow(
+        Basis(layer(50.0, n), ElementQuad1()), K, unit_weight=WATER, coordinates="axisymmetric"
+    ).steady(sc.water.Conditions(head={"far": 40.0}, wells={"screen": PER_RADIAN}))
     drawdown = 40.0 - flow.head[np.isclose(flow.basis.mesh.p[0], WELL)][0]
     exact = PER_RADIAN / (K * THICK) * np.log(50.0 / WELL)
     row("confined, steady", n, len(flow.head), abs(drawdown / exact - 1), began, 4 / n**2)
@@ -84,13 +79,8 @@ for n in (25, 50, 100):
 for n in (20, 40):
     began = time.process_time()
     basis = Basis(layer(20.0, 2 * n, n, 10.0), ElementQuad1())
-    flow = sc.water.seepage(
-        basis,
-        K,
-        {"far": 10.0, "screen": 4.0},
-        unit_weight=WATER,
-        seepage_face="screen",
-        coordinates="axisymmetric",
+    flow = sc.water.Flow(basis, K, unit_weight=WATER, coordinates="axisymmetric").steady(
+        sc.water.Conditions(head={"far": 10.0, "screen": 4.0}, seepage_face="screen")
     )
     exact = K * (100 - 16) / 2 / np.log(20.0 / WELL)
     row("free surface", n, len(flow.head), abs(flow.discharge("far") / exact - 1), began, 2e-3)

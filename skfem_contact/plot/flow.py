@@ -61,8 +61,9 @@ def flow_diagram(
     >>> import skfem_contact.plot as plot
     >>> from skfem import Basis, ElementTriP1, MeshTri
     >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 6), np.linspace(0, 5, 6)).with_defaults()
-    >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), permeability=1., unit_weight=10.,
-    ...                          head={"left": 5., "right": 1.}, seepage_face="right")
+    >>> flow = sc.water.Flow(Basis(dam, ElementTriP1()), permeability=1., unit_weight=10.)
+    >>> levels = sc.water.Conditions(head={"left": 5., "right": 1.}, seepage_face="right")
+    >>> water = flow.steady(levels)
     >>> figure = plot.flow_diagram(water, "pressure")
     """
     mesh = water.basis.mesh

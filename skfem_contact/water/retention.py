@@ -99,8 +99,7 @@ class Ramp(_Limited):
         Relative permeability of dry ground, between 0 and 1.
     content
         Volume of water per volume of ground, the least that suction leaves and that of saturated
-        ground: for
-        :func:`transient_seepage`.
+        ground: for :meth:`Flow.in_time`.
 
     Examples
     --------
@@ -168,8 +167,7 @@ class VanGenuchten(_Limited):
         Lower limit of the relative permeability, between 0 and 1.
     content
         Volume of water per volume of ground, the least that suction leaves and that of saturated
-        ground: for
-        :func:`transient_seepage`.
+        ground: for :meth:`Flow.in_time`.
 
     Examples
     --------
@@ -253,8 +251,7 @@ class BrooksCorey(_Limited):
         Lower limit of the relative permeability, between 0 and 1.
     content
         Volume of water per volume of ground, the least that suction leaves and that of saturated
-        ground: for
-        :func:`transient_seepage`.
+        ground: for :meth:`Flow.in_time`.
 
     Examples
     --------

@@ -815,7 +815,9 @@ def pit_beside_a_sheet_pile():
 def pumped(basis):
     """The flow below the sheet pile as the pit is pumped dry."""
     wet = basis.with_elements({"left", "right"})
-    return sc.water.seepage(wet, 1e-4, {"lake": 0.0, "floor": -3.0}, unit_weight=10.0)
+    return sc.water.Flow(wet, 1e-4, unit_weight=10.0).steady(
+        sc.water.Conditions(head={"lake": 0.0, "floor": -3.0})
+    )
 
 
 @pytest.mark.parametrize(

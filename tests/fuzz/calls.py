@@ -247,18 +247,24 @@ def doors():
     yield "VanGenuchten", sc.water.VanGenuchten, {"alpha": 1.0, "n": 2.0, "least": 1e-6}
     yield "BrooksCorey", sc.water.BrooksCorey, {"entry": 1.0, "index": 2.0, "least": 1e-6}
     yield (
-        "seepage",
-        sc.water.seepage,
+        "Flow",
+        sc.water.Flow,
         {
             "basis": basis,
             "permeability": 1e-4,
-            "head": head,
             "unit_weight": 10.0,
-            "seepage_face": (),
             "connected": (),
             "retention": sc.water.Ramp(),
+            "storage": 0.0,
             "coordinates": "plane",
         },
+    )
+    yield "Conditions", sc.water.Conditions, {"head": head, "seepage_face": ()}
+    flow = sc.water.Flow(basis, 1e-4, unit_weight=10.0)
+    yield (
+        "Flow.steady",
+        lambda head: flow.steady(sc.water.Conditions(head)),
+        {"head": head},
     )
     yield "Surface.from_boundary", sc.Surface.from_boundary, {"basis": basis, "name": "top"}
     yield (

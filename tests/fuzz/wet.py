@@ -64,13 +64,12 @@ def seepage(rng: np.random.Generator) -> Iterator[Check]:
     if rng.random() < 0.5:
         bottom = top + rng.uniform(0.1, 2.0)  # upwards
     axial = bool(rng.random() < 0.4)
-    flow = sc.water.seepage(
+    flow = sc.water.Flow(
         basis,
         {str(i): float(one) for i, one in enumerate(k)},
-        {"top": top, "bottom": bottom},
         unit_weight=WATER,
         coordinates="axisymmetric" if axial else "plane",
-    )
+    ).steady(sc.water.Conditions(head={"top": top, "bottom": bottom}))
     velocity = (top - bottom) / np.sum(np.diff(levels) / k)
     area = 1.5 if axial else 1.0
     yield Check("discharge", apart(flow.discharge("top"), velocity * area), 1e-7)

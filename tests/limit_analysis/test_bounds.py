@@ -138,7 +138,9 @@ def test_water_at_nodes_of_a_slope(quadrilaterals) -> None:
     element = ElementQuad1() if quadrilaterals else ElementTriP2()
     basis = Basis(mesh, ElementVector(element), intorder=4)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=8.0, phi=25.0, psi=25.0)
-    flow = sc.water.seepage(basis, 1e-5, head={"ground": 15.0}, unit_weight=10.0)
+    flow = sc.water.Flow(basis, 1e-5, unit_weight=10.0).steady(
+        sc.water.Conditions(head={"ground": 15.0})
+    )
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
     forms = {"soil": sc.SolidForm(basis, soil)}
     settings = {"gap": 0.3, "elements": 400}

@@ -305,7 +305,9 @@ def test_free_surface_is_the_water_table():
     forms, step = block()
     basis = forms["block"].basis
     height = np.ptp(basis.mesh.p[1])
-    water = sc.water.seepage(basis, 1.0, {"left": 0.5 * height}, unit_weight=9.81)
+    water = sc.water.Flow(basis, 1.0, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"left": 0.5 * height})
+    )
     pictures = [
         shot(plot.contour(step, "pore", water=given, mesh=False, colors="Greys"))
         for given in (sc.hydrostatic(0.5 * height, unit_weight=9.81), water, water.pressure_at)

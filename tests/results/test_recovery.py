@@ -276,8 +276,8 @@ def test_pore_pressure_of_the_stages_own_water(tmp_path):
     }
     porous = np.unique(mesh.t[:, mesh.subdomains["lower"]])
     only = np.setdiff1d(porous, mesh.t[:, mesh.subdomains["upper"]])
-    flow = sc.water.seepage(
-        basis.with_elements("lower"), 1e-5, {"left": 3.0, "right": 2.5}, unit_weight=10.0
+    flow = sc.water.Flow(basis.with_elements("lower"), 1e-5, unit_weight=10.0).steady(
+        sc.water.Conditions(head={"left": 3.0, "right": 2.5})
     )
     model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
     stages = [

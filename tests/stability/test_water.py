@@ -12,6 +12,7 @@ import pytest
 from skfem import Basis, ElementQuad1, ElementTriP1, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from tests.tools.flows import steady
 from tests.tools.helpers import distorted
 
 ELEMENTS = {MeshTri: ElementTriP1, MeshQuad: ElementQuad1}
@@ -34,7 +35,7 @@ def flow(mesh, heads, k=1.0, face="right", **options) -> sc.water.Seepage:
     """Seepage without any warning."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        return sc.water.seepage(
+        return steady(
             Basis(mesh, ELEMENTS[type(mesh)]()),
             k,
             heads,
@@ -77,13 +78,15 @@ def test_tight_core(core):
     with pytest.warns(
         sc.AnalysisWarning, match=r"flows off through dry ground at .*; leave drained ground out"
     ):
-        sc.water.seepage(
-            Basis(mesh, ElementTriP1()), k, {"left": 10.0}, seepage_face="right", unit_weight=9.81
+        sc.water.Flow(Basis(mesh, ElementTriP1()), k, unit_weight=9.81).steady(
+            sc.water.Conditions(head={"left": 10.0}, seepage_face="right")
         )
     mesh = mesh.with_subdomains({"wet": lambda x: x[0] < 6})
     mesh = mesh.with_boundaries({"drained": mesh.facets_satisfying(lambda x: np.isclose(x[0], 6))})
     wet = Basis(mesh, ElementTriP1()).with_elements("wet")
-    water = sc.water.seepage(wet, k, {"left": 10.0}, seepage_face="drained", unit_weight=9.81)
+    water = sc.water.Flow(wet, k, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"left": 10.0}, seepage_face="drained")
+    )
     assert water.discharge("left") == pytest.approx(50 / (4 + 2 / core), rel=5e-3)
     assert water.discharge("drained") == pytest.approx(-water.discharge("left"), rel=1e-8)
 
@@ -242,14 +245,14 @@ def test_what_does_not_balance_is_warned_of(monkeypatch):
     with pytest.warns(
         sc.AnalysisWarning, match=r"wet and dry ground is 1\.2\d? times as wide as asked for"
     ):
-        water = sc.water.seepage(
-            basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81
+        water = sc.water.Flow(basis, 1.0, unit_weight=9.81).steady(
+            sc.water.Conditions(head={"left": 10.0, "right": 2.0}, seepage_face="right")
         )
     assert water.discharge("left") == pytest.approx(4.8, rel=2e-3)
     limit = np.inf
     with pytest.raises(sc.NotConverged, match="the water does not balance: it does not want to"):
-        sc.water.seepage(
-            basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81
+        sc.water.Flow(basis, 1.0, unit_weight=9.81).steady(
+            sc.water.Conditions(head={"left": 10.0, "right": 2.0}, seepage_face="right")
         )
 
 
@@ -319,13 +322,10 @@ def test_wells_that_fall_dry(pumped):
     """
     told = pytest.warns(sc.AnalysisWarning, match=r"well 'screen' falls dry: its level, -?\d")
     with told, suppress(sc.NotConverged):
-        sc.water.seepage(
-            Basis(wet_strip(), ElementQuad1()),
-            1.0,
-            {"near": 6.0},
-            unit_weight=9.81,
-            seepage_face=["near", "far"],
-            wells={"screen": pumped},
+        sc.water.Flow(Basis(wet_strip(), ElementQuad1()), 1.0, unit_weight=9.81).steady(
+            sc.water.Conditions(
+                head={"near": 6.0}, wells={"screen": pumped}, seepage_face=["near", "far"]
+            )
         )
 
 
@@ -366,17 +366,17 @@ def test_restart_in_the_middle():
     sand = sc.water.VanGenuchten(1.5, 2.0, content=(0.05, 0.4))
 
     def run(times, start):
-        return sc.water.transient_seepage(
-            Basis(wet_strip(), ElementQuad1()),
-            1e-5,
-            {"near": 4.0},
-            retention=sand,
+        return sc.water.Flow(
+            Basis(wet_strip(), ElementQuad1()), 1e-5, unit_weight=9.81, retention=sand
+        ).in_time(
+            sc.water.Conditions(
+                head={"near": 4.0},
+                flux={"top": 2e-7},
+                wells={"screen": 1e-7},
+                seepage_face=["near", "far"],
+            ),
             times=times,
             start=start,
-            unit_weight=9.81,
-            seepage_face=["near", "far"],
-            flux={"top": 2e-7},
-            wells={"screen": 1e-7},
             error=5e-3,
         )
 

@@ -57,8 +57,8 @@ def test_changed_wall_keeps_its_water_and_skin_its_stiffness():
         boundaries_only=False,
     )
     basis = Basis(sc.split_along(mesh, "wall"), ElementVector(ElementTriP2()), intorder=2)
-    flow = sc.water.seepage(
-        basis, permeability=1e-4, head={"low": 0.0, "high": 2.0}, unit_weight=10.0
+    flow = sc.water.Flow(basis, permeability=1e-4, unit_weight=10.0).steady(
+        sc.water.Conditions(head={"low": 0.0, "high": 2.0})
     )
     nodes = np.linspace((-2.0, -0.5), (-3.5, -2.5), 4)
     wall, soft = (sc.Beam(basis, "wall|left", EI=EI, EA=1e6, bonded=False) for EI in (1e5, 1e4))

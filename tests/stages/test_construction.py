@@ -458,7 +458,9 @@ def test_water_of_a_stage_is_that_of_a_seepage_in_its_own_ground():
         )
         for name in ("wet", "dry")
     }
-    flow = sc.water.seepage(basis.with_elements("wet"), 1e-4, {"table": 2.0}, unit_weight=10.0)
+    flow = sc.water.Flow(basis.with_elements("wet"), 1e-4, unit_weight=10.0).steady(
+        sc.water.Conditions(head={"table": 2.0})
+    )
     model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
     one, other = (
         model.run([sc.Stage("flow", water=flow)])["flow"],

@@ -138,7 +138,9 @@ def test_k0_with_pressures_at_vertices(mesh, element):
     basis = Basis(mesh, ElementVector(element), intorder=2)
     form = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
     model = sc.Model({"ground": form}, sc.box_supports(basis))
-    flow = sc.water.seepage(basis, 1e-5, {"top": 6.0, "bottom": 9.0}, unit_weight=10.0)
+    flow = sc.water.Flow(basis, 1e-5, unit_weight=10.0).steady(
+        sc.water.Conditions(head={"top": 6.0, "bottom": 9.0})
+    )
     start = model.k0_state(K0=0.5, water=flow.pressure)
     depth, stress = (
         6.0 - np.asarray(basis.global_coordinates())[1],

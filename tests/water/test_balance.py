@@ -82,16 +82,16 @@ def steady(seed: int) -> tuple[sc.water.Seepage, float, list[str], float]:
     mesh = basis.mesh
     height, axial = np.ptp(mesh.p[1]), bool(rng.random() < 0.4)
     faces = ["right", "drain"] if rng.random() < 0.5 else ["right"]
-    water = sc.water.seepage(
-        basis,
-        k,
-        {"left": height * rng.uniform(0.5, 1.0)},
-        unit_weight=WATER,
-        seepage_face=["left", *faces],
-        flux={"top": rain},
-        wells={"screen": pumped},
-        sources={"low": source},
-        coordinates="axisymmetric" if axial else "plane",
+    water = sc.water.Flow(
+        basis, k, unit_weight=WATER, coordinates="axisymmetric" if axial else "plane"
+    ).steady(
+        sc.water.Conditions(
+            head={"left": height * rng.uniform(0.5, 1.0)},
+            flux={"top": rain},
+            wells={"screen": pumped},
+            sources={"low": source},
+            seepage_face=["left", *faces],
+        )
     )
     inner, outer = mesh.p[0].min(), mesh.p[0].max()
     total = 0.5 * height * source * (0.5 * (outer**2 - inner**2) if axial else outer - inner)
@@ -127,19 +127,18 @@ def test_flow_in_time(seed: int) -> None:
     rng, basis, k, (rain, pumped, source) = layered(seed, -6)
     height, end = np.ptp(basis.mesh.p[1]), float(10.0 ** rng.uniform(3, 5))
     level = height * rng.uniform(0.5, 0.9)
-    found = sc.water.transient_seepage(
-        basis,
-        k,
-        lambda t: {"left": level * (1.0 - 0.3 * t / end)},
-        retention=laws(rng),
+    found = sc.water.Flow(
+        basis, k, unit_weight=WATER, retention=laws(rng), storage=float(rng.choice([0.0, 1e-4]))
+    ).in_time(
+        sc.water.Conditions(
+            head=lambda t: {"left": level * (1.0 - 0.3 * t / end)},
+            flux=lambda t: {"top": rain if t < 0.5 * end else 0.0},
+            wells={"screen": pumped},
+            sources={"low": source},
+            seepage_face=["left", "right", "drain"],
+        ),
         times=[0.0, 0.5 * end, end],
         start=level,
-        unit_weight=WATER,
-        seepage_face=["left", "right", "drain"],
-        flux=lambda t: {"top": rain if t < 0.5 * end else 0.0},
-        wells={"screen": pumped},
-        sources={"low": source},
-        storage=float(rng.choice([0.0, 1e-4])),
         error=0.05,
     )
     assert found.balance_error <= LOST

@@ -115,8 +115,8 @@ def test_slit_that_ends_in_the_ground(top):
     for part, joints in ((mesh, ()), (slit, (pair,))):
         half = part.with_boundaries({"half": lambda x: (x[1] > 1 - 1e-9) & (x[0] < 1)})
         basis = Basis(half, ElementVector(ElementTriP2()), intorder=4)
-        flow = sc.water.seepage(
-            basis, MOBILITY, {"left": 3.0, "right": 2.0}, connected=joints, unit_weight=1.0
+        flow = sc.water.Flow(basis, MOBILITY, unit_weight=1.0, connected=joints).steady(
+            sc.water.Conditions(head={"left": 3.0, "right": 2.0})
         )
         water = sc.PoreWater(basis, MOBILITY, unit_weight=1.0, connected=joints)
         forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "water": water}

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
+from tests.tools.flows import steady
 from tests.tools.helpers import grid, vector_basis
 from tests.tools.infinite_slope import BETA, DEPTH, GAMMA, infinite_slope
 
@@ -19,7 +20,9 @@ def test_upward_flow_in_level_ground():
     procedure finds it.
     """
     basis = vector_basis(grid("Q2", np.linspace(0, 3, 4), np.linspace(0, 5, 6)), "Q2", intorder=4)
-    water = sc.water.seepage(basis, 1e-6, {"bottom": 7.0, "top": 5.0}, unit_weight=WATER)
+    water = sc.water.Flow(basis, 1e-6, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"bottom": 7.0, "top": 5.0})
+    )
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))}
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
     for pressure in (water.pressure, water.pressure_at):
@@ -48,8 +51,8 @@ def test_infinite_slope_with_parallel_seepage(element):
     def head(x):
         return x[1] + (DEPTH - sin / cos * x[0] - x[1]) * cos**2
 
-    water = sc.water.seepage(
-        basis, 1e-5, {"left": head, "right": head}, seepage_face="top", unit_weight=WATER
+    water = sc.water.Flow(basis, 1e-5, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"left": head, "right": head}, seepage_face="top")
     )
     assert water.discharge("top") == pytest.approx(0.0, abs=1e-12 * water.discharge("left"))
     depth = DEPTH - sin / cos * basis.mesh.p[0] - basis.mesh.p[1]
@@ -74,7 +77,7 @@ def test_contact_carries_the_effective_stress(open_joint):
     basis = vector_basis(sc.join_bodies({"low": low, "top": top}), "Q1", intorder=2)
     heads = {"low:bottom": 3.6, "top:top": 3.0}
     joint = {"connected": [("low:top", "top:bottom")]} if open_joint else {}
-    water = sc.water.seepage(basis, {"low": 1.0, "top": 2.0}, heads, unit_weight=WATER, **joint)
+    water = steady(basis, {"low": 1.0, "top": 2.0}, heads, unit_weight=WATER, **joint)
     pressure = WATER * ((3.3 if open_joint else 3.0) - 1.0)
     sides = ["low:top", "top:bottom"]
     load = sc.weight(basis, 20.0) + sc.water_load(basis, water.pressure, sides)
@@ -94,7 +97,9 @@ def test_water_above_the_ground_is_warned_of():
     warned.
     """
     basis = vector_basis(grid("P2", np.linspace(0, 2, 3), np.linspace(0, 1, 3)), "P2")
-    water = sc.water.seepage(basis, 1.0, {"top": 2.0, "bottom": 2.0}, unit_weight=9.81)
+    water = sc.water.Flow(basis, 1.0, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"top": 2.0, "bottom": 2.0})
+    )
     with pytest.warns(sc.AnalysisWarning, match="there is water above the surface"):
         sc.water_load(basis, water.pressure)
     with warnings.catch_warnings():
@@ -199,8 +204,8 @@ def test_wall_above_the_ground_of_a_seepage():
     of_wall = of_wall[of_wall % 2 == 0]
     model = sc.Model(forms, np.arange(basis.N), water_unit_weight=10.0)
     for level in (2.0, 2.5):
-        flow = sc.water.seepage(
-            basis.with_elements("soil"), 1e-5, {"lake": 4.0, "floor": level}, unit_weight=10.0
+        flow = sc.water.Flow(basis.with_elements("soil"), 1e-5, unit_weight=10.0).steady(
+            sc.water.Conditions(head={"lake": 4.0, "floor": level})
         )
         load = model.run([sc.Stage("flow", water=flow)], progress=False)["flow"].load
         y, below = np.linspace(1, 4, 2001), np.linspace(1, 2, 2001)
@@ -220,9 +225,11 @@ def test_suction_is_in_the_pores_alone(by):
     mesh = grid("P2", np.linspace(0, 1, 3), np.linspace(0, 4, 17))
     basis = vector_basis(mesh, "P2", intorder=2)
     law = sc.water.VanGenuchten(alpha=0.3, n=2.0)
-    water = sc.water.seepage(
-        basis, 1e-6, {"bottom": 1.0}, retention=law, unit_weight=WATER
-    ).with_suction()
+    water = (
+        sc.water.Flow(basis, 1e-6, unit_weight=WATER, retention=law)
+        .steady(sc.water.Conditions(head={"bottom": 1.0}))
+        .with_suction()
+    )
     soil = sc.SolidForm(basis, sc.LinearElastic(E=5e3, nu=0.3), unit_weight=18.0)
     model = sc.Model(
         {"soil": soil}, sc.box_supports(basis, base="rollers"), water_unit_weight=WATER

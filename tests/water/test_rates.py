@@ -13,6 +13,7 @@ from scipy.special import exp1
 from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
 
 import skfem_contact as sc
+from tests.tools.flows import steady
 from tests.tools.helpers import vector_basis
 
 #: Permeability and unit weight of water.
@@ -36,13 +37,8 @@ def test_rain_between_two_ditches(n, tolerance):
     """
     rain, level, length = 1e-6, 3.0, 40.0
     ditches = {"left": level, "right": level}
-    water = sc.water.seepage(
-        heads(strip(n=n)),
-        K,
-        ditches,
-        unit_weight=WATER,
-        seepage_face=list(ditches),
-        flux={"top": rain},
+    water = sc.water.Flow(heads(strip(n=n)), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head=ditches, flux={"top": rain}, seepage_face=list(ditches))
     )
     assert water.discharge("top") == pytest.approx(
         rain * length, rel=1e-9
@@ -62,8 +58,8 @@ def test_rain_that_the_ground_does_not_take():
     """
     mesh, ditches = strip(), {"left": 3.0, "right": 3.0}
     rule = {"unit_weight": WATER, "seepage_face": list(ditches)}
-    rained = sc.water.seepage(heads(mesh), K, ditches, flux={"top": 1e3 * K}, **rule)
-    flooded = sc.water.seepage(heads(mesh), K, {**ditches, "top": 10.0}, **rule)
+    rained = steady(heads(mesh), K, ditches, flux={"top": 1e3 * K}, **rule)
+    flooded = steady(heads(mesh), K, {**ditches, "top": 10.0}, **rule)
     np.testing.assert_allclose(rained.head, flooded.head, atol=1e-9)
     enters = rained.discharge("top")
     assert enters == pytest.approx(-rained.discharge("left") - rained.discharge("right"), rel=1e-9)
@@ -77,8 +73,8 @@ def test_well_in_a_confined_layer(dim):
     mesh = (MeshHex if dim == 3 else MeshQuad).init_tensor(*lines)
     mesh = mesh.with_boundaries({"far": lambda x: x[0] == 0.0, "screen": lambda x: x[0] == 4.0})
     area, pumped = 2.0 if dim == 3 else 1.0, 1e-4
-    water = sc.water.seepage(
-        heads(mesh), K, {"far": 45.0}, unit_weight=WATER, wells={"screen": pumped}
+    water = sc.water.Flow(heads(mesh), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"far": 45.0}, wells={"screen": pumped})
     )
     np.testing.assert_allclose(water.head, 45.0 - pumped / (K * area) * mesh.p[0], rtol=1e-12)
     assert water.discharge("screen") == pytest.approx(-pumped, rel=1e-12)
@@ -93,14 +89,9 @@ def test_well_with_a_radius():
     mesh = mesh.with_boundaries({"screen": lambda x: x[0] < 0.1001, "far": lambda x: x[0] > 49.999})
     mesh = mesh.with_subdomains({"sand": lambda x: x[1] > 2.0, "silt": lambda x: x[1] < 2.0})
     pumped = 0.01 / (2 * np.pi)  # per radian
-    water = sc.water.seepage(
-        heads(mesh),
-        {"sand": 1e-4, "silt": 2e-5},
-        {"far": 60.0},
-        unit_weight=WATER,
-        wells={"screen": pumped},
-        coordinates="axisymmetric",
-    )
+    water = sc.water.Flow(
+        heads(mesh), {"sand": 1e-4, "silt": 2e-5}, unit_weight=WATER, coordinates="axisymmetric"
+    ).steady(sc.water.Conditions(head={"far": 60.0}, wells={"screen": pumped}))
     drawdown = pumped / (3 * 1e-4 + 2 * 2e-5) * np.log(500.0)
     at = np.isclose(mesh.p[0], 0.1)
     # conductance of a linear element in r: (q + 1) ln(q) / 2 (q - 1) times the exact one, 3.3e-4
@@ -120,7 +111,9 @@ def test_well_that_falls_dry_is_told():
         match="well 'screen' falls dry: its level, -?[0-9.]+, lies below the top",
     )
     with told, suppress(sc.NotConverged):
-        sc.water.seepage(heads(mesh), K, {"right": 1.5}, unit_weight=WATER, wells={"screen": 3e-6})
+        sc.water.Flow(heads(mesh), K, unit_weight=WATER).steady(
+            sc.water.Conditions(head={"right": 1.5}, wells={"screen": 3e-6})
+        )
 
 
 @pytest.mark.parametrize("coordinates", ["plane", "axisymmetric"])
@@ -131,12 +124,12 @@ def test_drain_with_a_resistance(coordinates):
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 4, 9)).with_defaults()
     basis, area = Basis(mesh, ElementQuad1()), {"plane": 1.0, "axisymmetric": 0.5}[coordinates]
     options = {"drains": {"bottom": (5.0, 50.0)}, "unit_weight": 10.0, "coordinates": coordinates}
-    water = sc.water.seepage(basis, 1e-2, {"top": 9.0}, **options)
+    water = steady(basis, 1e-2, {"top": 9.0}, **options)
     assert water.discharge("bottom") == pytest.approx(-area * 4.0 / (4.0 / 1e-2 + 50.0), rel=1e-9)
-    still = sc.water.seepage(basis, 1e-2, {"top": 4.5}, **options)
+    still = steady(basis, 1e-2, {"top": 4.5}, **options)
     assert abs(still.discharge("bottom")) < 1e-12  # its level is higher, and no water enters
     options["drains"] = {"bottom": (1.0, 50.0)}
-    rain = sc.water.seepage(basis, 1e-2, {}, flux={"top": 1e-3}, **options)
+    rain = steady(basis, 1e-2, {}, flux={"top": 1e-3}, **options)
     at = mesh.p[1] == 0.0
     np.testing.assert_allclose(rain.head[at], 1.0 + 1e-3 * 50.0, rtol=1e-9)
     assert rain.discharge("bottom") == pytest.approx(-area * 1e-3, rel=1e-9)
@@ -153,16 +146,16 @@ def test_drain_with_a_resistance(coordinates):
 def test_wrong_drains(drain, message):
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 4, 9)).with_defaults()
     with pytest.raises(ValueError, match=message):
-        sc.water.seepage(
-            Basis(mesh, ElementQuad1()), 1e-2, {"top": 9.0}, drains=drain, unit_weight=10.0
+        sc.water.Flow(Basis(mesh, ElementQuad1()), 1e-2, unit_weight=10.0).steady(
+            sc.water.Conditions(head={"top": 9.0}, drains=drain)
         )
 
 
 def test_sources():
     """[X] A source w in a strip with both ends at zero: k h'' = -w, exact at the nodes."""
     mesh = strip(4.0, 1.0).with_subdomains({"all": lambda x: x[0] > -1.0})
-    water = sc.water.seepage(
-        heads(mesh), K, {"left": 9.0, "right": 9.0}, unit_weight=WATER, sources={"all": 2e-6}
+    water = sc.water.Flow(heads(mesh), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"left": 9.0, "right": 9.0}, sources={"all": 2e-6})
     )
     np.testing.assert_allclose(water.head, 9.0 + 0.1 * mesh.p[0] * (4.0 - mesh.p[0]), rtol=1e-10)
 
@@ -223,7 +216,7 @@ def test_wrong_rates():
     basis, level = heads(mesh), {"left": 1.5}
 
     def flow(head=level, **given):
-        return sc.water.seepage(basis, K, head, unit_weight=WATER, **given)
+        return steady(basis, K, head, unit_weight=WATER, **given)
 
     with pytest.raises(ValueError, match="boundary 'left' has a flux and a head at all its nodes"):
         flow(flux={"left": 1e-6})
@@ -287,21 +280,23 @@ def test_heave() -> None:
         }
     )
     for axis in ("plane", "axisymmetric"):
-        water = sc.water.seepage(
-            heads(mesh), K, {"bottom": 6.0, "top": 4.0}, unit_weight=WATER, coordinates=axis
+        water = sc.water.Flow(heads(mesh), K, unit_weight=WATER, coordinates=axis).steady(
+            sc.water.Conditions(head={"bottom": 6.0, "top": 4.0})
         )
         assert water.heave_factor("prism", 20.0) == pytest.approx(10.0 / (0.5 * WATER), rel=1e-9)
-    layers = sc.water.seepage(
-        heads(mesh), {"open": K, "tight": K / 9}, {"bottom": 6.0, "top": 4.0}, unit_weight=WATER
+    layers = sc.water.Flow(heads(mesh), {"open": K, "tight": K / 9}, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"bottom": 6.0, "top": 4.0})
     )
     assert layers.heave_factor("open", 20.0) == pytest.approx(10.0 / (0.1 * WATER), rel=1e-9)
-    down = sc.water.seepage(heads(mesh), K, {"bottom": 4.0, "top": 5.0}, unit_weight=WATER)
+    down = sc.water.Flow(heads(mesh), K, unit_weight=WATER).steady(
+        sc.water.Conditions(head={"bottom": 4.0, "top": 5.0})
+    )
     assert down.heave_factor("prism", 20.0) == np.inf
     with pytest.raises(ValueError, match="saturated ground, more than 10"):
         down.heave_factor("prism", 9.0)
     with pytest.raises(ValueError, match="above the free surface"):
-        sc.water.seepage(
-            heads(mesh), K, {"left": 1.0, "right": 1.0}, unit_weight=WATER
+        sc.water.Flow(heads(mesh), K, unit_weight=WATER).steady(
+            sc.water.Conditions(head={"left": 1.0, "right": 1.0})
         ).heave_factor("prism", 20.0)
 
 
@@ -316,9 +311,9 @@ def test_heave() -> None:
 def test_no_water_passes_through_an_axis(given):
     """There a head would be a well without a radius, whose discharge depends on the mesh alone."""
     with pytest.raises(ValueError, match="'left' lies on the axis and has no area"):
-        sc.water.seepage(heads(strip()), K, **given, unit_weight=WATER, coordinates="axisymmetric")
+        steady(heads(strip()), K, **given, unit_weight=WATER, coordinates="axisymmetric")
     hollow = strip().translated((0.5, 0.0))
-    assert sc.water.seepage(
+    assert steady(
         heads(hollow), K, **given, unit_weight=WATER, coordinates="axisymmetric"
     ).head.size
 
@@ -355,22 +350,18 @@ def test_uplift(axis) -> None:
         {"unit_weight": WATER, "coordinates": None if axis == "space" else axis},
     )
     area = {"plane": 3.0, "axisymmetric": 4.5, "space": 9.0}[axis]  # of the slab, per radian
-    ground = sc.water.seepage(
-        basis.with_elements(["sand", "clay", "bank"]), K, {"right": 7.0}, **rule
-    )
+    ground = steady(basis.with_elements(["sand", "clay", "bank"]), K, {"right": 7.0}, **rule)
     assert ground.uplift_factor("sole", {"slab": 24.0}) == pytest.approx(
         0.5 * 24.0 / (2.5 * WATER), rel=1e-9
     )
     held = ground.uplift_factor("sole", {"slab": 24.0}, load=30.0 * area)
     assert held == pytest.approx((0.5 * 24.0 + 30.0) / (2.5 * WATER), rel=1e-9)
     plug = {"clay": 20.0, "slab": 24.0}
-    aquifer = sc.water.seepage(basis.with_elements("sand"), K, {"right": 6.0}, **rule)
+    aquifer = steady(basis.with_elements("sand"), K, {"right": 6.0}, **rule)
     for flow, head in ((aquifer, 6.0), (ground, 7.0)):  # the clay tight, or porous ground as well
         exact = (2.5 * 20.0 + 0.5 * 24.0) / ((head - 2.0) * WATER)
         assert flow.uplift_factor("base", plug) == pytest.approx(exact, rel=1e-9)
-    buried = sc.water.seepage(
-        basis.with_elements(["sand", "slab", "bank"]), K, {"right": 9.0}, **rule
-    )
+    buried = steady(basis.with_elements(["sand", "slab", "bank"]), K, {"right": 9.0}, **rule)
     assert buried.uplift_factor("outline", {"clay": 20.0}) == pytest.approx(20.0 / WATER, rel=1e-9)
     for bottom, weights, told in (
         ("roof", plug, "facets without porous ground"),
@@ -382,7 +373,7 @@ def test_uplift(axis) -> None:
         with pytest.raises(ValueError, match=told):
             aquifer.uplift_factor(bottom, weights)
     with pytest.raises(ValueError, match="no water presses upwards on boundary 'roof'"):
-        sc.water.seepage(basis, K, {"right": 1.0}, **rule).uplift_factor("roof", plug)
+        steady(basis, K, {"right": 1.0}, **rule).uplift_factor("roof", plug)
 
 
 class Filter(sc.Form, sc.roles.Couples, sc.roles.Timed, sc.roles.Draining):

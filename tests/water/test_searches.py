@@ -165,7 +165,9 @@ def test_bounds_beside_seepage():
         }
     )
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    water = sc.water.seepage(basis, 1e-6, {"up": 6.0}, seepage_face="down", unit_weight=9.81)
+    water = sc.water.Flow(basis, 1e-6, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"up": 6.0}, seepage_face="down")
+    )
     bank = sc.SolidForm(
         basis, sc.MohrCoulomb(E=3e4, nu=0.3, c=5.0, phi=30.0, psi=30.0), unit_weight=20.0
     )

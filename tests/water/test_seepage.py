@@ -21,6 +21,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from tests.tools.flows import steady
 from tests.tools.helpers import distorted
 
 ELEMENTS = {
@@ -56,7 +57,7 @@ def flow_through(
 ) -> sc.water.Seepage:
     """Flow from left to right with a seepage face."""
     heads = {"left": up} | ({"right": down} if down > 0 else {})
-    return sc.water.seepage(
+    return steady(
         Basis(mesh, ELEMENTS[type(mesh)]()),
         k,
         heads,
@@ -205,14 +206,16 @@ def test_layers(kind):
     )
     k = {"clay": 1e-7, "sand": 1e-5}
     for element in (ELEMENTS[kind](), ElementVector(ELEMENTS[kind]())):
-        up = sc.water.seepage(
-            Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0}, unit_weight=9.81
+        up = sc.water.Flow(Basis(mesh, element), k, unit_weight=9.81).steady(
+            sc.water.Conditions(head={"bottom": 3.0, "top": 2.0})
         )
         q = 1.0 / (0.5 / 1e-7 + 0.5 / 1e-5)
         assert up.iterations == (1,)
         assert up.discharge("bottom") == pytest.approx(q, rel=1e-9) == -up.discharge("top")
         np.testing.assert_allclose(up.velocity[-1], q, rtol=1e-9)
-    along = sc.water.seepage(Basis(mesh, element), k, {"left": 3.0, "right": 2.0}, unit_weight=9.81)
+    along = sc.water.Flow(Basis(mesh, element), k, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"left": 3.0, "right": 2.0})
+    )
     assert along.discharge("left") == pytest.approx(0.5 * (1e-7 + 1e-5), rel=1e-9)
 
 
@@ -225,11 +228,8 @@ def test_quadratic_meshes():
         (dam(4, 10.0, MeshQuad), ElementQuad2()),
         (MeshTri2.from_mesh(dam(4, 10.0)).with_boundaries(dam(4, 10.0).boundaries), ElementTriP2()),
     ):
-        water = sc.water.seepage(
-            Basis(mesh, ElementVector(element)),
-            1.0,
-            {"left": 12.0, "right": 11.0},
-            unit_weight=9.81,
+        water = sc.water.Flow(Basis(mesh, ElementVector(element)), 1.0, unit_weight=9.81).steady(
+            sc.water.Conditions(head={"left": 12.0, "right": 11.0})
         )
         np.testing.assert_allclose(
             water.head[: mesh.nvertices], 12.0 - mesh.p[0, : mesh.nvertices] / 10, rtol=1e-12
@@ -251,8 +251,8 @@ def test_any_direction(kind, rng):
     )
     tensor = np.diag([3.0, 1.0, 2.0][:dim]) + 0.5
     slope = np.array([0.5, -0.3, 0.2][:dim])
-    water = sc.water.seepage(
-        Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x}, unit_weight=9.81
+    water = sc.water.Flow(Basis(mesh, ELEMENTS[kind]()), tensor, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"all": lambda x: 9 + slope @ x})
     )
     np.testing.assert_allclose(water.head, 9 + slope @ mesh.p, rtol=1e-12)
     np.testing.assert_allclose(
@@ -265,9 +265,9 @@ def test_any_direction(kind, rng):
 )
 def test_coordinates_that_do_not_suit_the_mesh(kind, coordinates):
     with pytest.raises(ValueError, match=rf"coordinates .*must be .*, not '{coordinates}'"):
-        sc.water.seepage(
-            Basis(kind(), ELEMENTS[kind]()), 1.0, {}, unit_weight=9.81, coordinates=coordinates
-        )
+        sc.water.Flow(
+            Basis(kind(), ELEMENTS[kind]()), 1.0, unit_weight=9.81, coordinates=coordinates
+        ).steady(sc.water.Conditions(head={}))
 
 
 @pytest.mark.parametrize("confined", [True, False])
@@ -279,14 +279,9 @@ def test_well(confined):
     r = radius * (far / radius) ** np.linspace(0, 1, 2 * n + 1)
     mesh = box(MeshQuad, r, np.linspace(0, 10, n + 1))
     high, low = (15.0, 12.0) if confined else (10.0, 3.0)
-    water = sc.water.seepage(
-        Basis(mesh, ElementQuad1()),
-        1e-4,
-        {"right": high, "left": low},
-        seepage_face="left",
-        coordinates="axisymmetric",
-        unit_weight=9.81,
-    )
+    water = sc.water.Flow(
+        Basis(mesh, ElementQuad1()), 1e-4, unit_weight=9.81, coordinates="axisymmetric"
+    ).steady(sc.water.Conditions(head={"right": high, "left": low}, seepage_face="left"))
     depth = 10 * (high - low) if confined else (high**2 - low**2) / 2
     assert water.discharge("left") == pytest.approx(-1e-4 * depth / np.log(far / radius), rel=3e-3)
     if confined:
@@ -309,25 +304,16 @@ def test_joint(matching):
         np.linspace(4, 10, 13), y if matching else np.linspace(0, 10, 25)
     ).with_defaults()
     basis = Basis(sc.join_bodies({"a": left, "b": right}), ElementTriP1())
-    water = sc.water.seepage(
-        basis,
-        1.0,
-        {"a:left": 10.0},
-        seepage_face="b:right",
-        connected=[("a:right", "b:left")],
-        unit_weight=9.81,
+    water = sc.water.Flow(basis, 1.0, unit_weight=9.81, connected=[("a:right", "b:left")]).steady(
+        sc.water.Conditions(head={"a:left": 10.0}, seepage_face="b:right")
     )
     assert water.discharge("a:left") == pytest.approx(5.0, rel=2e-3)
     assert water.discharge("b:right") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     assert water.discharge("b:left", of="b") == pytest.approx(water.discharge("a:left"), rel=1e-8)
     assert water.discharge("a:right", of="a") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     if matching:
-        whole = sc.water.seepage(
-            Basis(dam(20, 10.0), ElementTriP1()),
-            1.0,
-            {"left": 10.0},
-            seepage_face="right",
-            unit_weight=9.81,
+        whole = sc.water.Flow(Basis(dam(20, 10.0), ElementTriP1()), 1.0, unit_weight=9.81).steady(
+            sc.water.Conditions(head={"left": 10.0}, seepage_face="right")
         )
         assert water.discharge("a:left") == pytest.approx(whole.discharge("left"), rel=1e-9)
 
@@ -347,8 +333,8 @@ def test_joints_of_three_bodies_in_space(middle, error):
     basis = Basis(sc.join_bodies(cubes), ElementTetP1())
     joints = [("low:top", "mid:bottom"), ("mid:top", "top:bottom")]
     k = {"low": 1.0, "mid": 0.5, "top": 1.0}
-    water = sc.water.seepage(
-        basis, k, {"low:bottom": 7.0, "top:top": 3.0}, connected=joints, unit_weight=9.81
+    water = sc.water.Flow(basis, k, unit_weight=9.81, connected=joints).steady(
+        sc.water.Conditions(head={"low:bottom": 7.0, "top:top": 3.0})
     )
     assert water.discharge("low:bottom") == pytest.approx(4 / (1 + 2 + 1), rel=error)
 
@@ -377,7 +363,9 @@ def test_part_of_the_mesh_is_porous():
     middle = mesh.p[0][mesh.facets[:, surface]].mean(axis=0)
     mesh = mesh.with_boundaries({"up": surface[middle < 3], "down": surface[middle > 5]})
     basis = Basis(mesh, ElementVector(ElementQuad1())).with_elements("ground")
-    water = sc.water.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
+    water = sc.water.Flow(basis, 1e-5, unit_weight=9.81).steady(
+        sc.water.Conditions(head={"up": 4.0, "down": 3.0})
+    )
     assert (
         np.isnan(water.head[mesh.p[1] > 3.01]).all()
         and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
@@ -393,7 +381,9 @@ def test_boundaries_that_meet_share_their_node():
     """The sum over all boundaries is zero although two of them hold the node of the corner."""
     mesh = dam(10, 10.0)
     heads = {"left": 12.0, "right": 11.0, "bottom": lambda x: 12.0 - 0.1 * x[0]}
-    water = sc.water.seepage(Basis(mesh, ElementTriP1()), 1.0, heads, unit_weight=9.81)
+    water = sc.water.Flow(Basis(mesh, ElementTriP1()), 1.0, unit_weight=9.81).steady(
+        sc.water.Conditions(head=heads)
+    )
     parts = [water.discharge(name) for name in ("left", "right", "bottom")]
     assert sum(parts) == pytest.approx(0.0, abs=1e-12)
     assert water.discharge("top") == 0.0
@@ -407,8 +397,8 @@ def test_values_at_places(rng):
     for kind in (MeshTri, MeshQuad, MeshTet):
         x = np.concatenate(([0.0], np.geomspace(1e-3, 1, 12)))
         mesh = box(kind, x, *(np.linspace(0, 1, 3) for _ in range(1 if kind is not MeshTet else 2)))
-        water = sc.water.seepage(
-            Basis(mesh, ELEMENTS[kind]()), 1.0, {"left": 3.0, "right": 2.0}, unit_weight=10.0
+        water = sc.water.Flow(Basis(mesh, ELEMENTS[kind]()), 1.0, unit_weight=10.0).steady(
+            sc.water.Conditions(head={"left": 3.0, "right": 2.0})
         )
         places = np.hstack((rng.uniform(size=(mesh.dim(), 500)), mesh.p))
         np.testing.assert_allclose(water.head_at(places), 3.0 - places[0], rtol=1e-9)

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from skfem import Basis, ElementQuad1, ElementTriP1, MeshQuad
 
 import skfem_contact as sc
+from tests.tools.flows import in_time, steady
 
 WATER = 9.81
 LOAM = sc.water.VanGenuchten(alpha=3.35, n=2.0, least=1e-14, content=(0.102, 0.368))
@@ -66,14 +67,10 @@ def test_celias_column() -> None:
     day.
     """
     basis, k = column(100), 0.00922e-2 * 86400
-    water = sc.water.transient_seepage(
-        basis,
-        k,
-        retention=LOAM,
+    water = sc.water.Flow(basis, k, unit_weight=WATER, retention=LOAM).in_time(
+        sc.water.Conditions(suction={"top": 0.75, "bottom": 10.0}),
         times=[0.0, 0.5, 1.0],
         start=lambda x: x[1] - 10.0,
-        suction={"top": 0.75, "bottom": 10.0},
-        unit_weight=WATER,
     )
     z, exact = finite_volumes(400, k, -0.75, -10.0, 1.0)
     y = np.linspace(0, 1, 101)
@@ -102,14 +99,10 @@ def test_very_dry_ground(law: sc.water.VanGenuchten) -> None:
     ahead.
     """
     basis = column(20)
-    water = sc.water.transient_seepage(
-        basis,
-        0.08,
-        retention=law,
+    water = sc.water.Flow(basis, 0.08, unit_weight=WATER, retention=law).in_time(
+        sc.water.Conditions(flux={"top": 0.05}),
         times=[0.0, 1.0],
         start=lambda x: x[1] - 1e4,
-        flux={"top": 0.05},
-        unit_weight=WATER,
         error=1e-2,
     )
     assert water.entered[-1] == pytest.approx(0.005, rel=1e-8) and water.balance_error < 1e-8
@@ -120,29 +113,21 @@ def test_very_dry_ground(law: sc.water.VanGenuchten) -> None:
 def test_hydrostatic_water_rests() -> None:
     """[X] The same head everywhere: nothing moves, sealed or with levels."""
     for head in ({}, {"left": 0.5}):
-        water = sc.water.transient_seepage(
-            column(20),
-            1e-3,
-            head,
-            retention=LOAM,
-            times=[0.0, 1e3, 1e6],
-            start=0.5,
-            unit_weight=WATER,
+        water = sc.water.Flow(column(20), 1e-3, unit_weight=WATER, retention=LOAM).in_time(
+            sc.water.Conditions(head=head), times=[0.0, 1e3, 1e6], start=0.5
         )
         np.testing.assert_allclose(water[-1].head, 0.5, atol=1e-9)  # round-off
         assert abs(water.entered).max() < 1e-12
 
 
 def test_steady_limit() -> None:
-    """[X] After a long time of rain the flow is that of `seepage`."""
+    """[X] After a long time of rain the flow is that of `Flow.steady`."""
     basis, law = column(40), sc.water.VanGenuchten(2.0, 3.0, content=(0.05, 0.4))
     known = {"retention": law, "flux": {"top": 2e-6}, "unit_weight": WATER}
-    steady = sc.water.seepage(basis, 1e-5, {"bottom": 0.2}, **known)
-    water = sc.water.transient_seepage(
-        basis, 1e-5, {"bottom": 0.2}, times=[0.0, 1e7], start=0.2, **known
-    )
+    limit = steady(basis, 1e-5, {"bottom": 0.2}, **known)
+    water = in_time(basis, 1e-5, {"bottom": 0.2}, times=[0.0, 1e7], start=0.2, **known)
     # both interpolate the permeability in an element in their own way
-    np.testing.assert_allclose(water[-1].head, steady.head, atol=2e-3)  # measured 1e-3
+    np.testing.assert_allclose(water[-1].head, limit.head, atol=2e-3)  # measured 1e-3
     assert water[-1].discharge("bottom") == pytest.approx(-2e-7, rel=1e-4)
     assert water[-1].discharge("top") == pytest.approx(2e-7, rel=1e-4)
 
@@ -150,16 +135,8 @@ def test_steady_limit() -> None:
 def test_saturated_storage() -> None:
     """[X] K. Terzaghi: a saturated layer that drains at its bottom."""
     basis, k, storage, time = column(40), 1e-6, 1e-4, 40.0
-    water = sc.water.transient_seepage(
-        basis,
-        k,
-        {"bottom": 2.0},
-        retention=LOAM,
-        storage=storage,
-        times=[0.0, time],
-        start=3.0,
-        unit_weight=WATER,
-        error=2e-4,
+    water = sc.water.Flow(basis, k, unit_weight=WATER, retention=LOAM, storage=storage).in_time(
+        sc.water.Conditions(head={"bottom": 2.0}), times=[0.0, time], start=3.0, error=2e-4
     )
     y = np.linspace(0, 1, 41)
     m = (np.arange(50) + 0.5)[:, None] * np.pi
@@ -176,16 +153,10 @@ def test_saturated_storage() -> None:
 def test_order_in_time(start) -> None:
     """[N] Twice the steps leave a quarter of the error, also where the level falls at once."""
     found = {
-        error: sc.water.transient_seepage(
-            column(40),
-            1e-6,
-            {"bottom": 2.0},
-            retention=LOAM,
-            storage=1e-4,
-            times=[0.0, 40.0],
-            start=start,
-            unit_weight=WATER,
-            error=error,
+        error: sc.water.Flow(
+            column(40), 1e-6, unit_weight=WATER, retention=LOAM, storage=1e-4
+        ).in_time(
+            sc.water.Conditions(head={"bottom": 2.0}), times=[0.0, 40.0], start=start, error=error
         )
         for error in (1e-4, 2e-3, 3e-2)
     }
@@ -208,16 +179,12 @@ def test_vauclins_recharge() -> None:
         .with_boundaries({"sprinkled": lambda x: (x[1] > 2 - 1e-9) & (x[0] < 0.5 + 1e-9)})
     )
     sand = sc.water.VanGenuchten(alpha=3.3, n=4.1, least=1e-14, content=(0.01, 0.30))
-    water = sc.water.transient_seepage(
-        Basis(mesh, ElementQuad1()),
-        0.35,
-        {"right": 0.65},
-        retention=sand,
+    water = sc.water.Flow(
+        Basis(mesh, ElementQuad1()), 0.35, unit_weight=WATER, retention=sand
+    ).in_time(
+        sc.water.Conditions(head={"right": 0.65}, flux={"sprinkled": 0.148}, seepage_face="right"),
         times=[0.0, 2.0, 3.0, 4.0, 8.0],
         start=0.65,
-        flux={"sprinkled": 0.148},
-        seepage_face="right",
-        unit_weight=WATER,
         error=0.04,
     )
     # depths read from figure 10 of the paper to .005 m and .01 m
@@ -258,18 +225,16 @@ def test_brooks_corey() -> None:
     law = sc.water.BrooksCorey(entry=0.2, index=2.0, least=1e-14, content=(0.05, 0.4))
     basis, k = column(40, 2.0), 1e-4
     known = {"retention": law, "unit_weight": WATER}
-    rest = sc.water.transient_seepage(
-        basis, k, {"bottom": 0.0}, times=[0.0, 1e4], start=0.0, **known
-    )
+    rest = in_time(basis, k, {"bottom": 0.0}, times=[0.0, 1e4], start=0.0, **known)
     y = basis.mesh.p[1]
     exact = 0.05 + 0.35 * np.maximum(y / 0.2, 1.0) ** -2.0
     np.testing.assert_allclose(rest.content[-1], exact, atol=1e-9)
-    rain = sc.water.transient_seepage(
+    rain = in_time(
         basis, k, {"bottom": 0.0}, times=[0.0, 1e6], start=0.0, flux={"top": 1e-6}, **known
     )
     suction = in_column(basis, y - rain[-1].head)[-1]
     assert suction == pytest.approx(0.2 * 100 ** (1 / 8), rel=1e-6)
-    dry = sc.water.transient_seepage(
+    dry = in_time(
         basis, k, times=[0.0, 100.0], start=lambda x: x[1] - 1e3, flux={"top": 5e-5}, **known
     )
     assert dry.entered[-1] == pytest.approx(5e-4, rel=1e-8) and dry.balance_error < 1e-8
@@ -294,15 +259,12 @@ def test_a_drain_opens_in_ground_that_does_not_yield(law) -> None:
     mesh = mesh.with_boundaries(
         {"drain": lambda x: (x[1] == 1.0) & (abs(x[0] - 5) < 1.1)}, boundaries_only=False
     )
-    water = sc.water.transient_seepage(
-        Basis(mesh, ElementQuad1()),
-        1e-5,
-        {"left": 3.0},
-        retention=law,
+    water = sc.water.Flow(
+        Basis(mesh, ElementQuad1()), 1e-5, unit_weight=WATER, retention=law
+    ).in_time(
+        sc.water.Conditions(head={"left": 3.0}, seepage_face="drain"),
         times=[0.0, 1.0, 600.0],
         start=3.0,
-        unit_weight=WATER,
-        seepage_face="drain",
         error=0.05,
     )
     assert water.balance_error < 1e-9  # steps end at 1e-9 of the water that flows
@@ -346,14 +308,10 @@ def test_green_ampt() -> None:
         pull = quad(lambda s, law=law: law.relative(np.array([s]), one)[0][0], 0.0, 2.0)[0]
         room = 0.35 * pull
         exact = brentq(lambda f, room=room: f - room * np.log1p(f / room) - k * end, 1e-3, 1.0)
-        water = sc.water.transient_seepage(
-            column(50),
-            k,
-            retention=law,
+        water = sc.water.Flow(column(50), k, unit_weight=WATER, retention=law).in_time(
+            sc.water.Conditions(suction={"top": 0.0}),
             times=[0.0, end],
             start=lambda x: x[1] - 2.0,
-            suction={"top": 0.0},
-            unit_weight=WATER,
             error=2e-2,
         )
         off.append(abs(water.entered[-1] / 0.1 / exact - 1))
@@ -366,15 +324,8 @@ def test_rain_that_runs_off() -> None:
     """[X] Rain of three times the permeability on saturated ground: what enters flows at the
     gradient 1.
     """
-    water = sc.water.transient_seepage(
-        column(10),
-        1e-5,
-        {"bottom": 0.0},
-        retention=LOAM,
-        times=[0.0, 3e5],
-        start=0.0,
-        flux={"top": 3e-5},
-        unit_weight=WATER,
+    water = sc.water.Flow(column(10), 1e-5, unit_weight=WATER, retention=LOAM).in_time(
+        sc.water.Conditions(head={"bottom": 0.0}, flux={"top": 3e-5}), times=[0.0, 3e5], start=0.0
     )
     assert water[-1].discharge("top") == pytest.approx(1e-6, rel=1e-3)  # k times the width
     np.testing.assert_allclose(water[-1].pressure, 0.0, atol=1e-2)
@@ -387,14 +338,10 @@ def test_rates_in_time() -> None:
         ElementQuad1(),
     )
     law = sc.water.VanGenuchten(2.0, 3.0, content=(0.05, 0.4))
-    water = sc.water.transient_seepage(
-        basis,
-        1e-4,
-        retention=law,
+    water = sc.water.Flow(basis, 1e-4, unit_weight=WATER, retention=law).in_time(
+        sc.water.Conditions(flux=lambda t: {"top": 1e-5 if t <= 3600.0 else 0.0}),
         times=[0.0, 3600.0, 7200.0],
         start=0.5,
-        flux=lambda t: {"top": 1e-5 if t <= 3600.0 else 0.0},
-        unit_weight=WATER,
     )
     np.testing.assert_allclose(water.entered, [0.0, 0.144, 0.144], rtol=1e-6)
     assert water.balance_error < 1e-8 and str(water).startswith("seepage in ")
@@ -423,15 +370,15 @@ def test_units_mirrors_and_contrast() -> None:
             )
         )
         law = sc.water.VanGenuchten(2.0 / scale, 2.0, content=(0.05, 0.4))
-        water = sc.water.transient_seepage(
+        water = sc.water.Flow(
             Basis(mesh, ElementQuad1()),
             {"sand": 1e-3 * scale * hour, "clay": 1e-9 * scale * hour},
-            {"low": 0.2 * scale},
+            unit_weight=WATER,
             retention=law,
+        ).in_time(
+            sc.water.Conditions(head={"low": 0.2 * scale}, flux={"top": 1e-4 * scale * hour}),
             times=[0.0, 600.0 / hour],
             start=0.8 * scale,
-            flux={"top": 1e-4 * scale * hour},
-            unit_weight=WATER,
             error=0.02,
         )
         assert water.balance_error < 1e-8
@@ -444,9 +391,11 @@ def test_suction_stress() -> None:
     suction.
     """
     basis, law = column(10), sc.water.VanGenuchten(2.0, 3.0)
-    water = sc.water.seepage(
-        basis, 1e-5, {"left": 0.2}, retention=law, unit_weight=WATER
-    ).with_suction()
+    water = (
+        sc.water.Flow(basis, 1e-5, unit_weight=WATER, retention=law)
+        .steady(sc.water.Conditions(head={"left": 0.2}))
+        .with_suction()
+    )
     y = basis.mesh.p[1]
     suction = np.maximum(y - 0.2, 0.0)
     exact = WATER * np.where(y > 0.2, -suction / (1 + (2 * suction) ** 3) ** (2 / 3), 0.2 - y)
@@ -487,7 +436,7 @@ def test_wrong_input(change: dict, message: str) -> None:
         "unit_weight": WATER,
     }
     with pytest.raises(ValueError, match=message):
-        sc.water.transient_seepage(**(known | change))
+        in_time(**(known | change))
 
 
 @pytest.mark.parametrize("content", [(0.4, 0.4), (0.4, 0.1), (-0.1, 0.3), (0.1, 1.2)])
@@ -501,6 +450,6 @@ def test_a_later_start_goes_on() -> None:
     """[X] From the result at a time: the same as in one go, to the error of the steps."""
     basis = Basis(column(20).mesh.to_meshtri().with_defaults(), ElementTriP1())
     known = {"retention": LOAM, "flux": {"top": 1e-6}, "unit_weight": WATER}
-    whole = sc.water.transient_seepage(basis, 1e-5, times=[0.0, 1e4, 2e4], start=0.0, **known)
-    rest = sc.water.transient_seepage(basis, 1e-5, times=[1e4, 2e4], start=whole[1], **known)
+    whole = in_time(basis, 1e-5, times=[0.0, 1e4, 2e4], start=0.0, **known)
+    rest = in_time(basis, 1e-5, times=[1e4, 2e4], start=whole[1], **known)
     np.testing.assert_allclose(rest.content[-1], whole.content[-1], atol=2e-3)

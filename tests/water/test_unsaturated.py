@@ -59,7 +59,7 @@ def lowered(
 
 
 def test_rigid_ground_drains_by_richards() -> None:
-    """[N] Ground that hardly strains has the heads of `transient_seepage`: within .1 % after its
+    """[N] Ground that hardly strains has the heads of `Flow.in_time`: within .1 % after its
     water has drained.
     """
     basis = column()
@@ -72,16 +72,9 @@ def test_rigid_ground_drains_by_richards() -> None:
         + (1.0 - basis.mesh.p[1])
         + result[-1].forms["water"].pressure(result[-1].x) / WATER
     )
-    rigid = sc.water.transient_seepage(
-        Basis(basis.mesh, ElementTriP1()),
-        0.08,
-        retention=LOAM,
-        times=[0.0, 1.0],
-        start=1.0,
-        suction={"bottom": 1.0},
-        unit_weight=WATER,
-        error=5e-3,
-    )
+    rigid = sc.water.Flow(
+        Basis(basis.mesh, ElementTriP1()), 0.08, unit_weight=WATER, retention=LOAM
+    ).in_time(sc.water.Conditions(suction={"bottom": 1.0}), times=[0.0, 1.0], start=1.0, error=5e-3)
     assert np.abs(rigid[-1].head - head).max() < 1e-3 * np.ptp(
         rigid[-1].head
     )  # steps of second order in both
@@ -91,22 +84,15 @@ def test_rigid_ground_drains_by_richards() -> None:
 
 
 def test_rain_on_dry_ground() -> None:
-    """[N] All rain enters, and its front is that of `transient_seepage`: within 1 % of the head."""
+    """[N] All rain enters, and its front is that of `Flow.in_time`: within 1 % of the head."""
     basis = column()
     water = pores(basis, start=-1.0)
     wet = model(basis, water, 1e5, None, rain=sc.water.Inflow(water, {"top": 0.05}))
     stage = wet.run([sc.Stage("rain", duration=1.0, increments=10)], **QUIET)[-1]
     assert water.volume(stage.states["water"]) == pytest.approx(0.005, rel=1e-8)
-    rigid = sc.water.transient_seepage(
-        Basis(basis.mesh, ElementTriP1()),
-        0.08,
-        retention=LOAM,
-        times=[0.0, 1.0],
-        start=-1.0,
-        flux={"top": 0.05},
-        unit_weight=WATER,
-        error=5e-3,
-    )
+    rigid = sc.water.Flow(
+        Basis(basis.mesh, ElementTriP1()), 0.08, unit_weight=WATER, retention=LOAM
+    ).in_time(sc.water.Conditions(flux={"top": 0.05}), times=[0.0, 1.0], start=-1.0, error=5e-3)
     head = -1.0 + stage.forms["water"].pressure(stage.x) / WATER
     assert np.abs(rigid[-1].head - head).max() < 0.01 * np.ptp(rigid[-1].head)
 
@@ -201,7 +187,9 @@ def test_water_under_suction_rests(by: str) -> None:
     it is.
     """
     basis = column(n=10)
-    still = sc.water.seepage(basis, 0.08, {"left": 0.4}, retention=LOAM, unit_weight=WATER)
+    still = sc.water.Flow(basis, 0.08, unit_weight=WATER, retention=LOAM).steady(
+        sc.water.Conditions(head={"left": 0.4})
+    )
     drained = model(basis, pores(basis, start=0.4 if by == "level" else still), 1e3)
     initial, suction = drained.forms["water"].initial, basis.mesh.p[1] - 0.4
     np.testing.assert_allclose(
