@@ -197,7 +197,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
 
     @property
     def axisymmetric(self) -> bool:
-        """True if forces are per radian about the axis x = 0, as those of the solids."""
+        """True if forces are per radian about the axis x = 0, as in the solids."""
         return self.slave.axisymmetric
 
     def _about_axis(self, axisymmetric: bool) -> Self:
@@ -301,7 +301,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         return self.enforcement.penalties(self, state)
 
     def penetration(self, state: ContactState) -> float:
-        """Return the largest penetration as a share of the slave segment there."""
+        """Return the largest penetration as a share of its slave segment."""
         closed = state.status != Status.OPEN
         depth = (state.clearance - state.gap)[closed]
         return float(np.max(depth / self.points(state).size[closed], initial=0.0))
@@ -392,7 +392,7 @@ def initial_clearance(
     """Return the initial clearance of points, shape (n,), on slave segments of some size.
 
     Gaps are given where the bodies become active, and in the mesh: bodies are built to fit into
-    displaced surfaces, so that their gaps remain those of the mesh.
+    displaced surfaces, so that they keep the gaps of the mesh.
     """
     # A larger change than this is no displacement: other surfaces have come to face each other
     with np.errstate(invalid="ignore"):  # inf - inf where nothing is near

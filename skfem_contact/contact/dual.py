@@ -26,9 +26,9 @@ from .multipliers import idle, nodal_forces, respond
 class DualMultipliers(Enforcement):
     """Lagrange multipliers that Newton's method finds together with the displacements.
 
-    There is no penalty and no tolerance.  Tractions at the slave's nodes are dofs of the model,
+    The method has no penalty and no tolerance.  Tractions at the slave's nodes are dofs of a model,
     after the displacements in the vectors of its results. Nothing penetrates in the mean around a
-    node, and what sticks does not slip.  One equilibrium is enough for an increment.  Elastic
+    node, and sticking nodes do not slip.  One equilibrium is enough for an increment.  Elastic
     bodies take about 40 % of the iterations of :class:`AugmentedLagrangian`.  A penalty is neither
     needed nor used.
 

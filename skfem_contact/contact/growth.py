@@ -1,7 +1,8 @@
 """Growth of contact with dual multipliers: nodes that an increment closes, foreseen at its start.
 
-Newton's method closes all nodes whose gaps are negative at its start.  These are too many, because
-the bodies yield beside the contact, and it opens them again row by row, one in each iteration.
+Newton's method closes all nodes whose gaps are negative at its start.  These are too
+many, because the bodies yield near the contact, and it opens them again row by row, one in each
+iteration.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ _POWER = 2.0 / 3.0
 def foreseen(
     pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState
 ) -> ndarray:
-    """Return a start with tension at nodes that stay open although their gaps are negative there.
+    """Return a start with tension at nodes that stay open although the start closes their gaps.
 
     An extrapolated start moves the edge of the contact evenly.  Without displacements `before` the
     start is the first step from the accepted ones.
@@ -69,7 +70,7 @@ def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, at_edge: ndarray)
 
     At the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so
     that its power 2/3 is in proportion to the motion of the edge.  A node closes when the edge
-    comes near it, for its gap is a mean over its facets: distances count from there.  Open nodes
+    comes near it, for its gap is a mean over its facets: distances count from the node.  Open nodes
     `at_edge`, next to closed ones, are as far from it in the mean.
     """
     near = now[at_edge & (now < np.inf)]
@@ -91,7 +92,7 @@ def _at_edge(slave: Surface, closed: ndarray) -> ndarray:
 
 
 def _gaps_at_start(pair: Any, x: ndarray, state: ContactState) -> ndarray:
-    """Return the nodes' mean gaps at x; the next evaluation there does not project again."""
+    """Return the nodes' mean gaps at x; the next evaluation does not project again."""
     slave, nodes = pair.interface.positions(x)
     depth = pair.interface.depth(pair.points(state))
     found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)

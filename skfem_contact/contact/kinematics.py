@@ -15,7 +15,7 @@ closest point:
 
 The internal force of a point of unit weight is :math:`t_N G + (t \cdot a_\alpha)\,\Xi^\alpha` with
 :math:`\delta\xi = \Xi \cdot \delta u` (eq. 13 with the sign of eq. 7 mended): it exerts no couple.
-The slip is that of the point from its stick point, a material point of the master:
+The slip of a point counts from its stick point, a material point of the master:
 :math:`s_i = e_i \cdot (r - x_s)` with unit tangents :math:`e_i`.
 
 On an edge or a vertex :math:`n = (r - \rho)/g` follows the offset, and the tangential force is
@@ -48,13 +48,13 @@ class Kinematics(NamedTuple):
     Attributes
     ----------
     dofs : ndarray, shape (n, m) or more
-        Dofs of the slave's nodes, of those of the closest facet and, if it is another, of the stick
+        Dofs of the slave's nodes, of the closest facet's and, if it is another, of the stick
         point's facet; then the rotations that move these nodes; -1: none.
     work : ndarray, shape (n, dim, m)
         Work conjugates of the tractions with respect to the nodes: ``G`` = d gap / d u, then the
         tangential ones.
     slip : ndarray, shape (n, dim - 1)
-        Slip from the stick point; zero where a point comes from beyond the rim: it sticks there.
+        Slip from the stick point; zero where a point comes from beyond the rim, where it sticks.
     normal, tangents : ndarray, shapes (n, dim) and (n, dim - 1, dim)
         Unit vectors of the master at the closest point.
     lever : ndarray, shape (n, m, q), optional

@@ -103,7 +103,7 @@ class InterfaceLaw:
     symmetric: bool = False
 
     def take(self, points: SlavePoints) -> InterfaceLaw:
-        """Return the law at points of the slave, with array parameters interpolated there."""
+        """Return the law at points of the slave, with interpolated array parameters."""
         arrays = {}
         for name, value in vars(self).items():
             if isinstance(value, ndarray):

@@ -273,7 +273,7 @@ def nodal_forces(pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:
 def idle(pair: Any, fixed: ndarray) -> ndarray:
     """Return tangential multipliers at nodes that supports hold along the surface, as the master.
 
-    Nothing slips across a plane of symmetry.  A multiplier there would act on the master's inside
+    Nothing slips across a plane of symmetry.  Such a multiplier would act on the master's inside
     alone, and its equations would nearly be equations of its neighbours.
     """
     slave = pair.slave

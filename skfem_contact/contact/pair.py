@@ -135,7 +135,7 @@ class ContactPair(ContactBase):
         Parameters
         ----------
         x : ndarray, shape (N,), optional
-            Displacements at which the pair becomes active. Gaps are still those of the mesh, or as
+            Displacements at which the pair becomes active. Gaps remain as in the mesh, or as
             adjusted: bodies are built to fit into displaced surfaces, and touch them without
             traction.
         """

@@ -86,7 +86,7 @@ def chosen(
 
 
 def _in_series(slave: Surface, master: Surface, bodies: Sequence[csr_matrix]) -> float | None:
-    """Return the stiffness of two surfaces in series, of those that have one.
+    """Return the stiffness of surfaces in series; rigid ones and some others have none.
 
     It is one value for the whole surface: a uniform pressure stays uniform, whatever the sizes of
     the elements.

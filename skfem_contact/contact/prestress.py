@@ -38,7 +38,7 @@ def prestressed(
 ) -> dict[str, ContactState]:
     """Return states in which pairs exert given nodal forces together.
 
-    Of all tractions with these nodal forces those of least norm are taken, or those nearest to a
+    Of all tractions with these nodal forces the least ones are taken, or the nearest ones to a
     guess. Gap and slip then begin where the penalty and the multipliers give these tractions:
     nothing moves. Tractions that the law does not admit, such as tension, are left out.
 

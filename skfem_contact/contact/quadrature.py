@@ -2,7 +2,7 @@
 
 On pieces, ``quadrature="segments"``, gap and shape functions are smooth on both sides, so that the
 contact work is integrated as exactly as the rule is: the patch test is passed.  In space, facet by
-facet, the polygon of the master's corners is clipped by that of the slave's in the mean plane of
+facet, the polygon of the master's corners is clipped by the slave's polygon in the mean plane of
 the slave's facet (I. E. Sutherland and G. W. Hodgman, 1974) and cut into triangles.
 """
 
@@ -103,7 +103,7 @@ class SlavePoints:
         return SlavePoints(**{name: part[chosen] for name, part in vars(self).items()})
 
     def positions(self, nodes: ndarray) -> ndarray:
-        """Return coordinates of the points, shape (n, dim), from those of the slave nodes."""
+        """Return coordinates of the points, (n, dim), from coordinates of the slave's nodes."""
         return np.asarray(np.einsum("nk,nkc->nc", self.values, nodes.take(self.nodes, axis=0)))
 
     def direction(self, slave: Surface, nodes: ndarray) -> ndarray:

@@ -163,7 +163,7 @@ class Stabilised(InterfaceLaw):
     """Interface law with soft springs, whose stiffness is a share of the penalty.
 
     Normal springs draw open points to the closest points.  Sideways springs act where the law
-    resists slip under pressure, for without friction nothing will hold the bodies there; they act
+    resists slip under pressure, for without friction nothing will hold the bodies; they act
     at closed points too: not all of these may slide at once.
     """
 

@@ -200,7 +200,7 @@ def _foot(
 
 
 def _newton_step(x: list[ndarray], points: ndarray) -> tuple[ndarray, ndarray]:
-    """Return steps, and True for those of Newton's method, which converge quadratically."""
+    """Return steps, and True for Newton's steps, which converge quadratically."""
     rho, a, bend = x
     offset = points - rho
     metric = products(a, a)
@@ -248,7 +248,7 @@ def _above(
     normal: ndarray,
     offset: ndarray,
 ) -> ndarray:
-    """Return a mask of points outside the body; at sides and corners all facets there decide."""
+    """Return a mask of points outside the body; at sides and corners all facets decide."""
     bent = np.flatnonzero(feature)
     if bent.size:
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
@@ -390,7 +390,7 @@ def _along_side(
 def side_of_joint(
     surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray
 ) -> ndarray:
-    """Return the outward direction at sides and corners: the sum of all normals there.
+    """Return the outward direction at sides and corners: the sum of all normals.
 
     At corners in space each normal counts with the angle of its facet (Baerentzen and Aanaes,
     2005).
