@@ -156,7 +156,8 @@ class HoekBrown(IsotropicPlasticity):
         fractured = index - 100
         m_b = np.asarray(m_i) * np.exp(fractured / (28 - 14 * D))
         s = np.exp(fractured / (9 - 3 * D))
-        a = 0.5 + (np.exp(-index / 15) - np.exp(-20 / 3)) / 6
+        decay = np.exp(-index / 15) - np.exp(-20 / 3)
+        a = 0.5 + decay / 6
         return cls(E, nu, sigma_ci, m_b, s, a, psi)
 
     @override

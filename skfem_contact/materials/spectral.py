@@ -242,7 +242,8 @@ class _SpaceFrame(NamedTuple):
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         """Return the Cartesian tangent (n, ncomp, ncomp), see :meth:`_PlaneFrame.tangent`."""
-        local = np.zeros((values.shape[1], 6, 6))
+        n = values.shape[1]
+        local = np.zeros((n, 6, 6))
         local[:, :3, :3] = moduli.transpose(2, 0, 1)
         for k in range(3, 6):
             i, j = _ROW[k], _COLUMN[k]

@@ -28,9 +28,9 @@ def check_form(
 
     A second call returns the same, and arguments do not change.  State and tangent are evaluated
     lazily.  The tangent agrees with central differences, and is symmetric if `form.symmetric` is
-    True.  The candidate state gives the same force at the same displacements.  ``outer``,
-    ``summary`` and ``remarks`` return the right types.  With `locations`, forces and moments
-    balance and rigid motions meet no resistance.
+    True.  The candidate state gives the same force at the same displacements.  ``outer`` and
+    ``outputs`` return the right types.  With `locations`, forces and moments balance and rigid
+    motions meet no resistance.
 
     Parameters
     ----------
@@ -115,8 +115,10 @@ def _check_candidate(form: Form, x: ndarray, state: Any, candidate: Any, force: 
     drift = np.abs(_among_all(form, x, candidate).force - force).max()
     require(drift <= 1e-7 * scale, "the accepted candidate gives another force")
     again = form.outer(x, state, candidate) if isinstance(form, Regularised) else None
-    pair = isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))
-    require(again is None or pair, "`outer` returns neither a form with a state nor None")
+    if again is not None:
+        pair = isinstance(again, tuple) and len(again) == 2
+        same_type = pair and isinstance(again[1], type(state))
+        require(same_type, "`outer` returns neither a form with a state nor None")
     outputs = form.outputs(x, candidate)
     require(isinstance(outputs, Outputs), "`outputs` returns no Outputs")
     require(isinstance(outputs.summary, str), "the summary of `outputs` is no text")

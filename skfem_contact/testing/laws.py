@@ -18,7 +18,7 @@ from ..materials.elastic import refuse_functions
 STEP = 1e-6
 #: Largest round-off, relative to the size of the values.
 EXACT = 1e-9
-#: Second differences above this share of the first ones show a kink, where there is no tangent.
+#: Second differences above this share of the first ones show a kink, which has no tangent.
 _KINK = 1e-3
 
 
