@@ -10,6 +10,7 @@ from scipy.sparse import identity
 
 import skfem_contact as sc
 from skfem_contact.errors import Remark
+from skfem_contact.forms.roles import Regularised
 from skfem_contact.materials import HardeningMohrCoulomb
 from tests.tools.helpers import distorted, grid, rough_pair, vector_basis
 
@@ -233,7 +234,7 @@ def test_faulty_friction(fault, message):
         sc.testing.check_interface_law(law)
 
 
-class WrongForm:
+class WrongForm(sc.Form, Regularised):
     """A contact pair with one fault."""
 
     def __init__(self, pair, fault):
@@ -267,11 +268,12 @@ class WrongForm:
     def outer(self, x, accepted, candidate):
         return 1.0 if self.fault == "outer" else None
 
-    def summary(self, state):
-        return 1 if self.fault == "summary" else "text"
-
-    def remarks(self, x, state):
-        return [1] if self.fault == "remarks" else [Remark("kind", 1.0, "text")]
+    def outputs(self, x, state):
+        if self.fault == "outputs":
+            return "text"
+        summary = 1 if self.fault == "summary" else "text"
+        remarks = [1] if self.fault == "remarks" else [Remark("kind", 1.0, "text")]
+        return sc.Outputs(summary=lambda: summary, remarks=lambda: remarks)
 
 
 @pytest.mark.parametrize(
@@ -286,8 +288,9 @@ class WrongForm:
         ("state", "accepted candidate gives another force"),
         ("springs", "forces do not balance"),
         ("outer", "`outer`"),
-        ("summary", "`summary`"),
-        ("remarks", "`remarks`"),
+        ("outputs", "`outputs` returns no Outputs"),
+        ("summary", "the summary of `outputs`"),
+        ("remarks", "the remarks of `outputs`"),
     ],
 )
 def test_faulty_form(fault, message, rng):
