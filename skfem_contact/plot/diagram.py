@@ -366,6 +366,7 @@ def _on_structure(
     window: Window | None,
 ) -> Figure:
     """Draw ordinates of one scale on the bodies of a stage or on members, with their extremes."""
+    # Collect the ordinates of all members.
     members = list(values.values()) if isinstance(values, Mapping) else [values]
     has_bodies = bool(having(stage.forms, Body))  # no frame alone
     if has_bodies:
@@ -413,6 +414,7 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     A node of a beam has one value and one direction of each of its elements.
     """
     _titles(values)
+    # Sort the points along the axis.
     order = np.argsort(_axis_of(values), kind="stable")
     axis = np.column_stack((values.x, values.y))[order]
 
@@ -421,6 +423,8 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     steps = steps[steps > 0.0]
     around = np.linalg.norm(axis[0] - axis[-1])
     closed = bool(len(steps) > 2 and around < 2.5 * np.median(steps))
+
+    # Find the directions to the left of the tangents.
     if closed:
         tangent = np.roll(axis, -1, axis=0) - np.roll(axis, 1, axis=0)
     else:
@@ -454,6 +458,7 @@ def draw_sides(ax: Axes, scene: Scene, borders: float, outline: float) -> None:
 
 def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
     """Draw filled pieces between neighbours, coloured by sign, and the line through the tips."""
+    # Fill the pieces; the last point of a closed axis is joined to the first one.
     ring = np.arange(len(tips) + line.closed) % len(tips)
     first = ring[:-1]
     second = ring[1:]
@@ -464,6 +469,8 @@ def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
         filled = PolyCollection(list(pieces[sign]), alpha=0.45, linewidth=0.4)
         filled.set_color(color)
         ax.add_collection(filled)
+
+    # Draw the axis and the line through the tips.
     ax.plot(*tips[ring].T, color="#222222", linewidth=1.4)
     ax.plot(*line.axis[ring].T, color="#222222", linewidth=0.8)
 

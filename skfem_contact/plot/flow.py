@@ -50,7 +50,7 @@ def flow_diagram(
         Draw the velocities of the elements nearest to the points of a grid. The lengths of arrows
         are proportional to the velocity, except for the largest twentieth of them.
     ax
-        Axes to draw in; by default those of a new figure.
+        Axes to draw in; by default axes of a new figure.
     file
         Name of a picture to write.
 

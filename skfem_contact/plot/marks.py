@@ -77,6 +77,8 @@ class Marks:
             _draw_loads(plotter, scene, np.asarray(self.loads))
         if self.vectors:
             _draw_vectors(plotter, scene)
+
+        # Draw the marks at points on top.
         for status, form, marked in self._points():
             u = form.basis.interpolate(scene.factor * scene.displacement.ravel())
             points = np.asarray(form.basis.global_coordinates()) + np.asarray(u)
@@ -198,12 +200,16 @@ def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
 
 def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
     """Draw triangles at fixed nodes: along the axis of a fixed dof, from below for both dofs."""
-    fixed = np.flatnonzero(fixed) if fixed.dtype == bool else fixed
+    # Find the fixed directions of each node.
+    if fixed.dtype == bool:
+        fixed = np.flatnonzero(fixed)
     dofs = np.arange(scene.displacement.size)
     x, y = np.isin(dofs, fixed).reshape(-1, 2).T
     used = np.unique(scene.sides.mesh)
     size = _SUPPORT * scene.pixel
     middle = scene.coordinates[used].mean(axis=0)
+
+    # Draw the triangles of each kind outside of the bodies.
     kinds = (1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")
     for axis, is_fixed, color in kinds:
         if not is_fixed[used].any():

@@ -169,6 +169,7 @@ def template_of(file: str | Path | None) -> Template:
 
 def _facts(result: Result, table: Table, searches: Mapping[str, Any]) -> str:
     """Return the figures at the top: stages, size of the model, displacement, factors, time."""
+    # Collect sizes, and the extremes of displacements.
     last = result[-1]
     found = {"stages": f"{len(result)}", "degrees of freedom": f"{len(last.x)}"}
     if last.fraction < 1.0:
@@ -179,6 +180,8 @@ def _facts(result: Result, table: Table, searches: Mapping[str, Any]) -> str:
     if "displacement" in table.head:
         largest = np.nanmax(table["displacement"])
         found[in_words("largest displacement", "length")] = f"{largest:.4g}"
+
+    # Collect factors and times.
     for stage, search in searches.items():
         bound = "" if search.stop.shows_limit else "at least "
         found[f"{search.what}, {stage}"] = f"{bound}{search.value:.3f}"
@@ -271,11 +274,14 @@ def _value(value: Any) -> str:
 
 def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Iterator[str]:
     """Yield each stage: what has changed, the model, and a field on the scale of all stages."""
+    # Choose the common scale of plane pictures.
     with_solids = [stage for stage in result if has_solids(stage)]
     space = bool(with_solids) and basis_of(with_solids[0]).mesh.dim() == 3
     common: Contours | None = None
     if with_solids and not space:
         common = contours(with_solids, quantity)
+
+    # Draw the model and the field of each stage.
     before: list[str] = []
     for stage in result:
         pictures = {} if space else {f"{stage.name}: model": drawn(stage, colors)}
@@ -304,12 +310,13 @@ def _field(stage: StageResult, quantity: str, common: Contours | None) -> Any:
 
 def _changes(stage: StageResult, before: list[str]) -> str:
     """Return in words new and removed forms, and how the stage was found."""
-    now = list(stage.states)
-    changes = {
-        "new" if before else "active": [name for name in now if name not in before],
-        "removed": [name for name in before if name not in now],
-    }
-    words = [f"{word}: {', '.join(names)}" for word, names in changes.items() if names]
+    new = [name for name in stage.states if name not in before]
+    removed = [name for name in before if name not in stage.states]
+    words = []
+    if new:
+        words.append(f"{'new' if before else 'active'}: {', '.join(new)}")
+    if removed:
+        words.append(f"removed: {', '.join(removed)}")
     load = "" if stage.fraction == 1.0 else f"stopped at {stage.fraction:.1%} of its load; "
     increments = _counted(len(stage.iterations), "increment")
     iterations = _counted(sum(stage.iterations), "iteration")
@@ -332,6 +339,7 @@ def _by_stages(table: Table) -> str:
         small = f"<small>{escape(coordinates)}</small>" if coordinates else ""
         return f"<td>{escape(text[name][k])}{small}</td>"
 
+    # Put some stages into each table.
     tables = []
     n_tables = -(-len(table) // _COLUMNS)
     for stages in np.array_split(np.arange(len(table)), n_tables):

@@ -56,16 +56,20 @@ class Scene:
         since: StageResult | None = None,
         values: ndarray | None = None,
     ) -> None:
+        # Collect the elements of all regions and the displacements of all nodes.
         bodies = list(solids(stage).values())
         basis = bodies[0].basis
         dim = basis.mesh.dim()
-        self.values = np.zeros(0) if values is None else values
         self.nodes, self.cells, self.region = region_mesh(*bodies)
         self.corners = len(basis.mesh.t)  # of an element
         self.coordinates = basis.doflocs[:, ::dim].T
-        moved = stage.x if since is None else stage.x - _begun(stage, since)
+        self.values = np.zeros(0) if values is None else values
+        moved = stage.x
+        if since is not None:
+            moved = stage.x - _begun(stage, since)
         self.displacement = moved[: basis.N].reshape(-1, dim)
-        self.factor = float(deformed) if deformed != "auto" else self._round_factor()
+        self.factor = self._round_factor() if deformed == "auto" else float(deformed)
+
         # Give each node equal shares of the areas of its elements.
         areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
         repeated = np.repeat(areas, self.cells.shape[1])

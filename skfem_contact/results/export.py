@@ -134,23 +134,31 @@ def _with_beams(
 
 def _filled(parts: Sequence[Mapping[str, ndarray]], sizes: Sequence[int]) -> dict[str, Any]:
     """Return the data of all parts by their keys: NaN, or -1 of integers, where a part has none."""
-    known = {key: values for part in parts for key, values in part.items()}
-    filled = {}
+    known: dict[str, ndarray] = {}
+    for part in parts:
+        known |= part
+    filled: dict[str, Any] = {}
     for key, like in known.items():
         nothing = -1 if like.dtype.kind == "i" else np.nan
-        filled[key] = [
-            part.get(key, np.full((n, *like.shape[1:]), nothing)) for part, n in zip(parts, sizes)
-        ]
+        filled[key] = []
+        for part, n in zip(parts, sizes):
+            missing = np.full((n, *like.shape[1:]), nothing)
+            filled[key].append(part.get(key, missing))
     return filled
 
 
 def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
     """Write a ``.pvd`` file and a ``.vtu`` file for each stage, and return their names."""
     file = Path(file)
+    # Write the meshes; regions have the same numbers in all of them.
+    known: dict[str, SolidForm] = {}
+    for stage in stages:
+        known |= solids(stage)
     paths = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(stages))]
-    known = {name: form for stage in stages for name, form in solids(stage).items()}
     for path, stage in zip(paths, stages, strict=True):
         grid(stage, known).write(path, file_format="vtu")
+
+    # Write the series over the times of the stages, or over their numbers.
     times = [stage.time for stage in stages]
     if not any(times):
         times = list(range(len(stages)))
@@ -186,6 +194,8 @@ def _of_elements(stage: StageData, bodies: Mapping[str, SolidForm]) -> dict[str,
         mean = np.einsum("ceq,eq->ec", total_stress(form, state), share)
         stress.append(_in_space(mean, 6))
         plastic.append(np.einsum("eq,eq->e", plastic_strain(form, state), share))
+
+    # Number the bodies of the mesh.
     mesh = basis_of(stage).mesh
     body = np.empty(mesh.nelements, dtype=int)
     for number, members in enumerate(joined_bodies(mesh).values()):

@@ -28,7 +28,7 @@ class _PressureField(Protocol):
 
 #: Given pore pressure: seepage, or a function of coordinates (dim, n).
 Water = _PressureField | Callable[[ndarray], ndarray]
-#: Pressure that a picture or a field adds: a given one, or True, that of the stage's own water.
+#: Pressure that a picture or a field adds: a given one, or True, the stage's own water.
 Shown = Water | Literal[True]
 
 

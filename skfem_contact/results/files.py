@@ -236,33 +236,38 @@ def _write_arrays(stream: Any, stages: Iterable[StageData]) -> None:
 
 def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[str, Any]:
     """Return the head of a stage, and add its arrays and those of its increments."""
-    # Collect the vectors; kept increments find theirs in the increments before.
-    vectors = {name: getattr(stage, name) for name in _VECTORS}
+    # Collect the vectors; kept increments find the increment before in the file.
     time_before = 0.0
+    for name in _VECTORS:
+        vector = getattr(stage, name)
+        if vector is not None:
+            arrays[f"{key}/{name}"] = vector
     if stage.before is not None:
         *vectors_before, time_before = stage.before
         if "." not in key:
-            vectors |= dict(zip(_BEFORE, vectors_before))
-    vectors |= {f"placed of {name}": x for name, x in stage.placed.items()}
-    arrays |= {f"{key}/{name}": x for name, x in vectors.items() if x is not None}
+            for name, vector in zip(_BEFORE, vectors_before, strict=True):
+                arrays[f"{key}/{name}"] = vector
+    for name, vector in stage.placed.items():
+        arrays[f"{key}/placed of {name}"] = vector
 
     # Collect the parts of the states.
     for name, state in stage.states.items():
         for part, values in arrays_of(state).items():
             arrays[f"{key}/{name}/{part}"] = np.asarray(values)
 
-    increments = [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]
-    texts = {text: getattr(stage, name) for text, name in _TEXTS.items()}
-    return texts | {
-        "summary": dict(stage.summary),
-        "water": _in_words(stage.water),
-        "forms": list(stage.states),
-        "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()},
-        "settings": {name: _settings(form) for name, form in stage.forms.items()},
-        "placed": list(stage.placed),
-        "time before": time_before,
-        "increments": increments,
-    }
+    # Describe the stage, its forms and its increments.
+    head = {text: getattr(stage, name) for text, name in _TEXTS.items()}
+    head["summary"] = dict(stage.summary)
+    head["water"] = _in_words(stage.water)
+    head["forms"] = list(stage.states)
+    head["meshes"] = {name: _fingerprint(form) for name, form in stage.forms.items()}
+    head["settings"] = {name: _settings(form) for name, form in stage.forms.items()}
+    head["placed"] = list(stage.placed)
+    head["time before"] = time_before
+    head["increments"] = []
+    for k, increment in enumerate(stage.increments):
+        head["increments"].append(_described(increment, f"{key}.{k}", arrays))
+    return head
 
 
 def _read_arrays(
@@ -300,25 +305,29 @@ def _stage(
     if "." not in key:
         _warn_of_other_settings(head, forms)
 
-    # Read the vectors and texts.
-    names = [name for name in (*_VECTORS, *_BEFORE) if f"{key}/{name}" in arrays]
-    vectors = {name: arrays[f"{key}/{name}"] for name in names}
+    # Read the vectors.
+    vectors = {}
+    for name in (*_VECTORS, *_BEFORE):
+        if f"{key}/{name}" in arrays:
+            vectors[name] = arrays[f"{key}/{name}"]
     placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
     _check_vectors(head["name"], vectors | placed, forms)
-    before = [vectors.pop(name) for name in _BEFORE if name in vectors]
+    before = None
+    if _BEFORE[0] in vectors:
+        before = (*(vectors.pop(name) for name in _BEFORE), head["time before"])
+
+    # Read the texts and the increments.
     texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
     for name in ("iterations", "remarks"):
         texts[name] = tuple(texts.get(name, ()))
-
-    increments = [
-        _stage(arrays, f"{key}.{k}", part, given, make)
-        for k, part in enumerate(head.get("increments", ()))
-    ]
+    increments = []
+    for k, part in enumerate(head.get("increments", ())):
+        increments.append(_stage(arrays, f"{key}.{k}", part, given, make))
     return make(
         states=states,
         forms=forms,
         placed=placed,
-        before=(*before, head["time before"]) if before else None,
+        before=before,
         increments=tuple(increments),
         **vectors,
         **texts,
@@ -347,12 +356,15 @@ def _states(
 
 def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> Any:
     """Make the state of a form of its arrays."""
+    # Take the parts that the form expects; one that lacks a part is another form.
     initial = form.initial_state()
-    expected = arrays_of(initial)
-    parts = {part: arrays[f"{key}/{part}"] for part in expected if f"{key}/{part}" in arrays}
-    complete = len(parts) == len(expected)
-    state = with_arrays(initial, parts) if complete else None
-    if not complete or not fits(form, state):
+    parts = {}
+    for part in arrays_of(initial):
+        if f"{key}/{part}" in arrays:
+            parts[part] = arrays[f"{key}/{part}"]
+    is_complete = len(parts) == len(arrays_of(initial))
+    state = with_arrays(initial, parts) if is_complete else None
+    if not is_complete or not fits(form, state):
         raise ValueError(
             f"'{name}' is another form there: its mesh, its element or its settings differ"
         )
@@ -380,7 +392,7 @@ def _check_vectors(stage: str, vectors: Mapping[str, ndarray], forms: Mapping[st
     _check_numbers("the stage", vectors)
     shapes = {np.shape(values) for values in vectors.values()}
     x = vectors["x"]
-    least = max((form.size or 0 for form in forms.values()), default=0)
+    least = max([0, *(form.size or 0 for form in forms.values())])
     if len(shapes) > 1 or x.ndim != 1 or len(x) < least:
         raise ValueError(f"stage '{stage}' has displacements and loads of shapes {sorted(shapes)}")
 
@@ -433,7 +445,10 @@ def _settings(form: Form) -> list[float]:
     laws = list(materials_of(form).values())
     if not laws:
         laws = [form.law if isinstance(form, Touching) else None]
-    return [number for law in laws for number in _parameters(law)]
+    numbers = []
+    for law in laws:
+        numbers += _parameters(law)
+    return numbers
 
 
 def _parameters(thing: Any) -> list[float]:

@@ -263,6 +263,7 @@ def of(
     """
     given = as_forms(getattr(model, "forms", model))
     forms = {name: look_up(name, given, "form") for name in states}
+    # Check sizes and states.
     for name, form in forms.items():
         if np.ndim(x) != 1 or len(x) < (form.size or 0):
             raise ValueError(

@@ -283,10 +283,14 @@ def _resultants(sections: Sections, cut: _Cut, forces: ndarray) -> SectionForces
     force = _by_section(cut.section, forces.sum(axis=1), n)
     N = dot(force, axis)
     x, y, *z = sections.center.T
+
+    # In the plane a section has a shear force and a moment.
     if not z:
         clockwise = arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]
         M = _by_section(cut.section, clockwise.sum(axis=1), n)
         return SectionForces(sections.position, x, y, N, V=dot(force, sections.left), M=M)
+
+    # In space they are vectors across the axis.
     moment = _by_section(cut.section, np.cross(arm, forces).sum(axis=1), n)
     T = dot(moment, axis)
     return SectionForces(

@@ -165,8 +165,11 @@ def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]
     if form.coordinates != "plane":
         where = "in space" if form.coordinates == "space" else "axisymmetric"
         raise ValueError(f"the undrained strength is that of plane strain; this solid is {where}")
+    # Take means of the effective stress s' over the elements: water in the pores takes its part.
     in_plane = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)
     mean = (in_plane * form.weight).sum(axis=1) / form.weight.sum(axis=1)
+
+    # Ask the materials.
     strength = {}
     for region, _, internal in form.at_regions(state):
         internal = internal.mean(axis=2)

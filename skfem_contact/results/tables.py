@@ -109,21 +109,22 @@ def of_stages(
     searches: Mapping[str, Any],
 ) -> Table:
     """Return one row for each stage, see :meth:`~skfem_contact.results.Result.table`."""
-    forms = {name: form for stage in stages for name, form in stage.forms.items()}
+    forms: dict[str, Form] = {}
+    for stage in stages:
+        forms |= stage.forms
     _check_names(forms, stages, (*names, *sections), sections, searches)
-    chosen = dict.fromkeys(
-        names or [name for name, form in forms.items() if not isinstance(form, Touching)]
-    )
-    rows = [
-        _row(stage, [*(chosen | dict.fromkeys(sections))], sections, searches) for stage in stages
-    ]
-
+    if not names:  # all but solids and contact pairs
+        names = [name for name, form in forms.items() if not isinstance(form, Touching)]
+    chosen = dict.fromkeys((*names, *sections))
+    rows = [_row(stage, chosen, sections, searches) for stage in stages]
     return Table.of(_columns(rows))
 
 
 def _columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
     """Return the columns of rows, without forces that are zero in all rows."""
-    titles = dict.fromkeys(key for row in rows for key in row)
+    titles: dict[str, None] = {}
+    for row in rows:
+        titles |= dict.fromkeys(row)
     columns = {}
     for title in titles:
         value = title.removesuffix(" at")
@@ -169,6 +170,8 @@ def _row(
     moved = _moved(stage)
     if moved is not None:
         row["displacement"], row["displacement at"] = _largest(*moved)
+
+    # Add the largest forces of each form, and their coordinates.
     for name in names:
         if name not in stage.states:
             continue
@@ -178,6 +181,8 @@ def _row(
                 points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
                 title = name if key == "force" else f"{name} {key}"
                 row[title], row[f"{title} at"] = _largest(along[key], points)
+
+    # Add the factor of a search that starts from the stage.
     search = searches.get(stage.name)
     if search is not None:
         row[search.what] = search.value if search.stop.shows_limit else f">= {search.value:.4g}"

@@ -80,6 +80,8 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     slave = pair.slave
     coordinates = points.positions(slave.nodes)
     pressure = -state.traction[0]
+
+    # Give friction and slip a sign in the plane, and components in space.
     if slave.dim == 2:
         arc = along_chain(slave, points.facet, points.xi)
         coordinates = np.pad(coordinates, ((0, 0), (0, 1)))
@@ -261,10 +263,13 @@ class ContactReport:
 
 def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> ContactReport:
     """Return resultants, status and penetration of a contact pair."""
+    # Take the tractions and weights of closed points.
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
     normal = state.traction[0, closed]
     friction = np.linalg.norm(state.traction[1:, closed], axis=0)
+
+    # Sum up forces, status and mobilised friction.
     resultants = _resultants(pair, x, state)
     counts = np.bincount(state.status, minlength=3)
     ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
