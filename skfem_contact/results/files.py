@@ -92,7 +92,7 @@ class StageData:
     before: tuple[ndarray, ndarray, float] | None = field(default=None, repr=False)
 
     def outputs(self, name: str) -> Outputs:
-        """Return the values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""
+        """Return values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""
         form = self.forms[name]
         return form.outputs(self.x[: form.size], self.states[name])
 
