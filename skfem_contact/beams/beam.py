@@ -48,14 +48,14 @@ class BeamState:
 class Beam(BeamNodes):
     """Beams: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
-    Small displacements and rotations. The beam has nodes of its own, or those of a line of the
-    mesh, to which it is bonded. Section forces act on the nodes, see
+    Small displacements and rotations. The beam has nodes of its own, or is bonded to the nodes
+    of a line of the mesh. Section forces act on the nodes, see
     :meth:`~skfem_contact.results.StageResult.section_forces`.
 
     Parameters
     ----------
     basis
-        ``Basis`` of the mesh; None where there are beams only.
+        ``Basis`` of the mesh; None for beams alone.
     line
         Coordinates of the nodes, (n, 2), in space (n, 3); or the name of a line of facets, on the
         boundary or inside, of a plane mesh with elements of second order. A named line begins at
@@ -79,7 +79,7 @@ class Beam(BeamNodes):
     unit_weight
         Weight per length of the beam.
     bonded
-        False if a beam along a named line has nodes of its own there. True if a beam along given
+        False if a beam along a named line has nodes of its own. True if a beam along given
         points is bonded to the ground: the points are vertices of the mesh, and the edges of the
         mesh along this polyline the elements, in the plane or in space.
     joined_to

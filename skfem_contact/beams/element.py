@@ -147,7 +147,7 @@ class BeamElements:
         return motion
 
     def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
-        """Return the n = 2 m Gauss points, (n, dim), their lengths, (n,), and N there, (n, 3)."""
+        """Return the n = 2 m Gauss points, (n, dim), their lengths, (n,), and N at them, (n, 3)."""
         N = np.array([shapes(xi)[0] for xi in GAUSS])
         points = np.einsum("gk,mkc->gmc", N, self.points).reshape(-1, self.points.shape[2])
         return points, self.weights.T.ravel(), np.repeat(N, len(self.points), axis=0)
@@ -178,7 +178,7 @@ class BeamElements:
     def resultants(self) -> ndarray:
         """N, V and M at start and end by the forces on the nodes, (m, 2, 3, 9).
 
-        Signs are those of ``SectionForces``. On an end node the forces of the neighbour count
+        Signs are as in ``SectionForces``. On an end node the forces of the neighbour count
         alone: not the share of a load on the element, a quarter of the force on the middle node.
         """
         result = np.zeros((len(self.points), 2, 3, 9))

@@ -48,7 +48,7 @@ class Reinforcement(BeamNodes, Regularised):
     """Reinforcement that transfers normal force only: a geogrid, a strip, or a row of nails.
 
     Small displacements: it resists no displacement across its line. It has three-node elements
-    without rotations, with nodes of its own or those of a line of the mesh, to which it is bonded.
+    without rotations, with nodes of its own, or bonded to the nodes of a line of the mesh.
     Nodes of its own need contact on both sides, :meth:`contact`, or
     :class:`~skfem_contact.Embedded`.
 
@@ -74,7 +74,7 @@ class Reinforcement(BeamNodes, Regularised):
 
     Notes
     -----
-    Section forces are given at the Gauss points, two an element. `Np` holds there: a head that is
+    Section forces are given at the Gauss points, two an element. `Np` holds at them: a head that is
     pulled has the skin of a tenth of its element more. Strength reduction leaves `Np` as it is;
     `bounds` refuses reinforcement.
 

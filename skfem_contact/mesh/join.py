@@ -196,7 +196,7 @@ def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None)
 
 
 def _separate_parts(mesh: Mesh) -> Tags:
-    """Return the connected parts, of which there must be more than one."""
+    """Return the connected parts, which must be more than one."""
     parts = bodies(mesh)
     if len(parts) == 1:
         raise ValueError(

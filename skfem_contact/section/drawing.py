@@ -110,8 +110,7 @@ def from_dxf(
     Returns
     -------
     Drawing
-        Names are those of the layers. Where texts of the same layer lie in its outlines they are
-        the names.
+        Names are the names of the layers, or texts of the same layer in its outlines.
 
     Raises
     ------

@@ -108,7 +108,7 @@ def separate(
 ) -> Mesh:
     """Double the nodes round bodies and along slits, and name the interfaces of subdomains.
 
-    Parts are the lifts and what remains, if there are lifts; the other subdomains are areas.
+    Parts are the lifts and the remaining ground, if any; the other subdomains are areas.
     """
     areas = [name for name in mesh.subdomains if name not in parts]
     if len(bodies) > 1:

@@ -61,7 +61,7 @@ class Section:
     sizes
         Smaller sizes by names of areas, lifts, lines and holes.
     near
-        Points and the sizes there: ``[((0., -9.), .2)]``.
+        Points and the sizes at them: ``[((0., -9.), .2)]``.
     coordinates
         ``"axisymmetric"`` for axial symmetry about x = 0.
 
@@ -195,7 +195,7 @@ class Section:
         Parameters
         ----------
         order
-            2 for elements whose sides follow arcs; by default 2 if there are any. With order 1
+            2 for elements whose sides follow arcs; by default 2 with arcs, else 1. With order 1
             sides are chords.
         scale
             Factor of all sizes: .5 for elements of half the size.
@@ -305,8 +305,8 @@ class Section:
     def sides(self, line: str, mesh: Mesh) -> list[str]:
         """Return the boundaries that make up both sides of a slit: by lift, where lifts touch it.
 
-        They are what ``wall.contact(basis, law, section.sides("wall", mesh))`` takes, so that the
-        contact of a lift can be deactivated with it.
+        Pass them to the beam, ``wall.contact(basis, law, section.sides("wall", mesh))``: the contact
+        of a lift can then be deactivated with it.
         """
         look_up(line, dict.fromkeys(names(self.slits, self.lines, "line")), "slit")
         boundaries = list(mesh.boundaries or {})
