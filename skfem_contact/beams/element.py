@@ -60,6 +60,11 @@ def across(t: ndarray) -> tuple[ndarray, ndarray]:
     return first, np.cross(t, first)
 
 
+def _times(functions: ndarray, axis: ndarray) -> ndarray:
+    """Return functions of the nodes, (3,) or (m, 3), times an axis, (m, dim), by dof."""
+    return (functions[..., None] * axis[:, None]).reshape(len(axis), -1)
+
+
 def _along(points: ndarray, xi: float) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     """Return J, (m,), tangents, (m, dim), N, (3,), and its derivatives by length, (m, 3)."""
     N, dN = shapes(xi)
@@ -99,10 +104,11 @@ class BeamElements:
         weights = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             weights[:, g], t, N, slope = _along(points, xi)
-            for row, direction in enumerate((t, left_of(t))):
-                strains[:, g, row, :6] = (slope[:, :, None] * direction[:, None]).reshape(m, 6)
-            strains[:, g, 1, 6:] = -N
-            strains[:, g, 2, 6:] = slope
+            eps, gamma, kappa = strains[:, g].swapaxes(0, 1)
+            eps[:, :6] = _times(slope, t)
+            gamma[:, :6] = _times(slope, left_of(t))
+            gamma[:, 6:] = -N
+            kappa[:, 6:] = slope
         return cls(points, strains.reshape(m, 6, 9), weights)
 
     def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
@@ -140,10 +146,15 @@ class BeamElements:
     def rigid(self) -> ndarray:
         """Dofs in rigid motions of unit motions of the middle node, (m, 9, 3)."""
         motion = np.zeros((len(self.points), 9, 3))
+        u = motion[:, 0:6:2]
+        v = motion[:, 1:6:2]
+        theta = motion[:, 6:]
+        u[..., 0] = 1.0
+        v[..., 1] = 1.0
+        theta[..., 2] = 1.0
         arm = self.points - self.points[:, [2]]
-        motion[:, 0:6:2, 0] = motion[:, 1:6:2, 1] = motion[:, 6:, 2] = 1.0
-        motion[:, 0:6:2, 2] = -arm[:, :, 1]
-        motion[:, 1:6:2, 2] = arm[:, :, 0]
+        u[..., 2] = -arm[..., 1]
+        v[..., 2] = arm[..., 0]
         return motion
 
     def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
@@ -185,11 +196,12 @@ class BeamElements:
         tangents = self.tangents()
         for end, sign in ((0, -1.0), (1, 1.0)):
             t = tangents[:, end]
-            n = left_of(t)
+            N, V, M = result[:, end].swapaxes(0, 1)
             for node, share in ((end, sign), (2, -sign * _AT_END)):
-                result[:, end, 0, 2 * node : 2 * node + 2] = share * t
-                result[:, end, 1, 2 * node : 2 * node + 2] = share * n
-                result[:, end, 2, 6 + node] = -share
+                u = slice(2 * node, 2 * node + 2)
+                N[:, u] = share * t
+                V[:, u] = share * left_of(t)
+                M[:, 6 + node] = -share
         return result
 
 
@@ -223,10 +235,11 @@ class ShellElements(BeamElements):
         radius = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             N, dN = shapes(xi)
-            radius[:, g] = x @ N
+            r = x @ N
             t_x = x @ dN / plane.weights[:, g]
-            strains[:, g, 3, 0:6:2] = N / radius[:, [g]]
-            strains[:, g, 4, 6:] = N * (t_x / radius[:, g])[:, None]
+            radius[:, g] = r
+            strains[:, g, 3, 0:6:2] = N / r[:, None]
+            strains[:, g, 4, 6:] = N * (t_x / r)[:, None]
         return cls(points, strains.reshape(m, 10, 9), plane.weights, nu, radius)
 
     @override
@@ -250,11 +263,11 @@ class ShellElements(BeamElements):
 
         # N_h = nu N + (1 - nu**2) EA u_x / x, M_h = nu M - (1 - nu**2) EI theta t_x / x
         full = 1.0 - self.nu**2
-        result = np.zeros((len(self.points), 2, 5, 9))
-        result[:, :, :3] = self.resultants / x[:, :, None, None]
-        result[:, :, 3] = self.nu * result[:, :, 0] + full * EA * moved[:, [0, 2]] / x[..., None]
-        result[:, :, 4] = self.nu * result[:, :, 2] - full * EI * turned
-        return result
+        per_width = self.resultants / x[:, :, None, None]  # (elements, ends, 3, dofs)
+        N, _, M = np.moveaxis(per_width, 2, 0)
+        N_h = self.nu * N + full * EA * moved[:, [0, 2]] / x[..., None]
+        M_h = self.nu * M - full * EI * turned
+        return np.concatenate((per_width, N_h[:, :, None], M_h[:, :, None]), axis=2)
 
     @property
     @override
@@ -290,11 +303,11 @@ class SpaceElements(BeamElements):
             weights[:, g], t, N, slope = _along(points, xi)
             first, second = across(t)
             for row, axis, turned in ((0, t, 5), (1, first, 3), (2, second, 4)):
-                along = (slope[:, :, None] * axis[:, None]).reshape(m, 9)
+                along = _times(slope, axis)
                 strains[:, g, row, :9] = along
                 strains[:, g, turned, 9:] = along
-            strains[:, g, 1, 9:] = -(N[:, None] * second[:, None]).reshape(m, 9)
-            strains[:, g, 2, 9:] = (N[:, None] * first[:, None]).reshape(m, 9)
+            strains[:, g, 1, 9:] = -_times(N, second)
+            strains[:, g, 2, 9:] = _times(N, first)
         return cls(points, strains.reshape(m, 12, 18), weights)
 
     @override
@@ -305,26 +318,27 @@ class SpaceElements(BeamElements):
     @property
     @override
     def rigid(self) -> ndarray:
-        motion = np.zeros((len(self.points), 18, 6))
+        motion = np.zeros((len(self.points), 6, 3, 6))
+        u = motion[:, :3]
+        theta = motion[:, 3:]
         arm = self.points - self.points[:, [2]]
-        for c in range(3):
-            motion[:, c:9:3, c] = 1.0
-            motion[:, 9 + c :: 3, 3 + c] = 1.0
-            motion[:, :9, 3 + c] = np.cross(np.eye(3)[c], arm).reshape(-1, 9)
-        return motion
+        for c, axis in enumerate(np.eye(3)):
+            u[:, :, c, c] = 1.0
+            u[..., 3 + c] = np.cross(axis, arm)
+            theta[:, :, c, 3 + c] = 1.0
+        return motion.reshape(-1, 18, 6)
 
     @property
     @override
     def resultants(self) -> ndarray:
         """Force and moment at start and end by the forces on the nodes, (m, 2, 6, 18)."""
-        result = np.zeros((len(self.points), 2, 6, 18))
         unit = np.eye(6)
-        forces = result.reshape(-1, 2, 6, 6, 3)  # nodes' displacements, then rotations
+        result = np.zeros((len(self.points), 2, 6, 6, 3))  # displacements of nodes, then rotations
         for end, sign in ((0, -1.0), (1, 1.0)):
             for node, share in ((end, sign), (2, -sign * _AT_END)):
-                forces[:, end, :, node] = share * unit[:, :3]
-                forces[:, end, :, 3 + node] = share * unit[:, 3:]
-        return result
+                result[:, end, :, node] = share * unit[:, :3]
+                result[:, end, :, 3 + node] = share * unit[:, 3:]
+        return result.reshape(-1, 2, 6, 18)
 
 
 class Flow(NamedTuple):

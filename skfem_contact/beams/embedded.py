@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_matrix, csr_matrix, hstack
+from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix, hstack, kron
 from skfem import CellBasis, Mesh, MeshQuad1, MeshTri1
 from typing_extensions import override
 
@@ -245,7 +245,9 @@ class Embedded(Form, Couples, Staged, Regularised):
     @override
     def initial_state(self, x: ndarray | None = None) -> EmbeddedState:
         n = len(self.positions)
-        jump, foot = (np.zeros((n, self._along.shape[1])), 0.0) if x is None else self._jumps(x)
+        if x is None:
+            return EmbeddedState(np.zeros(n), np.zeros(self._where.shape), np.zeros(2))
+        jump, foot = self._jumps(x)
         return EmbeddedState(np.zeros(n), jump, np.array([0.0, foot]))
 
     @override
@@ -276,18 +278,16 @@ class Embedded(Form, Couples, Staged, Regularised):
             return EmbeddedState(skin, free, np.array([force, free_foot]))
 
         def stiffness(kept: float = _KEPT) -> csr_matrix:
-            dim = t.shape[1]
             tt = t[:, :, None] * t[:, None]  # (n, dim, dim)
-            k = np.where(slips, kept, 1.0) * self._k
-            blocks = self._weight[:, None, None] * (
-                self._across[:, None, None] * (np.eye(dim) - tt) + k[:, None, None] * tt
+            along = np.where(slips, kept, 1.0) * self._k
+            skin_blocks = self._weight[:, None, None] * (
+                self._across[:, None, None] * (np.eye(t.shape[1]) - tt) + along[:, None, None] * tt
             )
-            at_foot = self._at_foot * (1.0 if stands else kept) * np.outer(t_foot, t_foot)
-            blocks = np.concatenate((blocks, at_foot[None])) / self._spacing
-            rows = np.repeat(np.arange(dim * len(blocks)), dim)
-            columns = np.tile(np.arange(dim * len(blocks)).reshape(-1, 1, dim), (1, dim, 1))
-            D = csr_matrix((blocks.ravel(), (rows, columns.ravel())))
-            return csr_matrix(self._jump.T @ D @ self._jump)
+            foot_block = self._at_foot * (1.0 if stands else kept) * np.outer(t_foot, t_foot)
+            blocks = np.concatenate((skin_blocks, foot_block[None])) / self._spacing
+            n = np.arange(len(blocks))
+            D = bsr_matrix((blocks, n, np.append(n, len(n))))
+            return csr_matrix(self._jump.T @ D.tocsr() @ self._jump)
 
         return Response(
             self._jump.T @ forces,
@@ -344,10 +344,13 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     corners = beam.points[beam.cells]
     turns = any(field.kind == "rotation" for field in beam.fields)
     xi, weight = _GAUSS if turns else _NODES
-    N, dN = (np.array(parts) for parts in zip(*map(shapes, xi), strict=True))  # (points, nodes)
+    N = np.array([shapes(point)[0] for point in xi])
+    dN = np.array([shapes(point)[1] for point in xi])
     N_foot, dN_foot = shapes(1.0)
     tangents = np.einsum("qk,mkc->mqc", dN, corners)
-    t = np.vstack((tangents.reshape(-1, beam.dim), np.einsum("k,kc->c", dN_foot, corners[-1])))
+    at_foot = np.einsum("k,kc->c", dN_foot, corners[-1])
+    t = np.vstack((tangents.reshape(-1, beam.dim), at_foot))
+    t /= np.linalg.norm(t, axis=1)[:, None]
     values = np.vstack((np.tile(N, (len(corners), 1)), N_foot))
     cells = np.vstack((np.repeat(beam.cells, len(xi), axis=0), beam.cells[-1]))
     points = np.einsum("pk,pkc->pc", values, beam.points[cells])
@@ -358,18 +361,15 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     begin = np.cumsum(lengths) - lengths
     s = begin[:, None] + 0.5 * (1.0 + xi) * lengths[:, None]
 
-    rows = np.repeat(np.arange(len(values)), values.shape[1])
+    row = np.repeat(np.arange(len(values)), values.shape[1])
     shape = (len(values), len(beam.points))
-    of_beam = _by_component(coo_matrix((values.ravel(), (rows, cells.ravel())), shape), beam.dim)
-    return s.ravel(), points, t / np.linalg.norm(t, axis=1)[:, None], weights.ravel(), of_beam
+    of_beam = coo_matrix((values.ravel(), (row, cells.ravel())), shape)
+    return s.ravel(), points, t, weights.ravel(), _by_component(of_beam, beam.dim)
 
 
 def _by_component(matrix: coo_matrix, dim: int) -> csr_matrix:
     """Return the matrix that acts on each component of vectors as this one on scalars."""
-    row, column = (dim * number[:, None] + np.arange(dim) for number in (matrix.row, matrix.col))
-    data = np.repeat(matrix.data, dim)
-    shape = (dim * matrix.shape[0], dim * matrix.shape[1])
-    return csr_matrix((data, (row.ravel(), column.ravel())), shape)
+    return csr_matrix(kron(matrix, np.eye(dim)))
 
 
 def _values_at(basis: CellBasis, points: ndarray) -> csr_matrix:
@@ -427,8 +427,9 @@ def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
     if (elements < 0).any():
         raise _leaving(points[elements < 0])
     corners = mesh.p[:, mesh.t[:, elements]].transpose(2, 1, 0)  # (n, corners, 3)
-    widths = [np.ptp(np.einsum("nkc,nc->nk", corners, axis), axis=1) for axis in across(along)]
-    return np.asarray(np.max(widths, axis=0))
+    axes = np.stack(across(along), axis=1)
+    widths = np.ptp(np.einsum("nkc,nac->nak", corners, axes), axis=2)
+    return np.asarray(widths.max(axis=1))
 
 
 def _around(
@@ -444,10 +445,10 @@ def _around(
     angle = 2.0 * np.pi * (np.arange(_ON_CIRCLE) + 0.5) / _ON_CIRCLE
     cos = np.cos(angle)[:, None]
     sin = np.sin(angle)[:, None]
-    rim = points[:, None] + radius[:, None, None] * (
-        cos * first[:, None] + sin * second[:, None]
-    )  # (n, points, 3)
-    inside = _elements_at(basis.mesh, rim.reshape(-1, 3)).reshape(rim.shape[:2]) >= 0
+    arm = cos * first[:, None] + sin * second[:, None]  # (n, points, 3)
+    rim = points[:, None] + radius[:, None, None] * arm
+    elements = _elements_at(basis.mesh, rim.reshape(-1, 3))
+    inside = elements.reshape(rim.shape[:2]) >= 0
     outside = ~inside.any(axis=1)
     if outside.any():
         raise _leaving(points[outside])
@@ -457,4 +458,5 @@ def _around(
     row = np.nonzero(inside)[0]
     column = np.arange(len(share))
     mean = coo_matrix((share, (row, column)), shape=(len(points), len(share)))
-    return csr_matrix(_by_component(mean, 3) @ _values_at(basis, rim[inside])), inside.mean(axis=1)
+    means = _by_component(mean, 3) @ _values_at(basis, rim[inside])
+    return csr_matrix(means), inside.mean(axis=1)

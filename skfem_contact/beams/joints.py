@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -132,19 +133,29 @@ def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field
 
     No beams are returned where a form may act on any dof, whose supports are unknown.
     """
-    beams = [form for form in forms.values() if isinstance(form, type(beam))]
-    others = [form for form in forms.values() if form not in beams]
-    for form in others:
-        local = isinstance(form, Body | Touching) or borrowed_by(form) or form.fields
-        if form.size is None and not local:
+    beams = []
+    touched: set[Field] = set()
+    for form in forms.values():
+        if isinstance(form, type(beam)):
+            beams.append(form)
+        elif _acts_anywhere(form):
             return [], []
+        else:
+            touched.update(borrowed_by(form))
     frame: list[Any] = []
     more = [beam]
     while more:
         frame += more
-        more = [b for b in beams if b not in frame and any(_linked(a, b) for a in frame)]
-    touched = {field for form in others for field in borrowed_by(form)}
-    return frame, [field for member in frame for field in member.fields if field in touched]
+        others = [other for other in beams if other not in frame]
+        more = [other for other in others if any(_linked(member, other) for member in frame)]
+    fields = chain.from_iterable(member.fields for member in frame)
+    return frame, [field for field in fields if field in touched]
+
+
+def _acts_anywhere(form: Any) -> bool:
+    """Return True if a form does not name the dofs that it acts on."""
+    known = isinstance(form, Body | Touching) or form.size is not None
+    return not (known or borrowed_by(form) or form.fields)
 
 
 def _linked(first: Any, second: Any) -> bool:

@@ -350,11 +350,12 @@ def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
     # Turn the facets to the right, or upwards
     dx, dy = mesh.p[:, chain[1, -1]] - mesh.p[:, chain[0, 0]]
     level = bool(abs(dx) > abs(dy))
-    along = (mesh.p[:, ends[1]] - mesh.p[:, ends[0]]) * np.sign(dx if level else dy)
+    start, end = mesh.p[:, ends].swapaxes(0, 1)
+    along = (end - start) * np.sign(dx if level else dy)
 
     # Find the elements on their left
     first, second = mesh.f2t[:, line]
-    inner = mesh.p[:, mesh.t[:, first]].mean(axis=1) - mesh.p[:, ends[0]]
+    inner = mesh.p[:, mesh.t[:, first]].mean(axis=1) - start
     first_is_left = along[0] * inner[1] > along[1] * inner[0]
     left = np.where(first_is_left, first, second)
     right = np.where(first_is_left, second, first)
