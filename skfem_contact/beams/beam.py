@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
@@ -163,8 +164,10 @@ class Beam(BeamNodes):
         nu: float = 0.0,
         GJ: float | None = None,
     ) -> None:
-        GA = EA / 3.0 if GA is None else GA
-        GJ = 0.8 * EI if GJ is None else GJ
+        if GA is None:
+            GA = EA / 3.0
+        if GJ is None:
+            GJ = 0.8 * EI
         check_values(
             Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=spacing or 1.0
         )
@@ -232,8 +235,9 @@ class Beam(BeamNodes):
             scale=1.0 / float(np.median(self._elements.length)),
             taken=turned,
         )
-        own = () if self.shared is not None else (self.displacement,)
-        self.fields = (*own, self.rotation)
+        self.fields = (self.displacement, self.rotation)
+        if self.shared is not None:
+            self.fields = (self.rotation,)
 
         # Dofs of the elements, and of their middle nodes among them
         n = dim * len(self.points)
@@ -296,8 +300,9 @@ class Beam(BeamNodes):
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Beam:
         new = copy(self)
-        new._dofs = new.acts_on = self._numbers(numbers)
-        new.changing = new._dofs if self._hinges else np.zeros(0, int)
+        new._dofs = new.acts_on = new.changing = self._numbers(numbers)
+        if not self._hinges:
+            new.changing = np.zeros(0, int)
 
         # Strains, stiff dofs and coordinates of the frame, for the search of mechanisms
         stiff = [np.zeros(0, int), *(numbers[field] for field in self._touched)]
@@ -315,22 +320,29 @@ class Beam(BeamNodes):
 
     def _numbers(self, numbers: Mapping[Field, ndarray]) -> ndarray:
         """Return the dofs of the nodes: displacements, then rotations."""
-        moves = numbers[self.displacement] if self.shared is None else self.shared.ravel()
-        return np.concatenate((moves, numbers[self.rotation]))
+        turns = numbers[self.rotation]
+        if self.shared is not None:
+            return np.append(self.shared, turns)
+        return np.append(numbers[self.displacement], turns)
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Beam:
+        # Find joined beams, and whether contact is on a side
         new = copy(self)
         new._frame, new._touched = frame_of(self, forms)
-        new.borrowed = tuple(
-            field for beam in new._frame for field in beam.fields if beam is not self
-        )
+        fields = chain.from_iterable(beam.fields for beam in new._frame if beam is not self)
+        new.borrowed = tuple(fields)
+
+        # Find the shear modulus of ground to which it is bonded in space
         new._ground = None
         if self.shared is not None and self.coordinates == "space":
             C = stiffest(forms)
-            new._ground = None if C is None else float(C[-1, -1])
-        pairs = having(forms, Touching).values()
-        new._wet = any(self.displacement in pair.borrowed for pair in pairs)
+            if C is not None:
+                new._ground = float(C[-1, -1])
+        new._wet = False
+        for pair in having(forms, Touching).values():
+            if self.displacement in pair.borrowed:
+                new._wet = True
         return new
 
     @override
@@ -353,7 +365,9 @@ class Beam(BeamNodes):
     @override
     def initial_state(self, x: ndarray | None = None) -> BeamState:
         zero = np.zeros(self._rows.shape)
-        return BeamState(zero, zero if x is None else self._own(x)[self._rows])
+        if x is None:
+            return BeamState(zero, zero)
+        return BeamState(zero, self._own(x)[self._rows])
 
     @override
     def assemble(self, x: ndarray, state: BeamState) -> Response:
@@ -367,8 +381,9 @@ class Beam(BeamNodes):
 
         # Let hinges flow
         free = state.free
-        flows = list(self._hinges.flows(force)) if self._hinges else []
-        if flows:
+        flows: list[Flow] = []
+        if self._hinges:
+            flows = list(self._hinges.flows(force))
             free = free.copy()
         active = []
         for e, flow, faces in flows:
@@ -390,11 +405,15 @@ class Beam(BeamNodes):
         )
 
     def _tangent(self, flows: list[Flow]) -> csr_matrix:
-        blocks = self._hinges.tangent(self._stiffness, flows) if self._hinges else self._stiffness
+        blocks = self._stiffness
+        if self._hinges:
+            blocks = self._hinges.tangent(blocks, flows)
         return self._gathering.matrix(self._rows, blocks)
 
     def _own(self, x: ndarray) -> ndarray:
-        return x if self._dofs is None else x[self._dofs]
+        if self._dofs is None:
+            return x
+        return x[self._dofs]
 
     @override
     def stretched_by(self, state: BeamState) -> ndarray:
@@ -429,12 +448,15 @@ class Beam(BeamNodes):
 
     def _summary(self, state: BeamState) -> str:
         N, _, M = self._lines(state)[3:6]
-        M = np.linalg.norm(M, axis=1) if M.ndim == 2 else M
+        if M.ndim == 2:
+            M = np.linalg.norm(M, axis=1)
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
     @override
     def own_weight(self, acceleration: ndarray) -> ndarray | None:
-        return self.line_load(self._weight * acceleration) if self._weight else None
+        if not self._weight:
+            return None
+        return self.line_load(self._weight * acceleration)
 
     @override
     def water_load(
@@ -454,7 +476,9 @@ class Beam(BeamNodes):
         forces = np.einsum("merj,mj->mer", self._section, state.force).reshape(len(position), -1)
         if not z:
             N, V, M, *hoop = forces.T
-            return (position, x, y, N, V, M, *((None, None, None, *hoop) if hoop else ()))
+            if not hoop:
+                return position, x, y, N, V, M
+            return position, x, y, N, V, M, None, None, None, *hoop
 
         # In space: normal force and torque along the tangent, shear and moment across it
         t = self._elements.tangents().reshape(-1, 3)
@@ -468,10 +492,11 @@ class Beam(BeamNodes):
 
     def _line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
         values = {}
-        for key, ends in zip("NVM", self._lines(state)[3:6], strict=True):
-            both = ends.reshape(len(self.cells), 2, -1)
-            all_three = np.concatenate((both, both.mean(axis=1, keepdims=True)), axis=1)
-            values[key] = all_three.reshape(-1, *ends.shape[1:])
+        for key, forces in zip("NVM", self._lines(state)[3:6], strict=True):
+            ends = forces.reshape(len(self.cells), 2, -1)
+            middle = ends.mean(axis=1, keepdims=True)
+            nodes = np.concatenate((ends, middle), axis=1)
+            values[key] = nodes.reshape(-1, *forces.shape[1:])
         moves = self._rows[:, : 3 * self.dim]
         values["displacement"] = self._own(x)[moves].reshape(-1, self.dim)
         return self._elements.points.reshape(-1, self.dim), values
@@ -495,7 +520,9 @@ def _elements_of(
 ) -> BeamElements:
     """Return elements in the plane, of a shell or in space, and refuse values they have not."""
     of_row_or_hinged = spacing is not None or bool(np.isfinite(Mp))
-    wrong = not -1.0 < nu <= 0.5 or of_row_or_hinged if shell else nu != 0.0
+    wrong = nu != 0.0
+    if shell:
+        wrong = of_row_or_hinged or not -1.0 < nu <= 0.5
     if wrong:
         raise ValueError(
             f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp"
@@ -504,4 +531,6 @@ def _elements_of(
         if shell or of_row_or_hinged or thickness:
             raise ValueError("a beam in space has no spacing, Mp or thickness, and is no shell")
         return SpaceElements.of(corners)
-    return ShellElements.about_axis(corners, nu) if shell else BeamElements.of(corners)
+    if shell:
+        return ShellElements.about_axis(corners, nu)
+    return BeamElements.of(corners)

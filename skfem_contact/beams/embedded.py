@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix, hstack, kron
-from skfem import CellBasis, Mesh, MeshQuad1, MeshTri1
+from skfem import CellBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 from typing_extensions import override
 
 from ..checks import check_basis, finite, format_point, is_number, positive
@@ -160,7 +160,9 @@ class Embedded(Form, Couples, Staged, Regularised):
         self.borrowed = (beam.displacement,)
         self._spacing = beam.spacing
         self._replacing = beam.parameters["EA"]
-        self._given = None if stiffness is None else positive(stiffness, "stiffness")
+        self._given = None
+        if stiffness is not None:
+            self._given = positive(stiffness, "stiffness")
 
         # Find the points and the skin resistance at each of them
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
@@ -274,7 +276,9 @@ class Embedded(Form, Couples, Staged, Regularised):
 
         def after() -> EmbeddedState:
             free = state.free + (slip - skin / self._k)[:, None] * t
-            free_foot = foot - force / self._at_foot if crushed else state.foot[1]
+            free_foot = state.foot[1]
+            if crushed:
+                free_foot = foot - force / self._at_foot
             return EmbeddedState(skin, free, np.array([force, free_foot]))
 
         def stiffness(kept: float = _KEPT) -> csr_matrix:
@@ -342,8 +346,10 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     """
     # Interpolate at the points of all elements, (m, points, ...), and at the foot
     corners = beam.points[beam.cells]
-    turns = any(field.kind == "rotation" for field in beam.fields)
-    xi, weight = _GAUSS if turns else _NODES
+    xi, weight = _NODES
+    for field in beam.fields:
+        if field.kind == "rotation":
+            xi, weight = _GAUSS
     N = np.array([shapes(point)[0] for point in xi])
     dN = np.array([shapes(point)[1] for point in xi])
     N_foot, dN_foot = shapes(1.0)
@@ -395,19 +401,23 @@ def _probes(basis: CellBasis, points: ndarray) -> coo_matrix:
     """
     cells = _finder(basis.mesh)(*points.T)
     local = basis.mapping.invF(points.T[:, :, None], tind=cells)
-    values = [
-        basis.elem.gbasis(basis.mapping, local, k, tind=cells)[0].value.ravel()
-        for k in range(basis.Nbfun)
-    ]
-    rows = np.tile(np.arange(len(points)), basis.Nbfun)
-    columns = basis.dofs.element_dofs[:, cells].ravel()
-    return coo_matrix((np.concatenate(values), (rows, columns)), shape=(len(points), basis.N))
+    values = []
+    for k in range(basis.Nbfun):
+        field = basis.elem.gbasis(basis.mapping, local, k, tind=cells)[0]
+        values.append(field.value.ravel())
+    row = np.tile(np.arange(len(points)), basis.Nbfun)
+    column = basis.dofs.element_dofs[:, cells].ravel()
+    shape = (len(points), basis.N)
+    return coo_matrix((np.concatenate(values), (row, column)), shape)
 
 
 def _finder(mesh: Mesh) -> Callable[..., ndarray]:
     """Return the function that finds the elements at coordinates, by the chords of curved sides."""
-    straight = {"MeshTri2": MeshTri1, "MeshQuad2": MeshQuad1}.get(type(mesh).__name__)
-    return (straight.from_mesh(mesh) if straight else mesh).element_finder()
+    if isinstance(mesh, MeshTri2):
+        mesh = MeshTri1.from_mesh(mesh)
+    elif isinstance(mesh, MeshQuad2):
+        mesh = MeshQuad1.from_mesh(mesh)
+    return mesh.element_finder()
 
 
 def _elements_at(mesh: Mesh, points: ndarray) -> ndarray:

@@ -41,7 +41,9 @@ def nodes_of(
                 f"the line '{line}' needs a basis with this name, and gives its own cells"
             )
         shared, points, elements = line_of(basis, line)
-        return None if bonded is False else shared, points, elements
+        if bonded is False:
+            return None, points, elements
+        return shared, points, elements
 
     points = finite(line, "line")
     dims = (2, 3) if basis is None else (basis.mesh.dim(),)
@@ -111,10 +113,8 @@ def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
         top = int(np.argmax((mesh.p[1] - _LEVEL * mesh.p[0])[ends[0]]))
         facets = np.roll(facets, -top)
         ends = np.roll(ends, -top, axis=1)
-    first, cells = np.unique(
-        np.vstack((basis.nodal_dofs[0, ends], basis.facet_dofs[0, facets])).T, return_inverse=True
-    )
-    return first[:, None] + np.arange(2), basis.doflocs[:, first].T, cells.reshape(-1, 3)
+    nodal = basis.nodal_dofs[0, ends]
+    return _numbered(basis, np.vstack((nodal, basis.facet_dofs[0, facets])).T)
 
 
 def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, ndarray]:
@@ -124,7 +124,11 @@ def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, n
     """
     mesh = basis.mesh
     dim = mesh.dim()
-    edges, middles = (mesh.facets, basis.facet_dofs) if dim == 2 else (mesh.edges, basis.edge_dofs)
+    edges = mesh.facets
+    middles = basis.facet_dofs
+    if dim == 3:
+        edges = mesh.edges
+        middles = basis.edge_dofs
     if len(middles) != dim:
         raise ValueError("beams have three nodes: take a basis of second order")
     chain = _vertices_along(mesh, np.unique(mesh.t[:, elements_of(basis)]), points)
@@ -142,9 +146,15 @@ def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, n
             f"the mesh has no edge between {a} and {b}: a bonded beam follows its edges"
         )
     nodal = basis.nodal_dofs[0, chain]
-    dofs = np.concatenate((nodal[:-1], nodal[1:], middles[0, edge]))
+    dofs = np.stack((nodal[:-1], nodal[1:], middles[0, edge]), axis=1)
+    return _numbered(basis, dofs)
+
+
+def _numbered(basis: CellBasis, dofs: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Return dofs, coordinates and elements from the first dofs of the elements' nodes, (m, 3)."""
     first, cells = np.unique(dofs, return_inverse=True)
-    return first[:, None] + np.arange(dim), basis.doflocs[:, first].T, cells.reshape(3, -1).T
+    shared = first[:, None] + np.arange(basis.mesh.dim())
+    return shared, basis.doflocs[:, first].T, cells.reshape(-1, 3)
 
 
 def _vertices_along(mesh: Mesh, vertices: ndarray, points: ndarray) -> ndarray:
@@ -207,7 +217,9 @@ def touching(
     mesh: Mesh, boundaries: str | Sequence[str] | None, points: ndarray, half: float
 ) -> dict[str, int]:
     """Return boundaries, by default all, on a side of beams, (m, 3, 2), and which: 1 or -1."""
-    given = list(mesh.boundaries or {}) if boundaries is None else list(names_of(boundaries))
+    given = list(mesh.boundaries or {})
+    if boundaries is not None:
+        given = list(names_of(boundaries))
     sides: dict[str, int] = {}
     away = []
     for name in given:
@@ -267,8 +279,9 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     size = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     near = np.abs(away - half * sides) <= _NEAR * size
     within = beyond[each, nearest] <= _NEAR * length[nearest]
-    touches = (near & within & (sides == sides[0])).all()
-    return int(sides[0]) if touches else None
+    if (near & within & (sides == sides[0])).all():
+        return int(sides[0])
+    return None
 
 
 def split_along(mesh: Mesh, name: str) -> Mesh:
@@ -349,9 +362,13 @@ def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
 
     # Turn the facets to the right, or upwards
     dx, dy = mesh.p[:, chain[1, -1]] - mesh.p[:, chain[0, 0]]
-    level = bool(abs(dx) > abs(dy))
     start, end = mesh.p[:, ends].swapaxes(0, 1)
-    along = (end - start) * np.sign(dx if level else dy)
+    along = end - start
+    level = bool(abs(dx) > abs(dy))
+    if level:
+        along *= np.sign(dx)
+    else:
+        along *= np.sign(dy)
 
     # Find the elements on their left
     first, second = mesh.f2t[:, line]
@@ -359,4 +376,6 @@ def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
     first_is_left = along[0] * inner[1] > along[1] * inner[0]
     left = np.where(first_is_left, first, second)
     right = np.where(first_is_left, second, first)
-    return {"above": left, "below": right} if level else {"left": left, "right": right}
+    if level:
+        return {"above": left, "below": right}
+    return {"left": left, "right": right}

@@ -235,11 +235,16 @@ class BeamNodes(Form, Couples, Loaded, Staged):
     def _side(self, sign: int) -> Surface:
         """Return the left side, 1, or the right side, -1."""
         nodes = np.arange(len(self.points))
+        cells = self.cells
+        name = "left side of a beam"
+        if sign < 0:
+            cells = cells[:, [1, 0, 2]]
+            name = "right side of a beam"
         return Surface.from_cells(
             self.points,
             (self.displacement, np.arange(2 * len(nodes)).reshape(-1, 2)),
-            cells=self.cells if sign > 0 else self.cells[:, [1, 0, 2]],
-            name=f"{'left' if sign > 0 else 'right'} side of a beam",
+            cells=cells,
+            name=name,
             rotations=(self.rotation, nodes) if self._turns else None,
             thickness=self.thickness,
         )

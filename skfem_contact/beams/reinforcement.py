@@ -135,10 +135,11 @@ class Reinforcement(BeamNodes, Regularised):
         self.displacement = Field(
             "displacement of reinforcement", np.repeat(self.points, dim, axis=0).T
         )
-        self.fields = (self.displacement,) if self.shared is None else ()
         self._rows = (dim * self.cells[:, :, None] + np.arange(dim)).reshape(len(self.cells), -1)
         self._gathering = Gathering(self.points.size)
+        self.fields = (self.displacement,)
         if self.shared is not None:
+            self.fields = ()
             self._connect(self.shared.ravel())
 
         # Stiffness and strength of a row per unit of length
@@ -172,7 +173,9 @@ class Reinforcement(BeamNodes, Regularised):
     @override
     def initial_state(self, x: ndarray | None = None) -> ReinforcementState:
         zero = np.zeros(self._length.shape)
-        return ReinforcementState(zero, zero if x is None else self._strains(x))
+        if x is None:
+            return ReinforcementState(zero, zero)
+        return ReinforcementState(zero, self._strains(x))
 
     @override
     def assemble(self, x: ndarray, state: ReinforcementState) -> Response:
