@@ -152,11 +152,17 @@ def from_dxf(
             kinds[name] = layer.kind
 
     def of(*wanted: str) -> dict[str, list[Outline]]:
-        return {name: shapes[name] for name, kind in kinds.items() if kind in wanted}
+        result = {}
+        for name, kind in kinds.items():
+            if kind in wanted:
+                result[name] = shapes[name]
+        return result
 
     # Make the section, whose areas replace what is drawn by upper edges
     ground = _ground(of("top"), bottom, near)
-    replacing = of("area", "body") if ground else of("body")
+    replacing = of("body")
+    if ground:
+        replacing = of("area", "body")
     options: dict[str, Any] = {
         "lifts": of("lift"),
         "holes": of("hole"),
@@ -175,13 +181,13 @@ def from_dxf(
         if digits:
             stage = int(digits[0])
             stages[stage] = (*stages.get(stage, ()), name)
+    water = {}
+    for name, outlines in of("water").items():
+        water[name] = np.vstack([outline.points for outline in outlines])
     return Drawing(
         section,
         stages=dict(sorted(stages.items())),
-        water={
-            name: np.vstack([outline.points for outline in outlines])
-            for name, outlines in of("water").items()
-        },
+        water=water,
         loads=tuple(of("load")),
         origin=origin,
         remarks=tuple(remarks),
@@ -225,25 +231,17 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
     skipped: dict[str, Counter[str]] = {}
     for entity in drawn:
         name = entity.dxf.layer
-        kind = entity.dxftype()
         rule = _rule_of(name, rules)
         if rule == "ignore":
             continue
-        chain = _chain_of(entity, size)
-        if rule is None or (chain is None and kind not in TEXTS):
-            skipped.setdefault(name, Counter())[kind] += 1
-            continue
-        layer = layers.setdefault(name, _Layer(_name_of(name), rule, [], []))
-        if chain:
-            layer.chains.append(chain)
-        else:
-            text = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
-            layer.texts.append((_name_of(text.strip()), plane(entity.dxf.insert)))
+        layer = layers.setdefault(name, _Layer(_name_of(name), rule or "", [], []))
+        if not rule or not _add(layer, entity, size):
+            skipped.setdefault(name, Counter())[entity.dxftype()] += 1
 
-    # Say what was left out
+    # Say which entities were left out
     for name, kinds in skipped.items():
         listed = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        why = "not understood" if _rule_of(name, rules) else "without a rule"
+        why = "not understood" if layers[name].kind else "without a rule"
         remarks.append(f"layer '{name}': {listed} {why}")
     result = [layer for layer in layers.values() if layer.chains]
     if not result:
@@ -251,6 +249,20 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
             f"no curve of the drawing has a rule; its layers are {sorted(skipped) or 'empty'}"
         )
     return result
+
+
+def _add(layer: _Layer, entity: Any, size: float) -> bool:
+    """Add a curve or a text to its layer; False for other entities."""
+    chain = _chain_of(entity, size)
+    if chain:
+        layer.chains.append(chain)
+        return True
+    kind = entity.dxftype()
+    if kind not in TEXTS:
+        return False
+    text = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
+    layer.texts.append((_name_of(text.strip()), plane(entity.dxf.insert)))
+    return True
 
 
 def _rule_of(layer: str, rules: Mapping[str, str]) -> str | None:
@@ -279,7 +291,7 @@ def _size_of(drawn: list[Any]) -> float:
 def _chain_of(entity: Any, size: float) -> Chain | None:
     """Return the chain of a curve, whose points must be finite."""
     chain = chain_of(entity, size)
-    if chain is not None and not np.isfinite(chain.points).all():
+    if chain and not np.isfinite(chain.points).all():
         raise ValueError(
             f"a {entity.dxftype()} on layer '{entity.dxf.layer}' has coordinates that are not "
             f"finite"
@@ -302,9 +314,12 @@ def _in_metres(
         remarks.append(f"moved: {format_point(origin)} m of the drawing is the origin")
     moved = []
     for layer in layers:
-        chains = [chain._replace(points=metres * chain.points - origin) for chain in layer.chains]
-        texts = [(text, metres * place - origin) for text, place in layer.texts]
-        moved.append(layer._replace(chains=chains, texts=texts))
+        new = layer._replace(chains=[], texts=[])
+        for chain in layer.chains:
+            new.chains.append(chain._replace(points=metres * chain.points - origin))
+        for text, place in layer.texts:
+            new.texts.append((text, metres * place - origin))
+        moved.append(new)
     return moved, (float(origin[0]), float(origin[1]))
 
 
@@ -315,8 +330,15 @@ def _points(layers: list[_Layer]) -> ndarray:
 
 def _snapped(layers: list[_Layer], near: float) -> list[_Layer]:
     """Return layers whose corners that are nearer than a distance are one point."""
-    chains = iter(snapped([chain for layer in layers for chain in layer.chains], near))
-    return [layer._replace(chains=[next(chains) for _ in layer.chains]) for layer in layers]
+    chains: list[Chain] = []
+    for layer in layers:
+        chains += layer.chains
+    chains = snapped(chains, near)
+    result = []
+    for layer in layers:
+        result.append(layer._replace(chains=chains[: len(layer.chains)]))
+        chains = chains[len(layer.chains) :]
+    return result
 
 
 def _shapes(layer: _Layer, near: float, remarks: list[str]) -> dict[str, list[Outline]]:
@@ -324,25 +346,25 @@ def _shapes(layer: _Layer, near: float, remarks: list[str]) -> dict[str, list[Ou
     chains, doubles = joined(layer.chains, near)
     if doubles:
         remarks.append(f"layer '{layer.name}': {doubles} doubles left out")
-    outlines = [Outline(chain.points, chain.bulges, chain.closed, layer.name) for chain in chains]
-    if layer.kind not in _CLOSED:
-        if layer.texts:
-            texts = [text for text, _ in layer.texts]
-            remarks.append(f"layer '{layer.name}': text {texts} not understood")
-        return {layer.name: outlines}
+    if layer.kind in _CLOSED:
+        gaps = [open_gap(chain) for chain in chains if not chain.closed]
+        if gaps:
+            raise ValueError(
+                f"{len(gaps)} of {len(chains)} outlines of layer '{layer.name}' are open, one "
+                f"{gaps[0]}: close them, or give the layer another rule"
+            )
+    outlines = [Outline(*chain, name=layer.name) for chain in chains]
+    if layer.texts and layer.kind in _CLOSED:
+        return _by_text(layer, outlines)
+    if layer.texts:
+        texts = [text for text, _ in layer.texts]
+        remarks.append(f"layer '{layer.name}': text {texts} not understood")
+    return {layer.name: outlines}
 
-    # Refuse outlines that are open
-    gaps = [open_gap(chain) for chain in chains if not chain.closed]
-    if gaps:
-        raise ValueError(
-            f"{len(gaps)} of {len(chains)} outlines of layer '{layer.name}' are open, one "
-            f"{gaps[0]}: close them, or give the layer another rule"
-        )
-    if not layer.texts:
-        return {layer.name: outlines}
 
-    # Name each outline by the one text inside
-    named: dict[str, list[Outline]] = {}
+def _by_text(layer: _Layer, outlines: list[Outline]) -> dict[str, list[Outline]]:
+    """Return the outlines of a layer by the one text inside each of them."""
+    result: dict[str, list[Outline]] = {}
     for outline in outlines:
         inside = sorted({text for text, place in layer.texts if _contains(outline, place)})
         if len(inside) != 1:
@@ -351,19 +373,19 @@ def _shapes(layer: _Layer, near: float, remarks: list[str]) -> dict[str, list[Ou
                 f"{format_point(outline.points.mean(axis=0))} has {len(inside)} texts {inside}, "
                 "but one names it"
             )
-        named.setdefault(inside[0], []).append(outline)
-    return dict(sorted(named.items()))
+        result.setdefault(inside[0], []).append(outline)
+    return dict(sorted(result.items()))
 
 
 def _contains(outline: Outline, point: ndarray) -> bool:
     """Return whether a point lies inside an outline, whose arcs are chords here."""
     a, b, _ = outline.chords()
-    x, y = point
-    across = (a[:, 1] > y) != (b[:, 1] > y)
-    a = a[across]
-    b = b[across]
-    crossings = a[:, 0] + (y - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-    return bool((crossings > x).sum() % 2)
+    above_a = a[:, 1] > point[1]
+    above_b = b[:, 1] > point[1]
+    x, y = a[above_a != above_b].T
+    u, v = b[above_a != above_b].T
+    crossings = x + (point[1] - y) / (v - y) * (u - x)
+    return bool((crossings > point[0]).sum() % 2)
 
 
 def _ground(
@@ -372,31 +394,36 @@ def _ground(
     """Return areas from their upper edges down to the bottom; lower ones replace the upper ones."""
     if not tops:
         return {}
-    several = [name for name, edges in tops.items() if len(edges) > 1 or edges[0].closed]
+    several = []
+    edges = {}
+    for name, outlines in tops.items():
+        edges[name] = outlines[0]
+        if len(outlines) > 1 or outlines[0].closed:
+            several.append(name)
     if several:
         raise ValueError(
             f"the upper edges of {several} must be one open line each, from the left to the right"
         )
     if bottom is None:
         raise ValueError(f"the areas {list(tops)} have an upper edge only: give their bottom=")
-    edges = {name: edge for name, (edge,) in tops.items()}
 
-    # Compare their ends
-    ends = {name: np.sort(edge.points[[0, -1], 0]) for name, edge in edges.items()}
-    left, right = next(iter(ends.values()))
-    for name, (first, last) in ends.items():
+    # Compare their ends with the ends of the first one
+    highest: dict[str, float] = {}
+    given = next(iter(edges))
+    left, right = np.sort(edges[given].points[[0, -1], 0])
+    for name, edge in edges.items():
+        first, last = np.sort(edge.points[[0, -1], 0])
         if max(abs(first - left), abs(last - right)) > near:
             raise ValueError(
                 f"the upper edge of '{name}' reaches from x = {first:.6g} to {last:.6g}, that of "
-                f"'{next(iter(ends))}' from {left:.6g} to {right:.6g}"
+                f"'{given}' from {left:.6g} to {right:.6g}"
             )
+        ends = np.vstack(edge.chords()[:2])
+        highest[name] = -float(ends[:, 1].mean())
 
     # Close them along the bottom, the highest one first
-    heights = {
-        name: float(np.vstack(edge.chords()[:2])[:, 1].mean()) for name, edge in edges.items()
-    }
     areas: dict[str, list[Outline]] = {}
-    for name in sorted(edges, key=lambda name: -heights[name]):
+    for name in sorted(edges, key=highest.__getitem__):
         points = edges[name].points
         bulges = edges[name].bulges
         if points[0, 0] > points[-1, 0]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,59 +65,63 @@ def cut_up(gmsh: Any, plan: Plan) -> Pieces:
     occ = gmsh.model.occ
     shapes = _added(occ, plan)
     tags = [shape.tag for shape in shapes]
-    parts = occ.fragment(tags, [])[1] if len(tags) > 1 else [tags]
+    parts = [tags]
+    if len(tags) > 1:
+        parts = occ.fragment(tags, [])[1]
     occ.synchronize()
-    owners, lines = _owners(shapes, parts)
+    owners, lines = _owners(plan, shapes, parts)
 
     # Keep the faces of the section
     sides = {face: sides_of(gmsh, face) for face in owners}
     faces = _faces(gmsh, plan, owners)
-    ground = [face for face, (area, _) in faces.items() if area not in plan.bodies]
-    _check_together(gmsh, plan, {face: sides[face] for face in ground}, faces)
+    borders: set[int] = set()
+    ground = {}
+    for face, (area, _) in faces.items():
+        borders.update(sides[face])
+        if area not in plan.bodies:
+            ground[face] = sides[face]
+    _check_together(gmsh, plan, ground, faces)
 
     # Take the sides of holes, of which the first one counts in a face
-    borders = set[int]().union(*(sides[face] for face in faces))
     holes: dict[str, list[int]] = {name: [] for name in plan.holes}
     for face, kinds in owners.items():
         if "hole" in kinds:
-            name = kinds["hole"][0]
-            holes[name] += [curve for curve in sides[face] if curve in borders]
-    pieces = Pieces(faces, {name: lines.get(name, []) for name in plan.lines}, holes)
+            holes[kinds["hole"][0]] += [curve for curve in sides[face] if curve in borders]
+    pieces = Pieces(faces, lines, holes)
     _check_curves(gmsh, plan, pieces)
     return pieces
 
 
 def _added(occ: Any, plan: Plan) -> list[_Shape]:
     """Add the faces and curves of all outlines to the current model."""
-    closed = {
-        "area": plan.areas,
-        "lift": plan.lifts,
-        "hole": plan.holes,
-        "below": {"": (plan.below,)} if plan.below else {},
-    }
     shapes = []
-    for kind, outlines in closed.items():
+
+    def add(kind: str, name: str, outline: Outline) -> None:
+        shapes.append(_Shape(kind, name, (2, add_face(occ, outline, plan.shift))))
+
+    for kind, outlines in (("area", plan.areas), ("lift", plan.lifts), ("hole", plan.holes)):
         for name, pieces in outlines.items():
             for outline in pieces:
-                face = add_face(occ, outline, plan.shift)
-                shapes.append(_Shape(kind, name, (2, face)))
+                add(kind, name, outline)
+    if plan.below:
+        add("below", "", plan.below)
     for name, pieces in plan.lines.items():
         for outline in pieces:
-            curves = add_curves(occ, outline, plan.shift)
-            shapes += [_Shape("line", name, (1, curve)) for curve in curves]
+            for curve in add_curves(occ, outline, plan.shift):
+                shapes.append(_Shape("line", name, (1, curve)))
     return shapes
 
 
 def _owners(
-    shapes: Sequence[_Shape], parts: Sequence[Sequence[tuple[int, int]]]
+    plan: Plan, shapes: Sequence[_Shape], parts: Sequence[Sequence[tuple[int, int]]]
 ) -> tuple[dict[int, dict[str, list[str]]], dict[str, list[int]]]:
     """Return the owners of all faces by kind, and the curves of all lines, from their pieces."""
     owners: dict[int, dict[str, list[str]]] = {}
-    lines: dict[str, list[int]] = {}
+    lines: dict[str, list[int]] = {name: [] for name in plan.lines}
     for shape, pieces in zip(shapes, parts):
         for _, piece in pieces:
             if shape.kind == "line":
-                lines.setdefault(shape.name, []).append(piece)
+                lines[shape.name].append(piece)
                 continue
             known = owners.setdefault(piece, {}).setdefault(shape.kind, [])
             if shape.name not in known:
@@ -128,20 +132,20 @@ def _owners(
 def _faces(gmsh: Any, plan: Plan, owners: Mapping[int, Owners]) -> dict[int, tuple[str, str]]:
     """Return the faces of the section with area and lift; remove the others from the model."""
     faces, others = {}, []
+    remaining = {("area", name) for name in plan.areas} | {("lift", name) for name in plan.lifts}
     for face, kinds in owners.items():
         labels = _area_and_lift(gmsh, plan, face, kinds)
         if labels:
             faces[face] = labels
+            remaining -= set(zip(("area", "lift"), labels))
         else:
             others.append((2, face))
     gmsh.model.removeEntities(others, recursive=False)
 
     # Refuse areas and lifts without a face
-    areas = {area for area, _ in faces.values()}
-    lifts = {lift for _, lift in faces.values()}
-    for kind, names, present in (("area", plan.areas, areas), ("lift", plan.lifts, lifts)):
+    for kind, names in (("area", plan.areas), ("lift", plan.lifts)):
         for name in names:
-            if name not in present:
+            if (kind, name) in remaining:
                 raise ValueError(
                     f"nothing is left of the {kind} '{name}': others, holes or the surface "
                     "replace all"
@@ -190,21 +194,24 @@ def _check_together(
     label = connected_components(shared @ shared.T, directed=False)[1]
     if not label.any():
         return
-    first_part = [face for face, part in zip(sides, label) if part == 0]
-    others = [face for face, part in zip(sides, label) if part != 0]
+    first_part, others = [], []
+    for face, part in zip(sides, label):
+        if part == 0:
+            first_part.append(face)
+        else:
+            others.append(face)
 
     # Measure their distance from the others
-    gaps = [
-        (gmsh.model.occ.getDistance(2, first, 2, second), first, second)
-        for first, second in product(first_part, others)
-    ]
+    gaps = []
+    for first, second in product(first_part, others):
+        gaps.append((gmsh.model.occ.getDistance(2, first, 2, second), first, second))
     (distance, x, y, *_), first, second = min(gaps)
     how = f"are {distance:.4g} apart" if distance > ONE_POINT else "touch in a point"
     problem = (
         f"the areas '{faces[first][0]}' and '{faces[second][0]}' do not hang together: they {how} "
         f"near {format_point(np.array([x, y]) + plan.shift)}"
     )
-    corners = np.vstack([o.points for outlines in plan.areas.values() for o in outlines])
+    corners = np.vstack([outline.points for outline in chain(*plan.areas.values())])
     if distance < _SLIP * np.ptp(corners, axis=0).max():
         raise ValueError(
             f"{problem}: let them share a line, or name what touches by contact alone in bodies="
@@ -221,7 +228,7 @@ def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
 
     for name, outlines in plan.lines.items():
         length = sum(outline.length for outline in outlines)
-        outside = [curve for curve in pieces.lines[name] if curve not in used]
+        outside = sorted(set(pieces.lines[name]) - used)
         excess = sum(occ.getMass(1, curve) for curve in outside)
         if excess > _ROUND_OFF * length:
             middle = np.array(occ.getCenterOfMass(1, outside[0])[:2]) + plan.shift

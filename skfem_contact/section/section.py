@@ -129,35 +129,35 @@ class Section:
     @cached_property
     def outlines(self) -> dict[str, tuple[Outline, ...]]:
         """Checked outlines of all areas, lifts, holes and lines by name."""
-        closed = {**self.areas, **self.lifts, **self.holes}
-        return {
-            **{name: outlines_of(shape, name, True) for name, shape in closed.items()},
-            **{name: outlines_of(shape, name, False) for name, shape in self.lines.items()},
-        }
+        outlines = {}
+        for name, shape in {**self.areas, **self.lifts, **self.holes, **self.lines}.items():
+            outlines[name] = outlines_of(shape, name, closed=name not in self.lines)
+        return outlines
 
     @cached_property
     def plan(self) -> Plan:
         """Outlines in the order in which they are cut."""
-        areas, lifts, holes, lines = (
-            {name: self.outlines[name] for name in group}
-            for group in (self.areas, self.lifts, self.holes, self.lines)
-        )
         replacing: Collection[str] | str = ()
         if self.replace is True:
-            replacing = list(areas)[1:]
+            replacing = list(self.areas)[1:]
         elif self.replace:
             replacing = self.replace
-        corners = np.vstack([o.points for outlines in areas.values() for o in outlines])
+        areas = self._of(self.areas)
+        corners = np.vstack([outline.points for outline in chain(*areas.values())])
         return Plan(
             areas=areas,
-            lifts=lifts,
-            holes=holes,
-            lines=lines,
+            lifts=self._of(self.lifts),
+            holes=self._of(self.holes),
+            lines=self._of(self.lines),
             below=_below(self.surface, areas),
             replacing=frozenset(names(replacing, areas, "area")),
             bodies=frozenset(names(self.bodies, areas, "area")),
             shift=np.round(0.5 * (corners.min(axis=0) + corners.max(axis=0))),
         )
+
+    def _of(self, group: Mapping[str, Shape]) -> dict[str, tuple[Outline, ...]]:
+        """Return the checked outlines of a group."""
+        return {name: self.outlines[name] for name in group}
 
     @cached_property
     def parts(self) -> dict[str, tuple[str, ...]]:
@@ -171,11 +171,11 @@ class Section:
         held: dict[str, set[str]] = {}
         for area, lift in faces:
             held.setdefault(self._part(area, lift), set()).add(area)
-        return {
-            part: tuple(area for area in self.areas if area in held[part])
-            for part in (self._ground, *self.lifts, *names(self.bodies, self.areas, "area"))
-            if part in held
-        }
+        parts = {}
+        for part in (self._ground, *self.lifts, *names(self.bodies, self.areas, "area")):
+            if part in held:
+                parts[part] = tuple(area for area in self.areas if area in held[part])
+        return parts
 
     def mesh(self, order: Literal[1, 2] | None = None, scale: float = 1.0) -> Mesh:
         """Return the mesh of triangles with all names.
@@ -213,9 +213,13 @@ class Section:
             angle.
         """
         if order is None:
-            round_ = any(o.bulges.any() for outlines in self.outlines.values() for o in outlines)
-            order = 2 if round_ else 1
-        near = [(vector(point, 2, "near") - self.plan.shift, value) for point, value in self.near]
+            order = 1
+            for outline in chain(*self.outlines.values()):
+                if outline.bulges.any():
+                    order = 2
+        near = []
+        for point, value in self.near:
+            near.append((vector(point, 2, "near") - self.plan.shift, value))
         return meshed(
             self.plan,
             Sizing(self.size, self.sizes, near),
@@ -259,13 +263,17 @@ class Section:
         if missing:
             raise ValueError(f"there is no material for the areas {missing}")
         weights = self._by_area(unit_weight)
+        coordinates = None if self.coordinates == "plane" else self.coordinates
         forms = {}
         for part, areas in self.parts.items():
-            weight = {area: weights[area] for area in areas if weights.get(area) is not None}
+            weight = {}
+            for area in areas:
+                if weights.get(area) is not None:
+                    weight[area] = weights[area]
             forms[part] = SolidForm(
                 basis.with_elements(part),
                 {area: laws[area] for area in areas},
-                coordinates=None if self.coordinates == "plane" else self.coordinates,
+                coordinates=coordinates,
                 unit_weight=weight or None,
                 porous=porous,
             )
@@ -273,7 +281,9 @@ class Section:
 
     def _by_area(self, value: Any) -> Mapping[str, Any]:
         """Return values by area from one value or a mapping."""
-        return value if isinstance(value, Mapping) else dict.fromkeys(self.areas, value)
+        if isinstance(value, Mapping):
+            return value
+        return dict.fromkeys(self.areas, value)
 
     def extruded(self, levels: ArrayLike, upright: bool = False, order: Literal[1, 2] = 1) -> Mesh:
         """Return the mesh of tetrahedra of a section that is extruded, with the names of its mesh.
@@ -303,20 +313,23 @@ class Section:
         return extruded(self.mesh(order), heights, upright)
 
     def sides(self, line: str, mesh: Mesh) -> list[str]:
-        """Return the boundaries that make up both sides of a slit: by lift, where lifts touch it.
+        """Return the boundaries on both sides of a slit: by lift, where lifts touch it.
 
         Pass them to the beam, ``wall.contact(basis, law, section.sides("wall", mesh))``: the contact
         of a lift can then be deactivated with it.
         """
         look_up(line, dict.fromkeys(names(self.slits, self.lines, "line")), "slit")
-        boundaries = list(mesh.boundaries or {})
-        parts = [part for part in self.parts if part not in self.plan.bodies] if self.lifts else []
-        sides = []
-        for name in boundaries:
-            part, _, rest = name.partition("|")
-            if part in parts and rest.split("|")[0] == line:
-                sides.append(name)
-        return sides or [name for name in boundaries if name.startswith(f"{line}|")]
+        parts: set[str] = set()
+        if self.lifts:
+            parts = self.parts.keys() - self.plan.bodies
+        by_part, by_side = [], []
+        for name in mesh.boundaries or {}:
+            first, *others = name.split("|")
+            if first == line:
+                by_side.append(name)
+            elif first in parts and others[:1] == [line]:
+                by_part.append(name)
+        return by_part or [name for name in by_side if name != line]
 
     def plot(self, file: str | Path | None = None, show: bool = False) -> Any:
         """Draw the section before it is meshed, see :func:`skfem_contact.plot.sketch`."""
@@ -330,7 +343,9 @@ class Section:
 
     def _part(self, area: str, lift: str) -> str:
         """Return the part to which a piece of an area belongs."""
-        return area if area in self.plan.bodies else lift or self._ground
+        if area in self.plan.bodies:
+            return area
+        return lift or self._ground
 
     def __repr__(self) -> str:
         groups = {
@@ -339,7 +354,10 @@ class Section:
             "lines": self.lines,
             "holes": self.holes,
         }
-        listed = [f"{kind}: {', '.join(group)}" for kind, group in groups.items() if group]
+        listed = []
+        for kind, group in groups.items():
+            if group:
+                listed.append(f"{kind}: {', '.join(group)}")
         return f"<Section {'; '.join(listed)}>"
 
 
@@ -358,8 +376,8 @@ def _check_names(section: Section) -> None:
                 f"'{name}' is the name of a part of every mesh of a section: choose another one"
             )
     bodies = names(section.bodies, section.areas, "area")
-    soils = [name for name in section.areas if name not in bodies]
-    if given.count("ground") and soils != ["ground"]:
+    soils = set(section.areas).difference(bodies)
+    if "ground" in given and soils != {"ground"}:
         raise ValueError("'ground' is the name of all areas that are no bodies: choose another one")
     names(section.slits, section.lines, "line")
 

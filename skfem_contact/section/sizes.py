@@ -36,24 +36,32 @@ class Curves:
 
     def __init__(self, gmsh: Any) -> None:
         model = gmsh.model
-        self.tags = [tag for _, tag in model.getEntities(1)]
-        self.length = np.array([model.occ.getMass(1, tag) for tag in self.tags])
-        self.radius = np.full(len(self.tags), np.inf)
-        points, ends = [], []
-        for k, tag in enumerate(self.tags):
-            low, high = (float(value[0]) for value in model.getParametrizationBounds(1, tag))
-            straight = model.getType(1, tag) == "Line"
-            parameters = np.linspace(low, high, 2 if straight else _CHORDS + 1)
-            points.append(np.reshape(model.getValue(1, tag, parameters), (-1, 3))[:, :2])
-            if not straight:
-                self.radius[k] = 1.0 / float(model.getCurvature(1, tag, [0.5 * (low + high)])[0])
+        self.tags: list[int] = []
+        lengths, radii, starts, stops, counts, ends = [], [], [], [], [], []
+        for _, tag in model.getEntities(1):
+            (low,), (high,) = model.getParametrizationBounds(1, tag)
+            chords = 1
+            radius = np.inf
+            if model.getType(1, tag) != "Line":
+                chords = _CHORDS
+                radius = 1.0 / float(model.getCurvature(1, tag, [0.5 * (low + high)])[0])
+            x = model.getValue(1, tag, np.linspace(low, high, chords + 1))
+            x = np.reshape(x, (-1, 3))[:, :2]
             boundary = model.getBoundary([(1, tag)], combined=False, oriented=False)
-            ends.append({point for _, point in boundary})
+            self.tags.append(tag)
+            lengths.append(model.occ.getMass(1, tag))
+            radii.append(radius)
+            starts.append(x[:-1])
+            stops.append(x[1:])
+            counts.append(chords)
+            ends.append(set(boundary))
+        self.length = np.array(lengths)
+        self.radius = np.array(radii)
 
         # Chords, and for each curve the chords of curves that do not meet it
-        self.a = np.vstack([x[:-1] for x in points])
-        self.b = np.vstack([x[1:] for x in points])
-        self.owner = np.repeat(np.arange(len(points)), [len(x) - 1 for x in points])
+        self.a = np.vstack(starts)
+        self.b = np.vstack(stops)
+        self.owner = np.repeat(np.arange(len(counts)), counts)
         self.apart = {}
         for tag, own in zip(self.tags, ends):
             meets = np.array([not own.isdisjoint(others) for others in ends])
@@ -116,10 +124,12 @@ class Sizes:
         curves = Curves(gmsh)
         curves.check(plan)
         self._curves = curves
-        self._faces = {
-            face: scale * min(sizes.get(name, size) for name in labels if name)
-            for face, labels in pieces.faces.items()
-        }
+        self._faces = {}
+        for face, (area, lift) in pieces.faces.items():
+            value = sizes.get(area, size)
+            if lift:
+                value = min(value, sizes.get(lift, size))
+            self._faces[face] = scale * value
 
         # Take the smallest size of a curve by its faces and by its own name
         wanted = dict.fromkeys(curves.tags, scale * size)
@@ -134,8 +144,9 @@ class Sizes:
         each = np.minimum(np.array(list(wanted.values())), curves.length)
         each = np.minimum(each, 2.0 * np.pi / _ROUND * curves.radius)
         self._each = each[curves.owner]
-        self._points = np.array([point for point, _ in near]).reshape(-1, 2)
-        self._of_points = scale * np.array([value for _, value in near])
+        points, values = zip(*near) if near else ((), ())
+        self._points = np.reshape(points, (-1, 2))
+        self._of_points = scale * np.array(values)
 
     def along(self, dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:
         """Return the size at a point of a curve."""
@@ -152,9 +163,10 @@ class Sizes:
         """
         mesh = gmsh.model.mesh
         tags, x, _ = mesh.getNodes()
-        row = {int(tag): k for k, tag in enumerate(tags)}
+        row = np.zeros(int(tags.max()) + 1, int)
+        row[tags.astype(int)] = np.arange(len(tags))
         nodes = np.concatenate([mesh.getElements(1, curve)[2][0] for curve in self._curves.tags])
-        points = np.reshape(x, (-1, 3))[[row[int(node)] for node in nodes], :2]
+        points = np.reshape(x, (-1, 3))[row[nodes.astype(int)], :2]
         ends = points.reshape(-1, 2, 2)  # (elements, ends, 2)
         length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         tree = cKDTree(ends.mean(axis=1))
