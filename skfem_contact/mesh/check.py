@@ -123,7 +123,11 @@ def check_topology(mesh: Mesh) -> None:
 
 def own_tags(tags: Mapping[str, Indices] | None) -> dict[str, Indices]:
     """Return the tags without the bookkeeping of Gmsh."""
-    return {name: part for name, part in (tags or {}).items() if not name.startswith("gmsh:")}
+    own = dict(tags or {})
+    for name in tags or {}:
+        if name.startswith("gmsh:"):
+            del own[name]
+    return own
 
 
 def _derivatives(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.float64]:

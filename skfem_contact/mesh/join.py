@@ -129,8 +129,9 @@ def bodies(mesh: Mesh) -> Tags:
     names = [_name_of(part, subdomains) for part in parts]
     result: Tags = {}
     for k, (name, part) in enumerate(zip(names, parts, strict=True)):
-        several = names.count(name) > 1
-        result[f"{name} {names[:k].count(name) + 1}" if several else name] = part
+        if names.count(name) > 1:
+            name = f"{name} {names[:k].count(name) + 1}"
+        result[name] = part
     return result
 
 
@@ -147,9 +148,14 @@ def _connected_elements(mesh: Mesh) -> list[Indices]:
 
 def _name_of(elements: Indices, subdomains: Tags) -> str:
     """Return the name of a body from the subdomains of its elements."""
-    touched = {name: part for name, part in subdomains.items() if np.isin(part, elements).any()}
-    exact = [name for name, part in touched.items() if np.array_equal(np.unique(part), elements)]
-    return exact[-1] if exact else "+".join(touched) or "body"
+    exact = ""
+    touched = []
+    for name, part in subdomains.items():
+        if np.isin(part, elements).any():
+            touched.append(name)
+        if np.array_equal(np.unique(part), elements):
+            exact = name
+    return exact or "+".join(touched) or "body"
 
 
 def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
@@ -248,9 +254,13 @@ def renumbered(parts: Sequence[Mesh], body: Indices, copy: Indices | int = 0) ->
     Nodes are sorted by body and keep their order within.  The corners of an element therefore keep
     their order, also where scikit-fem sorts them, and side `k` of an element remains its side `k`.
     """
-    offset = np.cumsum([0] + [part.nvertices for part in parts])
-    corners = np.hstack([part.t + start for part, start in zip(parts, offset)])
-    key = (body * offset[-1] + corners) * (np.max(copy) + 1) + copy
+    count = 0
+    cells = []
+    for part in parts:
+        cells.append(part.t + count)
+        count += part.nvertices
+    corners = np.hstack(cells)
+    key = (body * count + corners) * (np.max(copy) + 1) + copy
     t = np.unique(key, return_inverse=True)[1].reshape(corners.shape)
     # scikit-fem's validation refuses double nodes
     mesh = replace(
@@ -304,9 +314,11 @@ def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[st
 
 def owners_of(mesh: Mesh, facets: Indices) -> Indices:
     """Return the elements from which the facets of a boundary are seen."""
-    side = facets.ori if isinstance(facets, OrientedBoundary) else 0
-    facets = np.asarray(facets)
-    return np.where(mesh.f2t[1, facets] < 0, mesh.f2t[0, facets], mesh.f2t[side, facets])
+    numbers = np.asarray(facets)
+    first, second = mesh.f2t[:, numbers]
+    if not isinstance(facets, OrientedBoundary):
+        return first
+    return np.where((second < 0) | (facets.ori == 0), first, second)
 
 
 def moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:

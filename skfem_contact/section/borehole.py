@@ -59,7 +59,7 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
     ((('sand', -2.5), ('clay', -9.0)), {'E': 40000.0, 'phi': 34.0})
     """
     rows = _rows(file)
-    names = rows[0] if rows else []
+    names = next(iter(rows), [])
     depth = _column(names, _DEPTH)
     soil = _column(names, _SOIL)
     if len(set(names)) < len(names) or "" in names:
@@ -100,13 +100,16 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
 
 def _rows(file: str | Path) -> list[list[str]]:
     """Return the stripped cells of all lines that are not empty."""
-    text = str(file) if "\n" in str(file) else Path(file).read_text(encoding="utf-8-sig")
+    text = str(file)
+    if "\n" not in text:
+        text = Path(file).read_text(encoding="utf-8-sig")
     lines = [line for line in text.splitlines() if line.strip()]
-    if not lines:
-        return []
-    separator = max(",;\t", key=lines[0].count)
-    table = csv.reader(io.StringIO("\n".join(lines)), delimiter=separator)
-    return [[cell.strip() for cell in row] for row in table]
+    rows = []
+    if lines:
+        separator = max(",;\t", key=lines[0].count)
+        for row in csv.reader(io.StringIO("\n".join(lines)), delimiter=separator):
+            rows.append([cell.strip() for cell in row])
+    return rows
 
 
 def _column(names: list[str], known: tuple[str, ...]) -> int:

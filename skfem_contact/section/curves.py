@@ -106,7 +106,9 @@ def _polyline(vertices: Sequence[tuple[float, float, float]], closed: bool) -> C
     points = values[:, :2]
     if len(points) < 2 or not np.ptp(points, axis=0).any():
         return None
-    bulges = values[:, 2] if closed else values[:-1, 2]
+    bulges = values[:, 2]
+    if not closed:
+        bulges = bulges[:-1]
     return Chain(points, bulges, closed)
 
 
@@ -114,13 +116,13 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
     """Return chains whose corners that are nearer than a distance are one point."""
     if not chains:
         return []
+    counts = [len(chain.points) for chain in chains]
     x = np.vstack([chain.points for chain in chains])
     pairs = cKDTree(x).query_pairs(near, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x)))
     label = connected_components(links, directed=False)[1]
     first = np.unique(label, return_index=True)[1]
-    ends = np.cumsum([len(chain.points) for chain in chains])[:-1]
-    parts = np.split(x[first[label]], ends)
+    parts = np.split(x[first[label]], np.cumsum(counts)[:-1])
     return [chain._replace(points=part) for chain, part in zip(chains, parts)]
 
 
@@ -146,7 +148,10 @@ def _extended(chain: Chain, others: list[Chain], near: float) -> Chain | None:
     """Return an open chain with the first of others that continues it, which leaves the others."""
     if chain.closed:
         return None
-    for begun in (chain, chain.turned()) if chain.gap > near else (chain,):
+    ways = [chain]
+    if chain.gap > near:
+        ways.append(chain.turned())
+    for begun in ways:
         for k, other in enumerate(others):
             for added in (other, other.turned()):
                 distance = np.linalg.norm(added.points[0] - begun.points[-1])

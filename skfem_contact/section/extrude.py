@@ -32,12 +32,12 @@ def extruded(mesh: Mesh, levels: ndarray, upright: bool) -> Mesh:
 
     # Find the names of the plane mesh in space
     numbers = np.arange(t.shape[1]).reshape(layers, mesh.nelements, 3)
-    subdomains = {
-        name: np.sort(numbers[:, part].ravel()) for name, part in (mesh.subdomains or {}).items()
-    }
-    boundaries = {
-        name: _faces(mesh, solid, facets, rank) for name, facets in (mesh.boundaries or {}).items()
-    }
+    subdomains = {}
+    for name, part in (mesh.subdomains or {}).items():
+        subdomains[name] = np.sort(numbers[:, part].ravel())
+    boundaries = {}
+    for name, facets in (mesh.boundaries or {}).items():
+        boundaries[name] = _faces(mesh, solid, facets, rank)
     first, last = ("base", "top") if upright else ("front", "back")
     boundaries[first] = _find(solid, corners)
     boundaries[last] = _find(solid, corners + n * layers)
@@ -52,7 +52,9 @@ def _by_rank(nodes: ndarray, rank: ndarray) -> ndarray:
 
 
 def _in_space(x: ndarray, along: ndarray, upright: bool) -> ndarray:
-    return np.array([x[0], x[1], along] if upright else [x[0], along, x[1]])
+    if upright:
+        return np.array([x[0], x[1], along])
+    return np.array([x[0], along, x[1]])
 
 
 def _find(solid: Mesh, nodes: ndarray) -> ndarray:

@@ -109,7 +109,9 @@ def sharpest(mesh: Mesh) -> tuple[float, ndarray]:
     """Return the smallest angle between tangents of sides, in degrees, and its corner."""
     x = mesh.doflocs[:, mesh.dofs.element_dofs]  # (2, nodes, elements)
     corners = x[:, :3]
-    middles = x[:, 3:] if x.shape[1] == 6 else 0.5 * (corners + np.roll(corners, -1, axis=1))
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    if x.shape[1] == 6:
+        middles = x[:, 3:]
     smallest = np.inf
     place = corners[:, 0, 0]
     for k in range(3):
@@ -136,25 +138,29 @@ def _named(
 ) -> Mesh:
     """Return the mesh with its names, from area and lift of each element and facets of curves."""
     # Name areas and lifts
-    ground = ~np.isin(area, list(plan.bodies))
-    subdomains = {name: np.flatnonzero(area == name) for name in plan.areas}
+    soils, bodies = [], {}
+    subdomains = {}
+    for name in plan.areas:
+        subdomains[name] = np.flatnonzero(area == name)
+        if name in plan.bodies:
+            bodies[name] = [name]
+        else:
+            soils.append(name)
+    ground = np.flatnonzero(np.isin(area, soils))
     parts = {}
     if plan.lifts:
-        parts[REMAINING] = np.flatnonzero(ground & (lift == ""))
+        parts[REMAINING] = np.flatnonzero(np.isin(area, soils) & (lift == ""))
         parts |= {name: np.flatnonzero(lift == name) for name in plan.lifts}
 
     # Name the outer boundary, holes and lines
-    holes = {name: curves[name] for name in plan.holes}
-    lines = {name: curves[name] for name in plan.lines}
-    boundaries = name_outside(mesh, holes, area) | lines
+    boundaries = name_outside(mesh, {name: curves[name] for name in plan.holes}, area)
+    boundaries |= {name: curves[name] for name in plan.lines}
     mesh = mesh.with_subdomains(subdomains | parts).with_boundaries(boundaries)
 
     # Separate bodies and the sides of slits
-    bodies = {name: [name] for name in plan.areas if name in plan.bodies}
-    soils = [name for name in plan.areas if name not in plan.bodies]
     if soils:
         bodies = {"ground": soils, **bodies}
     mesh = separate(mesh, bodies, slits, [name for name, part in parts.items() if len(part)])
     if soils and "ground" not in mesh.subdomains:
-        mesh = mesh.with_subdomains({"ground": np.flatnonzero(ground)})
+        mesh = mesh.with_subdomains({"ground": ground})
     return mesh

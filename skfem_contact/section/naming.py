@@ -28,12 +28,11 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
     """
     # Find the loops that are no sides of holes
     cut = np.concatenate([np.zeros(0, int), *holes.values()])
-    loops = [
-        (facets, nodes)
-        for facets, nodes in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0))
-        if not np.isin(facets, cut).all()
-    ]
-    sizes = [np.ptp(mesh.p[:, nodes], axis=1).prod() for _, nodes in loops]
+    loops, sizes = [], []
+    for facets, nodes in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0)):
+        if not np.isin(facets, cut).all():
+            loops.append((facets, nodes))
+            sizes.append(np.ptp(mesh.p[:, nodes], axis=1).prod())
     largest = int(np.argmax(sizes))
 
     # Name them

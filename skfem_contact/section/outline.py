@@ -60,24 +60,30 @@ class Outline:
                 f"points of '{self.name}' must be points (x, y), not of the shape {points.shape}"
             )
         self._check_count(points, 2)
-        bulges = finite(self.bulges, f"bulges of '{self.name}'")
-        segments = len(points) if self.closed else len(points) - 1
         size = np.ptp(points, axis=0).max()
 
         # Drop a last point that repeats the first one
-        if self.closed and np.abs(points[0] - points[-1]).max() <= _SAME * size:
+        repeated = self.closed and np.abs(points[0] - points[-1]).max() <= _SAME * size
+        if repeated:
             points = points[:-1]
-            segments -= 1
-            bulges = bulges[:segments] if bulges.ndim else bulges
-        if bulges.ndim and bulges.shape != (segments,):
-            raise ValueError(f"'{self.name}' has {segments} segments, but {bulges.size} bulges")
+        segments = len(points) - (not self.closed)
+        bulges = finite(self.bulges, f"bulges of '{self.name}'")
+        if bulges.ndim:
+            if repeated:
+                bulges = bulges[:segments]
+            if bulges.shape != (segments,):
+                raise ValueError(f"'{self.name}' has {segments} segments, but {bulges.size} bulges")
 
         # Drop segments without length
         steps = np.roll(points, -1, axis=0)[:segments] - points[:segments]
         kept = np.abs(steps).max(axis=1) > _SAME * size
         bulges = np.broadcast_to(bulges, (segments,))[kept]
-        points = points[kept] if self.closed else points[np.append(kept, True)]
-        self._check_count(points, 3 if self.closed and not bulges.any() else 2)
+        if self.closed:
+            points = points[kept]
+            self._check_count(points, 2 if bulges.any() else 3)
+        else:
+            points = points[np.append(kept, True)]
+            self._check_count(points, 2)
 
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "bulges", bulges)
@@ -223,7 +229,9 @@ def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
     several = isinstance(first, Outline) or np.ndim(first) == 2
     outlines = []
     for piece in shape if several else [shape]:
-        outline = piece if isinstance(piece, Outline) else Outline(piece, closed=closed, name=name)
+        outline = piece
+        if not isinstance(piece, Outline):
+            outline = Outline(piece, closed=closed, name=name)
         if closed and not outline.closed:
             raise ValueError(f"'{name}' must be a closed outline")
         outline.check_simple(name)
@@ -261,4 +269,6 @@ def _crossing(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:
     v = d - c
     w = c - a
     cross = u[0] * v[1] - u[1] * v[0]
-    return a + u * ((w[0] * v[1] - w[1] * v[0]) / cross) if cross else c
+    if not cross:
+        return c
+    return a + u * ((w[0] * v[1] - w[1] * v[0]) / cross)

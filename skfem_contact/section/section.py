@@ -315,8 +315,8 @@ class Section:
     def sides(self, line: str, mesh: Mesh) -> list[str]:
         """Return the boundaries on both sides of a slit: by lift, where lifts touch it.
 
-        Pass them to the beam, ``wall.contact(basis, law, section.sides("wall", mesh))``: the contact
-        of a lift can then be deactivated with it.
+        With ``wall.contact(basis, law, section.sides("wall", mesh))`` the contact of a lift can be
+        deactivated with it.
         """
         look_up(line, dict.fromkeys(names(self.slits, self.lines, "line")), "slit")
         parts: set[str] = set()
