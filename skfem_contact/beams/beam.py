@@ -332,6 +332,10 @@ class Beam(BeamNodes):
         new._frame, new._touched = frame_of(self, forms)
         fields = chain.from_iterable(beam.fields for beam in new._frame if beam is not self)
         new.borrowed = tuple(fields)
+        new._wet = False
+        for pair in having(forms, Touching).values():
+            if self.displacement in pair.borrowed:
+                new._wet = True
 
         # Find the shear modulus of ground to which it is bonded in space
         new._ground = None
@@ -339,10 +343,6 @@ class Beam(BeamNodes):
             C = stiffest(forms)
             if C is not None:
                 new._ground = float(C[-1, -1])
-        new._wet = False
-        for pair in having(forms, Touching).values():
-            if self.displacement in pair.borrowed:
-                new._wet = True
         return new
 
     @override
