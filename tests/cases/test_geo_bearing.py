@@ -124,6 +124,7 @@ def test_large_friction_angle_without_dilatancy():
     )  # Newton's 1e-3, up to the path's states
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beta", [30.0, 60.0])
 def test_load_beside_a_slope(beta):
     """[X] Case G7: clay under c (2 + pi - 2 beta) up to a slope has the factor 1.000; 1962 unknowns

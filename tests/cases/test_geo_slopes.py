@@ -87,6 +87,7 @@ def test_clay_on_a_foundation_of_other_strength(ratio, low, centre, radius):
     assert low < fine < 1.025 * low
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("beta", "phi", "c", "depth", "bound"),
     [

@@ -69,6 +69,7 @@ def test_rankine(c, phi, towards, tension, exact, associated):
     )  # linear stresses in quadratic elements; the printed digits
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("associated", [True, False])
 def test_soil_that_cracks_from_the_surface(associated):
     """[X] Case J8: without tensile strength the soil leaves the wall down to 1.7441, and the thrust

@@ -82,6 +82,7 @@ def dam(n: int) -> MeshTri:
     return mesh.with_boundaries({"surface": lambda x: x[1] > surface(x[0]) - 1e-9})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("filled", "published"), [(False, (2.40, 2.42)), (True, (1.87, 1.90))], ids=["dry", "full"]
 )

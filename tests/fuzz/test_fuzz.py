@@ -10,6 +10,7 @@ from tests.fuzz.scenes import draw, seeds
 from tests.fuzz.trial import trial
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_random_scenes(part: int) -> None:
@@ -21,6 +22,7 @@ def test_random_scenes(part: int) -> None:
     assert sum(one.gave_up for one in trials) <= 2  # of six; 1 % of all do
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [52000507, 81000083, 91000027])
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_scenes_that_failed(seed: int) -> None:

@@ -195,6 +195,7 @@ def test_sliding_block(soil) -> None:
     )
 
 
+@pytest.mark.slow
 def test_smooth_and_tied() -> None:
     """[X] Without friction nothing resists; a tied block is crushed at 2 c, not sheared off at 4 c
     along its base.

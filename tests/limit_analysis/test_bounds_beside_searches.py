@@ -151,6 +151,7 @@ def test_the_same_bounds_as_by_name() -> None:
     assert f"bounds: factor of safety in [{named.lower:.5g}" in str(found)
 
 
+@pytest.mark.slow
 def test_water_of_the_search() -> None:
     """[X] A water table with a kink, in the pores and on all boundaries: the bounds that `bounds`
     has with it.
@@ -211,6 +212,7 @@ def test_water_of_a_search_without_bounds() -> None:
             )
 
 
+@pytest.mark.slow
 def test_the_same_bounds_with_contact() -> None:
     """[X] A search holds contact in its first geometry; its bounds are those of the pair as
     given.
@@ -284,6 +286,7 @@ def test_a_factor_outside_of_its_bounds_is_warned_of(bars) -> None:
     assert bars[0][0].startswith(f"Factor of safety {value}")
 
 
+@pytest.mark.slow
 def test_less_dilation() -> None:
     """[X] Davis' estimate is no bound: a factor below it is not complained of, the upper bound
     stays.
@@ -311,6 +314,7 @@ def test_less_dilation() -> None:
 # -- without being asked
 
 
+@pytest.mark.slow
 def test_bounds_at_hand(monkeypatch) -> None:
     """A plane search has bounds by default where they are cheap, and says why where it has none."""
     forms, fixed, basis = column()
@@ -389,6 +393,7 @@ def slope(n, element, space=False):
     return sc.Model({"soil": soil}, sc.box_supports(basis))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("n", "element", "told"),
     [

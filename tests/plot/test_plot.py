@@ -354,6 +354,7 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
     assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
 
 
+@pytest.mark.slow
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()

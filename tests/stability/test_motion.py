@@ -189,6 +189,7 @@ def test_overlap(share, quadrature, dim):
     assert forces[1] == pytest.approx(forces[0], rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [sc.Coulomb(), sc.Coulomb(0.3)], ids=repr)
 def test_one_step_or_many(law):
     """[X] Case S9: without friction the result of one step is that of 500 to 1e-6; with friction to
@@ -232,6 +233,7 @@ def test_deep_overlap_on_the_way(quadrature):
     assert len(result.iterations) == 1 and result.iterations[0] <= 20  # measured 12 to 16
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_mirrored_start_up(quadrature):
     """[X] Case S17: stabilisation prefers no side: the mirrored block lands as the mirror image."""

@@ -130,6 +130,7 @@ def test_contrasts_without_dilatancy(stiff, soil):
     assert_equilibria(forms, sc.Model(forms, fixed).run(dig(loads), **QUIET), fixed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("soil", [{"nu": 0.499}, {"phi": 50.0, "c": 5.0}])
 def test_crust_without_dilatancy_on_soft_ground(soil):
     """[X] Case S5: a crust 1e4 times stiffer than what it lies on yields all over before that

@@ -37,6 +37,7 @@ def usual(request) -> tuple[float, float]:
     return request.param, on_a_slope(request.param).factor
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("phi", "psi", "c", "nu"),
     [
@@ -85,6 +86,7 @@ def test_sand_just_below_and_above_its_limit(psi):
                 sc.Model(forms, fixed).run(stages, progress=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [1e-6, 1e3])
 def test_steps_far_too_small_or_large(usual, step):
     """[X] Case S21: a first step of 1e-6 or 1000; the curves end up to 0.0025 below their
@@ -167,6 +169,7 @@ def test_soil_torn_from_all_sides():
     assert (back.states["soil"].stress[:3] < apex - 1e-3).all()  # unloading is elastic
 
 
+@pytest.mark.slow
 def test_slivers():
     """[X] Case S8: a row of elements fifty times longer than high through the middle of a clay
     block of strength 2 c.
@@ -179,6 +182,7 @@ def test_slivers():
         assert result.multiplier == pytest.approx(20.0, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("contrast", [1e-4, 1e-3, 1e4])
 def test_stiffness_of_a_layer(contrast):
     """[X] Case K7: a foundation up to 1e4 times softer or stiffer: collapse loads are

@@ -315,6 +315,7 @@ def test_contrast_of_ten_decades(contrast):
     assert along.discharge("right") == pytest.approx(-along.discharge("left"), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pumped", [1.1, 5.0])
 def test_wells_that_fall_dry(pumped):
     """More than the ground yields: the level in the well lies below its screen, with or without a

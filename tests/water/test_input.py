@@ -58,7 +58,10 @@ HEADS = {"left": 2.0, "right": 1.0}
         ({"head": {}}, "there is no head"),
         ({"head": 2.0}, "head must be a dictionary of names"),
         ({"head": {"lefft": 2.0}}, "no boundary 'lefft'; existing: bottom, left, right, top"),
-        ({"head": {"left": np.nan}}, "each a finite number or a function or a function, not {'left': nan}"),
+        (
+            {"head": {"left": np.nan}},
+            "each a finite number or a function or a function, not {'left': nan}",
+        ),
         (
             {"head": {"left": lambda x: np.ones(7)}},
             "the head of boundary 'left' must be a finite number",
