@@ -92,6 +92,18 @@ def as_solver(
     )
 
 
+def _changing(forms: Mapping[str, Form]) -> tuple[ndarray, bool]:
+    """Return the dofs where tangents change, and whether some change anywhere."""
+    interface = np.zeros(0, int)
+    anywhere = False
+    for form in forms.values():
+        if form.changing is None:
+            anywhere = True
+        else:
+            interface = np.union1d(interface, form.changing)
+    return interface, anywhere
+
+
 def linear_solver(
     forms: Mapping[str, Form], solver: Any, locations: ndarray, free: ndarray
 ) -> LinearSolver:
@@ -100,9 +112,7 @@ def linear_solver(
     A function of the user and multigrid, if given, solve all systems.  None leaves the choice to
     the installed packages, with multigrid where it pays.
     """
-    changing = [form.changing for form in forms.values() if form.changing is not None]
-    anywhere = len(changing) < len(forms)
-    interface = np.unique(np.concatenate([np.zeros(0, int), *changing]))
+    interface, anywhere = _changing(forms)
 
     # iterate where this pays, for displacements alone
     most = 0

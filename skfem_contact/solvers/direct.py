@@ -149,11 +149,8 @@ class DirectSolver:
         if len(self._free) == 0:
             return nothing_free
         # return the last factor if it belongs to K
-        last = self._last
-        serves = last is not None and last.usable and last.symmetric == symmetric
-        kept = last if serves else None
-        known = self._given is not None and self._given() is K and not K.data.flags.writeable
-        if kept is not None and known:
+        kept = self._kept(symmetric)
+        if kept is not None and self._known(K):
             return kept
         if self._block is None:
             self._block = self._ordered(K)
@@ -166,13 +163,24 @@ class DirectSolver:
         if self._engine.outdated():
             self._block = self._ordered(K)
             A = self._block.gather(K)
-        if last is not None and not last.holds:
+        if self._last is not None and not self._last.holds:
             self._single = False
         ways = WAYS if self._single else WAYS[1:]
-        self._last = last = kept = None  # its memory is free for the next one
+        self._last = kept = None  # its memory is free for the next one
         factor = _Factor(A, self._engine, symmetric, self._block.order, n, ways)
         self._last = factor
         return factor
+
+    def _kept(self, symmetric: bool) -> _Factor | None:
+        """Return the last factor if it serves for matrices of this symmetry."""
+        last = self._last
+        if last is None or not last.usable or last.symmetric != symmetric:
+            return None
+        return last
+
+    def _known(self, K: csr_matrix) -> bool:
+        """Return True if K is the last matrix, whose entries cannot have changed."""
+        return self._given is not None and self._given() is K and not K.data.flags.writeable
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
         block = FreeBlock(self._free)
