@@ -111,7 +111,10 @@ def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, nd
     weighted = csr_matrix(N.multiply(form.weight.reshape(-1, 1))).T
     mass = csr_matrix(weighted @ N)
     scale = diags_array(1.0 / mass.diagonal())
-    c = [cg(mass, weighted @ part.ravel(), rtol=_PROJECTED, M=scale)[0] for part in values]
+    c = []
+    for f in values:
+        solution, _ = cg(mass, weighted @ f.ravel(), rtol=_PROJECTED, M=scale)
+        c.append(solution)
     return N, vertex, np.column_stack(c)
 
 
@@ -225,8 +228,11 @@ def _balance(
     rows = int(np.diff(first).max()) * dim
     row = dim * position[:, :, None] + np.arange(dim)  # (pairs, nodes, dim)
     slot = (row.reshape(len(cells), -1) + rows * patch[:, None]).ravel()
-    columns = [np.bincount(slot, part.ravel(), minlength=n * rows) for part in np.moveaxis(H, 2, 0)]
-    f = np.bincount(slot, forces.ravel(), minlength=n * rows)
+    size = n * rows
+    columns = []
+    for part in np.moveaxis(H, 2, 0):
+        columns.append(np.bincount(slot, part.ravel(), minlength=size))
+    f = np.bincount(slot, forces.ravel(), minlength=size)
     return np.array(columns).T.reshape(n, rows, -1), f.reshape(n, rows)
 
 
