@@ -25,7 +25,7 @@ from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
-from .activation import acts_on, check_contacts
+from .plan import acts_on, check_contacts
 from .run import run
 from .setup import Setup, dofs_of
 from .stage import Stage

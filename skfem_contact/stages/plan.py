@@ -1,0 +1,431 @@
+"""Plan of an analysis: active forms, supports and loads of every stage, checked before the run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from ..checks import look_up, names_of
+from ..errors import Remark
+from ..forms.base import Form, solids_of
+from ..forms.roles import Couples, Staged, Wet, having, joined_by
+from ..layout import nodes
+from ..results.fields import undrained_elements
+from ..results.stage import StageResult
+from .setup import Setup
+from .stage import Stage
+from .supports import check_supports
+
+#: Share of the nodes of a solid from which a load is its weight: a traction acts on half of them at
+#: most.
+_WEIGHTY = 0.6
+#: Loads on inactive dofs below this share of the largest one are round-off of their integration.
+_NO_LOAD = 1e-12
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Active forms, supports and loads of a stage.
+
+    Attributes
+    ----------
+    before, forms
+        Forms that are active before the stage, as they are then, and in the stage.
+    fixed
+        Dofs that are supported, and inactive ones.
+    load, prescribed
+        Load at the end and prescribed displacements of all dofs, (N,).
+    changed
+        True if the stage begins with other forms or supports than the stage before ended with.
+    gone
+        Weight and water load of deactivated bodies at the dofs that stay, where the stage releases
+        a part of them, (N,).
+    on_top
+        Load as a function of the share of the stage, where it is given as one.
+    remarks
+        Remarks on input that changes nothing in the stage, and was probably meant to.
+    water
+        Water at rest of the stage or of an earlier one.
+    replaced, supports
+        Forms that stages have changed so far, and the supported dofs.
+    opened
+        Pressures that are held from the stage on, and not prescribed.
+    """
+
+    before: dict[str, Form]
+    forms: dict[str, Form]
+    fixed: ndarray
+    load: ndarray
+    prescribed: ndarray | None
+    changed: bool
+    gone: ndarray
+    on_top: Callable[[float], ndarray] | None = None
+    remarks: tuple[Remark, ...] = ()
+    water: Any = None
+    replaced: Mapping[str, Form] = field(default_factory=dict)
+    supports: ndarray | None = None
+    opened: ndarray = field(default_factory=lambda: np.zeros(0, int))
+
+
+def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> list[Phase]:
+    """Return the phases of all stages; everything is checked before anything is computed."""
+    planner = Planner(setup, stages, start)
+    return [planner.phase(stage) for stage in stages]
+
+
+class Planner:
+    """Forms, supports, water and loads, followed from stage to stage."""
+
+    def __init__(
+        self, setup: Setup, stages: Sequence[Stage], start: StageResult | None
+    ) -> None:
+        self._setup = setup
+        self._start = start
+        self._known = dict(setup.forms)  # all forms, as stages have changed them so far
+        self._names = _active_at_first(self._known, stages, start)
+        self._active = self._select()
+        self._supports = setup.fixed
+        self._inactive = np.zeros(0, int)
+        self._water = None if start is None else start.water
+        self._rest = np.zeros(setup.layout.size)  # weights and water load
+        self._on_top = np.zeros(setup.layout.size)
+        self._last_load: ndarray | None = None  # of the last stage that was planned
+        self._unreleased = False
+        self._time = 0.0  # since the last change of the load
+        if start is not None:
+            load = setup.vector(start.load, "start")
+            self._on_top = load - setup.weights(self._active)
+            self._unreleased = start.unreleased is not None
+
+    @property
+    def _first(self) -> bool:
+        return self._last_load is None
+
+    def phase(self, stage: Stage) -> Phase:
+        """Return the phase of the next stage.
+
+        Raises
+        ------
+        ValueError
+            Names, supports, loads or water of the stage do not fit; the message names the stage.
+        """
+        changes = bool(stage.activate or stage.deactivate or stage.change)
+        changes = changes or stage.fixed is not None
+        before = self._active
+        old_supports = self._supports
+        known_supports = self._known_supports()
+        self._change(stage, changes)
+        fixed = np.union1d(self._supports, self._inactive)
+
+        # Add up weights, water and the load on top of them
+        if stage.water is not None:
+            self._water = stage.water
+        if changes or self._first or stage.water is not None:
+            self._rest = self._at_rest(self._active)
+        load, on_top = self._loads(stage)
+        prescribed = self._prescribed(stage)
+
+        # Compare with the stage before
+        same_load = not self._first and np.array_equal(load, self._last_load)
+        same_load = same_load and prescribed is None
+        same_supports = stage.fixed is None or np.array_equal(old_supports, self._supports)
+        waits = same_load and on_top is None and not (changes or self._unreleased)
+        self._time = self._time + stage.duration if waits else stage.duration
+        remaining = {name: self._active[name] for name in before if name in self._active}
+        remarks = (
+            *_of_idle_input(stage, same_load, same_supports, self._unreleased),
+            *self._of_forms(stage),
+            *self._of_water(stage, load),
+            *self._of_prescribed(prescribed),
+            *self._of_weights(stage, remaining, load - self._rest),
+        )
+
+        # Release forces of bodies that go
+        self._unreleased = (changes or self._unreleased) and stage.release < 1.0
+        gone = np.zeros(len(load))
+        if self._unreleased and stage.deactivate:
+            gone = self._at_rest(before) - self._rest
+            gone[fixed] = 0.0
+        changed = changes and not (self._first and self._start is None)
+        self._on_top = load - self._rest
+        self._last_load = load
+        own = self._setup.own
+        return Phase(
+            before=before,
+            forms=self._active,
+            fixed=fixed,
+            load=load,
+            prescribed=prescribed,
+            changed=changed,
+            gone=gone,
+            on_top=on_top,
+            remarks=remarks,
+            water=self._water,
+            replaced={k: form for k, form in self._known.items() if form is not own[k]},
+            supports=self._supports,
+            opened=self._opened(stage, known_supports),
+        )
+
+    def _select(self) -> dict[str, Form]:
+        """Return the active forms in the order of the model."""
+        return {name: form for name, form in self._known.items() if name in self._names}
+
+    def _change(self, stage: Stage, changes: bool) -> None:
+        """Change forms and supports, and check that bodies are active and held."""
+        try:
+            if stage.fixed is not None:
+                self._supports = self._setup.layout.dofs(stage.fixed)
+            if changes or self._first:
+                self._names = _active_after(stage, self._known, self._names)
+                self._known.update(self._replaced(stage))
+                self._active = self._select()
+                self._inactive = self._setup.inactive(self._active)
+                check_contacts(self._active, self._inactive)
+                check_supports(self._active, np.union1d(self._supports, self._inactive))
+        except ValueError as error:
+            raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
+
+    def _replaced(self, stage: Stage) -> dict[str, Form]:
+        """Return the new forms of a stage, which continue the states of the present ones."""
+        found = {}
+        for name, new in stage.change.items():
+            try:
+                found.update(self._setup.adopted({name: new}, self._known))
+            except ValueError as error:
+                raise ValueError(
+                    f"'{name}' can only be changed to another material or law of the same elements "
+                    f"or surfaces ({error}); deactivate it and activate another form instead"
+                ) from None
+        return found
+
+    def _known_supports(self) -> ndarray:
+        """Return the supported dofs before a stage; files know none before their last stage."""
+        known: ndarray | None = self._supports
+        if self._first and self._start is not None:
+            known = self._start.supports
+        return self._setup.fixed if known is None else known
+
+    def _opened(self, stage: Stage, before: ndarray) -> ndarray:
+        """Return pressures that a stage holds in addition, unless it prescribes them."""
+        if stage.prescribed is not None:
+            return np.zeros(0, int)
+        new = np.setdiff1d(self._supports, before)
+        return np.intersect1d(self._setup.layout.pressures, new)
+
+    def _at_rest(self, forms: Mapping[str, Form]) -> ndarray:
+        """Return the weights of some forms and the load of water on them, (N,)."""
+        wet = self._setup.water_on(forms, self._water)
+        wet[self._inactive] = 0.0
+        return self._setup.weights(forms) + wet
+
+    def _loads(self, stage: Stage) -> tuple[ndarray, Callable[[float], ndarray] | None]:
+        """Return the load at the end of a stage, and as a function where it is given as one."""
+        what = f"stage '{stage.name}': the load"
+        setup = self._setup
+        rest = self._rest
+        inactive = self._inactive
+        absent = [name for name in self._known if name not in self._names]
+
+        def whole(given: Any) -> ndarray:
+            load = setup.load(given, what)
+            if acts_on(load, inactive):
+                raise ValueError(
+                    f"stage '{stage.name}': a part of the load acts on inactive bodies; {absent} "
+                    "are not active"
+                )
+            return load + rest
+
+        function = stage.load
+        if not callable(function):
+            return whole(function), None
+        return whole(function(1.0)), lambda share: whole(function(share))
+
+    def _prescribed(self, stage: Stage) -> ndarray | None:
+        """Return the prescribed displacements of all dofs, (N,), or None."""
+        if stage.prescribed is None:
+            return None
+        what = f"stage '{stage.name}': the prescribed displacement"
+        return self._setup.vector(stage.prescribed, what)
+
+    def _of_forms(self, stage: Stage) -> list[Remark]:
+        """Return remarks of the forms on the stage."""
+        duration = self._time if stage.duration else 0.0
+        found = []
+        try:
+            for name, form in having(self._active, Staged).items():
+                for remark in form.check_stage(self._supports, self._inactive, duration):
+                    found.append(replace(remark, text=f"{name}: {remark.text}"))
+        except ValueError as error:
+            raise ValueError(f"stage '{stage.name}': {error}") from None
+        return found
+
+    def _of_water(self, stage: Stage, load: ndarray) -> Iterator[Remark]:
+        """Refuse water that counts twice; report ground that drains at once, and lost suction."""
+        waters = having(self._setup.forms, Wet)
+        active = having(self._active, Wet)
+        if not waters:
+            return
+        ground = np.concatenate([form.elements for form in solids_of(self._active).values()])
+        dry = [name for name, water in waters.items() if np.isin(water.elements, ground).any()]
+        if stage.duration and dry and not active:
+            yield Remark(
+                "dry",
+                len(dry),
+                f"{dry} is not active in a stage with a duration: the ground drains at once; "
+                "name it in `activate`",
+            )
+        undrained = undrained_elements(self._active)
+        twice = sum(int(np.isin(undrained, water.elements).sum()) for water in active.values())
+        if twice:
+            raise ValueError(
+                f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: "
+                "their water would count twice; give the soil alone, or deactivate the water"
+            )
+        level = isinstance(self._water, float | int) and self._water is not False
+        for name, water in active.items():
+            if level and water.suction > 0.0:
+                yield Remark(
+                    "suction",
+                    water.suction,
+                    f"a level has none of the suction, up to {water.suction:.3g}, with which "
+                    f"'{name}' begins: give water=model.forms['{name}'].initial",
+                )
+        layout = self._setup.layout
+        for one, part in zip(layout.fields, layout.parts, strict=True):
+            loaded = int(np.count_nonzero(load[part]))
+            if one.kind == "pressure" and loaded:
+                raise ValueError(
+                    f"stage '{stage.name}': the load acts on the {one.name} at {loaded} dofs, "
+                    "where it would be water per increment: prescribe pressures that are held"
+                )
+
+    def _of_prescribed(self, prescribed: ndarray | None) -> Iterator[Remark]:
+        """Report prescribed pressures that are not held."""
+        layout = self._setup.layout
+        if prescribed is None or not having(self._setup.forms, Wet):
+            return
+        loose = np.setdiff1d(np.flatnonzero(prescribed), self._supports)
+        if not len(loose) or loose[0] < layout.n_displacements:
+            return  # values are given for all dofs
+        for one, part in zip(layout.fields, layout.parts, strict=True):
+            inside = (loose >= part.start) & (loose < part.stop)
+            n = int(np.count_nonzero(inside))
+            if one.kind == "pressure" and n:
+                yield Remark(
+                    "loose",
+                    n,
+                    f"the {one.name} is prescribed at {n} dofs that are not held, which does "
+                    "nothing: name them in `fixed`",
+                )
+
+    def _of_weights(
+        self, stage: Stage, forms: Mapping[str, Form], on_top: ndarray
+    ) -> Iterator[Remark]:
+        """Yield remarks on weights of solids in the load before that this load lacks."""
+        if stage.load is not None and not on_top.any():
+            return  # nothing at all is asked for
+        gravity = self._setup.gravity
+        n = self._setup.layout.n_displacements
+        before = self._on_top[:n].reshape(-1, len(gravity)) @ gravity  # weight at the nodes
+        now = on_top[:n].reshape(-1, len(gravity)) @ gravity
+        least = _NO_LOAD * np.abs(before).max(initial=0.0)
+        for name, form in solids_of(forms).items():
+            own = np.unique(nodes(form.basis))
+            lost = own[(np.abs(before[own]) > least) & (np.abs(now[own]) <= least)]
+            total = float(before[lost].sum())
+            weightless = form.own_weight(gravity) is None
+            if weightless and len(lost) > _WEIGHTY * len(own) and total > 0.0:
+                yield Remark(
+                    "weight",
+                    total,
+                    f"it lacks the weight of '{name}', about {total:.2g}, which the load before "
+                    "had: loads of stages are whole loads, not increments; add it, or give the "
+                    "solid its unit_weight",
+                )
+
+
+def timeless(setup: Setup, stages: Sequence[Stage], last: Phase) -> Iterator[Remark]:
+    """Yield a remark on solids that creep where no stage takes time.
+
+    Initial states are without weights, and have no remark.
+    """
+    creeps = []
+    for name, form in solids_of(last.forms).items():
+        if any(material.time_dependent for material in form.materials.values()):
+            creeps.append(name)
+    if creeps and setup.gravity.any() and not any(stage.duration for stage in stages):
+        yield Remark(
+            "timeless",
+            len(creeps),
+            f"{creeps} would creep, but no stage takes any time, in which it is "
+            "elastic: give Stage(duration=...)",
+        )
+
+
+def _active_at_first(
+    forms: Mapping[str, Form], stages: Sequence[Stage], start: StageResult | None
+) -> set[str]:
+    """Return the names that the start holds; without one, the names not activated later."""
+    if start is not None:
+        if not set(start.states) <= set(forms):
+            raise ValueError(f"start holds the forms {list(start.states)}, not {list(forms)}")
+        return set(start.states)
+    later: set[str] = set()
+    seen: set[str] = set()
+    for stage in stages:
+        activated = set(names_of(stage.activate))
+        later |= activated - seen
+        seen |= activated | set(names_of(stage.deactivate))
+    return set(forms) - later
+
+
+def _active_after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> set[str]:
+    """Return the names of the active forms of a stage."""
+    activated = names_of(stage.activate)
+    deactivated = names_of(stage.deactivate)
+    for name in (*activated, *deactivated, *stage.change):
+        look_up(name, forms, "form")
+    for name in activated:
+        if name in active:
+            raise ValueError(f"'{name}' is activated, but it is active already")
+    for name in deactivated:
+        if name not in active:
+            raise ValueError(f"'{name}' is deactivated, but it is not active")
+    return (active | set(activated)) - set(deactivated)
+
+
+def check_contacts(forms: Mapping[str, Form], inactive: ndarray) -> None:
+    """Refuse active forms that act on inactive bodies."""
+    for name, form in forms.items():
+        acted_on = form.acts_on if isinstance(form, Couples) else None
+        for dofs in (joined_by(form), acted_on):
+            if dofs is not None and np.isin(dofs, inactive).any():
+                raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
+
+
+def _of_idle_input(
+    stage: Stage, same_load: bool, same_supports: bool, unreleased: bool
+) -> Iterator[Remark]:
+    """Yield remarks on supports that change nothing, and on a stage that changes nothing."""
+    if stage.fixed is not None and same_supports:
+        yield Remark(
+            "supports",
+            0.0,
+            "`fixed` holds what is supported already: leave it out, or a boundary is empty",
+        )
+    changes = stage.activate or stage.deactivate or stage.change or stage.duration or unreleased
+    if same_load and same_supports and not changes:
+        yield Remark(
+            "nothing",
+            0.0,
+            "it changes nothing: its load and its supports are those of the stage before",
+        )
+
+
+def acts_on(load: ndarray, dofs: ndarray) -> bool:
+    """Return True if a load is more than round-off at some dofs."""
+    return len(dofs) > 0 and bool(np.abs(load[dofs]).max() > _NO_LOAD * np.abs(load).max())
