@@ -27,7 +27,7 @@ from ..errors import NotConverged, warn
 from ..forms.base import Form
 from ..forms.roles import Reducible, changed
 from ..materials.base import Flow
-from ..nonlinear.newton import Evaluation, Newton, Search, iterate
+from ..nonlinear.newton import Evaluation, Newton, Problem, Search, iterate
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
@@ -425,33 +425,45 @@ def correct(
     share = (work - last.work) / (last.work - before.work)
     x = last.x + share * (last.x - before.x)
     guess = np.append(x, last.parameter + 0.5 * (last.parameter - before.parameter))
-    system = branch.at(last.parameter)[0]
-    target = system.work(control, points[0].x) + work
-
-    def evaluate(z: ndarray) -> Evaluation:
-        if not z[-1] > branch.lowest:
-            return Evaluation(z, {}, np.zeros_like(control), np.inf)
-        forms, load = branch.at(float(z[-1]))
-        return replace(forms.evaluate(z[:-1], last.states, load), z=z)
-
-    def direction(now: Evaluation, damped: bool) -> ndarray:
-        """Solve for the Newton step of residual and work, by two solutions with one factor."""
-        solve = system.factor(system.tangent(now, damped))
-        balance = solve(now.residual)
-        drift = solve(branch.slope(now, last.states))
-        lag = target - system.work(control, now.z[:-1] + balance)
-        slope = system.work(control, drift)
-        if slope == 0.0:
-            raise NotConverged("no equilibrium: the forces do not depend on the parameter any more")
-        change = lag / slope
-        return np.append(balance + change * drift, change)
-
+    curve = _Curve(branch, control, last, points[0], work)
     try:
         now, norms = iterate(
-            evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True
+            curve.evaluate(guess), curve, newton, branch.search, at_least=1, damp=True
         )
     except NotConverged as error:
         if error.x is not None:
             error.x = error.x[: len(control)]
         raise
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
+
+
+class _Curve(Problem):
+    """Equilibria of displacements and parameter at which the reference load has done some work."""
+
+    def __init__(
+        self, branch: Branch, control: ndarray, last: Point, first: Point, work: float
+    ) -> None:
+        self._branch = branch
+        self._control = control
+        self._states = last.states
+        self._system = branch.at(last.parameter)[0]
+        self._target = self._system.work(control, first.x) + work
+
+    def evaluate(self, z: ndarray) -> Evaluation:
+        if not z[-1] > self._branch.lowest:
+            return Evaluation(z, {}, np.zeros_like(self._control), np.inf)
+        system, load = self._branch.at(float(z[-1]))
+        return replace(system.evaluate(z[:-1], self._states, load), z=z)
+
+    def direction(self, now: Evaluation, damped: bool) -> ndarray:
+        """Solve for the Newton step of residual and work, by two solutions with one factor."""
+        system = self._system
+        solve = system.factor(system.tangent(now, damped))
+        balance = solve(now.residual)
+        drift = solve(self._branch.slope(now, self._states))
+        lag = self._target - system.work(self._control, now.z[:-1] + balance)
+        slope = system.work(self._control, drift)
+        if slope == 0.0:
+            raise NotConverged("no equilibrium: the forces do not depend on the parameter any more")
+        change = lag / slope
+        return np.append(balance + change * drift, change)

@@ -15,6 +15,7 @@ from ..forms.roles import Reducible, changed
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
+from ..nonlinear.step import Attempt, Step
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
@@ -136,15 +137,9 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)
         try:
-            result = system.equilibrium(
-                origin.x,
-                origin.states,
-                load,
-                origin.x[system.fixed],
-                newton,
-                ("energy",),
-                at_least=1,
-            )
+            fixed = origin.x[system.fixed]
+            step_to = Step(system, origin.x, origin.states, load, fixed)
+            result = step_to.equilibrium(newton, Attempt(("energy",), at_least=1))
         except NotConverged as error:
             log.reject(multiplier, error, 0.0)
             continue
@@ -168,16 +163,8 @@ def is_stable(
     whole = begun.weight + begun.load
     newton = setup.newton or Newton(tolerance=3e-4, max_iterations=60)
     try:
-        system.equilibrium(
-            origin.x,
-            origin.states,
-            whole,
-            origin.x[system.fixed],
-            newton,
-            ("energy", "residual"),
-            at_least=1,
-            damp=True,
-        )
+        step = Step(system, origin.x, origin.states, whole, origin.x[system.fixed])
+        step.equilibrium(newton, Attempt(("energy", "residual"), at_least=1, damp=True))
     except NotConverged as error:
         failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
         if not isinstance(failure, NoEquilibrium) or failure.x is None:

@@ -16,6 +16,7 @@ from ..forms.base import Form, Response, solids_of
 from ..limit_analysis import Bounds
 from ..materials.spectral import principal_stresses
 from ..nonlinear.newton import Newton
+from ..nonlinear.step import Attempt, Step
 from ..nonlinear.system import System
 from ..results.patch_recovery import projected
 from ..results.stage import StageResult
@@ -109,20 +110,9 @@ def as_collapse(
         share = {}
         for soft in stiffnesses:
             springs = _Springs(soft * rows, x)
-            now = (
-                system.with_forms({**system.forms, name: springs})
-                .equilibrium(
-                    x,
-                    {**states, name: None},
-                    load,
-                    x[system.fixed],
-                    exact,
-                    at_least=1,
-                    damp=True,
-                    start=now,
-                )
-                .x
-            )
+            held = system.with_forms({**system.forms, name: springs})
+            step = Step(held, x, {**states, name: None}, load, x[system.fixed], start=now)
+            now = step.equilibrium(exact, Attempt(at_least=1, damp=True)).x
             work = float(begun.residual @ (now - x))
             resisted = float(springs.assemble(now, None).force @ (now - x))
             share[soft] = resisted / work if work > 0.0 else 0.0

@@ -19,6 +19,7 @@ from ..forms.roles import Body, Reducible, Regularised, having, materials_of
 from ..limit_analysis import at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
+from ..nonlinear.step import Attempt, Step
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
@@ -143,17 +144,8 @@ class _Strength(Branch):
         if factor <= self.safe:  # no collapse can be found
             searches = searches[:1]
         try:
-            result = system.equilibrium(
-                start.x,
-                start.states,
-                load,
-                start.x[system.fixed],
-                newton,
-                searches,
-                elastic,
-                at_least=1,
-                damp=True,
-            )
+            step = Step(system, start.x, start.states, load, start.x[system.fixed])
+            result = step.equilibrium(newton, Attempt(searches, elastic, at_least=1, damp=True))
         except NotConverged as error:
             if is_singular(error):
                 raise as_collapse(error, system, start.x, start.states, load, newton) from error

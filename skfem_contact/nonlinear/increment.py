@@ -1,12 +1,10 @@
-"""Increments of several equilibria: outer loops of forms, regularised forms after failures, steps
-in time.
-"""
+"""Increments of several equilibria: outer loops of forms, regularised forms, steps in time."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,11 +14,12 @@ from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.roles import Regularised, Timed, Touching, changed, having
 from ..solvers.direct import SingularSystem
 from .newton import Newton, Search
-from .system import Equilibrium, System
+from .step import Attempt, Equilibrium, Step
+from .system import System
 
 logger = logging.getLogger("skfem_contact")
 
-#: Lengths of the step at which points that chatter are looked for.
+#: Lengths of the iteration at which points that chatter are looked for.
 _LENGTHS = (1.0, 0.5, 0.25, 0.0625)
 #: Equilibria of an increment, and recoveries that are tried one after the other.
 _MOST, _RECOVERIES = 30, 3
@@ -44,213 +43,234 @@ _DIGITS = 12
 Path = Callable[[float], tuple[ndarray, ndarray]]
 
 
-def solve_increment(
-    system: System,
-    x: ndarray,
-    states: Mapping[str, Any],
-    load: ndarray,
-    prescribed: ndarray,
-    newton: Newton,
-    start: ndarray | None = None,
-    try_recovery: bool = True,
-) -> Equilibrium:
-    """Solve an increment until no form changes any more.
+@dataclass(frozen=True)
+class Interval:
+    """Part of a stage that a step takes.
 
-    After each equilibrium, :meth:`~skfem_contact.Form.outer` of a form may demand another solution,
-    by another form or from other multipliers; the last displacements are its start. Forms that only
-    follow the displacements do so before the residual is small. Where Newton's method fails,
-    :meth:`~skfem_contact.Form.begin` may return regularised forms. Their equilibrium is accepted
-    only if the forms as given balance in it, too.
-
-    Newton's method begins at `start` and, where that fails, at `x`. With `try_recovery` the search
-    along the energy and regularised forms follow; these take several times as long as the rest.
+    Attributes
+    ----------
+    path
+        Load and prescribed values at a share of the stage.
+    begin, end
+        Shares of the stage.
+    duration
+        Duration of the whole stage.
     """
-    minimum = not any(pair.saddle for pair in having(system.forms, Touching).values())
-    first: Search = "either" if minimum and system.yields_beside_contact else "residual"
+
+    path: Path
+    begin: float
+    end: float
+    duration: float
+
+    @property
+    def time(self) -> float:
+        """Duration of the step."""
+        return self.duration * round(self.end - self.begin, _DIGITS)
+
+    @property
+    def at_end(self) -> tuple[ndarray, ndarray]:
+        """Load and prescribed values at the end."""
+        return self.path(self.end)
+
+    @property
+    def in_between(self) -> tuple[ndarray, ndarray]:
+        """Load and prescribed values after the first part of a step of second order."""
+        return self.path(self.begin + PART * (self.end - self.begin))
+
+
+def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Equilibrium:
+    """Solve an increment, once or several times, until no form needs another solution.
+
+    After each equilibrium, :meth:`~skfem_contact.roles.Regularised.outer` of a form may demand
+    another solution, with another form or accepted state. Where Newton's method fails,
+    :meth:`~skfem_contact.roles.Regularised.begin` may return regularised forms. Their equilibrium
+    is accepted only if the forms as given balance in it, too.
+
+    Newton's method begins at `step.start` and, where that fails, at `step.x`. With `try_recovery`
+    the search along the energy and regularised forms follow; these take several times as long as
+    the rest.
+    """
+    given = step.system
+    step = replace(step, system=_begun(step))
+
+    # Choose line searches: multipliers make equilibrium no minimum of the energy along a step.
+    minimum = not any(pair.saddle for pair in having(given.forms, Touching).values())
+    first: Search = "either" if minimum and given.yields_beside_contact else "residual"
     searches: tuple[Search, ...] = (first, "energy") if try_recovery and minimum else (first,)
-    given = system
-    begun = {
-        name: form.begin(states[name]) for name, form in having(given.forms, Regularised).items()
-    }
-    system = given.with_forms({**given.forms, **begun})
-    if start is not None:
+
+    # Try the extrapolated start.
+    from_x = replace(step, start=None)
+    if step.start is not None:
         try:
-            return _solve(given, system, x, states, load, prescribed, newton, searches[:1], start)
+            return _solve(given, step, newton, Attempt(searches[:1]))
         except NotConverged as error:
             logger.info("from the extrapolated start: %s", error)
             if try_recovery and error.cycle:
-                system = system.out_of(error.cycle, states, load)
+                system = step.system.out_of(error.cycle, step.states, step.load)
+                from_x = replace(from_x, system=system)
     if not try_recovery:
-        return _solve(given, system, x, states, load, prescribed, newton, searches)
+        return _solve(given, from_x, newton, Attempt(searches))
+
+    # Try the accepted displacements, with forms that are regularised after each failure.
     for recovery in range(_RECOVERIES):
         try:
-            return _solve(
-                given, system, x, states, load, prescribed, newton, searches, leaves=recovery == 0
-            )
+            return _solve(given, from_x, newton, Attempt(searches, leaves=recovery == 0))
         except NotConverged as error:
-            regularised = _regularised(system, states, load, error)
-            if regularised is system:
+            system = _regularised(from_x, error)
+            if system is from_x.system:
                 raise
-            system = regularised
-    return _solve(given, system, x, states, load, prescribed, newton, searches, leaves=False)
+            from_x = replace(from_x, system=system)
+    return _solve(given, from_x, newton, Attempt(searches, leaves=False))
 
 
-def _solve(
-    given: System,
-    system: System,
-    x: ndarray,
-    states: Mapping[str, Any],
-    load: ndarray,
-    prescribed: ndarray,
-    newton: Newton,
-    searches: Sequence[Search],
-    start: ndarray | None = None,
-    leaves: bool = True,
-) -> Equilibrium:
+def _begun(step: Step) -> System:
+    """Return the system with the forms that begin an increment."""
+    regularised = having(step.system.forms, Regularised)
+    begun = {name: form.begin(step.states[name]) for name, form in regularised.items()}
+    return step.system.with_forms({**step.system.forms, **begun})
+
+
+def _solve(given: System, step: Step, newton: Newton, attempt: Attempt) -> Equilibrium:
+    """Solve a step until no form needs another solution; `given` has the forms as given."""
     residuals: tuple[float, ...] = ()
-    settings, equilibria = newton, 1
-    after = {form.outer_after for form in having(system.forms, Regularised).values()} - {None}
-    if system is given and after == {"near"}:
+    settings = newton
+    equilibria = 1
+
+    # Solve roughly at first where forms only follow the displacements.
+    after = {form.outer_after for form in having(step.system.forms, Regularised).values()}
+    if step.system is given and after - {None} == {"near"}:
         settings = replace(newton, tolerance=max(newton.tolerance, _ROUGH))
     for _ in range(_MOST):
-        new = system.equilibrium(
-            x,
-            states,
-            load,
-            prescribed,
-            settings,
-            searches,
-            start=start,
-            leaves=leaves,
-            begins=leaves and not residuals,
-        )
+        begins = attempt.leaves and not residuals
+        new = step.equilibrium(settings, replace(attempt, begins=begins))
         residuals += new.residuals if not residuals else new.residuals[1:]
-        try:
-            again = {
-                name: form.outer(new.x, states[name], new.states[name])
-                for name, form in having(system.forms, Regularised).items()
-            }
-        except IncrementTooLarge as error:
-            raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
-        improved = {name: pair for name, pair in again.items() if pair is not None}
+        improved = _improved(step, new, residuals)
         if not improved and settings is newton:
-            check(given, system, new, states, load, newton)
+            check(given, step, new, newton)
             return replace(new, residuals=residuals, equilibria=equilibria)
-        states = {**states, **{name: state for name, (_, state) in improved.items()}}
-        system = system.with_forms(
-            {**system.forms, **{name: form for name, (form, _) in improved.items()}}
-        )
-        x, start, settings, equilibria = new.x, None, newton, equilibria + bool(improved)
+
+        # Begin the next solution at this equilibrium, with the improved forms and states.
+        forms = {name: form for name, (form, _) in improved.items()}
+        states = {name: state for name, (_, state) in improved.items()}
+        system = step.system.with_forms({**step.system.forms, **forms})
+        step = replace(step, system=system, x=new.x, states={**step.states, **states}, start=None)
+        settings = newton
+        equilibria += bool(improved)
     raise NotConverged(f"the increment was solved {_MOST} times and {list(improved)} still changes")
 
 
-def check(
-    given: System,
-    system: System,
-    found: Equilibrium,
-    states: Mapping[str, Any],
-    load: ndarray,
-    newton: Newton,
-) -> None:
+def _improved(
+    step: Step, new: Equilibrium, residuals: tuple[float, ...]
+) -> dict[str, tuple[Any, Any]]:
+    """Return forms and accepted states with which the increment must be solved once more."""
+    improved = {}
+    try:
+        for name, form in having(step.system.forms, Regularised).items():
+            pair = form.outer(new.x, step.states[name], new.states[name])
+            if pair is not None:
+                improved[name] = pair
+    except IncrementTooLarge as error:
+        raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
+    return improved
+
+
+def check(given: System, step: Step, found: Equilibrium, newton: Newton) -> None:
     """Refuse an equilibrium of regularised forms that is none of the forms as given."""
-    others = {name: form for name, form in system.forms.items() if form is not given.forms[name]}
+    others = {k: form for k, form in step.system.forms.items() if form is not given.forms[k]}
     if not others:
         return
-    again = given.evaluate(
-        found.x, {k: found.states[k] if k in others else state for k, state in states.items()}, load
-    )
+    states = {k: found.states[k] if k in others else state for k, state in step.states.items()}
+    again = given.evaluate(found.x, states, step.load)
     if again.norm > _AGAIN * newton.tolerance:
         reasons = {name: form.reason for name, form in having(others, Regularised).items()}
         why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)
         raise NotConverged(
             f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out "
-            f"of "
-            f"balance: {why}",
+            f"of balance: {why}",
             found.x,
             (*found.residuals, again.norm),
             again.worst,
         )
 
 
-def _regularised(
-    system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged
-) -> System:
+def _regularised(step: Step, error: NotConverged) -> System:
     """Return the system with regularised forms, or the same one where no form has any.
 
     Bodies that move freely need to be held, and points that chatter need another law. Where no
-    point chatters, bodies may be about to lift off: a residual that hardly changes is that of a
-    body that flies away.
+    point chatters, bodies may be about to lift off: a residual that hardly changes is the residual
+    of a body that flies away.
     """
-    loose = isinstance(error, NoEquilibrium) or isinstance(error.__cause__, SingularSystem)
+    system = step.system
+    cause = error.__cause__
+    loose = isinstance(error, NoEquilibrium) or isinstance(cause, SingularSystem)
     if not loose:
         if error.x is None:  # every equilibrium was found, but a form changed each time
             return system
-        again = system.out_of(
-            error.cycle or _candidates(system, error.x, states, load), states, load
-        )
-        if again is not system or isinstance(error.__cause__, IncrementTooLarge):
+        visited = error.cycle or _candidates(step, error.x)
+        again = system.out_of(visited, step.states, step.load)
+        if again is not system or isinstance(cause, IncrementTooLarge):
             return again
-    return system.after(states, {name: Failure(loose=True) for name in system.forms})
+    failures = {name: Failure(loose=True) for name in system.forms}
+    return system.after(step.states, failures)
 
 
-def _candidates(
-    system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
-) -> list[ndarray]:
-    """Return displacements where the method stopped, and those at several lengths of its next
-    step.
-    """
-    now = system.evaluate(x, states, load)
+def _candidates(step: Step, x: ndarray) -> list[ndarray]:
+    """Return displacements where the method stopped, and on the way of its next iteration."""
+    system = step.system
+    now = system.evaluate(x, step.states, step.load)
     try:
-        step = system.factor(system.tangent(now))(now.residual)
+        direction = system.factor(system.tangent(now))(now.residual)
     except SingularSystem:
         return [x]
-    return [x, *(x + length * step for length in _LENGTHS)]
+    return [x, *(x + length * direction for length in _LENGTHS)]
 
 
 def solve_step(
-    system: System,
-    x: ndarray,
-    states: Mapping[str, Any],
-    path: Path,
-    span: tuple[float, float],
-    duration: float,
-    newton: Newton,
-    start: ndarray | None,
-    try_recovery: bool,
+    step: Step, interval: Interval, newton: Newton, try_recovery: bool
 ) -> tuple[Equilibrium, dict[str, tuple[float, float]]]:
-    """Solve a step in time; return the equilibrium at its end and
-    :meth:`~skfem_contact.Form.time_error` by form.
+    """Solve a step in time, and return the equilibrium at its end and the errors by form.
 
-    The step goes from one share of the stage to another (`span`). Where the stage has no duration
-    the step is a plain increment, see :func:`solve_increment`.
+    Where the stage has no duration the step is a plain increment, see :func:`solve_increment`. The
+    errors are those of :meth:`~skfem_contact.roles.Timed.time_error`.
+
+    Parameters
+    ----------
+    step
+        System as given, accepted displacements and states, load and prescribed values at the end.
+    interval
+        Part of the stage.
+    newton, try_recovery
+        As for :func:`solve_increment`.
     """
-    begin, end = span
-    duration *= round(end - begin, _DIGITS)
+    system = step.system
+    duration = interval.time
     timed = having(system.forms, Timed)
     second_order = {name for name, form in timed.items() if form.second_order}
     if not second_order or not duration > 0.0:
-        step = system.over(duration)
-        return solve_increment(step, x, states, *path(end), newton, start, try_recovery), {}
+        whole = replace(step, system=system.over(duration))
+        return solve_increment(whole, newton, try_recovery), {}
+
+    # Take the first part.
     first = system.over(PART * duration)
-    towards = None if start is None else x + PART * (start - x)
-    middle = solve_increment(
-        first, x, states, *path(begin + PART * (end - begin)), newton, towards, try_recovery
-    )
-    rest = changed(system.forms, Timed, lambda form: form.over((1.0 - PART) * duration))
-    second = first.with_forms({**rest, **{name: first.forms[name] for name in second_order}})
+    start = None if step.start is None else step.x + PART * (step.start - step.x)
+    load, prescribed = interval.in_between
+    part = replace(step, system=first, load=load, prescribed=prescribed, start=start)
+    middle = solve_increment(part, newton, try_recovery)
+
+    # Take the second part, from states in proportion.
     timed = having(first.forms, Timed)
-    begun = dict(middle.states)
+    rest = changed(system.forms, Timed, lambda form: form.over((1.0 - PART) * duration))
+    second = first.with_forms({**rest, **{name: timed[name] for name in second_order}})
+    states = dict(middle.states)
     for name in second_order:
-        begun[name] = timed[name].extrapolated(states[name], begun[name], 1.0 / PART - 1.0)
-    ahead = x + (middle.x - x) / PART  # in proportion
-    last = solve_increment(second, middle.x, begun, *path(end), newton, ahead, try_recovery)
-    errors = {
-        name: timed[name].time_error(middle.states[name], last.states[name])
-        for name in second_order
-    }
-    return Equilibrium(
-        last.x,
-        last.states,
-        middle.residuals + last.residuals[1:],
-        middle.equilibria + last.equilibria,
-    ), errors
+        states[name] = timed[name].extrapolated(step.states[name], states[name], 1.0 / PART - 1.0)
+    ahead = step.x + (middle.x - step.x) / PART
+    part = replace(step, system=second, x=middle.x, states=states, start=ahead)
+    last = solve_increment(part, newton, try_recovery)
+
+    errors = {}
+    for name in second_order:
+        errors[name] = timed[name].time_error(middle.states[name], last.states[name])
+    residuals = middle.residuals + last.residuals[1:]
+    equilibria = middle.equilibria + last.equilibria
+    return Equilibrium(last.x, last.states, residuals, equilibria), errors

@@ -5,7 +5,7 @@ collapse.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -27,6 +27,8 @@ _ASTRAY, _TIMES = 10, 2.0
 #: one: a strut prestressed against a wall in sand takes 15 to 24 iterations for 22 to 32. Soil
 #: alone comes back from there.
 _CYCLE, _AWAY, _MANY = 8, 2, 10.0
+#: Residuals of more than so many times the forces are those of iterations that run away.
+_AWAY_FROM_ALL = 1e8
 #: Active sets of contact that return so many times, with a residual of more than this share of the
 #: one that they had before, may do so for ever: points of a brittle bond open with it, and close
 #: without it.
@@ -153,27 +155,51 @@ class Evaluation:
         return {name: response.state for name, response in self.responses.items()}
 
 
-def bisect_work(
-    now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Evaluation], farthest: float
-) -> Evaluation:
+class Problem:
+    """Equations that :func:`iterate` solves."""
+
+    def evaluate(self, z: ndarray) -> Evaluation:
+        """Return the evaluation at a vector of dofs."""
+        raise NotImplementedError
+
+    def direction(self, now: Evaluation, damped: bool) -> ndarray:
+        """Return the Newton step at an evaluation, with the tangent or with the damped one."""
+        raise NotImplementedError
+
+    def far(self, now: Evaluation) -> bool:
+        """Return True if displacements along the energy are so large that they show a collapse."""
+        return False
+
+    def leaves(self, visited: list[ndarray]) -> bool:
+        """Return True if forms know a way out of displacements that contact returns to."""
+        return False
+
+    def improved(self, new: Evaluation) -> Evaluation:
+        """Return the evaluation after the first step, improved where forms know better."""
+        return new
+
+
+def bisect_work(now: Evaluation, step: ndarray, problem: Problem, farthest: float) -> Evaluation:
     """Double and bisect the step until the residual has lost half of its work along the step.
 
-    Only the leading dofs, those of the residual, do work. At the farthest length more of the work
-    may be left.
+    Only the leading dofs, where the residual is, do work. At the farthest length more of the work
+    may remain.
     """
     along = step[: len(now.residual)]
     slope = abs(now.residual @ along)
-    least, best, length, shortest, longest = np.inf, now, 1.0, 0.0, np.inf
+    best = now
+    least = np.inf  # smallest work so far
+    length = 1.0
+    shortest = 0.0
+    longest = np.inf
     for _ in range(_PROBES):
-        new = evaluate(now.z + length * step)
+        new = problem.evaluate(now.z + length * step)
         work = float(new.residual @ along) if np.isfinite(new.norm) else -np.inf
         if abs(work) < least:
-            least, best = abs(work), new
-        if (
-            abs(work) <= _SLOPE * slope
-            or new.norm <= _SLOPE * now.norm
-            or (work > 0.0 and length >= farthest)
-        ):
+            least = abs(work)
+            best = new
+        reduced = abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm
+        if reduced or (work > 0.0 and length >= farthest):
             return new
         if work > 0.0:
             shortest = length
@@ -195,216 +221,252 @@ def unbalanced(new: Evaluation) -> float:
     return new.size * new.norm / whole
 
 
-def backtrack(
-    now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
-) -> Evaluation:
+def backtrack(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem) -> Evaluation:
     """Halve the step while the residual is worse than all of the last few."""
     bound = np.inf if now.lag else max(sizes[-_MEMORY:])
-    best = new = evaluate(now.z + step)
+    best = new = problem.evaluate(now.z + step)
     length = 1.0
     while not unbalanced(new) <= bound and length > _SHORTEST:
         length *= 0.5
-        new = evaluate(now.z + length * step)
+        new = problem.evaluate(now.z + length * step)
         if unbalanced(new) < unbalanced(best) or np.isnan(best.norm):
             best = new
     return best
 
 
-def shorten(
-    now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
-) -> Evaluation:
+def shorten(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem) -> Evaluation:
     """Shorten the step until the residual has lost half of its work along the step, or of its norm.
 
     The lengths are interpolated. Instead of short steps that do neither, the longest one whose
-    residual is no worse than all of the last few is taken: where soil yields beside contact, the
+    residual is no worse than all of the last few is taken: where soil yields next to contact, the
     norm alone admits steps far along a mechanism, and the work alone no progress near equilibrium.
     Ten times the last residuals are too far.
     """
-    along, bound = step[: len(now.residual)], np.inf if now.lag else max(sizes[-_MEMORY:])
+    along = step[: len(now.residual)]
+    bound = np.inf if now.lag else max(sizes[-_MEMORY:])
     slope = abs(now.residual @ along)
-    least, best, longer = np.inf, now, None
-    length, shortest, longest, above, below = 1.0, 0.0, 1.0, slope, -np.inf
+    best = now
+    least = np.inf  # smallest work so far
+    acceptable: Evaluation | None = None
+    length = 1.0
+    shortest, above = 0.0, slope  # a length that is too short, and the work there
+    longest, below = 1.0, -np.inf  # a length that is too long, and the work there
     for _ in range(_PROBES):
-        new = evaluate(now.z + length * step)
-        near = np.isfinite(new.norm) and unbalanced(new) <= _MANY * bound
+        new = problem.evaluate(now.z + length * step)
+        near = bool(np.isfinite(new.norm)) and unbalanced(new) <= _MANY * bound
         work = float(new.residual @ along) if near else -np.inf
-        if (
-            abs(work) <= _SLOPE * slope
-            or new.norm <= _SLOPE * now.norm
-            or (work > 0.0 and length == 1.0)
-        ):
+        reduced = abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm
+        if reduced or (work > 0.0 and length == 1.0):
             return new
-        if longer is None and near and unbalanced(new) <= bound:
-            longer = new
-        if longer is not None and length <= _SHORTEST:
-            return longer
+        if acceptable is None and near and unbalanced(new) <= bound:
+            acceptable = new
+        if acceptable is not None and length <= _SHORTEST:
+            return acceptable
         if abs(work) < least:
-            least, best = abs(work), new
+            least = abs(work)
+            best = new
         if work > 0.0:
             shortest, above = length, work
         else:
             longest, below = length, work
-        length = shortest + float(np.clip(above / (above - below), *_SHARES)) * (longest - shortest)
-    return longer or best
+        share = float(np.clip(above / (above - below), *_SHARES))
+        length = shortest + share * (longest - shortest)
+    return acceptable or best
 
 
 def _along(
-    search: Search,
-    now: Evaluation,
-    step: ndarray,
-    sizes: list[float],
-    evaluate: Callable[[ndarray], Evaluation],
+    search: Search, now: Evaluation, step: ndarray, sizes: list[float], problem: Problem
 ) -> Evaluation:
+    """Return the evaluation that a line search accepts."""
     if search == "residual":
-        return backtrack(now, step, sizes, evaluate)
+        return backtrack(now, step, sizes, problem)
     if search == "either":
-        return shorten(now, step, sizes, evaluate)
-    return bisect_work(now, step, evaluate, 1.0 if search == "step" else np.inf)
+        return shorten(now, step, sizes, problem)
+    return bisect_work(now, step, problem, 1.0 if search == "step" else np.inf)
+
+
+class _History:
+    """Residuals, displacements and active sets of contact of the iterations so far."""
+
+    def __init__(self, first: Evaluation, settings: Newton, search: Search) -> None:
+        self._settings = settings
+        self._search = search
+        self.now = first
+        self.norms = [first.norm]
+        self.sizes = [unbalanced(first)]
+        self._sets = [first.active]
+        self._visited = [first.z]
+        self._counted = 0
+        self._returns = 0
+        self._since = 0  # iteration from which on the active sets return
+
+    @property
+    def iterations(self) -> int:
+        """Number of iterations."""
+        return len(self.norms) - 1
+
+    def add(self, new: Evaluation) -> None:
+        """Record an iteration."""
+        # along the energy new active sets do not count
+        self._counted += self._search != "energy" or new.active in self._sets
+        self.now = new
+        self.norms.append(new.norm)
+        self.sizes.append(unbalanced(new))
+        self._sets.append(new.active)
+        self._visited.append(new.z)
+
+    def ends(self) -> bool:
+        """Return True if further iterations would lead nowhere."""
+        if _too_many(self.norms, self._counted, self._settings.max_iterations):
+            return True
+        if not self.now.norm < _AWAY_FROM_ALL:
+            return True
+        if self._search == "energy":
+            return _stuck(self.norms)
+        return _hopeless(self.norms, any(self.now.active))
+
+    def cycle(self) -> list[ndarray]:
+        """Return the displacements between which the active sets go back and forth, if they do."""
+        if self._search == "energy":
+            return []
+        back = _came_back(self._sets, self.norms)
+        if not back:
+            return []
+        self._since = min(self._since, back) if self._returns else back
+        self._returns += 1
+        return self._visited[self._since :] if self._returns >= _RETURNS else []
+
+    def stagnates(self) -> bool:
+        """Return True if the last iterations have not halved the residual."""
+        if self.iterations < _PATIENCE:
+            return False
+        return self.now.norm > 0.5 * self.norms[-1 - _PATIENCE]
+
+    def failure(self, text: str, cycle: Sequence[ndarray] = ()) -> NotConverged:
+        """Return the error of the last evaluation."""
+        why = _why(self.now, self.norms)
+        return NotConverged(f"{text}; {why}", self.now.z, self.norms, self.now.worst, cycle)
+
+    def collapse(self) -> NoEquilibrium:
+        """Return the error of displacements that grow without end."""
+        why = _why(self.now, self.norms)
+        return NoEquilibrium(
+            f"collapse: after {self.iterations} iterations the displacements exceed {FAR:g} times "
+            f"the elastic ones; {why}",
+            self.now.z,
+            self.norms,
+            self.now.worst,
+        )
 
 
 def iterate(
     now: Evaluation,
-    evaluate: Callable[[ndarray], Evaluation],
-    direction: Callable[[Evaluation, bool], ndarray],
+    problem: Problem,
     settings: Newton,
     search: Search = "residual",
-    far: Callable[[Evaluation], bool] = lambda now: False,
     at_least: int = 0,
     damp: bool = False,
-    leave: Callable[[list[ndarray]], bool] = lambda seen: False,
-    first_step: Callable[[Evaluation], Evaluation] = lambda new: new,
 ) -> tuple[Evaluation, tuple[float, ...]]:
-    """Iterate from an evaluation to equilibrium; return its evaluation and the history of the
-    residual.
+    """Iterate from an evaluation to equilibrium; return its evaluation and the residuals.
 
-    The last figure of the history is the whole residual, round-off included.
+    The last residual is the whole one, round-off included.
 
     Parameters
     ----------
-    direction
-        Newton step at an evaluation, with the tangent or with the damped one.
-    far
-        Function that returns True if displacements along the energy are so large that they show a
-        collapse.
+    now
+        Evaluation to begin with.
+    problem, settings, search
+        The equations, settings of Newton's method, and the line search.
     at_least
         Number of iterations even if the residual is small from the start.
     damp
         Damp the tangent from the start, not only where the iterations make no progress.
-    leave
-        Function that returns True if forms know a way out of displacements between which contact
-        goes back and forth: then the iterations end.
-    first_step
-        Function that improves the evaluation after the first step.
     """
-    norms, sizes, damped = [now.norm], [unbalanced(now)], damp
-    sets, visited, counted, times, first = [now.active], [now.z], 0, 0, 0
-    while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
-        if (
-            _too_many(norms, counted, settings.max_iterations)
-            or not now.norm < 1e8
-            or (_stuck(norms) if search == "energy" else _hopeless(norms, any(now.active)))
-        ):
-            raise NotConverged(
-                f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
-                now.z,
-                norms,
-                now.worst,
-            )
-        if (back := _came_back(sets, norms)) and search != "energy":
-            times, first = times + 1, min(first, back) if times else back
-            if times >= _RETURNS and leave(visited[first:]):
-                raise NotConverged(
-                    f"the active sets of contact return without progress; {_why(now, norms)}",
-                    now.z,
-                    norms,
-                    now.worst,
-                    visited[first:],
-                )
+    history = _History(now, settings, search)
+    damped = damp
+    while history.iterations < at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
+        # End iterations that lead nowhere, or whose active sets go back and forth.
+        if history.ends():
+            raise history.failure(f"no equilibrium after {history.iterations} iterations")
+        cycle = history.cycle()
+        if cycle and problem.leaves(cycle):
+            raise history.failure("the active sets of contact return without progress", cycle)
+
+        # Take a step of a length that the line search accepts.
+        norms = history.norms
         try:
-            step = direction(now, damped)
-            new = _along(search, now, step, sizes, evaluate)
+            step = problem.direction(now, damped)
+            new = _along(search, now, step, history.sizes, problem)
         except SingularSystem as error:
             raise NotConverged(str(error), now.z, norms, int(error.dofs[0])) from error
         except NotConverged as error:  # no response there: name the last evaluation
             raise NotConverged(str(error), now.z, norms, now.worst) from error
         if not np.isfinite(new.norm):
-            raise NotConverged(
-                f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst
-            )
-        now = first_step(new) if len(norms) == 1 else new
-        norms.append(now.norm)
-        counted += search != "energy" or now.active in sets
-        sets.append(now.active)
-        visited.append(now.z)
-        sizes.append(unbalanced(now))
-        logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
-        if search == "energy" and now.norm > settings.tolerance and far(now):
-            raise NoEquilibrium(
-                f"collapse: after {len(norms) - 1} iterations the displacements exceed {FAR:g} "
-                f"times "
-                f"the elastic ones; {_why(now, norms)}",
-                now.z,
-                norms,
-                now.worst,
-            )
-        stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
-        damped = damp or stagnates
-    return now, (*norms[:-1], now.norm + now.hidden)
+            raise history.failure("the iterations run away")
+        now = problem.improved(new) if history.iterations == 0 else new
+        history.add(now)
+        logger.debug("iteration %d: residual %.3e", history.iterations, now.norm)
+        if search == "energy" and now.norm > settings.tolerance and problem.far(now):
+            raise history.collapse()
+        damped = damp or history.stagnates()
+    return now, (*history.norms[:-1], now.norm + now.hidden)
 
 
 def _too_many(norms: list[float], counted: int, most: int) -> bool:
-    """Return True if all iterations are made, and the last one has not brought equilibrium much
-    closer.
-    """
-    return max(counted, (len(norms) - 1) / _MOVING) >= most and norms[-1] > _FALLS * min(norms[:-1])
+    """Return True if all iterations are made, unless the last one has brought equilibrium closer."""
+    made = max(counted, (len(norms) - 1) / _MOVING)
+    return made >= most and norms[-1] > _FALLS * min(norms[:-1])
 
 
 def _came_back(sets: list[tuple[bytes, ...]], norms: list[float]) -> int:
-    """Return the last iteration with the present active sets, others after it and a residual no
-    larger, or 0.
+    """Return the last iteration with the present active sets and no larger residual, or 0.
+
+    Iterations with other active sets must have followed it.
     """
-    return next(
-        (
-            k
-            for k in range(len(sets) - 3, 0, -1)
-            if sets[k] == sets[-1] != sets[k + 1] and norms[-1] > _NO_LESS * norms[k]
-        ),
-        0,
-    )
+    for k in range(len(sets) - 3, 0, -1):
+        returned = sets[k] == sets[-1] and sets[-1] != sets[k + 1]
+        if returned and norms[-1] > _NO_LESS * norms[k]:
+            return k
+    return 0
 
 
 def _hopeless(norms: list[float], contact: bool) -> bool:
-    """Return True if the iterations have run away; the first residual is that of the increment and
-    does not count.
+    """Return True if the iterations have run away.
+
+    The first residual is the one of the increment and does not count.
     """
     least = min(norms[1:], default=np.inf)
     limits = ((_CYCLE, 1.0), (_AWAY, _MANY)) if contact else ((_ASTRAY, _TIMES),)
-    return any(
-        len(norms) > last + 1 and min(norms[-last:]) > times * least for last, times in limits
-    )
+    for last, times in limits:
+        if len(norms) > last + 1 and min(norms[-last:]) > times * least:
+            return True
+    return False
 
 
 def _stuck(norms: list[float]) -> bool:
-    """Return True if the residual has hardly changed for long, and was much smaller before."""
-    # a collapse shows in fewer iterations, for the steps towards it are doubled again and again
+    """Return True if the residual has hardly changed for long, and was much smaller before.
+
+    A collapse shows in fewer iterations, since the steps towards it are doubled again and again.
+    """
+    if len(norms) <= _STUCK:
+        return False
     last = norms[-_STUCK:]
-    return len(norms) > _STUCK and min(last) > max(_WORSE * min(norms[1:]), _SAME * max(last))
+    return min(last) > max(_WORSE * min(norms[1:]), _SAME * max(last))
 
 
 def _why(now: Evaluation, norms: list[float]) -> str:
     """Describe residual and largest unbalanced force for a message."""
     worst = now.worst
-    names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
+    names = [name for name, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
-    round_off = sum(r.lost(slice(0, None)) for r in now.responses.values())
-    noise = (
-        f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the "
-        f"coordinates"
-        if round_off > _NOISE * now.size
-        else ""
-    )
-    return (
+    text = (
         f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, "
-        f"acts on "
-        f"dof {worst} of {names}{noise}"
+        f"acts on dof {worst} of {names}"
     )
+    round_off = sum(r.lost(slice(0, None)) for r in now.responses.values())
+    if round_off > _NOISE * now.size:
+        text += (
+            f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the "
+            "coordinates"
+        )
+    return text

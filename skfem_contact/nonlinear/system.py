@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,16 +11,13 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
+from ..errors import Failure, IncrementTooLarge, NotConverged
 from ..forms.base import Form, Response, responses_of
 from ..forms.roles import Body, Reducible, Regularised, Timed, changed, having
 from ..layout import Layout, others
-from ..solvers.direct import REFINE, LinearSolver, SingularSystem, Solve
+from ..solvers.direct import REFINE, LinearSolver, Solve
 from ..sparse import Total
-from .forcing import Forcing
-from .newton import FAR, Evaluation, Newton, Search, iterate
-
-logger = logging.getLogger("skfem_contact")
+from .newton import Evaluation
 
 #: Share of the load that may be lost in round-off.
 _HIDDEN = 1e-6
@@ -33,32 +28,18 @@ _FLOOR = 1e-4
 _ENDLESS = 1e100
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """A converged increment: displacements, candidate states, history of the residual, number of
-    equilibria it took.
-    """
-
-    x: ndarray
-    states: dict[str, Any]
-    residuals: tuple[float, ...]
-    equilibria: int = 1
-
-    @property
-    def iterations(self) -> int:
-        """Number of linear systems solved."""
-        return len(self.residuals) - 1
-
-
 class System:
     """Forms on a layout of dofs, some of which are fixed, with a linear solver."""
 
     def __init__(
         self, forms: Mapping[str, Form], layout: Layout, fixed: ndarray, solver: LinearSolver
     ) -> None:
-        self.forms, self.layout, self.fixed = dict(forms), layout, fixed
+        self.forms = dict(forms)
+        self.layout = layout
+        self.fixed = fixed
         self.free = others(layout.size, fixed)
-        self._solver, self._total = solver, Total()
+        self._solver = solver
+        self._total = Total()
         self._scale = layout.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
@@ -85,7 +66,8 @@ class System:
         """True if some material yields, and contact or other forms act in one direction only."""
         bodies = having(having(self.forms, Body), Reducible).values()
         yields = any(body.strengths for body in bodies)
-        return yields and any(form.unilateral for form in having(self.forms, Regularised).values())
+        regularised = having(self.forms, Regularised).values()
+        return yields and any(form.unilateral for form in regularised)
 
     @cached_property
     def yields(self) -> bool:
@@ -98,8 +80,9 @@ class System:
         return self.layout.size
 
     def factor(self, K: csr_matrix) -> Solve:
-        """Factor K[free, free], in scaled dofs where there are several fields; return the solver
-        for any b.
+        """Factor K[free, free], and return the solver for any b.
+
+        Where there are several fields, the factor is of scaled dofs.
         """
         if self._scale is None:
             return self._solver.factor(K, self.symmetric)
@@ -129,157 +112,45 @@ class System:
         responses = self.responses(x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        everywhere = (
-            0.0
-            if self._scale is None
-            else max(float(np.linalg.norm(self._scale * r.measure)) for r in responses.values())
-        )
-        norm, hidden = max(
-            self._relative(part, residual, load, responses, everywhere)
-            for part in self.layout.parts
-            if part.stop > part.start
-        )
+        measures = [response.measure for response in responses.values()]
+
+        # Compare the residual of each field with its forces; the worst field counts.
+        everywhere = 0.0
+        if self._scale is not None:
+            everywhere = max(float(np.linalg.norm(self._scale * values)) for values in measures)
+        worst = (-1.0, 0.0)
+        for part in self.layout.parts:
+            if part.stop > part.start:
+                size = self._size(part, load, measures, everywhere)
+                lost = sum(response.lost(part) for response in responses.values())
+                worst = max(worst, _relative(residual[part], load[part], size, lost))
+        norm, hidden = worst
         return Evaluation(x, responses, residual, norm, hidden=hidden, scale=self._scale)
 
-    def _relative(
-        self,
-        part: slice,
-        residual: ndarray,
-        load: ndarray,
-        responses: Mapping[str, Response],
-        everywhere: float,
-    ) -> tuple[float, float]:
-        """Return the norm of a field's residual over its largest force, less possible round-off,
-        and that round-off.
+    def _size(
+        self, part: slice, load: ndarray, measures: Sequence[ndarray], everywhere: float
+    ) -> float:
+        """Return the norm that the residual of a field is compared with.
+
+        Where all forces of a field vanish, such as those of multipliers, the forces of all fields
+        measure it.
         """
-        loaded = float(np.linalg.norm(load[part]))
-        scale = max(loaded, *(float(np.linalg.norm(r.measure[part])) for r in responses.values()))
-        if (
-            self._scale is not None
-        ):  # where all forces of a field vanish, as those of multipliers do, others measure it
-            scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
-        round_off = sum(r.lost(part) for r in responses.values())
-        if (
-            loaded > 0.0
-        ):  # displacements so large that their round-off hides the load are no equilibrium
-            round_off = min(round_off, _HIDDEN * loaded)
-        norm, unit = float(np.linalg.norm(residual[part])), scale if scale > 0 else 1.0
-        hidden = min(norm, round_off)
-        return (norm - hidden) / unit, hidden / unit
+        norms = [float(np.linalg.norm(values[part])) for values in measures]
+        size = max(float(np.linalg.norm(load[part])), *norms)
+        if self._scale is not None:
+            size = max(size, _FLOOR * everywhere / float(self._scale[part].max()))
+        return size if size > 0.0 else 1.0
 
     def tangent(self, now: Evaluation, damped: bool = False) -> csr_matrix:
         """Return the tangent of all forms together."""
         return self._total.of([r.damped if damped else r.stiffness for r in now.responses.values()])
 
-    def equilibrium(
-        self,
-        x: ndarray,
-        states: Mapping[str, Any],
-        load: ndarray,
-        prescribed: ndarray,
-        settings: Newton,
-        searches: Sequence[Search] = ("residual", "energy"),
-        elastic: float = 0.0,
-        at_least: int = 0,
-        damp: bool = False,
-        start: ndarray | None = None,
-        leaves: bool = True,
-        begins: bool = False,
-    ) -> Equilibrium:
-        """Find the displacements at which load and internal forces balance.
-
-        Parameters
-        ----------
-        x, states
-            The last accepted displacements and states.
-        load, prescribed
-            External forces, (N,), and values of the fixed dofs.
-        searches
-            Line searches to try, one after the other.
-        elastic
-            Norm of the displacements that the load causes by elasticity; by default the first
-            step's, or that of `x` if it is larger.
-        at_least, damp
-            As for :func:`~skfem_contact.nonlinear.newton.iterate`.
-        start
-            Displacements to start from; by default `x`.
-        leaves
-            End the iterations where contact goes back and forth and other forms help.
-        begins
-            The increment begins: forms may improve the first step from `x`, see
-            :meth:`~skfem_contact.Form.foreseen`.
-
-        Raises
-        ------
-        NoEquilibrium, NotConverged
-            There is no equilibrium; none was found. The message names the largest unbalanced force.
-        """
-        first: list[float] = [elastic] if elastic > 0.0 else []
-        regular: list[csr_matrix] = []
-        moves = self.layout.displacements
-
-        def evaluate(z: ndarray) -> Evaluation:
-            new = self.evaluate(z, states, load)
-            return replace(new, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
-
-        def direction(now: Evaluation, damped: bool) -> ndarray:
-            rtol = forcing.at(now) if inexact else REFINE
-            step = self._direction(now, prescribed - now.z[self.fixed], damped, regular, rtol)
-            if not first:
-                first.append(
-                    max(
-                        float(np.linalg.norm((now.z + step - x)[moves])),
-                        float(np.linalg.norm(x[moves])),
-                    )
-                )
-            return step
-
-        def first_step(new: Evaluation) -> Evaluation:
-            z = self.foreseen(new.z, x, None, states) if begins and start is None else new.z
-            return new if z is new.z else evaluate(z)
-
-        spent: tuple[float, ...] = ()
-        for search in searches:
-            forcing, inexact = (
-                Forcing(settings.tolerance),
-                self.yields and search in ("residual", "either"),
-            )
-            try:
-                # no name for the first new: its tangent would stay in memory
-                now, norms = iterate(
-                    evaluate(x if start is None else start),
-                    evaluate,
-                    direction,
-                    settings,
-                    search,
-                    lambda now: self._far(now, x, first[0]),
-                    at_least,
-                    damp,
-                    lambda seen: leaves and self.out_of(seen, states, load) is not self,
-                    first_step,
-                )
-            except NotConverged as error:
-                error.residuals = spent = spent + error.residuals[1 if spent else 0 :]
-                if isinstance(error, NoEquilibrium) or search == searches[-1] or error.cycle:
-                    raise
-                logger.info("no equilibrium by the %s: %s", search, error)
-            else:
-                return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0 :])
-        raise ValueError("there is no line search to try")
-
-    def _far(self, now: Evaluation, x: ndarray, elastic: float) -> bool:
-        """Return True if displacements from `x` are far beyond elastic ones, on a way that releases
-        energy.
-        """
-        moved = now.z - x
-        times = np.linalg.norm(moved[self.layout.displacements]) / elastic
-        return bool((times > FAR and now.residual @ moved > 0.0) or times > FAR**2)
-
     def foreseen(
         self, start: ndarray, x: ndarray, before: ndarray | None, states: Mapping[str, Any]
     ) -> ndarray:
-        """Return a start that is extrapolated from two displacements, or a first step, with what
-        forms know better.
+        """Return displacements to start from, with better values where forms know some.
+
+        `start` is extrapolated from two displacements, or the first iteration from `x`.
         """
         for name, form in having(self.forms, Regularised).items():
             start = form.foreseen(start, x, before, states[name])
@@ -287,38 +158,30 @@ class System:
 
     def after(self, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
         """Return the system with the forms that begin an increment after failures."""
-        begun = {
-            name: form.begin(states[name], failures[name])
-            for name, form in having(self.forms, Regularised).items()
-        }
+        begun = {}
+        for name, form in having(self.forms, Regularised).items():
+            begun[name] = form.begin(states[name], failures[name])
         return self.with_forms({**self.forms, **begun})
 
     def out_of(self, cycle: Sequence[ndarray], states: Mapping[str, Any], load: ndarray) -> System:
-        """Return the system with forms that do not go back and forth between some displacements;
-        itself without any.
-        """
-        seen = [self.evaluate(x, states, load).states for x in cycle]
-        return self.after(
-            states, {name: Failure(False, tuple(one[name] for one in seen)) for name in self.forms}
-        )
+        """Return the system with forms that leave a cycle of displacements, or this system."""
+        visited = [self.evaluate(x, states, load).states for x in cycle]
+        failures = {}
+        for name in self.forms:
+            failures[name] = Failure(False, tuple(found[name] for found in visited))
+        return self.after(states, failures)
 
-    def _direction(
-        self, now: Evaluation, lag: ndarray, damped: bool, regular: list[csr_matrix], rtol: float
-    ) -> ndarray:
-        """Return the Newton step; where the tangent is singular, far out on a mechanism, with the
-        last regular one.
-        """
-        K = self.tangent(now, damped)
-        right = now.residual
-        step = np.zeros_like(now.z)
-        if lag.any():
-            step[self.fixed] = lag
-            right = right - K @ step
-        try:
-            solve = self.factor(K)
-            regular[:] = [K]  # not its factors, which would be in memory beside the next ones
-        except SingularSystem:
-            if not regular:
-                raise
-            solve = self.factor(regular[0])
-        return step + solve(right, rtol)
+
+def _relative(
+    residual: ndarray, load: ndarray, size: float, round_off: float
+) -> tuple[float, float]:
+    """Return the norm of a field's residual, less round-off, and the round-off, over a size.
+
+    Displacements so large that their round-off hides the load are no equilibrium.
+    """
+    loaded = float(np.linalg.norm(load))
+    if loaded > 0.0:
+        round_off = min(round_off, _HIDDEN * loaded)
+    norm = float(np.linalg.norm(residual))
+    hidden = min(norm, round_off)
+    return (norm - hidden) / size, hidden / size

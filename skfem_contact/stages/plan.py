@@ -80,9 +80,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
 class Planner:
     """Forms, supports, water and loads, followed from stage to stage."""
 
-    def __init__(
-        self, setup: Setup, stages: Sequence[Stage], start: StageResult | None
-    ) -> None:
+    def __init__(self, setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> None:
         self._setup = setup
         self._start = start
         self._known = dict(setup.forms)  # all forms, as stages have changed them so far
@@ -130,7 +128,8 @@ class Planner:
         prescribed = self._prescribed(stage)
 
         # Compare with the stage before
-        same_load = not self._first and np.array_equal(load, self._last_load)
+        last_load = self._last_load
+        same_load = last_load is not None and np.array_equal(load, last_load)
         same_load = same_load and prescribed is None
         same_supports = stage.fixed is None or np.array_equal(old_supports, self._supports)
         waits = same_load and on_top is None and not (changes or self._unreleased)

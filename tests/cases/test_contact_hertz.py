@@ -9,7 +9,7 @@ import pytest
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.nonlinear.system import System
+from skfem_contact.nonlinear.step import Step, _Balance
 from tests.oracles.halfplane import contact_modulus, elliptic, hertz
 from tests.tools.curved import curved, graded
 from tests.tools.helpers import ELEMENTS, vector_basis
@@ -147,23 +147,24 @@ def newton_steps(monkeypatch: pytest.MonkeyPatch) -> list[list[tuple[float, np.n
     its iterations.
     """
     steps: list[list[tuple[float, np.ndarray]]] = []
-    direction, equilibrium = System._direction, System.equilibrium
+    direction, equilibrium = _Balance.direction, Step.equilibrium
 
     def active(states):
         return np.stack((states["punch"].status, states["punch"].facet))
 
-    def iteration(self, now, *args):
+    def iteration(self, now, damped):
         steps[-1].append((now.norm, active(now.states)))
-        return direction(self, now, *args)
+        return direction(self, now, damped)
 
-    def whole(self, x, states, load, *args, **kwargs):
+    def whole(self, *args):
         steps.append([])
-        found = equilibrium(self, x, states, load, *args, **kwargs)
-        steps[-1].append((self.evaluate(found.x, states, load).norm, active(found.states)))
+        found = equilibrium(self, *args)
+        now = self.system.evaluate(found.x, self.states, self.load)
+        steps[-1].append((now.norm, active(found.states)))
         return found
 
-    monkeypatch.setattr(System, "_direction", iteration)
-    monkeypatch.setattr(System, "equilibrium", whole)
+    monkeypatch.setattr(_Balance, "direction", iteration)
+    monkeypatch.setattr(Step, "equilibrium", whole)
     return steps
 
 

@@ -12,7 +12,7 @@ from space_problems import MASTER, SLAVE, paraboloid, sheared_paraboloid
 import skfem_contact as sc
 from skfem_contact.contact.interface import Interface
 from skfem_contact.contact.multipliers import nodal_forces
-from skfem_contact.nonlinear.system import System
+from skfem_contact.nonlinear.step import Step
 from tests.contact.test_contact_in_space import patch as patch_in_space
 from tests.tools import space
 from tests.tools.helpers import grid, vector_basis
@@ -193,13 +193,13 @@ def test_augmented_multipliers_are_improved_at_equilibrium(enforcement, monkeypa
             basis, "top:bottom", "mid:top", sc.Coulomb(0.3), 2, enforcement=enforcement
         ),
     }
-    pressed, tolerances, equilibrium = basis.zeros(), [], System.equilibrium
+    pressed, tolerances, equilibrium = basis.zeros(), [], Step.equilibrium
     pressed[basis.get_dofs("top:top").all("u^2")] = -1e-2
     monkeypatch.setattr(
-        System,
+        Step,
         "equilibrium",
-        lambda *given, **options: (
-            tolerances.append(given[5].tolerance) or equilibrium(*given, **options)
+        lambda step, settings, attempt: (
+            tolerances.append(settings.tolerance) or equilibrium(step, settings, attempt)
         ),
     )
     fixed = basis.get_dofs({"low:bottom", "top:top"}).all()

@@ -8,7 +8,28 @@ from scipy.sparse import csr_matrix
 
 from skfem_contact import Response
 from skfem_contact.errors import NotConverged
-from skfem_contact.nonlinear.newton import Evaluation, Newton, backtrack, iterate, shorten
+from skfem_contact.nonlinear.newton import (
+    Evaluation,
+    Newton,
+    Problem,
+    backtrack,
+    iterate,
+    shorten,
+)
+
+
+class Given(Problem):
+    """Equations of given functions."""
+
+    def __init__(self, evaluate, direction=None, leaves=lambda visited: False):
+        self.evaluate = evaluate
+        self.direction = direction
+        self.leaves = leaves
+
+
+def iterated(evaluate, direction, settings, search="residual", **given):
+    """Iterate from zero."""
+    return iterate(evaluate(np.zeros(1)), Given(evaluate, direction, **given), settings, search)
 
 
 def scalar(residual):
@@ -30,9 +51,7 @@ def test_no_trial_is_a_number(search):
     """
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0, np.nan))
     with pytest.raises(NotConverged) as failed:
-        iterate(
-            evaluate(np.zeros(1)), evaluate, lambda now, damped: np.full(1, 100.0), Newton(), search
-        )
+        iterated(evaluate, lambda now, damped: np.full(1, 100.0), Newton(), search)
     assert np.isfinite(failed.value.x).all() and np.isfinite(failed.value.residuals).all()
 
 
@@ -42,9 +61,7 @@ def test_a_shorter_step_has_an_answer(search):
     steps of 8.
     """
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0 - z, np.nan))
-    found, _ = iterate(
-        evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton(), search
-    )
+    found, _ = iterated(evaluate, lambda now, damped: 8.0 * now.residual, Newton(), search)
     assert found.z == pytest.approx(1.0)
 
 
@@ -59,7 +76,7 @@ def test_how_far_the_work_of_the_residual_leads(search, first):
         seen.append(float(now.z[0]))
         return 0.25 * now.residual
 
-    iterate(evaluate(np.zeros(1)), evaluate, direction, Newton(max_iterations=100), search)
+    iterated(evaluate, direction, Newton(max_iterations=100), search)
     assert seen[1] == pytest.approx(first)
 
 
@@ -68,8 +85,7 @@ def test_runaway_ends_early():
     start = iter((0.5, 0.01))
     evaluate = scalar(lambda z: np.full(1, next(start, 0.3)))
     with pytest.raises(NotConverged) as failed:
-        iterate(
-            evaluate(np.zeros(1)),
+        iterated(
             evaluate,
             lambda now, damped: np.ones(1),
             Newton(max_iterations=100),
@@ -85,8 +101,7 @@ def test_a_step_into_a_wall_is_shortened():
     to z = 1, where the spring bears the load.
     """
     evaluate = scalar(lambda z: 1.0 - z - 1e4 * np.maximum(z - 1.5, 0.0))
-    found, residuals = iterate(
-        evaluate(np.zeros(1)),
+    found, residuals = iterated(
         evaluate,
         lambda now, damped: np.full(1, 16.0),
         Newton(max_iterations=1),
@@ -103,8 +118,7 @@ def test_iterations_that_are_nearly_done_go_on(share, ends):
     evaluate = scalar(lambda z: 1.0 - z)
 
     def iterations():
-        _, residuals = iterate(
-            evaluate(np.zeros(1)),
+        _, residuals = iterated(
             evaluate,
             lambda now, damped: (1.0 - share) * now.residual,
             Newton(max_iterations=5),
@@ -130,9 +144,7 @@ def test_where_no_trial_may_go_the_step_is_shortened():
             else Evaluation(z, {}, np.zeros(1), np.inf)
         )
 
-    found, _ = iterate(
-        evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton()
-    )
+    found, _ = iterated(evaluate, lambda now, damped: 8.0 * now.residual, Newton())
     assert found.z == 1.0
 
 
@@ -151,17 +163,17 @@ def test_a_step_along_a_mechanism_is_shortened_by_work_or_norm():
         return scalar(residual)(z)
 
     start = scalar(residual)(np.zeros(1))
-    new = shorten(start, np.ones(1), [1.0], evaluate)
+    new = shorten(start, np.ones(1), [1.0], Given(evaluate))
     assert (
         abs(new.residual[0]) < 1.0 and len(lengths) <= 4
     )  # interpolated: 1/50 would be the sixth half
-    assert abs(backtrack(start, np.ones(1), [1.0], scalar(residual)).residual[0]) > 1.0
+    assert abs(backtrack(start, np.ones(1), [1.0], Given(scalar(residual))).residual[0]) > 1.0
 
 
 def test_near_equilibrium_the_norm_admits_the_longest_step():
     """[X] No length does half of the work, as where points yield in turn: the norm decides."""
     evaluate = scalar(lambda z: np.where(z > 0.0, -0.9, 1.0))
-    assert shorten(evaluate(np.zeros(1)), np.ones(1), [1.0], evaluate).z[0] == 1.0
+    assert shorten(evaluate(np.zeros(1)), np.ones(1), [1.0], Given(evaluate)).z[0] == 1.0
 
 
 @pytest.mark.parametrize(
@@ -179,13 +191,12 @@ def test_contact_that_goes_back_and_forth(search, known, most):
 
     seen = []
     with pytest.raises(NotConverged) as failed:
-        iterate(
-            evaluate(np.zeros(1)),
+        iterated(
             evaluate,
             lambda now, damped: now.residual,
             Newton(),
             search,
-            leave=lambda visited: seen.append(visited) or known,
+            leaves=lambda visited: seen.append(visited) or known,
         )
     assert len(failed.value.residuals) - 1 <= most and bool(failed.value.cycle) == known
     assert {float(z[0]) for z in seen[0]} == {0.0, 1.0}

@@ -1,0 +1,204 @@
+"""Step: an increment of load and prescribed displacements, and the search for its equilibrium."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from ..errors import NoEquilibrium, NotConverged
+from ..solvers.direct import REFINE, SingularSystem
+from .forcing import Forcing
+from .newton import FAR, Evaluation, Newton, Problem, Search, iterate
+from .system import System
+
+logger = logging.getLogger("skfem_contact")
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A converged increment.
+
+    Attributes
+    ----------
+    x, states
+        Displacements, (N,), and candidate states by form.
+    residuals
+        History of the residual.
+    equilibria
+        Number of equilibria that the increment took.
+    """
+
+    x: ndarray
+    states: dict[str, Any]
+    residuals: tuple[float, ...]
+    equilibria: int = 1
+
+    @property
+    def iterations(self) -> int:
+        """Number of linear systems solved."""
+        return len(self.residuals) - 1
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One attempt to find the equilibrium of a step.
+
+    Attributes
+    ----------
+    searches
+        Line searches to try, one after the other.
+    elastic
+        Norm of the displacements that the load causes by elasticity; by default the norm of the
+        first iteration's displacements, or of `x` if it is larger.
+    at_least, damp
+        As for :func:`~skfem_contact.nonlinear.newton.iterate`.
+    leaves
+        End the iterations where contact goes back and forth and other forms help.
+    begins
+        The increment begins: forms may improve the first iteration from `x`, see
+        :meth:`~skfem_contact.roles.Regularised.foreseen`.
+    """
+
+    searches: tuple[Search, ...] = ("residual", "energy")
+    elastic: float = 0.0
+    at_least: int = 0
+    damp: bool = False
+    leaves: bool = True
+    begins: bool = False
+
+
+@dataclass(frozen=True)
+class Step:
+    """An increment to be solved.
+
+    Attributes
+    ----------
+    system
+        Forms, supports and linear solver.
+    x, states
+        The last accepted displacements and states.
+    load, prescribed
+        External forces, (N,), and values of the fixed dofs.
+    start
+        Displacements to start from; by default `x`.
+    """
+
+    system: System
+    x: ndarray
+    states: Mapping[str, Any]
+    load: ndarray
+    prescribed: ndarray
+    start: ndarray | None = None
+
+    def equilibrium(self, settings: Newton, attempt: Attempt = Attempt()) -> Equilibrium:  # noqa: B008
+        """Find the displacements at which load and internal forces balance.
+
+        Raises
+        ------
+        NoEquilibrium, NotConverged
+            There is no equilibrium; none was found. The message names the largest unbalanced force.
+        """
+        balance = _Balance(self, settings, attempt)
+        start = self.x if self.start is None else self.start
+        spent: tuple[float, ...] = ()
+        for search in attempt.searches:
+            balance.choose_accuracy(search)
+            try:
+                # no name for the first evaluation: its tangent would stay in memory
+                now, norms = iterate(
+                    balance.evaluate(start),
+                    balance,
+                    settings,
+                    search,
+                    at_least=attempt.at_least,
+                    damp=attempt.damp,
+                )
+            except NotConverged as error:
+                error.residuals = spent = spent + error.residuals[1 if spent else 0 :]
+                last = search == attempt.searches[-1]
+                if isinstance(error, NoEquilibrium) or last or error.cycle:
+                    raise
+                logger.info("no equilibrium by the %s: %s", search, error)
+            else:
+                return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0 :])
+        raise ValueError("there is no line search to try")
+
+
+class _Balance(Problem):
+    """Balance of load and internal forces of a step."""
+
+    def __init__(self, step: Step, settings: Newton, attempt: Attempt) -> None:
+        self._step = step
+        self._settings = settings
+        self._attempt = attempt
+        self._elastic = attempt.elastic or None  # unknown before the first iteration
+        self._regular: csr_matrix | None = None  # the last tangent that was regular
+        self._forcing: Forcing | None = None
+
+    def choose_accuracy(self, search: Search) -> None:
+        """Solve linear systems only as accurately as the search needs, where bodies yield."""
+        inexact = self._step.system.yields and search in ("residual", "either")
+        self._forcing = Forcing(self._settings.tolerance) if inexact else None
+
+    def evaluate(self, z: ndarray) -> Evaluation:
+        step = self._step
+        new = step.system.evaluate(z, step.states, step.load)
+        lag = np.abs(step.prescribed - z[step.system.fixed]).max(initial=0.0)
+        return replace(new, lag=float(lag))
+
+    def direction(self, now: Evaluation, damped: bool) -> ndarray:
+        """Return the Newton step.
+
+        Where the tangent is singular, far out on a mechanism, the last regular one takes its place.
+        """
+        system = self._step.system
+        rtol = REFINE if self._forcing is None else self._forcing.at(now)
+        K = system.tangent(now, damped)
+
+        # Move the fixed dofs, and balance the forces by which they pull at the others.
+        step = np.zeros_like(now.z)
+        right = now.residual
+        lag = self._step.prescribed - now.z[system.fixed]
+        if lag.any():
+            step[system.fixed] = lag
+            right = right - K @ step
+        try:
+            solve = system.factor(K)
+            self._regular = K  # not its factors, which would be in memory next to the new ones
+        except SingularSystem:
+            if self._regular is None:
+                raise
+            solve = system.factor(self._regular)
+        step = step + solve(right, rtol)
+        if self._elastic is None:
+            moves = system.layout.displacements
+            moved = float(np.linalg.norm((now.z + step - self._step.x)[moves]))
+            self._elastic = max(moved, float(np.linalg.norm(self._step.x[moves])))
+        return step
+
+    def far(self, now: Evaluation) -> bool:
+        moved = now.z - self._step.x
+        size = np.linalg.norm(moved[self._step.system.layout.displacements])
+        assert self._elastic is not None
+        times = size / self._elastic
+        releases_energy = now.residual @ moved > 0.0
+        return bool((times > FAR and releases_energy) or times > FAR**2)
+
+    def leaves(self, visited: list[ndarray]) -> bool:
+        step = self._step
+        if not self._attempt.leaves:
+            return False
+        return step.system.out_of(visited, step.states, step.load) is not step.system
+
+    def improved(self, new: Evaluation) -> Evaluation:
+        step = self._step
+        if not self._attempt.begins or step.start is not None:
+            return new
+        z = step.system.foreseen(new.z, step.x, None, step.states)
+        return new if z is new.z else self.evaluate(z)
