@@ -17,6 +17,8 @@ from ..checks import format_point
 _FLAT = 2e-5
 #: Types of entities that are curves.
 _CURVES = {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"}
+#: Types of plane curves that keep their arcs.
+_ROUND = {"LWPOLYLINE", "ARC", "CIRCLE"}
 #: Types of entities that are texts; they name curves.
 TEXTS = {"TEXT", "MTEXT"}
 #: Decimals of coordinates and bulges by which doubles are known.
@@ -45,13 +47,34 @@ def plane(point: Any) -> ndarray:
     return np.array([point[0], point[1]], float)
 
 
-def entities(space: Any) -> Iterator[Any]:
-    """Return the entities of a drawing and of its inserted blocks."""
+def entities(space: Any, layer: str = "0") -> Iterator[tuple[Any, str]]:
+    """Yield the entities of a drawing and of its inserted blocks, each with its layer.
+
+    Entities on layer 0 of a block have the layer of its insert. Every copy of an array is yielded.
+    """
     for entity in space:
-        if entity.dxftype() == "INSERT":
-            yield from entities(entity.virtual_entities())
-        else:
-            yield entity
+        own = entity.dxf.layer
+        if own == "0":
+            own = layer
+        if entity.dxftype() != "INSERT":
+            yield entity, own
+            continue
+        copies = [entity]
+        if entity.mcount > 1:
+            copies = entity.multi_insert()
+        for copy in copies:
+            yield from entities(copy.virtual_entities(), own)
+
+
+def position(text: Any) -> ndarray:
+    """Return the point of a text: where it is justified the point that it is aligned with."""
+    dxf = text.dxf
+    if text.dxftype() == "MTEXT":
+        return plane(dxf.insert)
+    justified = dxf.get("halign", 0) in (1, 2, 4) or dxf.get("valign", 0)
+    if justified and dxf.hasattr("align_point"):
+        return plane(text.ocs().to_wcs(dxf.align_point))
+    return plane(text.ocs().to_wcs(dxf.insert))
 
 
 def chain_of(entity: Any, size: float) -> Chain | None:
@@ -63,26 +86,36 @@ def chain_of(entity: Any, size: float) -> Chain | None:
     if kind == "LINE":
         return Chain(np.array([plane(dxf.start), plane(dxf.end)]), np.zeros(1), False)
 
-    # Keep the arcs of curves whose normal is z
-    if not dxf.hasattr("extrusion") or abs(dxf.extrusion[2] - 1.0) <= 1e-12:
-        if kind == "CIRCLE":
-            return _circle(plane(dxf.center), dxf.radius)
-        if kind == "ARC":
-            return _arc(plane(dxf.center), dxf.radius, dxf.start_angle, dxf.end_angle)
-        if kind == "LWPOLYLINE":
-            return _polyline(list(entity.get_points("xyb")), bool(entity.closed))
-        if kind == "POLYLINE" and entity.is_2d_polyline:
-            vertices = [
-                (*plane(vertex.dxf.location), vertex.dxf.get("bulge", 0.0))
-                for vertex in entity.vertices
-            ]
-            return _polyline(vertices, bool(entity.is_closed))
+    # Keep the arcs of curves with the normal z, or -z in mirrored blocks, where x is opposite
+    up = dxf.extrusion[2] if dxf.hasattr("extrusion") else 1.0
+    round_ = kind in _ROUND or (kind == "POLYLINE" and entity.is_2d_polyline)
+    if round_ and abs(abs(up) - 1.0) <= 1e-12:
+        chain = _with_arcs(entity)
+        if chain and up < 0.0:
+            return Chain(chain.points * (-1.0, 1.0), -chain.bulges, chain.closed)
+        return chain
 
     # Replace the others by chords
     from ezdxf.path import make_path
 
     points = np.array([plane(point) for point in make_path(entity).flattening(_FLAT * size)])
     return Chain(points, np.zeros(len(points) - 1), False)
+
+
+def _with_arcs(entity: Any) -> Chain | None:
+    """Return the chain of a circle, an arc or a polyline in its own coordinates."""
+    kind = entity.dxftype()
+    dxf = entity.dxf
+    if kind == "CIRCLE":
+        return _circle(plane(dxf.center), dxf.radius)
+    if kind == "ARC":
+        return _arc(plane(dxf.center), dxf.radius, dxf.start_angle, dxf.end_angle)
+    if kind == "LWPOLYLINE":
+        return _polyline(list(entity.get_points("xyb")), bool(entity.closed))
+    vertices = []
+    for vertex in entity.vertices:
+        vertices.append((*plane(vertex.dxf.location), vertex.dxf.get("bulge", 0.0)))
+    return _polyline(vertices, bool(entity.is_closed))
 
 
 def _circle(centre: ndarray, radius: float) -> Chain:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import format_point, positive
-from .curves import TEXTS, Chain, chain_of, entities, joined, open_gap, plane, snapped
+from .curves import TEXTS, Chain, chain_of, entities, joined, open_gap, position, snapped
 from .outline import Outline
 from .section import Section
 
@@ -226,11 +226,10 @@ def _unit_of(document: Any, unit: str | None) -> float:
 def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_Layer]:
     """Return the layers of a drawing that have a rule."""
     drawn = list(entities(document.modelspace()))
-    size = _size_of(drawn)
+    size = _size_of([entity for entity, _ in drawn])
     layers: dict[str, _Layer] = {}
     skipped: dict[str, Counter[str]] = {}
-    for entity in drawn:
-        name = entity.dxf.layer
+    for entity, name in drawn:
         rule = _rule_of(name, rules)
         if rule == "ignore":
             continue
@@ -261,7 +260,7 @@ def _add(layer: _Layer, entity: Any, size: float) -> bool:
     if kind not in TEXTS:
         return False
     text = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
-    layer.texts.append((_name_of(text.strip()), plane(entity.dxf.insert)))
+    layer.texts.append((_name_of(text.strip()), position(entity)))
     return True
 
 

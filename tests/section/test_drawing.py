@@ -318,3 +318,75 @@ def test_wrong_calls_of_drawings(tmp_path) -> None:
     (tmp_path / "no.dxf").write_text("no drawing")
     with pytest.raises(ValueError, match=r"no.dxf is not a DXF file"):
         sc.section.from_dxf(tmp_path / "no.dxf", {}, size=1.0)
+
+
+def test_curves_on_layer_0_of_a_block_have_the_layer_of_its_insert(tmp_path) -> None:
+    """[X] A rectangle of 20 x 10 on layer 0 of a block that is inserted on layer clay."""
+
+    def draw(space, document):
+        document.blocks.new("box").add_lwpolyline(BOX, close=True)
+        space.add_blockref("box", (0, 0), dxfattribs={"layer": "clay"})
+
+    drawing = sc.section.from_dxf(drawn(tmp_path, draw), {"clay": "area"}, size=4.0)
+    assert areas_of(drawing)["clay"] == pytest.approx(200.0, rel=1e-12)
+
+
+def test_all_copies_of_an_array_of_blocks_are_read(tmp_path) -> None:
+    """[X] Four drains at x = 4, 8, 12 and 16 are the array of one block."""
+
+    def draw(space, document):
+        polyline("clay", BOX)(space)
+        document.blocks.new("drain").add_line((0, 0), (0, -5), dxfattribs={"layer": "drain"})
+        array = {"layer": "drain", "column_count": 4, "column_spacing": 4.0}
+        space.add_blockref("drain", (4, 8), dxfattribs=array)
+
+    drawing = sc.section.from_dxf(
+        drawn(tmp_path, draw), {"clay": "area", "drain": "line"}, size=3.0
+    )
+    x = sorted(outline.points[0, 0] for outline in drawing.section.outlines["drain"])
+    assert np.allclose(x, [4.0, 8.0, 12.0, 16.0])
+
+
+def test_a_justified_text_lies_at_the_point_it_is_aligned_with(tmp_path) -> None:
+    """[X] Group 11 counts, not group 10, which may be anything; justified to the left, group 10."""
+    from ezdxf.enums import TextEntityAlignment as Alignment
+
+    for align, inside, outside in (
+        (Alignment.MIDDLE_CENTER, "align_point", "insert"),
+        (Alignment.LEFT, "insert", "align_point"),
+    ):
+
+        def draw(space, _, align=align, inside=inside, outside=outside):
+            polyline("soil", BOX)(space)
+            text = space.add_text("stiff clay", dxfattribs={"layer": "soil"})
+            text.set_placement((10, 5), align=align)
+            text.dxf.set(inside, (10, 5))
+            text.dxf.set(outside, (90, 90))
+
+        drawing = sc.section.from_dxf(drawn(tmp_path, draw), {"soil": "area"}, size=4.0)
+        assert list(drawing.section.areas) == ["stiff clay"]
+
+
+def test_mirrored_arcs_stay_arcs(tmp_path) -> None:
+    """[X] Arcs, circles and bulges of a mirrored block have the points and bulges of the mirror."""
+
+    def draw(space, document):
+        block = document.blocks.new("curves")
+        block.add_lwpolyline(
+            [(1, 0, 0.4), (3, 0, 0), (3, 2, 0)], "xyb", close=True, dxfattribs={"layer": "bow"}
+        )
+        block.add_arc((6, 0), 1.0, 0.0, 90.0, dxfattribs={"layer": "arc"})
+        block.add_circle((9, 0), 0.5, dxfattribs={"layer": "bore"})
+        block.add_text("bow", dxfattribs={"layer": "bow", "insert": (2.8, 1.0)})
+        polyline("ground", [(-20, -9), (20, -9), (20, 9), (-20, 9)])(space)
+        space.add_blockref("curves", (0, 0), dxfattribs={"xscale": -1.0})
+
+    rules = {"ground": "area", "bow": "lift", "arc": "line", "bore": "hole"}
+    section = sc.section.from_dxf(drawn(tmp_path, draw), rules, size=4.0).section
+    (bow,), (arc,), (bore,) = (section.outlines[name] for name in ("bow", "arc", "bore"))
+    assert np.allclose(bow.points, [(-1, 0), (-3, 0), (-3, 2)]) and np.allclose(
+        bow.bulges, [-0.4, 0.0, 0.0]
+    )
+    assert np.allclose(arc.points[[0, -1]], [(-7, 0), (-6, 1)])
+    assert np.allclose(arc.centres, (-6, 0)) and arc.length == pytest.approx(0.5 * np.pi)
+    assert abs(bore.area) == pytest.approx(0.25 * np.pi) and np.allclose(bore.centres, (-9, 0))
