@@ -17,6 +17,8 @@ _ELEMENTS = {
     "quad": (4, "line"),
     "quad9": (4, "line3"),
 }
+#: Names of physical groups without a name, before their number, by dimension.
+_KINDS = {1: "curve", 2: "surface"}
 _LOWER = {"vertex", "line", "line3"}
 
 Integers = NDArray[np.integer]
@@ -27,7 +29,8 @@ _FLAT = 1e-9
 def load_mesh(path: str | PathLike[str]) -> Mesh:
     """Load the plane mesh of a Gmsh file, with its physical surfaces and curves.
 
-    Physical surfaces become subdomains, and physical curves become boundaries.
+    Physical surfaces become subdomains, and physical curves become boundaries. Groups without a
+    name are ``"surface 1"`` or ``"curve 3"``, by their numbers.
     ``skfem.Mesh.load`` loses the curves of second-order meshes, the curves between two surfaces in
     format 2.2, and the quadrilaterals of meshes that have triangles as well.
 
@@ -74,7 +77,7 @@ def _plane_mesh(file: meshio.Mesh) -> Mesh:
     """Return the mesh of a file."""
     kind = _element_type(file)
     n_corners, line = _ELEMENTS[kind]
-    elements = file.cells_dict[kind]
+    elements, groups = _without_doubles(file.cells_dict[kind], _physical_groups(file, 2, kind))
     lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
 
     # Refuse points that are no plane mesh
@@ -97,10 +100,22 @@ def _plane_mesh(file: meshio.Mesh) -> Mesh:
     number = np.zeros(len(file.points), dtype=int)
     number[kept] = np.arange(len(kept))
     cell_sets = {name: [members, None] for name, members in curves.items()}
-    for name, members in _physical_groups(file, 2, kind).items():
+    for name, members in groups.items():
         cell_sets[name] = [None, members]
     cells = [("line", number[lines]), (kind, number[elements])]
     return from_meshio(meshio.Mesh(file.points[kept], cells, cell_sets=cell_sets))
+
+
+def _without_doubles(
+    elements: Integers, groups: dict[str, Integers]
+) -> tuple[Integers, dict[str, Integers]]:
+    """Return elements and groups, where format 2.2 repeats the elements of overlapping groups."""
+    first, same = np.unique(
+        np.sort(elements, axis=1), axis=0, return_index=True, return_inverse=True
+    )[1:]
+    kept = np.sort(first)
+    number = np.searchsorted(kept, first)[same.ravel()]
+    return elements[kept], {name: np.unique(number[part]) for name, part in groups.items()}
 
 
 def _element_type(file: meshio.Mesh) -> str:
@@ -123,14 +138,19 @@ def _element_type(file: meshio.Mesh) -> str:
 
 
 def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[str, Integers]:
-    """Return the cells of every named physical group of a dimension."""
-    names = {name: tag for name, (tag, dim) in file.field_data.items() if dim == dimension}
-    if file.cell_sets:  # format 4.1
-        groups = {name: file.cell_sets_dict[name].get(cell_type, []) for name in names}
-    else:
-        tags = file.cell_data_dict.get("gmsh:physical", {}).get(cell_type, np.empty(0))
-        groups = {name: np.flatnonzero(tags == tag) for name, tag in names.items()}
-    return {name: members for name, members in groups.items() if len(members)}
+    """Return the cells of the physical groups of a dimension, by name or as ``"curve 1"``."""
+    names = {tag: name for name, (tag, dim) in file.field_data.items() if dim == dimension}
+    tags = file.cell_data_dict.get("gmsh:physical", {}).get(cell_type, np.empty(0, int))
+    tags = np.abs(tags)  # negative where a group lists a curve with a minus sign
+    groups: dict[str, Integers] = {}
+    for tag in dict.fromkeys((*names, *np.unique(tags[tags > 0]).tolist())):
+        members = np.flatnonzero(tags == tag)
+        if file.cell_sets and tag in names:  # format 4.1, whose cells may be in several groups
+            listed = file.cell_sets_dict[names[tag]].get(cell_type, np.empty(0, int))
+            members = np.union1d(members, listed).astype(int)
+        if len(members):
+            groups[names.get(tag, f"{_KINDS[dimension]} {tag}")] = members
+    return groups
 
 
 def _check_curves(curves: dict[str, Integers], lines: Integers, corners: Integers) -> None:

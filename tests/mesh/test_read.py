@@ -91,13 +91,6 @@ def test_mesh_load_loses_the_curve_between_two_surfaces(write):
     assert "middle" not in Mesh.load(write(TWO_SQUARES)).boundaries
 
 
-def test_file_without_names(write):
-    start, end = TWO_SQUARES.index("$PhysicalNames"), TWO_SQUARES.index("$Nodes")
-    mesh = load_mesh(write(TWO_SQUARES[:start] + TWO_SQUARES[end:]))
-    assert mesh.nelements == 2
-    assert not mesh.boundaries and not mesh.subdomains
-
-
 def test_curve_that_is_no_side(write):
     with pytest.raises(
         ValueError, match="1 of 1 lines of curve 'middle' are not sides of elements"
@@ -247,3 +240,49 @@ def test_meshes_that_would_be_flattened_or_wrong(tmp_path, change, message):
     file.write_text(change(SQUARE))
     with pytest.raises(ValueError, match=rf"some.msh: .*{message}"):
         sc.load_mesh(file)
+
+
+def test_groups_without_names_are_named_by_their_numbers(write):
+    """[X] Without $PhysicalNames the groups are there all the same."""
+    begin, end = (TWO_SQUARES.index(mark) for mark in ("$PhysicalNames", "$Nodes"))
+    mesh = load_mesh(write(TWO_SQUARES[:begin] + TWO_SQUARES[end:]))
+    assert sorted(mesh.subdomains) == ["surface 1", "surface 2"]
+    assert sorted(mesh.boundaries) == ["curve 1", "curve 2"]
+    assert length(mesh, "curve 2") == pytest.approx(2.0)
+
+
+def test_elements_of_overlapping_groups_are_read_once(write):
+    """[X] Format 2.2 repeats the western square for a third group, "all"."""
+    text = TWO_SQUARES.replace("PhysicalNames\n4\n", 'PhysicalNames\n5\n2 3 "all"\n')
+    text = text.replace("$Elements\n5\n", "$Elements\n7\n")
+    text = text.replace(EAST, EAST + "\n6 3 2 3 1 2 3 6 5\n7 3 2 3 2 3 4 7 6")
+    mesh = load_mesh(write(text))
+    assert mesh.nelements == 2
+    assert {name: area(mesh, name) for name in mesh.subdomains} == {
+        "west": pytest.approx(1.0),
+        "east": pytest.approx(1.0),
+        "all": pytest.approx(2.0),
+    }
+
+
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_parts_of_a_group_with_a_minus_sign_belong_to_it(tmp_path, version):
+    """[X] Curves 1 and -2 of one group are 2 long together."""
+    gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        cad = gmsh.model.geo
+        p = [cad.addPoint(x, y, 0, 0.5) for x, y in ((0, 0), (1, 0), (2, 0), (2, 1), (0, 1))]
+        first, second = cad.addLine(p[0], p[1]), cad.addLine(p[2], p[1])
+        others = [cad.addLine(p[k], p[(k + 1) % 5]) for k in (2, 3, 4)]
+        soil = cad.addPlaneSurface([cad.addCurveLoop([first, -second, *others])])
+        cad.synchronize()
+        gmsh.model.addPhysicalGroup(2, [soil], name="soil")
+        gmsh.model.addPhysicalGroup(1, [first, -second], name="bottom")
+        gmsh.model.mesh.generate(2)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.write(str(tmp_path / "signs.msh"))
+    finally:
+        gmsh.finalize()
+    assert length(load_mesh(tmp_path / "signs.msh"), "bottom") == pytest.approx(2.0)
