@@ -1,6 +1,4 @@
-"""Forms of water that enters or leaves consolidating ground at nodes, for as long as they are
-active.
-"""
+"""Forms of water that enters or leaves consolidating ground at nodes, while they are active."""
 
 from __future__ import annotations
 
@@ -19,19 +17,22 @@ from .pore_water import PoreWater
 class AtNodes(Form, Couples, Staged, Timed):
     """Water that enters or leaves consolidating ground at nodes."""
 
-    symmetric, second_order = True, True
-    _water: PoreWater
-    _at: ndarray
+    symmetric = True
+    second_order = True
+    #: Water of the ground, and dofs of its pressures at the nodes.
+    water: PoreWater
+    _dofs: ndarray
     _duration = 0.0
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Self:
-        return self._in(self._water.completed(forms))
+        return self._in(self.water.completed(forms))
 
     @override
     def continues(self, old: Form) -> Self:
         super().continues(old)
-        return self._in(old._water)  # type: ignore[attr-defined]
+        assert isinstance(old, AtNodes)
+        return self._in(old.water)
 
     @abstractmethod
     def _in(self, water: PoreWater) -> Self:

@@ -40,9 +40,7 @@ _MEMORY, _SHORTEST, _DECREASE, _ITERATIONS = 5, 1.0 / 64.0, 1e-4, 25
 
 
 class Balance(NamedTuple):
-    """Heads in balance, water that enters at the nodes, relative permeability at the integration
-    points.
-    """
+    """Heads in balance, inflow at the nodes, and relative permeability at integration points."""
 
     head: ndarray
     inflow: ndarray
@@ -52,9 +50,7 @@ class Balance(NamedTuple):
 
 @dataclass(frozen=True)
 class _State:
-    """Heads, nodes of seepage faces through which water leaves, and iterations at every width so
-    far.
-    """
+    """Heads, nodes of seepage faces through which water leaves, and iterations of each width."""
 
     head: ndarray
     leaking: ndarray
@@ -76,50 +72,48 @@ class WaterBalance:
     def __init__(
         self, flow: DarcyFlow, given: NodalConditions, tie: csr_matrix, coordinates: ndarray
     ) -> None:
-        self.flow, self.given, self.tie = flow, given, tie
+        self.flow = flow
+        self.given = given
+        self.tie = tie
         diagonal = (tie.T @ flow.saturated @ tie).diagonal()
-        self._idle = diagonal == 0.0  # tied nodes, and those of no porous element
+        # Nodes that are tied, or in no porous element, are idle.
+        self._idle = diagonal == 0.0
         self._diagonal = np.where(self._idle, diagonal.max(), diagonal)
         self._face = given.face & ~self._idle
         self._solver = DirectSolver(coordinates, np.arange(len(diagonal)))
         self._tolerance = 1e-12 * float(np.ptp(coordinates, axis=1).max())
 
     def solve(self, laws: Laws, finer: Callable[[], DarcyFlow]) -> Balance:
-        """Return the heads, or raise NotConverged; warn where the transition is wider than
-        requested.
+        """Return the heads, or raise NotConverged; warn of a transition wider than requested.
 
         Where the water does not balance at the first attempts, the flow may become the finer one.
         """
+        # Begin with saturated ground.
         given = self.given
-        now = self._newton(
-            _State(np.where(given.held, given.head, np.nanmax(given.known)), self._face),
-            (),
-            _BALANCED,
-        )
-        if (now.head >= self.flow.elevation - self._tolerance)[self.flow.dofs].all():
-            laws = ()
-        else:
-            reached, now = self._narrowed(now, laws, _WIDEST * _RATIO, _PATIENCE)
-            if reached > 1.0:
-                reached, now = self._slowly(now, laws, reached, finer())
-            if reached > 1.0:
-                warn(
-                    f"the transition between wet and dry ground is {reached:.3g} times as wide as "
-                    f"asked for; "
-                    "with a narrower one the water did not balance; refine the mesh at the free "
-                    "surface"
-                )
-            laws = _softer(laws, reached)
-        return self._balance(now, laws)
+        head = np.where(given.held, given.head, np.nanmax(given.known))
+        now = self._newton(_State(head, self._face), (), _BALANCED)
+        saturated = now.head >= self.flow.elevation - self._tolerance
+        if saturated[self.flow.dofs].all():
+            return self._balance(now, ())
+        # Narrow the transition between wet and dry.
+        reached, now = self._narrowed(now, laws, _WIDEST * _RATIO, _PATIENCE)
+        if reached > 1.0:
+            reached, now = self._slowly(now, laws, reached, finer())
+        if reached > 1.0:
+            warn(
+                f"the transition between wet and dry ground is {reached:.3g} times as wide as "
+                "asked for; with a narrower one the water did not balance; refine the mesh at the "
+                "free surface"
+            )
+        return self._balance(now, _softer(laws, reached))
 
     def step(
         self, flow: DarcyFlow, given: NodalConditions, head: ndarray, leaking: ndarray, laws: Laws
     ) -> tuple[Balance, ndarray]:
-        """Return the balance of another flow that is near to heads, and where it leaks; or raise
-        Unbalanced.
-        """
+        """Return the balance of a flow near to heads, and leaking nodes, or raise Unbalanced."""
         new = copy(self)
-        new.flow, new.given = flow, given
+        new.flow = flow
+        new.given = given
         new._face = given.face & ~self._idle
         begin = self.tie @ np.where(given.held, given.head, head)
         now = new._newton(_State(begin, leaking & new._face), laws, _IN_STEP)
@@ -127,56 +121,49 @@ class WaterBalance:
 
     def _balance(self, now: _State, laws: Laws) -> Balance:
         relative = self.flow.relative(now.head, laws)[0]
-        return Balance(
-            now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations
-        )
+        inflow = self.tie.T @ self.flow.inflow(now.head, relative)
+        return Balance(now.head, inflow, relative, now.iterations)
 
     def _supply(self, head: ndarray) -> ndarray:
-        """Return the water that enters the nodes that are not tied, less that of drains."""
+        """Return the water that enters the free nodes, less the water that drains take."""
         return np.asarray(self.tie.T @ (self.given.supply - self.given.taken(head)))
 
     def _narrowed(
         self, now: _State, laws: Laws, reached: float, least: float
     ) -> tuple[float, _State]:
-        """Return the narrowest transition that is reached, over the requested one, and heads near
-        its balance.
+        """Return the narrowest transition over the requested one, and heads near its balance.
 
         Its width shrinks by ratios down to the least one.
         """
         ratio = _RATIO
         while reached > 1.0 and ratio > least:
             wider = max(1.0, reached / ratio)
+            tolerance = _NEARLY if wider > 1.0 else _BALANCED
             try:
-                now = self._newton(now, _softer(laws, wider), _NEARLY if wider > 1.0 else _BALANCED)
+                now = self._newton(now, _softer(laws, wider), tolerance)
                 reached = wider
             except Unbalanced as failed:
                 logger.info(
                     "seepage: no balance with a transition %.3g times as wide: %s", wider, failed
                 )
-                now, ratio = (
-                    replace(now, iterations=(*now.iterations, _ITERATIONS)),
-                    float(np.sqrt(ratio)),
-                )
+                now = replace(now, iterations=(*now.iterations, _ITERATIONS))
+                ratio = float(np.sqrt(ratio))
         return reached, now
 
     def _slowly(
         self, now: _State, laws: Laws, reached: float, finer: DarcyFlow
     ) -> tuple[float, _State]:
-        """Return what `_narrowed` does in smaller steps, or `_instead`, with the finer flow or this
-        one.
-        """
+        """Narrow the transition in smaller steps, or widen it, with the finer flow or this one."""
         for flow in (finer, self.flow):
             self.flow = flow
-            found, heads = self._narrowed(now, laws, reached, _LEAST_RATIO)
-            if found <= 1.0:
-                return found, heads
+            narrowest, heads = self._narrowed(now, laws, reached, _LEAST_RATIO)
+            if narrowest <= 1.0:
+                return narrowest, heads
         self.flow = finer
-        return self._instead(heads, laws, found)
+        return self._instead(heads, laws, narrowest)
 
     def _instead(self, now: _State, laws: Laws, reached: float) -> tuple[float, _State]:
-        """Return a wider transition for which the water balances, over the requested one, and the
-        heads.
-        """
+        """Return a wider transition for which the water balances, and the heads."""
         for wider in reached * np.array(_WIDER):
             try:
                 return float(wider), self._newton(now, _softer(laws, float(wider)), _BALANCED)
@@ -189,41 +176,40 @@ class WaterBalance:
         )
 
     def _newton(self, now: _State, laws: Laws, tolerance: float) -> _State:
-        flow, head, leaking = self.flow, now.head, now.leaking
+        """Return the state in which the water balances, or raise Unbalanced."""
+        flow = self.flow
+        head = now.head
+        leaking = now.leaking
         residuals: list[float] = []
-        # in saturated ground faces may open and close node by node
+        # In saturated ground faces may open and close node by node.
         most = _ITERATIONS if laws else _ITERATIONS + int(self._face.sum())
         for iteration in range(1, most + 1):
+            # Take a step with pressures of zero at leaking nodes.
             fixed = self.given.held | leaking | self._idle
-            head = self._step(
-                self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals
-            )
+            begin = self.tie @ np.where(leaking, flow.elevation, head)
+            head = self._step(begin, fixed, laws, residuals)
+            # Measure the water out of balance.
             relative = flow.relative(head, laws)[0]
-            inflow, round_off = (
-                self.tie.T @ flow.inflow(head, relative),
-                flow.round_off(head, relative),
-            )
+            inflow = self.tie.T @ flow.inflow(head, relative)
+            round_off = flow.round_off(head, relative)
             beyond = inflow - self._supply(head)
             unbalanced = float(np.linalg.norm(beyond[~fixed]))
-            leaks = np.where(
-                leaking, beyond <= round_off, self._face & (head > flow.elevation + self._tolerance)
-            )
+            accepted = max(tolerance * flow.scale(head, inflow), float(np.linalg.norm(round_off)))
+            # Close nodes at which water would enter, and open nodes under pressure.
+            opening = self._face & (head > flow.elevation + self._tolerance)
+            leaks = np.where(leaking, beyond <= round_off, opening)
             steady = bool((leaks == leaking).all())
-            if steady and unbalanced <= max(
-                tolerance * flow.scale(head, inflow), float(np.linalg.norm(round_off))
-            ):
+            if steady and unbalanced <= accepted:
                 return _State(head, leaking, (*now.iterations, iteration))
             leaking = leaks
+        if not steady:
+            raise Unbalanced("the seepage faces open and close again and again")
         raise Unbalanced(
             f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
-            if steady
-            else "the seepage faces open and close again and again"
         )
 
     def _step(self, head: ndarray, fixed: ndarray, laws: Laws, residuals: list[float]) -> ndarray:
-        """Take a step of Newton's method, shortened until less water is out of balance than of
-        late.
-        """
+        """Take a step of Newton's method, halved until less water is out of balance."""
         flow = self.flow
 
         def moved(share: float) -> ndarray:
@@ -235,13 +221,16 @@ class WaterBalance:
 
         before = unbalanced(head)
         residuals.append(float(np.linalg.norm(before)))
+        # Solve for the free nodes; fixed nodes keep a diagonal.
         taking = diags(self.given.taking(head))
-        tangent = self.tie.T @ (flow.tangent(head, *flow.relative(head, laws)) + taking) @ self.tie
-        matrix = diags(np.where(fixed, 0.0, 1.0)) @ tangent + diags(
-            np.where(fixed, self._diagonal, 0.0)
-        )
+        by_head = flow.tangent(head, *flow.relative(head, laws)) + taking
+        tangent = self.tie.T @ by_head @ self.tie
+        free = diags(np.where(fixed, 0.0, 1.0))
+        matrix = free @ tangent + diags(np.where(fixed, self._diagonal, 0.0))
         change = self.tie @ self._solver.factor(matrix.tocsr())(-before)
-        share, worst = 1.0, max(residuals[-_MEMORY:])
+        # Halve the step.
+        worst = max(residuals[-_MEMORY:])
+        share = 1.0
         while share > _SHORTEST:
             if np.linalg.norm(unbalanced(moved(share))) <= (1.0 - _DECREASE * share) * worst:
                 break
@@ -256,11 +245,12 @@ def _softer(laws: Laws, factor: float) -> Laws:
 def warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarray) -> None:
     """Report wells whose level lies below the top of their screen."""
     for name in wells:
-        at = nodes_on(basis, name)
-        if head[at[0]] < (top := basis.mesh.p[-1, at].max()):
+        nodes = nodes_on(basis, name)
+        level = head[nodes[0]]
+        top = basis.mesh.p[-1, nodes].max()
+        if level < top:
             warn(
-                f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its "
-                f"screen, {top:.4g}, "
-                "where water would flow freely; pump less, or give the level as its head with "
-                "seepage_face="
+                f"well '{name}' falls dry: its level, {level:.4g}, lies below the top of its "
+                f"screen, {top:.4g}, where water would flow freely; pump less, or give the level "
+                "as its head with seepage_face="
             )

@@ -36,23 +36,19 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
     here = elements_of(basis)
     if not isinstance(values, Mapping):
         return [(np.arange(len(here)), values)]
+    subdomains = basis.mesh.subdomains or {}
     count = np.zeros(len(here), dtype=int)
-    found = []
+    result = []
     for name, value in values.items():
-        part = np.flatnonzero(
-            np.isin(here, look_up(name, basis.mesh.subdomains or {}, "subdomain"))
-        )
+        part = np.flatnonzero(np.isin(here, look_up(name, subdomains, "subdomain")))
         count[part] += 1
-        found.append((part, value))
+        result.append((part, value))
     for wrong, text in ((count == 0, f"have no {what}"), (count > 1, f"have more than one {what}")):
         if wrong.any():
-            names = [
-                name
-                for name, part in (basis.mesh.subdomains or {}).items()
-                if np.isin(part, here[wrong]).any()
-            ]
+            missing = here[wrong]
+            names = [name for name, part in subdomains.items() if np.isin(part, missing).any()]
             raise ValueError(f"{wrong.sum()} elements {text}; they lie in the subdomains {names}")
-    return found
+    return result
 
 
 def laws_with_content(basis: CellBasis, retention: Retention | Mapping[str, Retention]) -> Laws:
@@ -70,15 +66,18 @@ def permeability_tensors(basis: CellBasis, permeability: Tensor | Mapping[str, T
     """Return the permeability of every element of a basis, (n_elements, dim, dim)."""
     dim = basis.mesh.dim()
     tensors = np.empty((basis.nelems, dim, dim))
-    found: list[float] = []
+    values: list[float] = []
     for part, value in regions(basis, permeability, "permeability"):
-        tensor = tensors[part] = _tensor(value, dim)
-        found += np.linalg.eigvalsh(tensor).tolist() if len(part) else []
-    if max(found) > _MOST * min(found):
+        tensor = _tensor(value, dim)
+        tensors[part] = tensor
+        if len(part):
+            values += np.linalg.eigvalsh(tensor).tolist()
+    least = min(values)
+    most = max(values)
+    if most > _MOST * least:
         raise ValueError(
-            f"the permeabilities from {min(found):.3g} to {max(found):.3g} are too far apart: "
-            f"round-off "
-            "would hide the flow through the tightest ground; leave that out of the basis"
+            f"the permeabilities from {least:.3g} to {most:.3g} are too far apart: round-off would "
+            "hide the flow through the tightest ground; leave that out of the basis"
         )
     return tensors
 
@@ -94,32 +93,23 @@ def _tensor(value: object, dim: int) -> ndarray:
             f"not {value!r}"
         )
     tensor = array if array.ndim == 2 else array * np.eye(dim)
-    if (
-        not np.isfinite(tensor).all()
-        or not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0.0)
-        or np.linalg.eigvalsh(tensor).min() <= 0.0
-    ):
+    symmetric = np.isfinite(tensor).all() and np.allclose(tensor, tensor.T, rtol=1e-12, atol=0.0)
+    if not symmetric or np.linalg.eigvalsh(tensor).min() <= 0.0:
         raise ValueError(
             f"a permeability must be positive and finite in all directions, not {value!r}; leave "
-            f"elements "
-            "that no water enters out of the basis"
+            "elements that no water enters out of the basis"
         )
     return tensor
 
 
 def head_basis(basis: CellBasis, order: int = 2) -> CellBasis:
-    """Return the linear basis of heads on the elements of any basis: one dof at each vertex of the
-    mesh.
-    """
-    return Basis(
-        basis.mesh, linear_element(basis.mesh), intorder=order, elements=elements_of(basis)
-    )
+    """Return the linear basis of heads on the elements of a basis, one dof at each vertex."""
+    element = linear_element(basis.mesh)
+    return Basis(basis.mesh, element, intorder=order, elements=elements_of(basis))
 
 
 def radius(basis: CellBasis | FacetBasis, axisymmetric: bool) -> ndarray | float:
-    """Return the factor by which integrals are per radian about the axis x = 0, at the integration
-    points, or 1.
-    """
+    """Return the distance from the axis x = 0 at integration points in axial symmetry, else 1."""
     if not axisymmetric:
         return 1.0
     x = np.asarray(basis.global_coordinates())[0]
@@ -131,8 +121,7 @@ def radius(basis: CellBasis | FacetBasis, axisymmetric: bool) -> ndarray | float
 
 
 class DarcyFlow:
-    """Flow of water through the elements of a :func:`head_basis`, by their permeability,
-    (n_elements, dim, dim).
+    """Flow of water through a :func:`head_basis` with a permeability, (n_elements, dim, dim).
 
     Heads and elevations, the last coordinates of the nodes, count from a datum: near it, for the
     sake of round-off.
@@ -142,11 +131,12 @@ class DarcyFlow:
         self, basis: CellBasis, tensors: ndarray, axisymmetric: bool = False, datum: float = 0.0
     ) -> None:
         functions = [basis.basis[j][0] for j in range(basis.Nbfun)]
-        self._gradients = np.stack([np.asarray(f.grad) for f in functions])
-        self._shape = np.stack(
-            [np.broadcast_to(np.asarray(f), basis.dx.shape)[0] for f in functions], axis=1
-        )
-        self.basis, self.axisymmetric, self.datum = basis, axisymmetric, datum
+        shapes = [np.broadcast_to(np.asarray(f), basis.dx.shape)[0] for f in functions]
+        self._gradients = np.stack([np.asarray(f.grad) for f in functions])  # (a, dim, n, n_q)
+        self._shape = np.stack(shapes, axis=1)  # (n_points, a)
+        self.basis = basis
+        self.axisymmetric = axisymmetric
+        self.datum = datum
         self._tensors = tensors
         self._weight = basis.dx * radius(basis, axisymmetric)
         #: (n_elements, n_points, a, b): water that enters at corner a for a head 1 at corner b
@@ -161,37 +151,33 @@ class DarcyFlow:
         self.dofs = np.ascontiguousarray(basis.element_dofs.T)
         self.elevation = basis.mesh.p[-1, : basis.N] - datum
         self._size = np.ptp(self.elevation[self.dofs], axis=1)[:, None]
-        corners = self.dofs.shape[1]
         #: (n_elements, n_corners): volume of ground that belongs to each corner
         self.corners = self._weight @ self._shape
-        self._rows, self._columns = (
-            np.repeat(self.dofs, corners, axis=1).ravel(),
-            np.tile(self.dofs, corners).ravel(),
-        )
+        n_corners = self.dofs.shape[1]
+        self._rows = np.repeat(self.dofs, n_corners, axis=1).ravel()
+        self._columns = np.tile(self.dofs, n_corners).ravel()
 
     @cached_property
     def saturated(self) -> csr_matrix:
         """Tangent of saturated ground, (N, N), symmetric."""
-        one = np.ones_like(self._weight)
-        return DarcyFlow.tangent(self, self.elevation, one, np.zeros(1))
+        whole = np.ones_like(self._weight)
+        return DarcyFlow.tangent(self, self.elevation, whole, np.zeros(1))
 
     def relative(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability, (n_elements, n_points), and its slope over the heads of
-        the corners.
-        """
+        """Return the relative permeability at the points and its slope over the heads."""
         suction = (self.elevation - head)[self.dofs] @ self._shape.T
-        relative, slope = np.ones_like(suction), np.zeros_like(suction)
+        relative = np.ones_like(suction)
+        slope = np.zeros_like(suction)
         for part, law in laws:
             relative[part], falling = law.relative(suction[part], self._size[part])
             slope[part] = -falling
         return relative, slope[:, :, None] * self._shape
 
     def filled(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
-        """Return the effective saturation and its slope over the suction at the corners,
-        (n_elements, n_corners).
-        """
+        """Return the effective saturation and its slope, (n_elements, n_corners)."""
         suction = (self.elevation - head)[self.dofs]
-        filled, slope = np.ones_like(suction), np.zeros_like(suction)
+        filled = np.ones_like(suction)
+        slope = np.zeros_like(suction)
         for part, law in laws:
             filled[part], slope[part] = law.saturation(suction[part], self._size[part])
         return filled, slope
@@ -203,10 +189,9 @@ class DarcyFlow:
         )
 
     def moved(self, head: ndarray, change: ndarray, laws: Laws) -> ndarray:
-        """Return the heads after a change by Newton's method; nodes stop at the free surface before
-        they cross it.
-        """
-        new, z = head + change, self.elevation
+        """Return the heads after a change; nodes stop at the free surface before they cross it."""
+        new = head + change
+        z = self.elevation
         return np.where((head - z) * (new - z) < 0.0, z, new) if laws else new
 
     def scale(self, head: ndarray, inflow: ndarray) -> float:
@@ -227,16 +212,12 @@ class DarcyFlow:
 
     def round_off(self, head: ndarray, relative: ndarray) -> ndarray:
         """Estimate the round-off of the inflow, (N,)."""
-        element = (
-            np.einsum("eq,eqaa->ea", relative, self._conductance)
-            * np.abs(head[self.dofs]).max(axis=1)[:, None]
-        )
+        largest = np.abs(head[self.dofs]).max(axis=1)[:, None]
+        element = np.einsum("eq,eqaa->ea", relative, self._conductance) * largest
         return _ROUND_OFF * np.bincount(self.dofs.ravel(), element.ravel(), minlength=len(head))
 
     def by_corner(self, relative: ndarray, slope: ndarray, head: ndarray) -> ndarray:
-        """Return the derivative of the inflow of every element over the heads, (n_elements,
-        n_corners, n_corners).
-        """
+        """Return the derivative of the inflow, (n_elements, n_corners, n_corners)."""
         element = np.einsum("eq,eqab->eab", relative, self._conductance)
         if slope.any():
             through = np.einsum("eqab,eb->eqa", self._conductance, head[self.dofs])
@@ -245,13 +226,12 @@ class DarcyFlow:
 
     def tangent(self, head: ndarray, relative: ndarray, slope: ndarray) -> csr_matrix:
         """Return the derivative of the inflow over the heads, (N, N)."""
-        element, n = self.by_corner(relative, slope, head), len(head)
-        return coo_matrix((element.ravel(), (self._rows, self._columns)), shape=(n, n)).tocsr()
+        n = len(head)
+        values = self.by_corner(relative, slope, head).ravel()
+        return coo_matrix((values, (self._rows, self._columns)), shape=(n, n)).tocsr()
 
     def velocity(self, head: ndarray, relative: ndarray) -> ndarray:
-        """Return the mean Darcy velocity of the elements, (dim, n_elements): discharge per area of
-        ground.
-        """
+        """Return the mean discharge of the elements per area of ground, (dim, n_elements)."""
         gradient = np.einsum("aieq,ea->ieq", self._gradients, head[self.dofs])
         weight = self._weight * relative / self._weight.sum(axis=1, keepdims=True)
         return -np.einsum("eij,jeq,eq->ie", self._tensors, gradient, weight)
@@ -260,27 +240,24 @@ class DarcyFlow:
 def warn_of_dry_ground(
     basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray
 ) -> None:
-    """Report water that flows off through dry ground that conducts better than wet ground
-    elsewhere.
-    """
+    """Report water that flows off through dry ground that conducts better than wet ground."""
     # A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5
     # and -7 % too much with 20 elements over the height if dry ground keeps 1e-3 of its
     # permeability. In the last two cases .26 of the flow is of this kind; where the discharge is
     # right to 1 % less than .005 is.
     k = np.trace(tensors, axis1=1, axis2=2) / basis.mesh.dim()
-    wet, left = (relative >= _WET).any(axis=1), relative.min(axis=1) * k
-    draining = (relative < _DRY).all(axis=1) & (left > 1.5 * k[wet].min(initial=np.inf))
+    wet = (relative >= _WET).any(axis=1)
+    dry = (relative < _DRY).all(axis=1)
+    remaining = relative.min(axis=1) * k
+    draining = dry & (remaining > 1.5 * k[wet].min(initial=np.inf))
     flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
-    if flow[draining].sum() > _SHARE * flow.sum():
-        x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(
-            axis=1
-        )
-        warn(
-            f"water flows off through dry ground at {format_point(x)}, which conducts better than "
-            f"the wet ground "
-            "from which it comes: the free surface there is several per cent off; leave drained "
-            "ground out "
-            "of the basis and name the boundary towards it in seepage_face=, or give a smaller "
-            "`least` in "
-            "retention="
-        )
+    if flow[draining].sum() <= _SHARE * flow.sum():
+        return
+    strongest = np.where(draining, flow, 0.0).argmax()
+    x = np.asarray(basis.global_coordinates())[:, strongest].mean(axis=1)
+    warn(
+        f"water flows off through dry ground at {format_point(x)}, which conducts better than the "
+        "wet ground from which it comes: the free surface there is several per cent off; leave "
+        "drained ground out of the basis and name the boundary towards it in seepage_face=, or "
+        "give a smaller `least` in retention="
+    )

@@ -28,11 +28,10 @@ _PONDS, _UPWARDS = 0.01, 0.01
 
 
 class Inflow(AtNodes):
-    r"""Water that enters ground with :class:`PoreWater` at given rates, for as long as the form is
-    active.
+    r"""Water that enters ground with :class:`PoreWater` at given rates, while the form is active.
 
-    Rates are changed by stages, with ``Stage(change=...)`` or ``deactivate``. What the ground does
-    not take leaves it at a :class:`SeepageFace` on the same boundary.
+    Rates are changed by stages, with ``Stage(change=...)`` or ``deactivate``. Water that the
+    ground does not take leaves it at a :class:`SeepageFace` on the same boundary.
 
     Parameters
     ----------
@@ -72,40 +71,42 @@ class Inflow(AtNodes):
             raise ValueError(
                 "Inflow has neither flux nor sources: give a rate by boundary or by subdomain"
             )
-        self._water, self._flux, self._sources = water, dict(flux or {}), dict(sources or {})
-        self.size, self.borrowed = water.ground.N, water.fields
+        self.water = water
+        self._flux = dict(flux or {})
+        self._sources = dict(sources or {})
+        self.size = water.ground.N
+        self.borrowed = water.fields
         self._rates = self._entering(False)
 
     def __repr__(self) -> str:
         return f"<Inflow {self._rates.sum():.4g} per time>"
 
     def _entering(self, axisymmetric: bool) -> ndarray:
-        basis = self._water.pressures
-        named = basis.mesh.boundaries or {}
-        return sum(
-            (
-                through(basis, look_up(name, named, "boundary"), rate, axisymmetric)
-                for name, rate in self._flux.items()
-            ),
-            sourced(basis, self._sources, axisymmetric),
-        )
+        """Return the water that enters the nodes in a unit of time, (N,)."""
+        basis = self.water.pressures
+        rates = sourced(basis, self._sources, axisymmetric)
+        for name, rate in self._flux.items():
+            facets = look_up(name, basis.mesh.boundaries or {}, "boundary")
+            rates = rates + through(basis, facets, rate, axisymmetric)
+        return rates
 
     @override
     def _in(self, water: PoreWater) -> Self:
         new = copy(self)
-        new._water = water
+        new.water = water
         new._rates = new._entering(water.coordinates == "axisymmetric")
         return new
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
-        rate, around = np.abs(self._rates), self._water.around
-        idle = float(rate[np.isin(self._at, fixed)].sum()) / max(float(rate.sum()), 1e-300)
+        rate = np.abs(self._rates)
+        around = self.water.around
+        at_fixed = np.isin(self._dofs, fixed)
+        idle = float(rate[at_fixed].sum()) / max(float(rate.sum()), 1e-300)
         if idle > 1.0 - _ALL:
             raise ValueError(
                 "the pressure is held at all nodes where water enters or leaves at a rate, which "
-                "does "
-                "nothing there: give either the pressure or the rate"
+                "does nothing there: give either the pressure or the rate"
             )
         if idle > _IDLE:
             yield Remark(
@@ -113,8 +114,9 @@ class Inflow(AtNodes):
                 idle,
                 f"{idle:.0%} of the rate acts where the pressure is held, and does nothing",
             )
-        sealed = not np.isin(self._at, fixed).any() and around is not None and not len(around.leaks)
-        if sealed and (total := float(self._rates.sum())) != 0.0:
+        total = float(self._rates.sum())
+        sealed = around is not None and not len(around.leaks) and not at_fixed.any()
+        if sealed and total != 0.0:
             yield Remark(
                 "no way out",
                 abs(total),
@@ -127,42 +129,45 @@ class Inflow(AtNodes):
         return Outputs(remarks=lambda: self._ponds(x))
 
     def _ponds(self, x: ndarray) -> Iterator[Remark]:
-        """Report water that ponds on a surface that looks up, because the ground does not take
-        it.
-        """
-        water, p = self._water, self._water.fields[0].coordinates
-        open_ = np.setdiff1d(self._surface(), water.around.leaks if water.around else ())
-        level = (x[self._at] + water.start)[open_] / water.unit_weight
+        """Report water that ponds on a surface, because the ground does not take it."""
+        water = self.water
+        p = water.fields[0].coordinates
+        leaks = water.around.leaks if water.around else ()
+        surface = np.setdiff1d(self._surface(), leaks)
+        level = (x[self._dofs] + water.start)[surface] / water.unit_weight
         if level.max(initial=0.0) > _PONDS * np.ptp(p[-1]):
-            at = p[:, open_[level.argmax()]]
+            highest = p[:, surface[level.argmax()]]
             yield Remark(
                 "ponds",
                 level.max(),
                 f"water that the ground does not take ponds, {level.max():.3g} "
-                f"deep at {format_point(at)}: let it leave by a SeepageFace of the same boundary",
+                f"deep at {format_point(highest)}: let it leave by a SeepageFace of the same "
+                "boundary",
             )
 
     def _surface(self) -> ndarray:
         """Return the nodes of facets that look up, at which water enters."""
-        mesh, found = self._water.pressures.mesh, [np.zeros(0, int)]
+        pressures = self.water.pressures
+        mesh = pressures.mesh
+        nodes = [np.zeros(0, int)]
         for name in self._flux:
-            sides = FacetBasis(
-                mesh, self._water.pressures.elem, facets=look_up(name, mesh.boundaries, "boundary")
-            )
+            facets = look_up(name, mesh.boundaries, "boundary")
+            sides = FacetBasis(mesh, pressures.elem, facets=facets)
             up = np.asarray(sides.normals)[-1].min(axis=1) > _UPWARDS
-            found.append(np.unique(mesh.facets[:, np.asarray(sides.find)[up]]))
-        nodes = np.concatenate(found)
-        return nodes[self._rates[nodes] > 0.0]
+            nodes.append(np.unique(mesh.facets[:, np.asarray(sides.find)[up]]))
+        surface = np.concatenate(nodes)
+        return surface[self._rates[surface] > 0.0]
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Inflow:
         new = copy(self)
-        new._at, new.size = numbers[self.borrowed[0]], None
+        new._dofs = numbers[self.borrowed[0]]
+        new.size = None
         return new
 
     @override
     def assemble(self, x: ndarray, state: Any) -> Response:
-        force = np.zeros(len(x))
-        force[self._at] = self._duration * self._rates
-        nothing = csr_matrix((len(x), len(x)))
-        return Response(force, lambda: None, lambda: nothing)
+        n = len(x)
+        force = np.zeros(n)
+        force[self._dofs] = self._duration * self._rates
+        return Response(force, lambda: None, lambda: csr_matrix((n, n)))

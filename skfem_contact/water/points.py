@@ -34,41 +34,47 @@ def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
 def interpolated(
     mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray, beyond: ndarray | None
 ) -> ndarray:
-    """Return nodal values at points (dim, n), linear on the simplices of elements; at points beyond
-    them given ones.
+    """Return nodal values at points (dim, n), linear on the simplices of elements.
+
+    Points beyond the elements have given values, or are refused.
     """
     corners = simplices(mesh, elements)
-    p = mesh.p[:, corners]
+    p = mesh.p[:, corners]  # (dim, dim + 1, m)
     inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
     tree = cKDTree(p.mean(axis=1).T)
-    result, lost = np.empty(points.shape[1]), np.arange(points.shape[1])
-    for tried in (*(n for n in _TRIED if n < len(inverse)), len(inverse)):
-        near = tree.query(points[:, lost].T, tried)[1].reshape(len(lost), -1)
-        outside = np.full(len(lost), np.inf)
+    n_simplices = len(inverse)
+    last = min(_TRIED[-1], n_simplices)
+    result = np.empty(points.shape[1])
+    remaining = np.arange(points.shape[1])
+    # Try more and more simplices for the points that lie in none so far.
+    for tried in (*(n for n in _TRIED if n < n_simplices), n_simplices):
+        x = points[:, remaining]
+        near = tree.query(x.T, tried)[1].reshape(len(remaining), -1)
+        outside = np.full(len(remaining), np.inf)
         for candidate in near.T:
-            local = np.einsum(
-                "nij,jn->in", inverse[candidate], points[:, lost] - p[:, 0, candidate]
-            )
+            # barycentric coordinates
+            local = np.einsum("nij,jn->in", inverse[candidate], x - p[:, 0, candidate])
             weights = np.vstack((1.0 - local.sum(axis=0), local))
-            better = -weights.min(axis=0) < outside
-            outside[better] = -weights.min(axis=0)[better]
-            result[lost[better]] = (weights * nodal[corners[:, candidate]]).sum(axis=0)[better]
-        lost = lost[outside > (_ROUND_OFF if tried < min(_TRIED[-1], len(inverse)) else _CURVED)]
-        if len(lost) == 0:
+            off = -weights.min(axis=0)
+            better = off < outside
+            outside[better] = off[better]
+            values = (weights * nodal[corners[:, candidate]]).sum(axis=0)
+            result[remaining[better]] = values[better]
+        tolerance = _ROUND_OFF if tried < last else _CURVED
+        remaining = remaining[outside > tolerance]
+        if len(remaining) == 0:
             return result
-    if beyond is not None:
-        result[lost] = beyond[lost]
-        return result
-    raise ValueError(
-        f"{len(lost)} points lie outside of the porous ground, the first is "
-        f"{format_point(points[:, lost[0]])}"
-    )
+    if beyond is None:
+        raise ValueError(
+            f"{len(remaining)} points lie outside of the porous ground, the first is "
+            f"{format_point(points[:, remaining[0]])}"
+        )
+    result[remaining] = beyond[remaining]
+    return result
 
 
 def zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
-    """Return polylines between nodes of negative and of other values, (n, 2) each, from left to
-    right.
-    """
+    """Return lines between negative and other nodal values, (n, 2) each, from left to right."""
     from matplotlib.figure import Figure  # half a second, for pictures only
     from matplotlib.tri import Triangulation
 
@@ -79,23 +85,21 @@ def zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
     if negative.all() or not negative.any():
         return []
     x, y = mesh.p[:, : len(values)]
-    lines = (
-        Figure()
-        .add_subplot()
-        .tricontour(Triangulation(x, y, corners), np.nan_to_num(values), [0.0])
-        .allsegs[0]
-    )
-    return sorted(
-        map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-    )
+    triangles = Triangulation(x, y, corners)
+    contour = Figure().add_subplot().tricontour(triangles, np.nan_to_num(values), [0.0])
+    lines = [_cleaned(line) for line in contour.allsegs[0]]
+    return sorted(lines, key=lambda line: -_steps(line).sum())
+
+
+def _steps(line: ndarray) -> ndarray:
+    """Return the lengths of the pieces of a line, (n - 1,)."""
+    return np.asarray(np.linalg.norm(np.diff(line, axis=0), axis=1))
 
 
 def _cleaned(line: ndarray) -> ndarray:
-    """Return a line from left to right, or from below, without points that coincide with the one
-    before.
-    """
+    """Return a line from left to right, or from below, without points that coincide."""
     if tuple(line[-1]) < tuple(line[0]):
         line = line[::-1]
     kept = np.ones(len(line), dtype=bool)
-    kept[1:] = np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-12 * np.ptp(line, axis=0).max()
+    kept[1:] = _steps(line) > 1e-12 * np.ptp(line, axis=0).max()
     return line[kept] if kept.sum() > 1 else line

@@ -19,8 +19,8 @@ from .at_nodes import AtNodes
 from .boundary import Given
 from .pore_water import PoreWater
 
-#: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth
-#: of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass
+#: Conductance of the face over the conductance of the ground at it: pressures exceed zero by a
+#: hundredth of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass
 #: LAPACK illegal sizes.
 _OPEN = 1e2
 
@@ -30,8 +30,7 @@ class SeepageFace(AtNodes, Regularised, Draining):
 
     The condition is that of contact, with the pressure for the gap: the outflow at the nodes is
     :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess
-    p of
-    :class:`PoreWater`. Fixed dofs, such as those under a level, are not affected.
+    p of :class:`PoreWater`. Fixed dofs, such as dofs under a level, are not affected.
 
     Parameters
     ----------
@@ -71,9 +70,12 @@ class SeepageFace(AtNodes, Regularised, Draining):
     def __init__(
         self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0
     ) -> None:
-        self._water, names = water, names_of(boundaries)
-        self.size, self.borrowed = water.ground.N, water.fields
+        names = names_of(boundaries)
+        self.water = water
+        self.size = water.ground.N
+        self.borrowed = water.fields
         self.leaks = water.dofs(*names).indices if names else np.zeros(0, int)
+        # The excess pressure is -p_0 where the pressure is zero.
         self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self.leaks]
 
     def __repr__(self) -> str:
@@ -82,20 +84,25 @@ class SeepageFace(AtNodes, Regularised, Draining):
     @override
     def _in(self, water: PoreWater) -> Self:
         new = copy(self)
-        new._water, new._conductance = water, _OPEN * water.porous.conductance[self.leaks]
+        new.water = water
+        new._conductance = _OPEN * water.porous.conductance[self.leaks]
         return new
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> SeepageFace:
         new = copy(self)
-        new.joins = new._at = numbers[self.borrowed[0]][self.leaks]
+        new._dofs = numbers[self.borrowed[0]][self.leaks]
+        new.joins = new._dofs
         new.size = None
         return new
 
     @override
     def assemble(self, x: ndarray, state: Any) -> Response:
-        above, n = x[self._at] - self._limit, len(x)
-        force, slope = np.zeros(n), np.where(above > 0.0, -self._duration * self._conductance, 0.0)
-        force[self._at] = slope * above
-        K = csr_matrix((slope, (self._at, self._at)), shape=(n, n))
-        return Response(force, lambda: None, lambda: K, active=(above > 0.0).tobytes())
+        n = len(x)
+        above = x[self._dofs] - self._limit
+        leaking = above > 0.0
+        slope = np.where(leaking, -self._duration * self._conductance, 0.0)
+        force = np.zeros(n)
+        force[self._dofs] = slope * above
+        stiffness = csr_matrix((slope, (self._dofs, self._dofs)), shape=(n, n))
+        return Response(force, lambda: None, lambda: stiffness, active=leaking.tobytes())

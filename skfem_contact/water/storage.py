@@ -15,10 +15,9 @@ from .retention import Laws
 
 
 class StoringFlow(DarcyFlow):
-    r"""Flow with the rate of the stored water, :math:`(\theta(h) - \theta_0) / \Delta t`, in mixed
-    form.
+    r"""Flow with the rate of the stored water, :math:`(\theta(h) - \theta_0) / \Delta t`.
 
-    The water is stored at the corners of the elements (lumped), so that a front neither over- nor
+    The form is mixed. The water is stored at the corners of the elements (lumped), so that a front neither over- nor
     undershoots. The permeability is that of the corners too, interpolated: water enters dry ground
     whatever its suction. The storage, (n_elements,), is the water that saturated ground takes per
     volume and head.
@@ -34,12 +33,16 @@ class StoringFlow(DarcyFlow):
         datum: float,
     ) -> None:
         super().__init__(basis, tensors, axisymmetric, datum)
-        self._laws, self._storage = laws, storage[:, None]
-        self._least, self._range = np.zeros((2, basis.nelems, 1))
+        self._laws = laws
+        self._storage = storage[:, None]
+        self._least = np.zeros((basis.nelems, 1))
+        self._range = np.zeros((basis.nelems, 1))
         for part, law in laws:
             least, most = law.content or (0.0, 0.0)
-            self._least[part], self._range[part] = least, most - least
-        self._duration, self._before = np.inf, np.zeros((2, basis.N))
+            self._least[part] = least
+            self._range[part] = most - least
+        self._duration = np.inf
+        self._before = np.zeros((2, basis.N))
         #: volume of ground that belongs to each node, (N,), 1 where there is none
         self.volume = self.gathered(np.ones((1, 1)))
         self.volume[self.volume == 0.0] = 1.0
@@ -47,37 +50,27 @@ class StoringFlow(DarcyFlow):
     def over(self, duration: float, before: ndarray) -> StoringFlow:
         """Return the flow of a step from stored volumes at the nodes, (2, N)."""
         new = copy(self)
-        new._duration, new._before = duration, before
+        new._duration = duration
+        new._before = before
         return new
 
     def stored(self, head: ndarray) -> ndarray:
         """Return the volume of water at the nodes, by saturation and by compression, (2, N)."""
-        filled, pressed = (
-            self.filled(head, self._laws)[0],
-            np.maximum(head - self.elevation, 0.0)[self.dofs],
-        )
-        return np.stack(
-            (
-                self.gathered(self._least + self._range * filled),
-                self.gathered(self._storage * pressed),
-            )
-        )
+        filled = self.filled(head, self._laws)[0]
+        pressed = np.maximum(head - self.elevation, 0.0)[self.dofs]
+        by_saturation = self.gathered(self._least + self._range * filled)
+        return np.stack((by_saturation, self.gathered(self._storage * pressed)))
 
     def span(self, change: float) -> ndarray:
-        """Return the volumes between dry and saturated ground, and by a change of pressure head,
-        (2, N).
-        """
+        """Return the volumes from dry to saturated, and by a change of pressure head, (2, N)."""
         return np.stack((self.gathered(self._range), self.gathered(self._storage * change)))
 
     def beyond(self, stored: ndarray, span: ndarray) -> float:
-        """Return how far stored volumes, (2, N), lie outside of those of dry and saturated ground,
-        over the span.
-        """
+        """Return how far stored volumes, (2, N), exceed the possible ones, over the span."""
         least = self.gathered(self._least)
         off = np.maximum(least - stored[0], stored[0] - least - span[0])
-        return float(
-            np.divide(off, span[0], out=np.zeros_like(off), where=span[0] > 0.0).max(initial=0.0)
-        )
+        share = np.divide(off, span[0], out=np.zeros_like(off), where=span[0] > 0.0)
+        return float(share.max(initial=0.0))
 
     def room(self, head: ndarray) -> float:
         """Return the volume of water that makes the ground saturated; infinite with storage."""
@@ -87,17 +80,16 @@ class StoringFlow(DarcyFlow):
     @override
     def relative(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         suction = (self.elevation - head)[self.dofs]
-        relative, slope = np.ones_like(suction), np.zeros_like(suction)
+        relative = np.ones_like(suction)
+        slope = np.zeros_like(suction)
         for part, law in laws:
             relative[part], slope[part] = law.relative(suction[part], self._size[part])
         return relative @ self._shape.T, -slope[:, None, :] * self._shape
 
     @override
     def inflow(self, head: ndarray, relative: ndarray) -> ndarray:
-        return (
-            super().inflow(head, relative)
-            + (self.stored(head) - self._before).sum(axis=0) / self._duration
-        )
+        rate = (self.stored(head) - self._before).sum(axis=0) / self._duration
+        return super().inflow(head, relative) + rate
 
     @override
     def round_off(self, head: ndarray, relative: ndarray) -> ndarray:
@@ -108,27 +100,29 @@ class StoringFlow(DarcyFlow):
     def tangent(self, head: ndarray, relative: ndarray, slope: ndarray) -> csr_matrix:
         pressed = (head > self.elevation)[self.dofs]
         capacity = self._storage * pressed - self._range * self.filled(head, self._laws)[1]
-        return (
-            super().tangent(head, relative, slope) + diags(self.gathered(capacity) / self._duration)
-        ).tocsr()
+        storing = diags(self.gathered(capacity) / self._duration)
+        return (super().tangent(head, relative, slope) + storing).tocsr()
 
     @override
     def moved(self, head: ndarray, change: ndarray, laws: Laws) -> ndarray:
-        new, suction, size = head + change, self.elevation - head, np.zeros(len(head))
+        new = head + change
+        suction = self.elevation - head
+        size = np.zeros(len(head))
+        # Find the slope of the saturation from which on ground stores more than flows off.
         ranges, pressed = self.span(1.0)
         flat = (pressed + self._duration * self.saturated.diagonal()) / np.where(
             ranges > 0.0, ranges, 1.0
         )
+        # Change the suction by the law of the nodes.
         for part, law in laws:
-            at = np.unique(self.dofs[part])
+            nodes = np.unique(self.dofs[part])
             size[self.dofs[part]] = self._size[part]
-            moved = self.elevation[at] - law.moved(suction[at], -change[at], size[at], flat[at])
-            new[at] = np.where(change[at] == 0.0, head[at], moved)
+            drier = law.moved(suction[nodes], -change[nodes], size[nodes], flat[nodes])
+            moved = self.elevation[nodes] - drier
+            new[nodes] = np.where(change[nodes] == 0.0, head[nodes], moved)
         return new
 
     @override
     def scale(self, head: ndarray, inflow: ndarray) -> float:
-        return float(
-            np.linalg.norm(inflow)
-            + np.linalg.norm(self.stored(head) - self._before) / self._duration
-        )
+        stored = np.linalg.norm(self.stored(head) - self._before) / self._duration
+        return float(np.linalg.norm(inflow) + stored)

@@ -239,7 +239,7 @@ class March:
         )
 
     def _span(self, head: ndarray) -> ndarray:
-        """Return the volumes that nodes can store, by saturation and by pressures so far, (2, N)."""
+        """Return the volumes that nodes can store, by saturation and pressure, (2, N)."""
         pressed = np.maximum(head - self.flow.elevation, 0.0)
         before = np.maximum(self._start - self.flow.elevation, 0.0)
         return self.flow.span(float(np.abs(pressed - before).max()))
