@@ -6,7 +6,7 @@ A thin elastic belt lies over half of a fixed, rigid drum. A weight hangs on its
 right end is pulled down until the whole belt slides. The forces at the ends are then
 
 .. math:: T_2 = T_1 e^{\mu\vartheta}, \qquad \mu = 0.3, \quad \vartheta = \pi: \quad T_2 / T_1 =
-2.566332.
+   2.566332.
 
 The formula is that of a string. In a belt of thickness t the tension acts at the radius
 :math:`r = R + t/2`, but friction has the lever R only. With :math:`a = t / 2r`, equilibrium of the

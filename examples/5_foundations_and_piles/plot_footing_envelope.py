@@ -7,7 +7,7 @@ horizontal loads V and H does it carry together? Each inclination of the load ge
 bounds. Exact is, for a pressure without a lever (Green 1954),
 
 .. math:: \frac{V}{B c} = 1 + \frac{\pi}{2} + \arccos h + \sqrt{1 - h^2}, \qquad h = \frac{H}{B c}
-\le 1 .
+   \le 1 .
 
 Units are kN and m.
 """

@@ -8,7 +8,7 @@ and what moments? Marston's formula for a rigid conduit in a trench (1913) gives
 of height H in a trench of width B:
 
 .. math:: W = \gamma B^2\, \frac{1 - \exp(-2 K \mu H / B)}{2 K \mu}, \qquad K = \tan^2 (45° -
-\varphi / 2) .
+   \varphi / 2) .
 
 Units are kN and m.
 """

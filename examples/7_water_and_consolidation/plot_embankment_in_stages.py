@@ -8,8 +8,8 @@ pressures of the water still bear? In the middle the clay is pressed like a samp
 There Terzaghi's theory (1923) gives the settlement, with
 
 .. math:: U(T) = 1 - \sum_m \frac{2}{m^2} e^{-m^2 T}, \quad T = \frac{c_v t}{H^2}, \quad m =
-\tfrac{\pi}{2},
-          \tfrac{3 \pi}{2}, \ldots
+   \tfrac{\pi}{2},
+   \tfrac{3 \pi}{2}, \ldots
 
 for the load of every moment at which fill is placed. Units are kN, m and days.
 """

@@ -50,7 +50,7 @@ from skfem_contact.contact.laws import Status
 # :math:`|t_T| + \mu\, t_N = 0` at the end of the step gives
 #
 # .. math:: \Delta\lambda = \frac{|t_T^{trial}| + \mu\, t_N^{trial}}{\epsilon_T + \mu\,\epsilon_N
-# \tan\psi} .
+#    \tan\psi} .
 
 
 @dataclass(frozen=True, eq=False)

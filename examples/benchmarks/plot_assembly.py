@@ -6,7 +6,7 @@ A Newton iteration needs the internal force and the tangent of every solid. Both
 forms of scikit-fem, with the stresses and moduli at the integration points as their coefficients:
 
 .. math:: f_i = \int \varepsilon(v_i) \cdot \sigma, \qquad K_{ij} = \int \varepsilon(v_i) \cdot
-D\,\varepsilon(u_j).
+   D\,\varepsilon(u_j).
 
 ``SolidForm`` computes the same numbers from matrices that are prepared once per mesh. What does
 that gain, with a fifth of the elements yielding? The return mapping is the same for both; it is

@@ -6,8 +6,8 @@ A parabola of radius 50 is pressed on a block of the same material. Hertz gives 
 the force P:
 
 .. math:: p = p_0 \sqrt{1 - x^2/a^2}, \qquad a^2 = \frac{4 P R}{\pi E^*}, \quad p_0 = \frac{2 P}{\pi
-a},
-          \quad E^* = \frac{E}{2 (1 - \nu^2)}
+   a},
+   \quad E^* = \frac{E}{2 (1 - \nu^2)}
 
 The meshes do not match: n elements of the parabola and 0.8 n of the block share the half-width of
 the contact, a = 1. The approach of 0.038 is applied in four steps. The computed pressure is the

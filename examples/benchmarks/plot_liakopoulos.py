@@ -8,7 +8,7 @@ the top, and the suction compresses the sand. B. A. Schrefler and Zhan Xiaoyong 
 curves of its saturation S and its relative permeability for a suction s,
 
 .. math:: S = 1 - 1.9722 \cdot 10^{-11} s^{2.4279} , \qquad k_r = 1 - 2.207\, (1 - S)^{0.9529}
-\qquad \text{(Pa)},
+   \qquad \text{(Pa)},
 
 and elastic ground for the column.
 :class:`PoreWater <skfem_contact.PoreWater>` with a retention is compared with a plain script of

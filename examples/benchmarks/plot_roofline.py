@@ -7,8 +7,8 @@ products of dense matrices, nor less than its data need at the bandwidth of the 
 measured here, on one thread:
 
 .. math:: t \ge \max\left( \frac{\text{operations}}{\text{rate of dgemm}},
-\frac{\text{bytes}}{\text{bandwidth}}
-          \right).
+   \frac{\text{bytes}}{\text{bandwidth}}
+   \right).
 
 The share of this bound that a kernel reaches tells what other code could gain at most. Bytes are
 those that have to be read and written once, by a cache of any size.
