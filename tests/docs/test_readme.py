@@ -28,7 +28,16 @@ def python_code(page: Path) -> str:
     return "\n".join(CODE.findall(page.read_text(encoding="utf-8")))
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if python_code(p)], ids=lambda page: page.stem)
+#: Pages whose code takes more than 5 s.
+SLOW = ("collapse", "many_runs", "soil_tests", "water")
+CASES = [
+    pytest.param(page, id=page.stem, marks=[pytest.mark.slow] if page.stem in SLOW else [])
+    for page in PAGES
+    if python_code(page)
+]
+
+
+@pytest.mark.parametrize("page", CASES)
 def test_code_of_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of a page build on each other; they may write files into the folder they run in."""
     if "sc.section" in python_code(page):

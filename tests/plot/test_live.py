@@ -47,6 +47,7 @@ def column(E: float = 1e3) -> sc.Model:
     )
 
 
+@pytest.mark.slow
 def test_notebook_shows_bars_tables_and_pictures_and_keeps_what_was_accepted() -> None:
     """A notebook is executed cell by cell; the last cell reads what an interrupted run has
     accepted.

@@ -546,6 +546,7 @@ def test_initial_states(K0):
         )
 
 
+@pytest.mark.slow
 def test_pressures_stand_in_a_search_for_a_collapse():
     """[X] The factor of a column under water pressure is that of its effective stresses, and reads
     the same later.
