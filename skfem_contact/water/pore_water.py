@@ -46,7 +46,8 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
     positive in compression,
 
     .. math:: \operatorname{div}(\sigma' - p\, I) + b = 0, \qquad
-              \operatorname{div} \dot u + S\, \dot p = \operatorname{div}\left(\frac{k}{\gamma_w} \nabla p\right) .
+              \operatorname{div} \dot u + S\, \dot p =
+              \operatorname{div}\left(\frac{k}{\gamma_w} \nabla p\right) .
 
     The excess is counted from the pressure at the beginning, hydrostatic or of steady seepage,
     which is part of the load (:func:`water_load`). It is a field of dofs, linear between the
@@ -216,7 +217,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
         self.symmetric = self._rate is None and self._laws is None
 
     def _pressure_of(self, start: Seepage | Given) -> ndarray:
-        """Return the pressure of heads at the vertices, (n_vertices,), zero outside of the ground."""
+        """Return the pressure of heads at the vertices, (n_vertices,), zero outside."""
         x = self.fields[0].coordinates
         head = start.head if isinstance(start, Seepage) else values_at(start, x, "start")
         if np.shape(head) != x.shape[1:] or not np.isfinite(head[self._vertices]).all():
@@ -281,7 +282,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
         return values
 
     def pressure(self, x: ndarray) -> ndarray:
-        """Return the excess pore pressure at the vertices, (n_vertices,); NaN outside the ground."""
+        """Return the excess pore pressure at the vertices, (n_vertices,), NaN outside."""
         values = np.full(self.fields[0].n, np.nan)
         values[self._vertices] = x[self.first + self._vertices]
         return values
@@ -575,7 +576,8 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
         p = state.pressure[self._vertices]
         pressed_out = -self.volume(state)
         return Outputs(
-            f"excess pressure {p.min():.4g} to {p.max():.4g}, {pressed_out:.4g} of water pressed out"
+            f"excess pressure {p.min():.4g} to {p.max():.4g}, "
+            f"{pressed_out:.4g} of water pressed out"
         )
 
 

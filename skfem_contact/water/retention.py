@@ -23,33 +23,27 @@ _STEEPEST = 1e-9
 
 
 class Retention(Protocol):
-    """Permeability of partly saturated ground, relative to that of saturated ground, and its
-    water.
-    """
+    """Relative permeability and water of partly saturated ground."""
 
     content: tuple[float, float] | None
 
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope over the suction, a length: elevation less
-        head.
+        """Return the relative permeability and its slope over the suction.
 
-        The size is the height of the elements in which the points lie, broadcast against the
+        The suction is a length: elevation less head. The size is the height of the elements in which the points lie, broadcast against the
         suction.
         """
 
     def softer(self, factor: float) -> Retention:
-        """Return the law with a transition so many times as wide: Newton's method begins with
-        it.
-        """
+        """Return the law with a wider transition, with which Newton's method begins."""
 
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         """Return the effective saturation, from 0 to 1, and its slope over the suction."""
 
     def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
-        """Return the suction after a change by Newton's method, made in the saturation where that
-        is not `flat`.
+        """Return the suction after a change by Newton's method.
 
-        From that slope of the saturation on, ground stores more water than flows off by a change of
+        The change is made in the saturation where its slope is not `flat`. From that slope of the saturation on, ground stores more water than flows off by a change of
         suction (K. Brenner and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
         """
         return suction + change
@@ -76,9 +70,7 @@ class _Limited(Retention):
                 )
 
     def limited(self, k: ndarray, slope: ndarray, dry: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope: 1 where the ground is not dry, and not
-        below the limit.
-        """
+        """Return the relative permeability and its slope, 1 in wet ground, and above the limit."""
         changing = dry & (k > self.least)
         return np.where(dry, np.maximum(k, self.least), 1.0), np.where(changing, slope, 0.0)
 
@@ -120,9 +112,11 @@ class Ramp(_Limited):
     @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         width = self.width * size
+        # k = k_0 + (1 - k_0) (3 s² - 2 s³)
         s = np.clip(0.5 - suction / width, 0.0, 1.0)
         change = 1.0 - self.least
-        return self.least + change * s * s * (3.0 - 2.0 * s), -change * 6.0 * s * (1.0 - s) / width
+        k = self.least + change * s * s * (3.0 - 2.0 * s)
+        return k, -change * 6.0 * s * (1.0 - s) / width
 
     @override
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -131,17 +125,20 @@ class Ramp(_Limited):
     @override
     def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
         width = self.width * size
+        # Find the part of the ramp, |t| <= half, on which the saturation is steeper than flat.
         half = 0.5 * np.sqrt(1.0 - np.minimum(flat * width / 1.5, _FLATTEST))
-        t, most = -suction / width, half * (1.5 - 2.0 * half**2)
+        most = half * (1.5 - 2.0 * half**2)
+        # Change the saturation less a half, 1.5 t - 2 t³, and its tangents beyond that part.
+        t = -suction / width
         inner = np.clip(t, -half, half)
-        new = inner * (1.5 - 2.0 * inner**2) + (1.5 - 6.0 * inner**2) * (t - inner - change / width)
-        filled = np.clip(new, -most, most)  # less a half; 3 sin a - 4 sin^3 a = sin 3a
-        moved = -width * (
-            np.sin(np.arcsin(2.0 * filled) / 3.0) + (new - filled) / (1.5 - 6.0 * half**2)
-        )
-        return np.where(
-            (t - inner) * (new - filled) > 0.0, suction + change, moved
-        )  # for the sake of round-off
+        slope = 1.5 - 6.0 * inner**2
+        new = inner * (1.5 - 2.0 * inner**2) + slope * (t - inner - change / width)
+        # Return to the suction: 3 sin a - 4 sin³ a = sin 3a.
+        filled = np.clip(new, -most, most)
+        beyond = (new - filled) / (1.5 - 6.0 * half**2)
+        moved = -width * (np.sin(np.arcsin(2.0 * filled) / 3.0) + beyond)
+        # Changes along one tangent have less round-off in the suction.
+        return np.where((t - inner) * (new - filled) > 0.0, suction + change, moved)
 
     @override
     def softer(self, factor: float) -> Ramp:
@@ -197,9 +194,8 @@ class VanGenuchten(_Limited):
         rest = 1.0 - (x / (1.0 + x)) ** m
         k = filled * rest**2
         # slope of (x / (1 + x))^m: infinite at s = 0 for n < 2
-        steep = (
-            (self.n - 1.0) * np.maximum(s, _STEEPEST) ** (self.n - 2.0) * (1.0 + x) ** (-m - 1.0)
-        )
+        from_zero = np.maximum(s, _STEEPEST) ** (self.n - 2.0)
+        steep = (self.n - 1.0) * from_zero * (1.0 + x) ** (-m - 1.0)
         slope = -filled * rest * (0.5 * m * self.n * rest * x / s / (1.0 + x) + 2.0 * steep)
         return self.limited(k, self.alpha * slope, suction > 0.0)
 
@@ -220,9 +216,8 @@ class VanGenuchten(_Limited):
         def suction_of(filled: ndarray) -> ndarray:
             return np.asarray(np.expm1(-np.log(filled) / m) ** (1.0 / self.n) / self.alpha)
 
-        return _by_saturation(
-            self, np.clip(turn, _STEEPEST * steepest, steepest), suction_of, suction, change, flat
-        )
+        turn = np.clip(turn, _STEEPEST * steepest, steepest)
+        return _by_saturation(self, turn, suction_of, suction, change, flat)
 
     @property
     def _m(self) -> float:
@@ -258,8 +253,10 @@ class BrooksCorey(_Limited):
     >>> import numpy as np
     >>> import skfem_contact as sc
     >>> sand = sc.water.BrooksCorey(entry=.2, index=2.)
-    >>> sand.saturation(np.array([0., .2, .4]), np.ones(3))[0], sand.relative(np.array([.1, .4]), np.ones(2))[0]
-    (array([1.  , 1.  , 0.25]), array([1.       , 0.00390625]))
+    >>> sand.saturation(np.array([0., .2, .4]), np.ones(3))[0]
+    array([1.  , 1.  , 0.25])
+    >>> sand.relative(np.array([.1, .4]), np.ones(2))[0]
+    array([1.       , 0.00390625])
     """
 
     entry: float
@@ -290,9 +287,8 @@ class BrooksCorey(_Limited):
         def suction_of(filled: ndarray) -> ndarray:
             return np.asarray(self.entry * filled ** (-1.0 / self.index))
 
-        return _by_saturation(
-            self, np.full_like(suction, self.entry), suction_of, suction, change, flat
-        )
+        turn = np.full_like(suction, self.entry)
+        return _by_saturation(self, turn, suction_of, suction, change, flat)
 
     @override
     def softer(self, factor: float) -> BrooksCorey:
@@ -307,15 +303,21 @@ def _by_saturation(
     change: ndarray,
     flat: ndarray,
 ) -> ndarray:
-    """Return the suction after a change in saturation, and in a line of the flat slope up to a
-    suction.
+    """Return the suction after a change in saturation, or in a line up to the suction `turn`.
+
+    The line has the flat slope.
     """
-    size, wet = np.ones(1), np.minimum(suction - turn, 0.0)
-    (most, steep), (filled, slope) = law.saturation(turn, size), law.saturation(suction - wet, size)
+    size = np.ones(1)
+    wet = np.minimum(suction - turn, 0.0)
+    most, steep = law.saturation(turn, size)
+    filled, slope = law.saturation(suction - wet, size)
+    # Change the saturation, or the line where the ground is wet.
     steep = np.maximum(steep, -flat)
     now = filled + steep * wet
-    new = np.maximum(now + np.where(wet < 0.0, steep, slope) * change, _DRIER * now)
-    moved = np.where(new < most, suction_of(np.minimum(new, most)), turn + (new - most) / steep)
-    return np.where(
-        (wet < 0.0) & (new > most), suction + change, moved
-    )  # for the sake of round-off
+    step = np.where(wet < 0.0, steep, slope) * change
+    new = np.maximum(now + step, _DRIER * now)
+    # Return to the suction.
+    along_line = turn + (new - most) / steep
+    moved = np.where(new < most, suction_of(np.minimum(new, most)), along_line)
+    # Changes along the line have less round-off in the suction.
+    return np.where((wet < 0.0) & (new > most), suction + change, moved)

@@ -164,8 +164,9 @@ class Seepage:
 
         It is the weight above over the force of the water, which presses on the boundary
         `bottom` of the porous ground with its full head. Facets with ground above them count
-        negative: the force on the whole outline of a tunnel is its buoyancy. `unit_weight` is by subdomain, of all that lies above the bottom: saturated
-        ground, also elements outside of the porous ground. `load` is a further downward force, of
+        negative: the force on the whole outline of a tunnel is its buoyancy. `unit_weight` is by
+        subdomain, of all that lies above the bottom: saturated ground, also elements outside of the
+        porous ground. `load` is a further downward force, of
         anchors or water above: per unit of thickness, per radian in axial symmetry.
 
         Examples

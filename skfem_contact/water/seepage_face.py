@@ -20,8 +20,8 @@ from .boundary import Given
 from .pore_water import PoreWater
 
 #: Conductance of the face over the conductance of the ground at it: pressures exceed zero by a
-#: hundredth of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass
-#: LAPACK illegal sizes.
+#: hundredth of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to
+#: pass LAPACK illegal sizes.
 _OPEN = 1e2
 
 
@@ -56,7 +56,8 @@ class SeepageFace(AtNodes, Regularised, Draining):
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
     ...          "face": sc.water.SeepageFace(pores, "top", 0.)}
     >>> load = sc.traction(basis, "top", (0., -100.))
-    >>> stages = [sc.Stage("load", load, duration=100.), sc.Stage("unload", 0 * load, duration=100.)]
+    >>> stages = [sc.Stage("load", load, duration=100.),
+    ...           sc.Stage("unload", 0 * load, duration=100.)]
     >>> result = sc.Model(forms, sc.box_supports(basis, base="rollers")).run(stages)
     >>> top = basis.get_dofs("top").all("u^2")
     >>> [round(float(stage.x[top].mean()), 4) for stage in result]

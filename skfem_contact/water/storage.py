@@ -17,10 +17,10 @@ from .retention import Laws
 class StoringFlow(DarcyFlow):
     r"""Flow with the rate of the stored water, :math:`(\theta(h) - \theta_0) / \Delta t`.
 
-    The form is mixed. The water is stored at the corners of the elements (lumped), so that a front neither over- nor
-    undershoots. The permeability is that of the corners too, interpolated: water enters dry ground
-    whatever its suction. The storage, (n_elements,), is the water that saturated ground takes per
-    volume and head.
+    The form is mixed. The water is stored at the corners of the elements (lumped), so that a front
+    neither over- nor undershoots. The permeability is that of the corners too, interpolated: water
+    enters dry ground whatever its suction. The storage, (n_elements,), is the water that saturated
+    ground takes per volume and head.
     """
 
     def __init__(
