@@ -30,8 +30,8 @@ class Retention(Protocol):
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         """Return the relative permeability and its slope over the suction.
 
-        The suction is a length: elevation less head. The size is the height of the elements in which the points lie, broadcast against the
-        suction.
+        The suction is a length: elevation less head. The size is the height of the elements in
+        which the points lie, broadcast against the suction.
         """
 
     def softer(self, factor: float) -> Retention:
@@ -43,8 +43,9 @@ class Retention(Protocol):
     def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
         """Return the suction after a change by Newton's method.
 
-        The change is made in the saturation where its slope is not `flat`. From that slope of the saturation on, ground stores more water than flows off by a change of
-        suction (K. Brenner and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
+        The change is made in the saturation where its slope is not `flat`. From that slope of the
+        saturation on, ground stores more water than flows off by a change of suction (K. Brenner
+        and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
         """
         return suction + change
 
