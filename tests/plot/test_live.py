@@ -19,6 +19,7 @@ import skfem_contact.plot as plot
 #: A column that consolidates nothing and yields nowhere: increments are as many as asked for.
 CELLS = (
     """import os, signal, sys
+sys.modules["ipywidgets"] = None  # bars are text without widgets
 import skfem_contact as sc, skfem_contact.plot as plot
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)

@@ -298,6 +298,7 @@ def test_changes_of_newtons_method(law) -> None:
         assert (np.diff(moved, axis=0) > -1e-12).all()
 
 
+@pytest.mark.slow
 def test_green_ampt() -> None:
     """[X] W. H. Green and G. A. Ampt 1911: infiltration under a thin sheet of water, in the limit
     of a sharp front.
