@@ -19,7 +19,7 @@ from .enforcement import Enforcement, check_corners
 from .growth import foreseen
 from .interface import ContactState
 from .laws import InterfaceLaw, Status
-from .multipliers import idle, nodal_forces, respond
+from .multipliers import balanced, idle, nodal_forces, respond
 
 
 @dataclass(frozen=True)
@@ -128,6 +128,10 @@ class DualMultipliers(Enforcement):
         self, pair: Any, x: ndarray, state: ContactState, meshed: ndarray
     ) -> Iterator[Remark]:
         return on_gaps_between_nodes(pair, x, state, meshed)
+
+    @override
+    def tractions(self, pair: Any, state: ContactState) -> ndarray:
+        return balanced(pair, state)
 
     @override
     def nodal_forces(self, pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:

@@ -82,6 +82,10 @@ class Enforcement:
         """Yield remarks on the accuracy; `meshed` are the gaps of the mesh, shape (n,)."""
         yield from ()
 
+    def tractions(self, pair: Any, state: ContactState) -> ndarray:
+        """Return the tractions at the points, (dim, n), with the resultants of the nodal forces."""
+        return state.traction
+
     def nodal_forces(self, pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:
         """Return the internal forces of pressure and of friction in a state, shape (N,) each."""
         operator = pair.tractions_at(x, state).forces

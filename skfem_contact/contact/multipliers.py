@@ -270,6 +270,35 @@ def nodal_forces(pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:
     return forces
 
 
+def balanced(pair: Any, state: ContactState) -> ndarray:
+    r"""Return tractions at points, (dim, n), with the forces and moments of the nodal forces.
+
+    Interpolated tractions :math:`t = \sum_j N_j t_j` have the forces of the duals, but not their
+    moments: at an end of the surface the node's mean over a part of a facet is shown at its end.
+    The tractions become :math:`t + |t| (a + b \cdot x)`, which leaves open points without any.
+    """
+    at = np.flatnonzero(state.facet >= 0)
+    facing, weights, *_ = integrals(pair, state, at, state.gap)
+    forces = np.einsum("nk,ink->in", weights, state.multiplier[:, facing.nodes])
+    area = pair.share * facing.weight
+
+    # Weigh the points by one and by their coordinates, from the middle and over the size
+    x = facing.positions(pair.slave.nodes)
+    x = x - x.mean(axis=0) if len(x) else x
+    size = np.abs(x).max(initial=0.0) or 1.0
+    linear = np.column_stack((np.ones(len(x)), x / size))
+
+    # Change each component in proportion to its size
+    tractions = state.traction.copy()
+    for component, force in zip(tractions, forces, strict=True):
+        t = component[at]
+        missing = linear.T @ (force - area * t)
+        products = linear.T @ ((area * np.abs(t))[:, None] * linear)
+        factors = np.linalg.pinv(products, rcond=_SINGULAR, hermitian=True) @ missing
+        component[at] = t + np.abs(t) * (linear @ factors)
+    return tractions
+
+
 def idle(pair: Any, fixed: ndarray) -> ndarray:
     """Return tangential multipliers at nodes that supports hold along the surface, as the master.
 

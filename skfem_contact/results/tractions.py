@@ -79,19 +79,20 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     points = pair.points(state)
     slave = pair.slave
     coordinates = points.positions(slave.nodes)
-    pressure = -state.traction[0]
+    traction = pair.enforcement.tractions(pair, state)
+    pressure = -traction[0]
 
     # Give friction and slip a sign in the plane, and components in space.
     if slave.dim == 2:
         arc = along_chain(slave, points.facet, points.xi)
         coordinates = np.pad(coordinates, ((0, 0), (0, 1)))
-        shear = state.traction[1]
+        shear = traction[1]
         slip = state.slip[0]
     else:
         arc = np.zeros(0)
         normal = -slave.at(points.facet, points.xi, slave.nodes).normal
         tangents = frame(normal, points.direction(slave, slave.nodes))
-        shear = np.einsum("in,nic->nc", state.traction[1:], tangents)
+        shear = np.einsum("in,nic->nc", traction[1:], tangents)
         slip = np.einsum("in,nic->nc", state.slip, tangents)
     x, y, z = coordinates.T
     return Tractions(

@@ -165,3 +165,24 @@ def test_pressure_does_not_ripple(element, quadrature):
     assert ripple(joint.pressure) < 0.002  # measured 0.1 % and less
     if (element, quadrature) in (("Q1", 4), ("Q1", "segments")):
         assert ripple(joint.raw_pressure) > 0.03
+
+
+@pytest.mark.parametrize("n", [3, 8])
+@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian(), sc.DualMultipliers()])
+def test_pressure_balances_an_eccentric_load(enforcement, n):
+    """[X] Force 10 and moment 1 by equilibrium: the load is 10 + 12 x over a column of width 1."""
+    mesh = sc.join_bodies({"column": grid("Q1", np.linspace(-0.5, 0.5, n + 1), [0, 1, 2])})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    floor = sc.rigid.line((-2.0, 0.0), (2.0, 0.0))
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.0)),
+        "joint": sc.ContactPair(
+            basis, "column:bottom", floor, sc.Coulomb(mu=1.0), enforcement=enforcement
+        ),
+    }
+    model = sc.Model(forms)
+    load = model.traction("column:top", lambda x: np.array([0.0 * x[0], -10.0 - 12.0 * x[0]]))
+    joint = model.run([sc.Stage("press", load)], progress=False)["press"].tractions("joint")
+    for pressure in (joint.pressure, joint.raw_pressure):
+        assert (pressure * joint.weight).sum() == pytest.approx(10.0, rel=1e-6)
+        assert (pressure * joint.weight * joint.x).sum() == pytest.approx(1.0, rel=1e-3)
