@@ -1,6 +1,4 @@
-"""Newton's method: evaluations, line searches, and iterations that distinguish a stall from a
-collapse.
-"""
+"""Newton's method: evaluations, line searches, and iterations."""
 
 from __future__ import annotations
 
@@ -413,7 +411,7 @@ def iterate(
 
 
 def _too_many(norms: list[float], counted: int, most: int) -> bool:
-    """Return True if all iterations are made, unless the last one has brought equilibrium closer."""
+    """Return True if all iterations are made and the last one has not come much closer."""
     made = max(counted, (len(norms) - 1) / _MOVING)
     return made >= most and norms[-1] > _FALLS * min(norms[:-1])
 

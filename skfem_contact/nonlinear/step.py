@@ -96,7 +96,7 @@ class Step:
     prescribed: ndarray
     start: ndarray | None = None
 
-    def equilibrium(self, settings: Newton, attempt: Attempt = Attempt()) -> Equilibrium:  # noqa: B008
+    def equilibrium(self, settings: Newton, attempt: Attempt = Attempt()) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
 
         Raises

@@ -58,7 +58,9 @@ class Stepping:
         self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
         #: True if the last attempt failed.
         self.cut = False
-        self._growth, self._last, self._compared = np.inf, 0.0, dict[str, float]()
+        self._growth = np.inf
+        self._last = 0.0
+        self._compared: dict[str, float] = {}
         self._same: int | None = None
         self._times = 0
 
@@ -75,9 +77,7 @@ class Stepping:
 
     @property
     def allowed(self) -> float:
-        """Share that the error of the last step allows for the next one; infinite without an
-        error.
-        """
+        """Share that the error of the last step allows for the next one, or infinity."""
         return self._growth * self._last
 
     @property
@@ -93,9 +93,7 @@ class Stepping:
 
     @property
     def _hopeless(self) -> bool:
-        """True if nothing resists a motion at the same dof again and again, however small the
-        increment is.
-        """
+        """True if nothing resists a motion at the same dof, however small the increment is."""
         return self._times >= _AGAIN
 
     @property
@@ -104,17 +102,22 @@ class Stepping:
         return self._collapsed - self._reached <= _NARROW * self._reached
 
     def too_long(self, errors: Mapping[str, tuple[float, float]]) -> bool:
-        """Return True if a step must be repeated with a shorter length, by the errors in time of
-        its forms.
+        """Return True if errors in time demand that the step is repeated with a shorter length.
 
         An error is compared with the largest value of its measure in the stage, see
-        :meth:`Form.time_error`.
+        :meth:`~skfem_contact.roles.Timed.time_error`.
         """
         worst = 0.0
         for name, (error, size) in errors.items():
-            largest = self._compared[name] = max(size, self._compared.get(name, 0.0))
-            worst = max(worst, error / largest if error > 0.0 else 0.0)
-        self._growth = max(_SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf
+            largest = max(size, self._compared.get(name, 0.0))
+            self._compared[name] = largest
+            if error > 0.0:
+                worst = max(worst, error / largest)
+
+        # The error of a step is of second order in its length.
+        self._growth = np.inf
+        if worst > 0.0:
+            self._growth = max(_SAFE / float(np.sqrt(worst)), _LEAST)
         if self._growth < _SAFE:
             self._size = self._even(self._growth * (self.fraction - self._reached), self._reached)
             self._shortest = min(self._shortest, self._size)
@@ -122,15 +125,14 @@ class Stepping:
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""
-        self._last, self._reached, self.cut, self._times = (
-            fraction - self._reached,
-            fraction,
-            False,
-            0,
-        )
-        self._failed, self._collapsed = (
-            f if f > fraction + _ROUND_OFF else np.inf for f in (self._failed, self._collapsed)
-        )
+        self._last = fraction - self._reached
+        self._reached = fraction
+        self.cut = False
+        self._times = 0
+        if not self._failed > fraction + _ROUND_OFF:
+            self._failed = np.inf
+        if not self._collapsed > fraction + _ROUND_OFF:
+            self._collapsed = np.inf
         if self._growth < 1.0:
             self._size = self._even(self._growth * self._size, fraction)
         elif iterations <= _EASY * equilibria and self._growth >= _WORTH:
@@ -140,47 +142,41 @@ class Stepping:
                 self._size = self._even(larger, fraction)
 
     def _even(self, size: float, reached: float) -> float:
-        """Return a size of steps in time, shortened so that equal steps lead to the end of the
-        stage.
-        """
-        left = 1.0 - reached
-        return (
-            size
-            if np.isinf(self._growth) or left <= 0.0
-            else left / np.ceil(left / size * (1.0 - _ROUND_OFF))
-        )
+        """Return a size of steps in time, so that equal steps lead to the end of the stage."""
+        remaining = 1.0 - reached
+        if np.isinf(self._growth) or remaining <= 0.0:
+            return size
+        return float(remaining / np.ceil(remaining / size * (1.0 - _ROUND_OFF)))
 
     def reject(self, error: NotConverged) -> None:
         """Record a failure."""
         share = _QUARTER if self.try_recovery else _HALF
-        if (
-            self.try_recovery
-            and isinstance(error.__cause__, SingularSystem)
-            and len(error.residuals) == 1
-        ):
+        at_first = isinstance(error.__cause__, SingularSystem) and len(error.residuals) == 1
+        if self.try_recovery and at_first:
             self._times = self._times + 1 if error.dof == self._same else 1
             self._same = error.dof
         self._failed = self.fraction
         if isinstance(error, NoEquilibrium):
             self._collapsed = self.fraction
-        self._size, self.cut = share * (self.fraction - self._reached), True
+        self._size = share * (self.fraction - self._reached)
+        self.cut = True
 
     def __str__(self) -> str:
         reached = f"stopped at {self._reached:.2%} of its load"
         if self._hopeless:
-            return f"{reached}, where nothing resists a motion in any increment (hold the body, or close its contact)"
-        return (
-            f"{reached}, the displacements run away at {self._collapsed:.2%}"
-            if self._limited
-            else reached
-        )
+            return (
+                f"{reached}, where nothing resists a motion in any increment (hold the body, or "
+                "close its contact)"
+            )
+        if self._limited:
+            return f"{reached}, the displacements run away at {self._collapsed:.2%}"
+        return reached
 
 
 class Predictor:
-    """Extrapolation from the last two accepted increments while loads and supports change in
-    proportion.
+    """Extrapolation from the last two accepted increments.
 
-    Sliding contact and yielding soil then hardly change their state within an increment, and few
+    It holds while loads and supports change in proportion. Sliding contact and yielding soil then hardly change their state within an increment, and few
     iterations are left.
 
     Parameters
@@ -208,13 +204,15 @@ class Predictor:
         self._accepted = (*self._accepted[-1:], (x, load, time))
 
     def start(self, load: ndarray, prescribed: ndarray, time: float = 0.0) -> ndarray | None:
-        """Return displacements to start from under a load, or None where changes are not in
-        proportion.
+        """Return displacements to start from under a load, or None.
+
+        None stands for changes that are not in proportion.
         """
         if len(self._accepted) < 2:
             return None
         (x_before, load_before, then), (x, load_last, last) = self._accepted
-        moved, held = x - x_before, self._fixed
+        moved = x - x_before
+        held = self._fixed
         changes = (
             (load_last - load_before, load - load_last),
             (moved[held], prescribed - x[held]),
@@ -223,11 +221,9 @@ class Predictor:
         ratios = [float(old @ new / (old @ old)) for old, new in changes if old.any()]
         if not ratios or not ratios[0] > 0.0:
             return None
-        if any(
-            np.linalg.norm(new - ratios[0] * old) > _PROPORTIONAL * np.linalg.norm(new)
-            for old, new in changes
-        ):
-            return None
+        for old, new in changes:
+            if np.linalg.norm(new - ratios[0] * old) > _PROPORTIONAL * np.linalg.norm(new):
+                return None
         start = x + ratios[0] * moved
         start[held] = prescribed
         return start

@@ -1,5 +1,4 @@
-"""Errors of increments in soil whose stiffness depends on stress: they are followed once more in
-parts.
+"""Errors of increments in soil whose stiffness depends on stress, estimated from parts of them.
 
 Stresses follow from the strain of an increment by Euler's backward method, of first order, and
 strains change in proportion within it. At some points increments are done again in three parts of
@@ -45,9 +44,7 @@ _HELD = 1e-6
 
 
 class _Point(NamedTuple):
-    """Strain, stress and internal variables at points, (ncomp, n) or (n_internal, n), and their
-    time.
-    """
+    """State at points: strain, stress and internal variables, (ncomp, n), and time."""
 
     strain: ndarray
     stress: ndarray
@@ -56,62 +53,63 @@ class _Point(NamedTuple):
 
 
 class _Sample(NamedTuple):
-    """Points of a region, by their number there, with their share of its volume, and their states
-    in a stage.
-    """
+    """Points of a region by their indices, with their share of its volume, and their states."""
 
     material: Material
-    at: ndarray
+    indices: ndarray
     weight: ndarray
     states: list[_Point]
 
     def work(self, begin: int, end: int) -> ndarray:
         """Return the work of the change of stress between two states, (n,)."""
-        a, b = self.states[begin], self.states[end]
-        return self.weight * ((b.stress - a.stress) * (b.strain - a.strain)).sum(axis=0)
+        old = self.states[begin]
+        new = self.states[end]
+        density = (new.stress - old.stress) * (new.strain - old.strain)
+        return self.weight * density.sum(axis=0)
 
 
 class Parts:
-    """Accepted increments of a stage, to be followed in parts; `driven` is true where supports
-    move.
+    """Accepted increments of a stage, to be followed in parts.
+
+    `driven` is true where supports move.
     """
 
     def __init__(self, driven: bool) -> None:
-        self._driven, self._samples = driven, dict[str, dict[str, _Sample]]()
+        self._driven = driven
+        self._samples: dict[str, dict[str, _Sample]] = {}
 
     def add(self, before: StageResult, after: StageResult) -> None:
         """Record an accepted increment."""
         for name, form in having(after.forms, Body).items():
             if not any(material.stress_dependent for material in form.materials.values()):
                 continue
-            old, new = before.states[name], after.states[name]
+            old = before.states[name]
+            new = after.states[name]
             if not self._samples.get(name):  # nothing has moved so far
                 self._samples[name] = _chosen(form, old, new)
                 _record(self._samples[name], form, old, before.time)
             _record(self._samples[name], form, new, after.time)
 
     def remarks(self, name: str) -> Iterator[Remark]:
-        """Yield a remark on the estimated error of a body, of all increments if that of the largest
-        one is large.
+        """Yield a remark on the estimated error of a body.
+
+        The error of all increments is estimated where the error of the largest one is large.
         """
         samples = list(self._samples.get(name, {}).values())
         if not samples:
             return
         last = len(samples[0].states) - 1
-        largest = int(
-            np.argmax([sum(np.abs(s.work(k, k + 1)).sum() for s in samples) for k in range(last)])
-        )
+        works = []
+        for k in range(last):
+            works.append(sum(np.abs(sample.work(k, k + 1)).sum() for sample in samples))
+        largest = int(np.argmax(works))
         try:
             with np.errstate(all="ignore"):  # at points that fail, which do not count
                 error = _error(samples, largest, largest + 1, self._driven)
                 if error > _ERROR and last > 1:
                     error = _error(samples, 0, last, self._driven)
-        except (
-            IncrementTooLarge,
-            InadmissibleStress,
-            np.linalg.LinAlgError,
-        ):  # of parts without an equilibrium
-            return
+        except (IncrementTooLarge, InadmissibleStress, np.linalg.LinAlgError):
+            return  # parts without an equilibrium
         if error > _ERROR:
             size = f"about {error:.0%}" if error < _LARGE else f"more than {_LARGE:.0%}"
             what = "forces at the moved supports" if self._driven else "displacements"
@@ -125,48 +123,47 @@ class Parts:
 
 
 def _chosen(form: Any, old: Any, new: Any) -> dict[str, _Sample]:
-    """Return samples of the regions, in which points occur in proportion to their work in an
-    increment.
-    """
-    work = np.abs(form.weight * ((new.stress - old.stress) * (new.strain - old.strain)).sum(axis=0))
+    """Return samples of the regions, with points in proportion to their work in an increment."""
+    density = (new.stress - old.stress) * (new.strain - old.strain)
+    work = np.abs(form.weight * density.sum(axis=0))
     samples = {}
     for region in form.regions:
-        sums = np.cumsum(own := work[region.elements].ravel())
+        own = work[region.elements].ravel()
+        sums = np.cumsum(own)
         if region.material.stress_dependent and sums[-1] > 0.0:
             marks = (np.arange(_POINTS) + 0.5) / _POINTS * sums[-1]
-            at, count = np.unique(np.searchsorted(sums, marks), return_counts=True)
-            share = count * sums[-1] / _POINTS / own[at]
-            samples[region.name] = _Sample(
-                region.material, at, share * form.weight[region.elements].ravel()[at], []
-            )
+            indices, count = np.unique(np.searchsorted(sums, marks), return_counts=True)
+            share = count * sums[-1] / _POINTS / own[indices]
+            weight = share * form.weight[region.elements].ravel()[indices]
+            samples[region.name] = _Sample(region.material, indices, weight, [])
     return samples
 
 
 def _record(samples: dict[str, _Sample], form: Any, state: Any, time: float) -> None:
     """Add a state of a body to its samples."""
     for region, stress, memory in form.at_regions(state):
-        if region.name in samples:
-            at = samples[region.name].at
-            strain, stress, memory = (
-                values.reshape(len(values), stress[0].size)[:, at]
-                for values in (state.strain[:, region.elements], stress, memory)
-            )
-            samples[region.name].states.append(_Point(strain, stress, memory, time))
+        sample = samples.get(region.name)
+        if sample is not None:
+            n = stress[0].size
+            strain = state.strain[:, region.elements].reshape(-1, n)[:, sample.indices]
+            at_points = stress.reshape(-1, n)[:, sample.indices]
+            inner = memory.reshape(len(memory), n)[:, sample.indices]
+            sample.states.append(_Point(strain, at_points, inner, time))
 
 
 def _error(samples: Sequence[_Sample], begin: int, end: int, driven: bool) -> float:
-    """Return the estimated error of increments from one state to another, as a share of what they
-    change.
-    """
-    total, more = 0.0, 0.0
+    """Return the estimated error of increments between two states, as a share of the change."""
+    total = 0.0
+    more = 0.0
     for sample in samples:
-        a, b = sample.states[begin], sample.states[end]
-        strain, stress, solved = _followed(sample.material, sample.states[begin : end + 1], driven)
-        lost = (
-            (stress - b.stress) * (b.strain - a.strain)
-            if driven
-            else (b.strain - strain) * (b.stress - a.stress)
-        )
+        old = sample.states[begin]
+        new = sample.states[end]
+        states = sample.states[begin : end + 1]
+        strain, stress, solved = _followed(sample.material, states, driven)
+        if driven:
+            lost = (stress - new.stress) * (new.strain - old.strain)
+        else:
+            lost = (new.strain - strain) * (new.stress - old.stress)
         total += sample.work(begin, end)[solved].sum()
         more += _PARTS / (_PARTS - 1.0) * (sample.weight * lost.sum(axis=0))[solved].sum()
     return abs(more / total) if total else 0.0
@@ -175,21 +172,21 @@ def _error(samples: Sequence[_Sample], begin: int, end: int, driven: bool) -> fl
 def _followed(
     material: Material, states: Sequence[_Point], driven: bool
 ) -> tuple[ndarray, ndarray, ndarray]:
-    """Return strain and stress after parts of increments, and where they are in equilibrium,
-    (n,).
-    """
-    now, solved = states[0], np.ones(states[0].strain.shape[1], bool)
-    sizes = _sizes([state.strain for state in states]), _sizes([state.stress for state in states])
-    changes = np.abs(np.diff([state.strain for state in states], axis=0)).max(axis=(0, 2))
+    """Return strain and stress after parts of increments, and where they are in equilibrium."""
+    strains = [state.strain for state in states]
+    changes = np.abs(np.diff(strains, axis=0)).max(axis=(0, 2))
     rows = np.flatnonzero(changes > _HELD * changes.max())
-    for a, b in pairwise(states):
-        base = now.stress if driven else a.stress
+    sizes = _sizes(strains), _sizes([state.stress for state in states])
+    now = states[0]
+    solved = np.ones(now.strain.shape[1], bool)
+    for old, new in pairwise(states):
+        base = now.stress if driven else old.stress
         for share in (np.arange(_PARTS) + 1.0) / _PARTS:
-            time = a.time + share * (b.time - a.time)
-            goal = _Point(a.strain + share * (b.strain - a.strain), base, now.memory, time)
-            now, balanced = _part(
-                material, now, goal, b.stress - a.stress, share, rows, sizes, driven
-            )
+            strain = old.strain + share * (new.strain - old.strain)
+            time = old.time + share * (new.time - old.time)
+            goal = _Point(strain, base, now.memory, time)
+            part = _Part(goal, new.stress - old.stress, share, driven)
+            now, balanced = _solve(material, now, part, rows, sizes)
             solved &= balanced
     return now.strain, now.stress, solved
 
@@ -199,35 +196,45 @@ def _sizes(values: Sequence[ndarray]) -> ndarray:
     return np.linalg.norm(np.diff(values, axis=0), axis=1).max(axis=0)
 
 
-def _part(
-    material: Material,
-    now: _Point,
-    goal: _Point,
-    change: ndarray,
-    share: float,
-    rows: ndarray,
-    sizes: tuple[ndarray, ndarray],
-    driven: bool,
+class _Part(NamedTuple):
+    """Part of an increment: its goal, the change of stress of the increment, and its share.
+
+    Where supports are driven the strain along the change is known, else the share.
+    """
+
+    goal: _Point
+    change: ndarray
+    share: float
+    driven: bool
+
+
+def _solve(
+    material: Material, now: _Point, part: _Part, rows: ndarray, sizes: tuple[ndarray, ndarray]
 ) -> tuple[_Point, ndarray]:
     """Return the state after a part of an increment, and where it is in equilibrium.
 
-    The stress of the goal and a share of the change of stress are reached. Either this share is
-    known or the strain along the change. Newton's method halves its step where the residual has not
+    The unknowns z are the strains of some rows and the share a of the change of stress, with
+    sigma(z) = sigma_goal + a dsigma. Newton's method halves its step where the residual has not
     fallen.
     """
-    target, elastic, n = (
-        change[rows].T,
-        elasticity_at(material, now.stress, now.memory),
-        change.shape[1],
-    )
-    around, known = (
-        _AROUND * elastic[:, rows[:, None], rows],
-        np.column_stack((goal.strain[rows].T, np.full(n, share))),
-    )
-    last = np.column_stack((target if driven else 0.0 * target, np.full(n, 0.0 if driven else 1.0)))
-    z, best, least, step = known, known, np.full(n, np.inf), np.zeros_like(known)
+    goal = part.goal
+    n = part.change.shape[1]
+    target = part.change[rows].T
+    elastic = elasticity_at(material, now.stress, now.memory)
+    around = _AROUND * elastic[:, rows[:, None], rows]  # (n, rows, rows)
+    known = np.column_stack((goal.strain[rows].T, np.full(n, part.share)))
+
+    # The last equation gives the work along the change of stress, or the share.
+    if part.driven:
+        last = np.column_stack((target, np.zeros(n)))
+    else:
+        last = np.column_stack((0.0 * target, np.ones(n)))
+    z = best = known
+    step = np.zeros_like(known)
+    least = np.full(n, np.inf)
     for _ in range(_MOST):
-        increment = np.zeros_like(change)
+        # Evaluate the unbalanced stress.
+        increment = np.zeros_like(part.change)
         increment[rows] = z[:, :-1].T - now.strain[rows]
         new = updated(
             material,
@@ -240,17 +247,20 @@ def _part(
         missing += np.einsum("nij,nj->ni", around, (known - z)[:, :-1])
         size = np.linalg.norm(missing, axis=1) / sizes[1]
         worse = ~(size < least)
-        least, best = np.where(worse, least, size), np.where(worse[:, None], best, z)
+        least = np.where(worse, least, size)
+        best = np.where(worse[:, None], best, z)
         if size.max() < _BALANCED:
             break
+
+        # Solve for the step, and limit its length.
         K = np.concatenate((np.zeros((n, len(rows), len(rows) + 1)), last[:, None]), axis=1)
         K[:, :-1, :-1] = tangent_at(elastic, new)[:, rows[:, None], rows] + around
         K[:, :-1, -1] = -target
         right = np.column_stack((missing, ((known - z) * last).sum(axis=1)))
         newton = np.linalg.solve(K, right[:, :, None])[:, :, 0]
         length = np.linalg.norm(newton[:, :-1], axis=1) / (_LONGEST * sizes[0])
-        step = np.where(worse[:, None], 0.5 * step, newton / np.maximum(length, 1.0)[:, None])
+        limited = newton / np.maximum(length, 1.0)[:, None]
+        step = np.where(worse[:, None], 0.5 * step, limited)
         z = best + step
-    return _Point(
-        now.strain + increment, new.stress[:, :, 0], new.internal[:, :, 0], goal.time
-    ), size < 10 * _BALANCED
+    end = _Point(now.strain + increment, new.stress[:, :, 0], new.internal[:, :, 0], goal.time)
+    return end, size < 10 * _BALANCED

@@ -48,11 +48,8 @@ def initial_state(
     setup: Setup, load: Any, stress: Callable[[ndarray], ndarray], water: Any, name: str
 ) -> Result:
     """Return a given field of stresses, see :meth:`skfem_contact.Model.initial_state`."""
-    return _wet(
-        setup,
-        _balanced(setup, _whole(setup, load, water), lambda x, elements: stress(x), name),
-        water,
-    )
+    whole = _whole(setup, load, water)
+    return _wet(setup, _balanced(setup, whole, lambda x, elements: stress(x), name), water)
 
 
 def k0_state(
@@ -68,55 +65,65 @@ def k0_state(
     solids = setup.solids
     mesh = next(iter(solids.values())).basis.mesh
     elements = np.concatenate([form.elements for form in solids.values()])
-    overburden, ratios = (
-        _overburden(mesh, _layers(setup, elements, unit_weights)),
-        by_element(mesh, K0, "K0", np.nan),
-    )
-    missing = elements[np.isnan(ratios[elements])]
-    if len(missing):
-        tags = [
-            tag for tag, part in (mesh.subdomains or {}).items() if np.isin(part, missing).any()
-        ]
-        raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
-    if not ((ratios[elements] >= 0.0) & (ratios[elements] < np.inf)).all():
-        raise ValueError(f"K0 must be a number, not negative, unlike {K0!r}")
-    if ratios[elements].max() > _LARGEST_K0:
-        warn(
-            f"K0 is {ratios[elements].max():.4g}: it is the ratio of horizontal to vertical "
-            f"stress, not in per cent"
-        )
-    pressure = (
-        None
-        if water is None or water is False
-        else as_pressure(water, mesh, setup.water_unit_weight)
-    )
-    if pressure is not None and not callable(pressure) and np.shape(pressure) != (mesh.nvertices,):
-        raise ValueError(
-            "water of the K0 procedure must be a level, points of it, a function of the "
-            "coordinates such "
-            "as that of a seepage, water.pressure_at, or pressures at the vertices"
-        )
-    if pressure is not None:
-        vertices = np.unique(mesh.t[:, elements])
-        given = (
-            pressure(mesh.p[:, vertices]) if callable(pressure) else np.asarray(pressure)[vertices]
-        )
-        _check_surface(mesh.p[:, vertices], given, surcharge)
+    overburden = _overburden(mesh, _layers(setup, elements, unit_weights))
+    ratios = _ratios(mesh, elements, K0)
+    pressure = _pressure_field(setup, mesh, elements, water, surcharge)
 
     def stress(x: ndarray, elements: ndarray) -> ndarray:
+        # sigma_v' = -(q + int gamma dz) + p,  sigma_h' = K0 sigma_v', tension positive
         vertical = -surcharge - overburden(x[-1])
         if pressure is not None:
-            vertical = vertical + (
-                pressure(x) if callable(pressure) else _linear(mesh, pressure, x, elements)
-            )
-        horizontal, none = ratios[elements] * vertical, np.zeros_like(vertical)
-        plane = (horizontal, vertical, horizontal, none)
-        return np.stack(
-            plane if len(x) == 2 else (horizontal, horizontal, vertical, none, none, none)
-        )
+            vertical = vertical + pressure(x, elements)
+        horizontal = ratios[elements] * vertical
+        none = np.zeros_like(vertical)
+        if len(x) == 2:
+            return np.stack((horizontal, vertical, horizontal, none))
+        return np.stack((horizontal, horizontal, vertical, none, none, none))
 
-    carried = water if any(form.unit_weight is not None for form in solids.values()) else None
-    return _wet(setup, _balanced(setup, _whole(setup, load, carried), stress, name), carried)
+    weighs = any(form.unit_weight is not None for form in solids.values())
+    kept = water if weighs else None
+    return _wet(setup, _balanced(setup, _whole(setup, load, kept), stress, name), kept)
+
+
+def _ratios(mesh: Any, elements: ndarray, K0: float | Mapping[str, float]) -> ndarray:
+    """Return K0 of all elements of the mesh, NaN outside of the given ones."""
+    ratios = by_element(mesh, K0, "K0", np.nan)
+    missing = elements[np.isnan(ratios[elements])]
+    if len(missing):
+        parts = (mesh.subdomains or {}).items()
+        tags = [tag for tag, part in parts if np.isin(part, missing).any()]
+        raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
+    given = ratios[elements]
+    if not ((given >= 0.0) & (given < np.inf)).all():
+        raise ValueError(f"K0 must be a number, not negative, unlike {K0!r}")
+    if given.max() > _LARGEST_K0:
+        warn(
+            f"K0 is {given.max():.4g}: it is the ratio of horizontal to vertical stress, not in "
+            "per cent"
+        )
+    return ratios
+
+
+def _pressure_field(
+    setup: Setup, mesh: Any, elements: ndarray, water: Any, surcharge: float
+) -> Callable[[ndarray, ndarray], ndarray] | None:
+    """Return the water pressure as a function of coordinates and elements; None without water."""
+    if water is None or water is False:
+        return None
+    pressure = as_pressure(water, mesh, setup.water_unit_weight)
+    vertices = np.unique(mesh.t[:, elements])
+    corners = mesh.p[:, vertices]
+    if callable(pressure):
+        _check_surface(corners, pressure(corners), surcharge)
+        return lambda x, elements: pressure(x)
+    if np.shape(pressure) != (mesh.nvertices,):
+        raise ValueError(
+            "water of the K0 procedure must be a level, points of it, a function of the "
+            "coordinates such as that of a seepage, water.pressure_at, or pressures at the vertices"
+        )
+    nodal = np.asarray(pressure)
+    _check_surface(corners, nodal[vertices], surcharge)
+    return lambda x, elements: _linear(mesh, nodal, x, elements)
 
 
 def gravity_state(
@@ -132,30 +139,29 @@ def gravity_state(
     _check_inactive(setup, whole)
     dry, kept = _without_still_fields(setup)
     load = whole[kept]
-    if K0 is None:
-        return _wet(
-            setup,
-            _among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, None))),
-            water,
-        )
-    elastic = dict(dry.forms)
-    regions = {region for form in dry.solids.values() for region in form.materials}
+    first = None
+    if K0 is not None:
+        elastic = _with(dry, {**dry.forms, **_elastic_bodies(dry, K0)})
+        first = _loaded(elastic, f"{name}, elastic", load, 1, None)
+    result = _at_rest(dry, _loaded(dry, name, load, increments, first))
+    return _wet(setup, _among_all(setup, kept, result), water)
+
+
+def _elastic_bodies(setup: Setup, K0: float | Mapping[str, float]) -> dict[str, Any]:
+    """Return the solids with elastic regions whose lateral stress is K0 times the vertical one."""
+    solids = setup.solids
+    regions = {region: None for form in solids.values() for region in form.materials}
     for region in K0 if isinstance(K0, Mapping) else ():
-        look_up(region, dict.fromkeys(regions), "region of the solids")
-    for key, form in dry.solids.items():
+        look_up(region, regions, "region of the solids")
+    found = {}
+    for key, form in solids.items():
         ratios = K0 if isinstance(K0, Mapping) else dict.fromkeys(form.materials, K0)
-        given = {
-            region: _elastic(m, ratios[region])
-            for region, m in form.materials.items()
-            if region in ratios
-        }
-        elastic[key] = form.with_materials(given)
-    first = _loaded(_with(dry, elastic), f"{name}, elastic", load, 1, None)
-    return _wet(
-        setup,
-        _among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, first))),
-        water,
-    )
+        given = {}
+        for region, material in form.materials.items():
+            if region in ratios:
+                given[region] = _elastic(material, ratios[region])
+        found[key] = form.with_materials(given)
+    return found
 
 
 def _loaded(
@@ -172,12 +178,8 @@ def _whole(setup: Setup, load: Any, water: Any) -> ndarray:
 
 def _wet(setup: Setup, result: Result, water: Any) -> Result:
     """Return a result that knows the water of its load: the first stage that follows keeps it."""
-    return Result(
-        tuple(
-            replace(stage, water=water, water_unit_weight=setup.water_unit_weight)
-            for stage in result
-        )
-    )
+    known = {"water": water, "water_unit_weight": setup.water_unit_weight}
+    return Result(tuple(replace(stage, **known) for stage in result))
 
 
 def _with(setup: Setup, forms: Mapping[str, Form]) -> Setup:
@@ -189,16 +191,18 @@ def _with(setup: Setup, forms: Mapping[str, Form]) -> Setup:
 
 
 def _at_rest(setup: Setup, last: StageResult) -> Result:
-    """Return a stage without its displacements, in equilibrium: contact has followed the bodies,
-    and comes back.
+    """Return a stage without its displacements, in equilibrium.
+
+    Contact has followed the bodies, and comes back.
     """
-    name, iterations = last.name, last.iterations
-    for left in reversed(range(_RETURNS)):
+    name = last.name
+    iterations = last.iterations
+    for remaining in reversed(range(_RETURNS)):
         start = Result((replace(last, name=f"{name}, moved"),)).reset()
         rest = start[-1]
         system = setup.checked_system(rest.forms, setup.fixed)
         now = system.evaluate(rest.x, rest.states, rest.load)
-        if now.norm <= _BALANCED or left == 0:
+        if now.norm <= _BALANCED or remaining == 0:
             break
         last = _loaded(setup, name, rest.load, 1, start[-1])
         iterations += last.iterations
@@ -207,9 +211,7 @@ def _at_rest(setup: Setup, last: StageResult) -> Result:
 
 
 def _without_still_fields(setup: Setup) -> tuple[Setup, ndarray]:
-    """Return the set-up, weightless, without forms that bring fields that do not move or act on
-    these, and its dofs.
-    """
+    """Return the weightless set-up without pressures and multipliers, and its dofs."""
     still = setup.layout.still
     names = []
     for key, form in setup.forms.items():
@@ -267,106 +269,105 @@ def _check_inactive(setup: Setup, load: ndarray) -> ndarray:
 
 
 def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> Result:
-    """Return a result with given stresses, tractions that balance them, and the residual that is
-    left.
-    """
-    away = _check_inactive(setup, load)
-    system = setup.checked_system(setup.forms, np.union1d(setup.fixed, away))
+    """Return a result with given stresses, tractions that balance them, and the residual."""
+    inactive = _check_inactive(setup, load)
+    system = setup.checked_system(setup.forms, np.union1d(setup.fixed, inactive))
     x = np.zeros(system.size)
     states = {key: form.initial_state() for key, form in system.forms.items()}
+
+    # Give the solids their stresses.
     solids = setup.solids
     for key, form in solids.items():
-        values = np.array(
-            stress(np.asarray(form.basis.global_coordinates()), form.elements[:, None]), dtype=float
-        )
-        if values.shape != states[key].stress.shape or not np.isfinite(values).all():
+        points = np.asarray(form.basis.global_coordinates())
+        values = np.array(stress(points, form.elements[:, None]), dtype=float)
+        shape = states[key].stress.shape
+        if values.shape != shape or not np.isfinite(values).all():
             raise ValueError(
-                f"the stress of '{key}' must be finite and of shape {states[key].stress.shape}; "
-                f"its shape "
-                f"is {values.shape}"
+                f"the stress of '{key}' must be finite and of shape {shape}; its shape is "
+                f"{values.shape}"
             )
         states[key] = form.assemble(x[: form.size], form.initial_state(stress=values)).state
-    tractions = {
-        key: pair.tractions_at(x[: pair.size], states[key])
-        for key, pair in having(system.forms, Touching).items()
-    }
-    operators = {key: operator for key, operator in tractions.items() if operator is not None}
+
+    # Give the contact pairs the tractions that balance the stresses.
+    operators = {}
+    for key, pair in having(system.forms, Touching).items():
+        operator = pair.tractions_at(x[: pair.size], states[key])
+        if operator is not None:
+            operators[key] = operator
     if operators:
         force = internal_force(solids, x, states)
-        near = {
-            key: _stress_at(operator.coordinates, stress, solids)
-            for key, operator in operators.items()
-        }
+        near = {}
+        for key, operator in operators.items():
+            near[key] = _stress_at(operator.coordinates, stress, solids)
         states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)
     _check_balance(now, system)
-    summary = summaries(system.forms, x, states)
-    return Result(
-        (
-            StageResult(
-                name, x, load, states, (), now.norm, 1.0, summary, system.forms, layout=setup.layout
-            ),
-        )
+    end = StageResult(
+        name,
+        x,
+        load=load,
+        states=states,
+        iterations=(),
+        residual=now.norm,
+        summary=summaries(system.forms, x, states),
+        forms=system.forms,
+        layout=setup.layout,
     )
+    return Result((end,))
 
 
 def _check_balance(now: Evaluation, system: System) -> None:
     """Warn about forces that do not balance, at the level of the caller of the model's method."""
-    if now.norm > _BALANCED:
-        names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
-        warn(
-            f"the initial stresses are out of balance by {now.norm:.2g} of the load, most "
-            f"{system.layout.describe(now.worst)} of {names}: begin with a stage of the same load "
-            f"to let "
-            "them find equilibrium"
-        )
-
-
-def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any]) -> ndarray:
-    """Return a field of stresses at coordinates, (4 or 6, n_points); their elements are those of
-    the nearest points.
-    """
-    inside = [
-        np.asarray(form.basis.global_coordinates()).reshape(points.shape[1], -1).T
-        for form in solids.values()
-    ]
-    elements = [
-        np.broadcast_to(form.elements[:, None], form.weight.shape).ravel()
-        for form in solids.values()
-    ]
-    nearest = cKDTree(np.concatenate(inside)).query(points)[1]
-    return np.asarray(stress(points.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[
-        :, :, 0
-    ]
-
-
-def _linear(mesh: Any, nodal: ndarray, x: ndarray, elements: ndarray) -> ndarray:
-    """Return values at the vertices, (n_vertices,), at points (dim, n, ...) in elements of the
-    mesh, (n, 1).
-    """
-    here, element = elements[:, 0], linear_element(mesh)
-    local = mesh.mapping().invF(x, tind=here)
-    return sum(
-        (
-            element.lbasis(local, i)[0] * np.asarray(nodal)[at][:, None]
-            for i, at in enumerate(mesh.t[:, here])
-        ),
-        start=np.zeros(x.shape[1:]),
+    if now.norm <= _BALANCED:
+        return
+    names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
+    warn(
+        f"the initial stresses are out of balance by {now.norm:.2g} of the load, most "
+        f"{system.layout.describe(now.worst)} of {names}: begin with a stage of the same load "
+        "to let them find equilibrium"
     )
 
 
-def _check_surface(x: ndarray, pressure: ndarray, surcharge: float) -> None:
-    """Refuse water that presses, (n,), more than the surcharge on the highest of some nodes, (dim,
-    n).
+def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any]) -> ndarray:
+    """Return a field of stresses at coordinates, (4 or 6, n_points).
+
+    Their elements are the elements of the nearest integration points.
     """
+    inside = []
+    elements = []
+    for form in solids.values():
+        coordinates = np.asarray(form.basis.global_coordinates())
+        inside.append(coordinates.reshape(points.shape[1], -1).T)
+        elements.append(np.broadcast_to(form.elements[:, None], form.weight.shape).ravel())
+    nearest = cKDTree(np.concatenate(inside)).query(points)[1]
+    here = np.concatenate(elements)[nearest]
+    return np.asarray(stress(points.T[:, :, None], here[:, None]))[:, :, 0]
+
+
+def _linear(mesh: Any, nodal: ndarray, x: ndarray, elements: ndarray) -> ndarray:
+    """Return values at the vertices, (n_vertices,), at points in elements of the mesh.
+
+    The points have the shape (dim, n, ...), the elements (n, 1).
+    """
+    here = elements[:, 0]
+    element = linear_element(mesh)
+    local = mesh.mapping().invF(x, tind=here)
+    values = np.zeros(x.shape[1:])
+    for i, vertices in enumerate(mesh.t[:, here]):
+        values = values + element.lbasis(local, i)[0] * nodal[vertices][:, None]
+    return values
+
+
+def _check_surface(x: ndarray, pressure: ndarray, surcharge: float) -> None:
+    """Refuse water that presses more than the surcharge on the highest of some nodes, (dim, n)."""
     given = finite(pressure, "the pressure")
-    values = np.where(x[-1] > x[-1].max() - _SAME * np.ptp(x[-1]), given, 0.0)
+    highest = x[-1] > x[-1].max() - _SAME * np.ptp(x[-1])
+    values = np.where(highest, given, 0.0)
     k = values.argmax()
     if values[k] - surcharge > _SAME * np.abs(given).max():
         raise ValueError(
             f"water presses with {values[k]:.4g} on the surface at {format_point(x[:, k])}, where "
-            f"the "
-            f"surcharge is {surcharge:.4g}: it counts water above the ground too, give "
+            f"the surcharge is {surcharge:.4g}: it counts water above the ground too, give "
             f"surcharge={values[k]:.4g} and what else presses there"
         )
 
@@ -374,9 +375,7 @@ def _check_surface(x: ndarray, pressure: ndarray, surcharge: float) -> None:
 def _layers(
     setup: Setup, elements: ndarray, unit_weights: float | Mapping[str, float] | None
 ) -> list[tuple[str, ndarray, float]]:
-    """Return name, elements and unit weight of every layer: as given, or of the solids
-    themselves.
-    """
+    """Return name, elements and unit weight of every layer, given or of the solids themselves."""
     mesh = next(iter(setup.solids.values())).basis.mesh
     if unit_weights is not None and not isinstance(unit_weights, Mapping):
         return [("the solids", elements, unit_weights)]
@@ -385,10 +384,8 @@ def _layers(
             raise ValueError(
                 "unit_weights names no subdomain: leave it out to use the unit weights of the forms"
             )
-        return [
-            (name, look_up(name, mesh.subdomains or {}, "subdomain"), gamma)
-            for name, gamma in unit_weights.items()
-        ]
+        known = mesh.subdomains or {}
+        return [(k, look_up(k, known, "subdomain"), gamma) for k, gamma in unit_weights.items()]
     layers = []
     for name, form in setup.solids.items():
         if form.unit_weight is None:
@@ -396,15 +393,11 @@ def _layers(
                 f"'{name}' has no unit weight: give the form `unit_weight`, or k0_state "
                 f"`unit_weights`"
             )
-        parts = (
-            form.unit_weight if isinstance(form.unit_weight, Mapping) else {name: form.unit_weight}
-        )
-        for part, gamma in parts.items():
-            inside = (
-                form.elements
-                if part == name and not isinstance(form.unit_weight, Mapping)
-                else np.intersect1d(mesh.subdomains[part], form.elements)
-            )
+        if not isinstance(form.unit_weight, Mapping):
+            layers.append((name, form.elements, float(form.unit_weight)))
+            continue
+        for part, gamma in form.unit_weight.items():
+            inside = np.intersect1d(mesh.subdomains[part], form.elements)
             layers.append((part, inside, float(gamma)))
     return [layer for layer in layers if len(layer[1])]  # a subdomain may lie in other bodies
 
@@ -417,19 +410,22 @@ def _overburden(
     for name, elements, gamma in layers:
         heights = mesh.p[-1, mesh.t[:, elements]]
         extent.append((name, gamma, float(heights.min()), float(heights.max())))
-    levels = np.unique(np.array([level for layer in extent for level in layer[2:]]))
+    levels = np.unique(np.array([layer[2:] for layer in extent]))
     weights = np.zeros(len(levels) - 1)
     for k, (bottom, top) in enumerate(pairwise(levels)):
-        here = {name: gamma for name, gamma, low, high in extent if low <= bottom and top <= high}
+        here = {}
+        for name, gamma, low, high in extent:
+            if low <= bottom and top <= high:
+                here[name] = gamma
         if len(set(here.values())) > 1:
             raise ValueError(
                 f"the ground is not level: from height {bottom:g} to {top:g} there are the unit "
-                f"weights "
-                f"{here}; use gravity_state, or equal weights now and the difference in a later "
-                f"stage"
+                f"weights {here}; use gravity_state, or equal weights now and the difference in a "
+                "later stage"
             )
         weights[k] = next(iter(here.values()), 0.0)
-    above = np.append(np.cumsum((weights * np.diff(levels))[::-1])[::-1], 0.0)
+    of_layers = weights * np.diff(levels)
+    above = np.append(np.cumsum(of_layers[::-1])[::-1], 0.0)
     return lambda y: np.interp(y, levels, above)
 
 

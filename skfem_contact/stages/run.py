@@ -205,7 +205,7 @@ def among(setup: Setup, start: StageResult) -> StageResult:
 
 
 def _placed(phase: Phase, last: StageResult, x: ndarray) -> dict[str, ndarray]:
-    """Return the displacements at which solids have become active; new ones are active from x on."""
+    """Return the displacements at which solids have become active; for new ones these are x."""
     new = solids_of(phase.forms).keys() - phase.before.keys()
     result = {}
     for name in phase.forms:

@@ -1,6 +1,4 @@
-"""Setup of an analysis: forms that are completed and numbered once, supports, gravity and the
-solver.
-"""
+"""Setup of an analysis: completed and numbered forms, supports, gravity and the solver."""
 
 from __future__ import annotations
 
@@ -33,9 +31,7 @@ _STRONGEST = 2.0
 
 
 class Setup:
-    """Forms, supports and settings that all analyses of a model share; see
-    :class:`~skfem_contact.Model`.
-    """
+    """Forms, supports and settings of all analyses, see :class:`~skfem_contact.Model`."""
 
     def __init__(
         self,
@@ -49,7 +45,8 @@ class Setup:
         water_unit_weight: float | None = None,
     ) -> None:
         given = as_forms(forms)
-        self.solver, self.newton = solver, newton
+        self.solver = solver
+        self.newton = newton
         self.coordinates = _coordinates_of(given)
         _check_bases(given)
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
@@ -69,15 +66,16 @@ class Setup:
     ) -> ndarray:
         """Return the load vector of the weight of all solids, see :func:`weight`."""
         for name, form in self.solids.items():
-            if missing := loads.weightless(form, unit_weights):
+            missing = loads.weightless(form, unit_weights)
+            if missing:
                 warn(
                     f"{missing} of '{name}' are weightless: name them too, with 0 if they are "
-                    f"meant to be"
+                    "meant to be"
                 )
-        return sum(
-            (loads.weight(form, unit_weights, direction) for form in self.solids.values()),
-            start=np.zeros(self.layout.n_displacements),
-        )
+        total = np.zeros(self.layout.n_displacements)
+        for form in self.solids.values():
+            total = total + loads.weight(form, unit_weights, direction)
+        return total
 
     def traction(
         self, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]
@@ -86,10 +84,9 @@ class Setup:
         return loads.traction(next(iter(self.solids.values())), boundary, force)
 
     def water_load(self, pressure: loads.Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
-        """Return the load vector of water in the pores of all porous solids and on boundaries, see
-        :func:`water_load`.
+        """Return the load vector of water in all porous solids and on boundaries.
 
-        ``Stage(water=...)`` finds these boundaries by itself.
+        See :func:`water_load`. ``Stage(water=...)`` finds these boundaries by itself.
         """
         porous = [form for form in self.solids.values() if form.porous]
         elements = np.concatenate([form.elements for form in porous])
@@ -112,8 +109,7 @@ class Setup:
         if self.coordinates == "axisymmetric" and (down + horizontal)[0] != 0.0:
             raise ValueError(
                 "in axial symmetry weights act along the axis: gravity or seismic across it needs "
-                "a model "
-                "in space"
+                "a model in space"
             )
         if np.abs(horizontal).max() > _STRONGEST:
             warn(
@@ -124,9 +120,7 @@ class Setup:
 
     @property
     def seismic(self) -> float | ndarray:
-        """Horizontal acceleration over that of gravity; a `ValueError` where gravity is not against
-        the last axis.
-        """
+        """Horizontal acceleration over the one of gravity, which is against the last axis."""
         if self.gravity[-1] != -1.0:
             raise ValueError(
                 f"bounds need gravity against the last axis, not {self.gravity.tolist()}: rotate "
@@ -138,9 +132,7 @@ class Setup:
         return form.numbered(self.layout.numbers((*form.fields, *borrowed_by(form))))
 
     def restricted(self, names: Sequence[str]) -> tuple[Self, ndarray]:
-        """Return the set-up of some of the forms, numbered anew, and its dofs among those of this
-        one.
-        """
+        """Return the set-up of some of the forms, numbered anew, and its dofs in this one."""
         new = copy(self)
         vars(new).pop("solids", None)
         new._completed = {name: self._completed[name] for name in names}
@@ -157,14 +149,13 @@ class Setup:
         return new, kept
 
     def after(self, start: StageData | None) -> Self:
-        """Return the set-up as stages of its own have left it: with the forms and the supports that
-        they changed.
-        """
+        """Return the set-up with the forms and supports that stages of its own have changed."""
         if start is None or start.layout is not self.layout or start.supports is None:
             return self
         new = copy(self)
         vars(new).pop("solids", None)
-        new.forms, new.fixed = {**self.forms, **start.changed}, start.supports
+        new.forms = {**self.forms, **start.changed}
+        new.fixed = start.supports
         return new
 
     def adopted(self, new: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
@@ -174,11 +165,11 @@ class Setup:
             old = now[name]
             form = continued(form, old)
             if form is not old and (form.fields or borrowed_by(form)):
-                its = self.layout.numbers(old.fields)
-                own = {
-                    mine: its[other] for mine, other in zip(form.fields, old.fields, strict=True)
-                }
-                form = form.numbered({**self.layout.numbers(borrowed_by(form)), **own})
+                numbers = dict(self.layout.numbers(borrowed_by(form)))
+                taken = self.layout.numbers(old.fields)
+                for own, other in zip(form.fields, old.fields, strict=True):
+                    numbers[own] = taken[other]
+                form = form.numbered(numbers)
                 form.fields = old.fields
             found[name] = form
         return found
@@ -186,7 +177,8 @@ class Setup:
     @cached_property
     def solids(self) -> dict[str, Any]:
         """Forms that give stiffness to elements; a ``ValueError`` where there is none."""
-        if not (found := solids_of(self.forms)):
+        found = solids_of(self.forms)
+        if not found:
             raise ValueError("there is no SolidForm among the forms: nothing resists load")
         return found
 
@@ -202,50 +194,50 @@ class Setup:
     def water_on(self, forms: Mapping[str, Form], water: Any) -> ndarray:
         """Return the load of water at rest in and on some forms, (N,); zero for None and False."""
         total = np.zeros(self.layout.size)
-        if water is not None and water is not False:
-            if self.gravity[-1] != -1.0 and not callable(water) and np.ndim(water) != 1:
-                raise ValueError(
-                    f"levels need gravity against the last axis, not {self.gravity.tolist()}: "
-                    f"rotate the "
-                    "mesh, or give the water as a function of the coordinates"
-                )
-            solids = solids_of(forms)
-            loaded = having(forms, Loaded).values()
-            for wet in loads_at_rest(solids, loaded, water, self.water_unit_weight):
-                total[: len(wet)] += wet
+        if water is None or water is False:
+            return total
+        is_level = not callable(water) and np.ndim(water) != 1
+        if self.gravity[-1] != -1.0 and is_level:
+            raise ValueError(
+                f"levels need gravity against the last axis, not {self.gravity.tolist()}: rotate "
+                "the mesh, or give the water as a function of the coordinates"
+            )
+        loaded = having(forms, Loaded).values()
+        for wet in loads_at_rest(solids_of(forms), loaded, water, self.water_unit_weight):
+            total[: len(wet)] += wet
         return total
 
     def at_rest(self, forms: Mapping[str, Form], water: Any) -> tuple[Any, ndarray] | None:
-        """Return the pressure of water at rest and its load in and on some forms, (N,), for bounds;
-        None without.
-        """
+        """Return the pressure of water at rest and its load on some forms, (N,), for bounds."""
         if water is None or water is False:
             return None
         solids = solids_of(forms)
-        pressure = as_pressure(
-            water, next(iter(solids.values())).basis.mesh, self.water_unit_weight
-        )
+        mesh = next(iter(solids.values())).basis.mesh
+        pressure = as_pressure(water, mesh, self.water_unit_weight)
         dry = [name for name, form in solids.items() if not form.porous and form.strengths]
-        if dry or isinstance(pressure, Mapping):
-            why = (
-                f"pores in all that yields, but '{dry[0]}' has none"
-                if dry
-                else "one pressure, but it is by region"
-            )
+        why = "one pressure, but it is by region" if isinstance(pressure, Mapping) else ""
+        if dry:
+            why = f"pores in all that yields, but '{dry[0]}' has none"
+        if why:
             raise ValueError(f"bounds beside a search know water with {why}: leave out `certify`")
         return getattr(pressure, "pressure", pressure), self.water_on(forms, water)
 
     def vector(self, values: Any, what: str) -> ndarray:
-        """Return values of all dofs, given up to the end of any field; a ``ValueError`` for others,
-        or NaN.
+        """Return values of all dofs, given up to the end of any field.
+
+        Raises
+        ------
+        ValueError
+            Another shape, other coordinates, or values that are not finite.
         """
-        n, n_first = self.layout.size, self.layout.n_displacements
+        n = self.layout.size
+        n_first = self.layout.n_displacements
         given = getattr(values, "coordinates", None)
         if given is not None and (given == "axisymmetric") != (self.coordinates == "axisymmetric"):
             raise ValueError(
                 f"{what} was integrated in {given} coordinates, but the model is "
-                f"{self.coordinates}: make "
-                "loads by the model, or from a solid form instead of a basis"
+                f"{self.coordinates}: make loads by the model, or from a solid form instead of a "
+                "basis"
             )
         if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
@@ -262,11 +254,9 @@ class Setup:
         if given is None:
             return np.zeros(self.layout.size)
         several = isinstance(given, list | tuple) and len(given) > 0 and np.ndim(given[0]) == 1
-        return (
-            sum((self.vector(one, what) for one in given), start=np.zeros(self.layout.size))
-            if several
-            else self.vector(given, what)
-        )
+        if not several:
+            return self.vector(given, what)
+        return sum((self.vector(one, what) for one in given), start=np.zeros(self.layout.size))
 
     def inactive(self, active: Mapping[str, Form]) -> ndarray:
         """Return the dofs that forms or fields have, but no active form."""
@@ -279,12 +269,8 @@ class Setup:
         staged = having(forms, Staged).values()
         fixed = different(self.layout.size, fixed, *(form.idle(fixed) for form in staged))
         free = others(self.layout.size, fixed)
-        return System(
-            forms,
-            self.layout,
-            fixed,
-            linear_solver(forms, self.solver, self.layout.coordinates, free),
-        )
+        solver = linear_solver(forms, self.solver, self.layout.coordinates, free)
+        return System(forms, self.layout, fixed, solver)
 
     def checked_system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms, once their supports are checked."""
@@ -302,7 +288,7 @@ def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
 
 
 def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
-    """Return a form with what it takes from the others; errors name it."""
+    """Return a form with the properties of other forms; errors name it."""
     try:
         return form.completed(forms)
     except ValueError as error:
@@ -320,42 +306,35 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
 
 
 def _check_fields(forms: Mapping[str, Form]) -> None:
-    """Refuse a field that two forms bring without sharing it, and one that is borrowed of no
-    form.
-    """
+    """Refuse a field that two forms bring without sharing it, and a field that no form brings."""
     owner: dict[Field, str] = {}
     for name, form in forms.items():
         for field in form.fields:
-            if not field.shared and owner.setdefault(field, name) != name:
+            if owner.setdefault(field, name) != name and not field.shared:
                 raise ValueError(
                     f"'{owner[field]}' and '{name}' bring the same field '{field.name}': build two "
-                    f"forms, "
-                    "or share it by Field(..., shared=...)"
+                    "forms, or share it by Field(..., shared=...)"
                 )
-    brought = {field for form in forms.values() for field in form.fields}
     for name, form in forms.items():
         for field in borrowed_by(form):
-            if field not in brought:
+            if field not in owner:
                 raise ValueError(
                     f"'{name}' acts on the field '{field.name}', which no form of the model brings"
                 )
-        for _, other in (pair for field in form.fields for pair in field.taken):
-            if isinstance(other, FieldDofs) and other.field not in brought:
+        taken = [other for field in form.fields for _, other in field.taken]
+        for other in taken:
+            if isinstance(other, FieldDofs) and other.field not in owner:
                 raise ValueError(
                     f"'{name}' is joined to a form that is not in the model: it takes dofs of the "
-                    f"field "
-                    f"'{other.field.name}'"
+                    f"field '{other.field.name}'"
                 )
 
 
 def _check_bases(forms: Mapping[str, Form]) -> None:
-    """Refuse bad meshes, forms of different bases, and forms none of which knows how many dofs
-    there are.
-    """
-    bases = {name: form.basis for name, form in solids_of(forms).items()}
-    sizes = {name: form.size for name, form in forms.items() if form.size is not None}
+    """Refuse bad meshes, forms of different bases, and an unknown number of dofs."""
     if not forms:
         raise ValueError("there is no SolidForm among the forms: nothing resists load")
+    sizes = {name: form.size for name, form in forms.items() if form.size is not None}
     if not sizes and not any(form.fields for form in forms.values()):
         raise ValueError("no form knows how many dofs there are: give one of them a `size`")
     if len(set(sizes.values())) > 1:
@@ -363,17 +342,18 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
             f"the forms belong to different bases; their numbers of dofs are {sizes}; they "
             f"are {', '.join(map(repr, forms.values()))}"
         )
+    bases = {name: form.basis for name, form in solids_of(forms).items()}
     if not bases:
         return
     owner, basis = next(iter(bases.items()))
     check_mesh(basis.mesh)
+
+    # Compare coordinates: different meshes may have as many dofs as each other.
     known = {name: (np.arange(other.N), other.doflocs) for name, other in bases.items()}
-    couplings = having(forms, Couples)
-    known |= {name: form.nodes for name, form in couplings.items() if form.nodes is not None}
-    for name, (
-        numbers,
-        coordinates,
-    ) in known.items():  # different meshes may have as many dofs as each other
+    for name, form in having(forms, Couples).items():
+        if form.nodes is not None:
+            known[name] = form.nodes
+    for name, (numbers, coordinates) in known.items():
         if not np.array_equal(coordinates, basis.doflocs[:, numbers]):
             raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
 

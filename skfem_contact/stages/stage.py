@@ -86,8 +86,10 @@ class Stage:
     ...     "ground": lambda x: x[1] < .5, "fill": lambda x: x[1] > .5})
     >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> soil = sc.LinearElastic(E=1e3, nu=0.)
-    >>> forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.) for name in ("ground", "fill")}
-    >>> stages = [sc.Stage("ground"), sc.Stage("filled", activate="fill"), sc.Stage("cleared", deactivate="fill")]
+    >>> forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.)
+    ...          for name in ("ground", "fill")}
+    >>> stages = [sc.Stage("ground"), sc.Stage("filled", activate="fill"),
+    ...           sc.Stage("cleared", deactivate="fill")]
     >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run(stages)
     >>> surface = basis.nodal_dofs[1, mesh.p[1] == .5]
     >>> [float(f"{stage.x[surface][0]:.6f}") for stage in result]
@@ -109,19 +111,15 @@ class Stage:
 
 
 def checked(stages: Sequence[Stage], before: Sequence[str]) -> Sequence[Stage]:
-    """Return the stages; a ``ValueError`` for stages without names of their own or proper
-    numbers.
-    """
+    """Return the stages; refuse stages without names of their own or proper numbers."""
     if not stages:
         raise ValueError("there is no stage to run")
     known = set(before)
     for stage in stages:
         if stage.name in known:
-            which = (
-                "the start has a stage of the name"
-                if stage.name in before
-                else "two stages are named"
-            )
+            which = "two stages are named"
+            if stage.name in before:
+                which = "the start has a stage of the name"
             raise ValueError(f"{which} '{stage.name}'")
         known.add(stage.name)
         _check_numbers(stage)
@@ -141,9 +139,8 @@ def _check_numbers(stage: Stage) -> None:
         )
     if stage.release not in (0.0, 1.0) and not is_number(stage.release, 0.0, 1.0):
         raise ValueError(f"{where}: release must be a share between 0 and 1, not {stage.release!r}")
-    if stage.keep not in ("last", "all") and not (
-        isinstance(stage.keep, (int, np.integer)) and stage.keep >= 1
-    ):
+    every = isinstance(stage.keep, (int, np.integer)) and stage.keep >= 1
+    if stage.keep not in ("last", "all") and not every:
         raise ValueError(
             f"{where}: keep must be 'last', 'all' or a whole number, not {stage.keep!r}"
         )
