@@ -164,10 +164,8 @@ class Stepping:
     def __str__(self) -> str:
         reached = f"stopped at {self._reached:.2%} of its load"
         if self._hopeless:
-            return (
-                f"{reached}, where nothing resists a motion in any increment (hold the body, or "
-                "close its contact)"
-            )
+            advice = "(hold the body, or close its contact)"
+            return f"{reached}, where nothing resists a motion in any increment {advice}"
         if self._limited:
             return f"{reached}, the displacements run away at {self._collapsed:.2%}"
         return reached
