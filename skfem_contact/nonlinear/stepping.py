@@ -174,8 +174,8 @@ class Stepping:
 class Predictor:
     """Extrapolation from the last two accepted increments.
 
-    It holds while loads and supports change in proportion. Sliding contact and yielding soil then hardly change their state within an increment, and few
-    iterations are left.
+    It holds while loads and supports change in proportion. Sliding contact and yielding soil then
+    hardly change their state within an increment, and few iterations remain.
 
     Parameters
     ----------
