@@ -16,9 +16,7 @@ _EXACT = 1e-14
 
 
 class MaterialPoints(NamedTuple):
-    """Material points of a surface: facets, shape (n,), -1 for none, and local coordinates, shape
-    (n, dim - 1).
-    """
+    """Facets, shape (n,), -1 for no point, and local coordinates, (n, dim - 1), of points."""
 
     facet: ndarray
     xi: ndarray
@@ -43,33 +41,35 @@ class MaterialPoints(NamedTuple):
 
 
 def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
-    """Return arc positions of points of a surface in the plane, shape (n,), in the reference
-    configuration.
+    """Return reference arc positions of points of a surface in the plane, shape (n,).
 
     The facets follow each other, with the body to the right; a closed chain ends where it begins.
     """
-    first = np.concatenate(([0.0], np.cumsum(surface.area)[:-1]))[facet]
+    end = np.cumsum(surface.area)
+    start = np.concatenate(([0.0], end[:-1]))[facet]
     half = 0.5 * (xi[:, 0] + 1.0)
     if surface.shape.affine:
-        return np.asarray(first + half * surface.area[facet])
+        return np.asarray(start + half * surface.area[facet])
     nodes = surface.nodes - surface.nodes[0]  # large coordinates would cost digits
     t, w = gauss_points(5)
     inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
-    tangent = surface.at(np.repeat(facet, len(t)), inner.reshape(-1, 1), nodes, 1).x[1][:, 0]
-    return np.asarray(first + half * (np.linalg.norm(tangent, axis=1).reshape(-1, len(t)) @ w))
+    facets = np.repeat(facet, len(t))
+    tangent = surface.at(facets, inner.reshape(-1, 1), nodes).x[1][:, 0]
+    density = np.linalg.norm(tangent, axis=1).reshape(-1, len(t))
+    return np.asarray(start + half * (density @ w))
 
 
 def arc_distance(surface: Surface, point: MaterialPoints, origin: MaterialPoints) -> ndarray:
-    """Return the distance of points from others along a chain, the short way round a closed one;
-    zero for none.
+    """Return the distance of points from others along a chain, shape (n,); zero for none.
+
+    It is the short way round a closed chain.
     """
-    length = np.where(
-        point.exist & origin.exist,
-        along_chain(surface, *point) - along_chain(surface, *origin),
-        0.0,
-    )
+    between = along_chain(surface, *point) - along_chain(surface, *origin)
+    length = np.where(point.exist & origin.exist, between, 0.0)
+    if not surface.closed:
+        return length
     total = float(surface.area.sum())
-    return (length + 0.5 * total) % total - 0.5 * total if surface.closed else length
+    return (length + 0.5 * total) % total - 0.5 * total
 
 
 def distance(
@@ -79,22 +79,22 @@ def distance(
     point: MaterialPoints,
     origin: MaterialPoints,
 ) -> ndarray:
-    """Return the distance of points from others along unit tangents, shape (n, dim - 1); zero for
-    none.
-    """
+    """Return distances of points from others along unit tangents, (n, dim - 1); zero for none."""
     between = point.positions(surface, nodes) - origin.positions(surface, nodes)
-    return np.where(
-        (point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, between), 0.0
-    )
+    along = np.einsum("nic,nc->ni", tangents, between)
+    both = point.exist & origin.exist
+    return np.where(both[:, None], along, 0.0)
 
 
 def offset_back(
     surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, slip: ndarray
 ) -> MaterialPoints:
-    """Return material points of the same facets from which these have a slip, shape (n, dim - 1),
-    along tangents.
+    """Return points of the same facets from which these have a slip along tangents, (n, dim - 1).
+
+    Newton's method solves ``tangents . (start - x(xi)) = slip``.
     """
-    xi, start = point.known, point.positions(surface, nodes)
+    xi = point.known
+    start = point.positions(surface, nodes)
     for _ in range(_NEWTON_STEPS):
         mapping = surface.at(point.facet, xi, nodes)
         missing = np.einsum("nic,nc->ni", tangents, start - mapping.x[0]) - slip
@@ -108,10 +108,7 @@ def offset_back(
 def moved_along(
     surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray
 ) -> MaterialPoints:
-    """Return the points moved by a motion, shape (n, dim), along the surface, to the first
-    order.
-    """
-    a = surface.at(points.facet, points.known, nodes).x[1]
-    return MaterialPoints(
-        points.facet, points.xi + solve(products(a, a), np.einsum("nac,nc->na", a, motion))
-    )
+    """Return the points moved by a motion, (n, dim), along the surface, to the first order."""
+    a = surface.at(points.facet, points.known, nodes).x[1]  # (n, dim - 1, dim)
+    step = solve(products(a, a), np.einsum("nac,nc->na", a, motion))
+    return MaterialPoints(points.facet, points.xi + step)

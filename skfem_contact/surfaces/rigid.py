@@ -1,7 +1,7 @@
-"""Rigid obstacles: lines, circles and level sets in the plane; planes, spheres, cylinders, cones
-and meshes in space.
+"""Rigid obstacles in the plane and in space.
 
-Every function takes a `name`, which messages use.
+In the plane they are lines, circles and level sets, in space planes, spheres, cylinders, cones and
+meshes.  Every function takes a `name`, which messages use.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import (
     Basis,
+    Element,
     ElementHex1,
     ElementHex2,
     ElementTetP1,
@@ -35,9 +36,8 @@ from .vectors import across, dot, unit
 
 __all__ = ["circle", "cone", "cylinder", "level_set", "line", "mesh", "plane", "polyline", "sphere"]
 
-_FACETS = (
-    360  # of a circle: once smoothed it is round to (1 - cos(pi/360))^2 / 2 = 7e-10 of its radius
-)
+#: Facets of a circle: smoothed, it is round to (1 - cos(pi/360))^2 / 2 = 7e-10 of its radius.
+_FACETS = 360
 #: Facets on a quarter of a circle in space: they are round to 1e-6 of the radius.
 _QUARTER = 12
 #: Nodes nearer to each other than this share of the surface are one.
@@ -45,8 +45,12 @@ _SAME = 1e-6
 
 
 def line(start: tuple[float, float], end: tuple[float, float], name: str = "obstacle") -> Surface:
-    """Return a rigid straight line; its free side lies to the left of the way from start, (x, y),
-    to end.
+    """Return a rigid straight line; its free side lies to the left of its direction.
+
+    Parameters
+    ----------
+    start, end
+        Ends, (x, y).
 
     Examples
     --------
@@ -78,17 +82,12 @@ def polyline(points: ndarray, closed: bool = False, name: str = "obstacle") -> S
         raise ValueError(f"'{name}': points must be two or more finite (x, y)")
     n = len(points)
     first = np.arange(n if closed else n - 1)
-    facets = np.column_stack((first, (first + 1) % n))
-    if (points[facets[:, 0]] == points[facets[:, 1]]).all(axis=1).any():
+    second = (first + 1) % n
+    facets = np.column_stack((first, second))
+    if (points[first] == points[second]).all(axis=1).any():
         raise ValueError(f"'{name}': two corners that follow each other coincide")
-    return Surface.of(
-        name,
-        np.full((n, 2), -1),
-        points,
-        facets,
-        Shape.of_facets(ElementTriP1()),
-        following(len(facets), closed),
-    )
+    neighbours = following(len(facets), closed)
+    return _rigid(name, points, facets, Shape.of_facets(ElementTriP1()), neighbours)
 
 
 def circle(
@@ -111,12 +110,14 @@ def circle(
     """
     if not is_number(radius, 0.0, np.inf):
         raise ValueError(f"'{name}': the radius must be positive, not {radius!r}")
+    # the smoothed polygon touches its facets' middles at size * cos and is round to the mean of
+    # the radii there and at its joints: scale that out
+    cosine = np.cos(np.pi / _FACETS)
+    size = radius / (0.5 * cosine + 0.25 * (1.0 + cosine**2))
     angle = np.linspace(0, 2 * np.pi, _FACETS, endpoint=False)
-    # the smoothed polygon touches the middles of its facets' rounded joints at radius * cos(pi/n):
-    # scale that out
-    size = radius / (0.5 * np.cos(np.pi / _FACETS) + 0.25 * (1.0 + np.cos(np.pi / _FACETS) ** 2))
     turn = 1.0 if hole else -1.0
-    points = np.asarray(center) + size * np.column_stack((np.cos(angle), turn * np.sin(angle)))
+    on_circle = np.column_stack((np.cos(angle), turn * np.sin(angle)))
+    points = np.asarray(center) + size * on_circle
     return smoothed(polyline(points, closed=True, name=name))
 
 
@@ -126,8 +127,7 @@ def level_set(
     resolution: int = 200,
     name: str = "obstacle",
 ) -> Surface:
-    """Return a rigid body where a function is negative; its surface is the one zero line in a
-    window.
+    """Return a rigid body where a function is negative, with its one zero line in a window.
 
     Parameters
     ----------
@@ -149,8 +149,8 @@ def level_set(
         raise ValueError(f"'{name}': a window has xmin < xmax and ymin < ymax, unlike {bounds}")
     if resolution < 2:
         raise ValueError(f"'{name}': the resolution must be at least 2, not {resolution}")
-    x, y = np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution)
-    X, Y = np.meshgrid(x, y)
+    # trace the zero line on a grid
+    X, Y = np.meshgrid(np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution))
     lines = contour_generator(X, Y, function(X, Y)).lines(0.0)
     if len(lines) != 1:
         raise ValueError(
@@ -158,13 +158,15 @@ def level_set(
         )
     points = np.asarray(lines[0])
     closed = bool(np.allclose(points[0], points[-1]))
-    points = points[:-1] if closed else points
+    if closed:
+        points = points[:-1]
+    # merge points that coincide
     spacing = np.linalg.norm(np.diff(points, axis=0), axis=1)
     points = points[np.concatenate(([True], spacing > 1e-6 * spacing.max()))]
+    # turn the line so that the body lies to the right
     middle = 0.5 * (points[0] + points[1])
-    side = np.array([-1.0, 1.0]) * (points[1] - points[0])[::-1] * 1e-3
-    left = middle + side
-    if function(left[0], left[1]) < 0:  # the body must lie to the right
+    left = middle + np.array([-1.0, 1.0]) * (points[1] - points[0])[::-1] * 1e-3
+    if function(left[0], left[1]) < 0:
         points = points[::-1]
     return smoothed(polyline(points, closed=closed, name=name))
 
@@ -187,9 +189,10 @@ def plane(point: ArrayLike, normal: ArrayLike, width: float, name: str = "obstac
     axes = _axes(name, normal)
     middle = _point(name, point)
     corners = 0.5 * width * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-    return _surface(
-        name, middle + corners @ axes[:2], np.arange(4)[None], Shape.of_facets(ElementHex1())
-    )
+    points = middle + corners @ axes[:2]
+    shape = Shape.of_facets(ElementHex1())
+    facets = np.arange(4)[None]
+    return _rigid(name, points, facets, shape, adjacent(facets, name))
 
 
 def sphere(center: ArrayLike, radius: float, hole: bool = False, name: str = "obstacle") -> Surface:
@@ -209,31 +212,27 @@ def sphere(center: ArrayLike, radius: float, hole: bool = False, name: str = "ob
     50.265
     """
     _check(name, radius=radius)
+    middle = _point(name, center)
+    # project the six sides of a cube
+    quarter = (-np.pi / 4, np.pi / 4)
+    u, v, quads = _grid(quarter, quarter, _QUARTER, _QUARTER)
     sides = []
     for axis in range(3):
         for side in (-1.0, 1.0):
-
-            def on_cube(u: ndarray, v: ndarray, axis: int = axis, side: float = side) -> ndarray:
-                x = np.stack((np.tan(u), np.tan(v), np.full_like(u, side)), axis=1)
-                return unit(np.roll(x, axis + 1, axis=1))
-
-            sides.append(
-                _patch(
-                    on_cube, (-np.pi / 4, np.pi / 4), (-np.pi / 4, np.pi / 4), _QUARTER, _QUARTER
-                )
-            )
+            cube = np.stack((np.tan(u), np.tan(v), np.full_like(u, side)), axis=1)
+            sides.append((unit(np.roll(cube, axis + 1, axis=1)), quads))
     points, facets = _joined(sides)
-    corners = points[
-        facets[:, :4]
-    ]  # in the middle of an arc, and of all four: round to the fourth order of the size
+    # put the nodes of edges and facets in the middle of arcs: round to the fourth order of the size
+    corners = points[facets[:, :4]]
     points[facets[:, 4:8]] = unit(corners + np.roll(corners, -1, axis=1))
     points[facets[:, 8]] = unit(corners.sum(axis=1))
+    sign = -1.0 if hole else 1.0
     return _surface(
         name,
-        _point(name, center) + radius * points,
-        facets,
-        Shape.of_facets(ElementHex2()),
-        lambda x: (x - _point(name, center)) * (-1.0 if hole else 1.0),
+        middle + radius * points,
+        facets=facets,
+        element=ElementHex2(),
+        outward=lambda x: (x - middle) * sign,
     )
 
 
@@ -256,23 +255,22 @@ def cylinder(
     18.8496
     """
     _check(name, radius=radius)
-    start, end = _point(name, start), _point(name, end)
-    axes, length = _axes(name, end - start), float(np.linalg.norm(end - start))
+    start = _point(name, start)
+    end = _point(name, end)
+    axes = _axes(name, end - start)
+    length = float(np.linalg.norm(end - start))
+    sign = -1.0 if hole else 1.0
 
-    def around(u: ndarray, v: ndarray) -> ndarray:
-        return start + np.stack((radius * np.cos(u), radius * np.sin(u), v), axis=1) @ axes
+    def outward(x: ndarray) -> ndarray:
+        offset = x - start
+        return (offset - np.outer(offset @ axes[2], axes[2])) * sign
 
     rows = max(1, round(length / radius * _QUARTER / (np.pi / 2)))
-    points, facets = _joined([_patch(around, (0.0, 2 * np.pi), (0.0, length), 4 * _QUARTER, rows)])
-    return _surface(
-        name,
-        points,
-        facets,
-        Shape.of_facets(ElementHex2()),
-        lambda x: (
-            ((x - start) - np.outer((x - start) @ axes[2], axes[2])) * (-1.0 if hole else 1.0)
-        ),
-    )
+    u, v, quads = _grid((0.0, 2 * np.pi), (0.0, length), 4 * _QUARTER, rows)
+    local = np.stack((radius * np.cos(u), radius * np.sin(u), v), axis=1)
+    x = start + local @ axes
+    points, facets = _joined([(x, quads)])
+    return _surface(name, points, facets=facets, element=ElementHex2(), outward=outward)
 
 
 def cone(
@@ -296,36 +294,37 @@ def cone(
     12.629
     """
     _check(name, slope=slope, radius=radius)
-    axes, tip = _axes(name, axis), _point(name, apex)
+    axes = _axes(name, axis)
+    tip = _point(name, apex)
     n = 4 * _QUARTER
 
-    def on_cone(angle: ndarray, r: ndarray) -> ndarray:
-        angle = angle * 2 * np.pi / n
-        return tip + np.stack((r * np.cos(angle), r * np.sin(angle), slope * r), axis=2) @ axes
+    # corners of a sector's triangles as (angle, radius) in steps: one at the tip, two on each ring
+    at_tip = [(0.5, 0), (1, 1), (0, 1)]
+    triangles = [at_tip]
+    for k in range(1, _QUARTER):
+        triangles.append([(0, k), (1, k), (1, k + 1)])
+        triangles.append([(0, k), (1, k + 1), (0, k + 1)])
+    sector = np.array(triangles)  # (2 _QUARTER - 1, 3, 2)
+    shift = np.stack((np.arange(n), np.zeros(n)), axis=1)  # (n, 2)
+    corners = (sector[:, None] + shift[:, None]).reshape(-1, 3, 2)
 
-    # triangles of six nodes in the plane of angle and radius: one up to the tip, two on each piece
-    # of a ring
-    inner, outer = (
-        np.array([(0.5, 0), (1, 1), (0, 1)]),
-        np.array([(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)]),
-    )
-    rings = np.concatenate(
-        [inner[None], *(outer.reshape(2, 3, 2) + np.array([0, k]) for k in range(1, _QUARTER))]
-    )
-    corners = (rings[:, None] + np.stack((np.arange(n), np.zeros(n)), axis=1)[:, None]).reshape(
-        -1, 3, 2
-    )
+    # add the middles; sides to the tip are rays, at the angles of their other ends
     nodes = np.concatenate((corners, 0.5 * (corners + np.roll(corners, -1, axis=1))), axis=1)
-    at_tip = nodes[:, 0, 1] == 0.0  # its sides are rays, at the angles of their ends
-    nodes[at_tip, 3, 0], nodes[at_tip, 5, 0] = nodes[at_tip, 1, 0], nodes[at_tip, 2, 0]
-    x = on_cone(nodes[..., 0], nodes[..., 1] * radius / _QUARTER)
-    points, facets = _joined([(x.reshape(-1, 3), np.arange(x[..., 0].size).reshape(-1, 6))])
+    touches = nodes[:, 0, 1] == 0.0
+    nodes[touches, 3, 0] = nodes[touches, 1, 0]
+    nodes[touches, 5, 0] = nodes[touches, 2, 0]
+
+    angle = nodes[..., 0] * 2 * np.pi / n
+    r = nodes[..., 1] * radius / _QUARTER
+    local = np.stack((r * np.cos(angle), r * np.sin(angle), slope * r), axis=2)  # (m, 6, 3)
+    x = (tip + local @ axes).reshape(-1, 3)
+    points, facets = _joined([(x, np.arange(len(x)).reshape(-1, 6))])
     return _surface(
         name,
         points,
-        facets,
-        Shape.of_facets(ElementTetP2()),
-        lambda x: np.tile(-axes[2], (len(x), 1)),
+        facets=facets,
+        element=ElementTetP2(),
+        outward=lambda x: np.tile(-axes[2], (len(x), 1)),
     )
 
 
@@ -348,40 +347,33 @@ def mesh(mesh: MeshTet | MeshHex, boundary: str, name: str | None = None) -> Sur
     """
     look_up(boundary, mesh.boundaries or {}, "boundary")
     element = ElementTetP1() if isinstance(mesh, MeshTet) else ElementHex1()
-    found = Surface.from_boundary(Basis(mesh, ElementVector(element), intorder=1), boundary)
-    return Surface.of(
-        name or boundary,
-        np.full(found.dofs.shape, -1),
-        found.nodes,
-        found.facets,
-        found.shape,
-        found.neighbours,
+    surface = Surface.from_boundary(Basis(mesh, ElementVector(element), intorder=1), boundary)
+    return _rigid(
+        name or boundary, surface.nodes, surface.facets, surface.shape, surface.neighbours
     )
 
 
-def _patch(
-    function: Callable[[ndarray, ndarray], ndarray],
-    u: tuple[float, float],
-    v: tuple[float, float],
-    rows: int,
-    columns: int,
-) -> tuple[ndarray, ndarray]:
-    """Return points, shape (n, 3), and facets of nine nodes on a map of a rectangle of
-    parameters.
-    """
-    quads = MeshQuad2.from_mesh(
-        MeshQuad1.init_tensor(np.linspace(*u, rows + 1), np.linspace(*v, columns + 1))
-    )
-    return function(*quads.doflocs), quads.dofs.element_dofs.T
+def _grid(
+    u: tuple[float, float], v: tuple[float, float], rows: int, columns: int
+) -> tuple[ndarray, ndarray, ndarray]:
+    """Return parameters u and v, (n,), and facets of nine nodes, (m, 9), on a rectangle of them."""
+    u_lines = np.linspace(*u, rows + 1)
+    v_lines = np.linspace(*v, columns + 1)
+    quads = MeshQuad2.from_mesh(MeshQuad1.init_tensor(u_lines, v_lines))
+    return quads.doflocs[0], quads.doflocs[1], quads.dofs.element_dofs.T
 
 
 def _joined(patches: list[tuple[ndarray, ndarray]]) -> tuple[ndarray, ndarray]:
-    points = np.concatenate([part[0] for part in patches])
-    starts = np.cumsum([0] + [len(part[0]) for part in patches])
-    facets = np.concatenate(
-        [part[1] + start for part, start in zip(patches, starts[:-1], strict=True)]
-    )
-    rounded = np.round(points / (_SAME * np.ptp(points, axis=0).max()))
+    """Return points and facets of patches, with points that coincide merged."""
+    numbered = []
+    start = 0
+    for x, facets in patches:
+        numbered.append(facets + start)
+        start += len(x)
+    points = np.concatenate([x for x, _ in patches])
+    facets = np.concatenate(numbered)
+    size = np.ptp(points, axis=0).max()
+    rounded = np.round(points / (_SAME * size))
     _, first, number = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     return points[first], number.ravel()[facets]
 
@@ -390,37 +382,42 @@ def _surface(
     name: str,
     points: ndarray,
     facets: ndarray,
-    shape: Shape,
-    outward: Callable[[ndarray], ndarray] | None = None,
+    element: Element,
+    outward: Callable[[ndarray], ndarray],
 ) -> Surface:
-    """Return a rigid surface with facets turned so that their normals agree with an outward
-    direction.
-    """
+    """Return a rigid surface with facets turned so that their normals point outward."""
+    shape = Shape.of_facets(element)
     corners = len(shape.corners)
-    if outward is not None:
-        normal = across(points[facets[:, [1, corners - 1]]] - points[facets[:, [0]]])
-        wrong = dot(normal, outward(points[facets[:, :corners]].mean(axis=1))) < 0
-        mirrored = shape.nodes[:, ::-1]  # the two local coordinates are exchanged
-        mirror = np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
-        facets = np.where(wrong[:, None], facets[:, mirror], facets)
-    return Surface.of(
-        name, np.full(points.shape, -1), points, facets, shape, adjacent(facets[:, :corners], name)
-    )
+    x = points[facets[:, :corners]]  # (n_facets, corners, 3)
+    normal = across(x[:, [1, -1]] - x[:, [0]])
+    wrong = dot(normal, outward(x.mean(axis=1))) < 0
+    # exchange the two local coordinates of facets on the wrong side
+    mirrored = shape.nodes[:, ::-1]
+    mirror = np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
+    facets = np.where(wrong[:, None], facets[:, mirror], facets)
+    return _rigid(name, points, facets, shape, adjacent(facets[:, :corners], name))
+
+
+def _rigid(
+    name: str, points: ndarray, facets: ndarray, shape: Shape, neighbours: ndarray
+) -> Surface:
+    """Return a surface of nodes that no dof moves."""
+    return Surface.of(name, np.full(points.shape, -1), points, facets, shape, neighbours)
 
 
 def _axes(name: str, direction: ArrayLike) -> ndarray:
-    """Return three axes, the rows of an array of shape (3, 3), of which the last has a
-    direction.
-    """
+    """Return three axes, the rows of an array of shape (3, 3), the last along a direction."""
     last = _point(name, direction)
     if not last.any():
         raise ValueError(f"'{name}': a direction must have a length, unlike {direction!r}")
     last = last / np.linalg.norm(last)
-    first = unit((np.eye(3) - np.outer(last, last))[[np.argmin(np.abs(last))]])[0]
+    across_last = np.eye(3) - np.outer(last, last)
+    first = unit(across_last[[np.argmin(np.abs(last))]])[0]
     return np.stack((first, np.cross(last, first), last))
 
 
 def _point(name: str, point: ArrayLike) -> ndarray:
+    """Return a point or direction in space, (3,)."""
     x = np.asarray(point, float)
     if x.shape != (3,) or not np.isfinite(x).all():
         raise ValueError(
@@ -430,6 +427,7 @@ def _point(name: str, point: ArrayLike) -> ndarray:
 
 
 def _check(name: str, **lengths: float) -> None:
+    """Refuse lengths that are not positive."""
     for what, value in lengths.items():
         if not 0 < value < np.inf:
             raise ValueError(f"'{name}': the {what} must be positive, not {value!r}")

@@ -45,8 +45,9 @@ _FACETS: dict[type[Element], tuple[type[Element], Sequence[tuple[int, ...]]]] = 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Polynomial shape functions; lines and quadrilaterals span -1 to 1, as in the paper, triangles
-    0 to 1.
+    """Polynomial shape functions.
+
+    Lines and quadrilaterals span -1 to 1, as in the paper, triangles 0 to 1.
 
     Attributes
     ----------
@@ -69,19 +70,18 @@ class Shape:
     def of_facets(cls, element: Element) -> Shape:
         """Return the shape functions of an element's facets."""
         facet, exponents = _FACETS[type(element)]
-        powers, nodes = np.array(exponents), facet.doflocs
-        corners = nodes[: facet.refdom.nnodes]
+        powers = np.array(exponents)
+        nodes = facet.doflocs
         if facet.refdom.nnodes != 3:
-            nodes, corners = 2.0 * nodes - 1.0, 2.0 * corners - 1.0
+            nodes = 2.0 * nodes - 1.0
+        corners = nodes[: facet.refdom.nnodes]
         monomials = np.prod(nodes[:, None, :] ** powers, axis=2)
         coefficients = np.round(np.linalg.inv(monomials).T, 12)  # halves and quarters
         return cls(powers, coefficients[None], corners, nodes)
 
     @classmethod
     def of_cells(cls, dim: int, k: int) -> Shape:
-        """Return the shape functions of facets with k nodes in so many dimensions; a KeyError if
-        there are none.
-        """
+        """Return the shape functions of facets with k nodes; a KeyError if there are none."""
         kinds = {facet.doflocs.shape: element for element, (facet, _) in _FACETS.items()}
         return cls.of_facets(kinds[k, dim - 1]())
 
@@ -111,9 +111,7 @@ class Shape:
 
     @cached_property
     def at_centre(self) -> list[ndarray]:
-        """Values, (1 or n_facets, k), and first derivatives, (1 or n_facets, dim - 1, k), at the
-        centre.
-        """
+        """Values, (1 or n_facets, k), and first derivatives, (..., dim - 1, k), at the centre."""
         facet = np.arange(len(self.coefficients))
         return self.at(facet, np.tile(self.centre, (len(facet), 1)), 1)
 
@@ -125,10 +123,9 @@ class Shape:
 
     @cached_property
     def along(self) -> ndarray:
-        """Vectors along every side, from its first corner, shape (n_sides, dim - 1); zero on a
-        line.
-        """
-        start, end = self.corners[self.side_corners[:, 0]], self.corners[self.side_corners[:, -1]]
+        """Vectors along the sides from their first corner, (n_sides, dim - 1); zero on a line."""
+        start = self.corners[self.side_corners[:, 0]]
+        end = self.corners[self.side_corners[:, -1]]
         return np.asarray(end - start)
 
     @cached_property
@@ -139,19 +136,16 @@ class Shape:
     @cached_property
     def outward(self) -> ndarray:
         """Normals c of the sides with c . (xi - corner) = 2 at a full width beyond the side."""
-        normal = (
-            self.corners - self.centre
-            if self.dim == 1
-            else np.column_stack((self.along[:, 1], -self.along[:, 0]))
-        )
+        if self.dim == 1:
+            normal = self.corners - self.centre
+        else:
+            normal = np.column_stack((self.along[:, 1], -self.along[:, 0]))
         start = self.corners[self.side_corners[:, 0]]
         width = -np.einsum("sc,sjc->sj", normal, self.corners - start[:, None]).min(axis=1)
         return np.asarray(2.0 * normal / width[:, None])
 
     def beyond(self, xi: ndarray) -> ndarray:
-        """Return distances beyond the sides, shape (n, n_sides): -2 at the far end, 0 at the
-        side.
-        """
+        """Return distances beyond the sides, (n, n_sides): 0 at the side, -2 at the far end."""
         return np.asarray(xi @ self.outward.T - self._level)
 
     @cached_property
@@ -159,8 +153,7 @@ class Shape:
         return np.einsum("sc,sc->s", self.outward, self.corners[self.side_corners[:, 0]])
 
     def at(self, facet: ndarray, xi: ndarray, derivatives: int = 3) -> list[ndarray]:
-        """Return values (n, k), first (n, dim - 1, k), second (n, dim - 1, dim - 1, k), ...
-        derivatives.
+        """Return values, shape (n, k), first derivatives, (n, dim - 1, k), second ones, and so on.
 
         The facets have the shape (n,), local coordinates (n, dim - 1); these may be complex.
         """
@@ -178,31 +171,25 @@ class Shape:
 
     @cached_property
     def _factors(self) -> list[tuple[int, int, int]]:
+        """Monomials by their degree, each a lower monomial times a local coordinate."""
         number = {tuple(powers): n for n, powers in enumerate(self.exponents.tolist())}
         result = []
         for powers in sorted(number, key=sum)[1:]:
             axis = max(i for i in range(self.dim) if powers[i])
-            result.append(
-                (
-                    number[powers],
-                    number[(*powers[:axis], powers[axis] - 1, *powers[axis + 1 :])],
-                    axis,
-                )
-            )
+            lower = (*powers[:axis], powers[axis] - 1, *powers[axis + 1 :])
+            result.append((number[powers], number[lower], axis))
         return result
 
     @cached_property
     def _derivatives(self) -> list[ndarray]:
-        """Coefficients of the derivatives to the third, shape (1 or n_facets, dim - 1, ..., k,
-        p).
-        """
-        steps = np.zeros((self.dim, len(self.exponents), len(self.exponents)))
-        for axis, j in product(range(self.dim), range(len(self.exponents))):
-            if self.exponents[j, axis]:
+        """Coefficients of the derivatives to the third, (1 or n_facets, dim - 1, ..., k, p)."""
+        p = len(self.exponents)
+        steps = np.zeros((self.dim, p, p))  # derivative along an axis of the monomials
+        for axis, j in product(range(self.dim), range(p)):
+            power = self.exponents[j, axis]
+            if power:
                 lower = self.exponents[j] - np.eye(self.dim, dtype=int)[axis]
-                steps[axis, j, np.flatnonzero((self.exponents == lower).all(axis=1))] = (
-                    self.exponents[j, axis]
-                )
+                steps[axis, j, (self.exponents == lower).all(axis=1)] = power
         result = [self.coefficients]
         for _ in range(3):
             result.append(np.stack([result[-1] @ step for step in steps], axis=1))
@@ -211,18 +198,18 @@ class Shape:
 
 @lru_cache
 def gauss_points(n: int) -> tuple[ndarray, ndarray]:
-    """Return Gauss points from -1 to 1 and their weights."""
+    """Return Gauss points from -1 to 1 and their weights, read-only."""
     t, w = np.polynomial.legendre.leggauss(n)
-    t.flags.writeable = w.flags.writeable = False
+    t.flags.writeable = False
+    w.flags.writeable = False
     return t, w
 
 
 def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
-    """Return points, shape (q, dim - 1), and positive weights of a rule with n Gauss points a
-    direction.
+    """Return points, shape (q, dim - 1), and weights of a rule with n Gauss points a direction.
 
-    The rule is exact to the degree 2n - 1; on triangles to 2n - 2, that of two shape functions'
-    product.
+    The rule is exact to the degree 2n - 1; on triangles to 2n - 2, the degree of two shape
+    functions' product. All weights are positive.
     """
     t, w = gauss_points(n)
     if shape.dim == 1:
@@ -230,24 +217,28 @@ def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
     if shape.triangular:
         points, weights = get_quadrature(RefTri, max(1, 2 * n - 2))
         return points.T, weights
-    return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(
-        w, w
-    ).ravel()
+    return _grid(t, 2), np.outer(w, w).ravel()
 
 
 def divided_rule(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
     """Return points and weights of the rule on so many pieces a direction."""
     xi, w = rule(shape, n)
-    low, share = shape.corners.min(axis=0), 1.0 / pieces
+    low = shape.corners.min(axis=0)
+    share = 1.0 / pieces
     shift = np.ptp(shape.corners, axis=0) * share
-    steps = np.stack(np.meshgrid(*[np.arange(pieces)] * shape.dim, indexing="ij"), axis=-1).reshape(
-        -1, shape.dim
-    )
-    upright = low + steps[:, None] * shift + (xi - low) * share
-    if not shape.triangular:
-        return upright.reshape(-1, shape.dim), np.tile(w * share**shape.dim, len(steps))
-    turned = low + (steps[:, None] + 1) * shift - (xi - low) * share
-    inside = np.concatenate(
-        (upright[steps.sum(axis=1) < pieces], turned[steps.sum(axis=1) < pieces - 1])
-    )
-    return inside.reshape(-1, shape.dim), np.tile(w * share**2, len(inside))
+    steps = _grid(np.arange(pieces), shape.dim)
+    local = (xi - low) * share
+    weight = w * share**shape.dim
+    points = low + steps[:, None] * shift + local  # (n_pieces, q, dim - 1)
+    if shape.triangular:
+        # fill the triangle with upright pieces and with pieces turned by 180 degrees
+        turned = low + (steps[:, None] + 1) * shift - local
+        total = steps.sum(axis=1)
+        upright = points[total < pieces]
+        points = np.concatenate((upright, turned[total < pieces - 1]))
+    return points.reshape(-1, shape.dim), np.tile(weight, len(points))
+
+
+def _grid(values: ndarray, dim: int) -> ndarray:
+    """Return the points of a grid with the same values along each axis, shape (n^dim, dim)."""
+    return np.stack(np.meshgrid(*[values] * dim, indexing="ij"), axis=-1).reshape(-1, dim)

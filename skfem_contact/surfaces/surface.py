@@ -24,15 +24,12 @@ from .vectors import across, unit
 #: A surface continues beyond its rim for this share of its last facet: a slave corner that starts
 #: flush with the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
-#: Square of the cosine of the angle to a normal from which on an axis is no direction along a
-#: facet.
+#: Square of the cosine of the angle between an axis and a normal, above which it is no tangent.
 _NORMAL = 0.8
 
 
 class FacetMapping(NamedTuple):
-    """Mapping of facets at points: shape functions of the nodes, coordinates, and derivatives of
-    both.
-    """
+    """Mapping of facets at points: values and derivatives of the shapes and of the coordinates."""
 
     shapes: list[ndarray]
     x: list[ndarray]
@@ -151,44 +148,35 @@ class Surface:
         >>> import numpy as np
         >>> from skfem_contact import Surface
         >>> numbers = 100 + np.arange(9).reshape(3, 3)
-        >>> beam = Surface.from_cells([[0., 1.], [1., 1.], [2., 1.]], numbers[:, :2], [[2, 1], [1, 0]], "beam",
+        >>> axis = [[0., 1.], [1., 1.], [2., 1.]]
+        >>> beam = Surface.from_cells(axis, numbers[:, :2], [[2, 1], [1, 0]], "beam",
         ...                           rotations=numbers[:, 2], thickness=.2)
         >>> beam.nodes[:, 1].tolist(), beam.arms[0, :, 0].round(12).tolist()      # its lower side
         ([0.9, 0.9, 0.9], [0.1, 0.0])
         """
-        nodes, facets, neighbours, shape = joined_cells(coordinates, cells, name)
-        n, dim = nodes.shape
-        parts = {"dofs": (dofs, (n, dim)), "rotations": (rotations, (n, 1 if dim == 2 else 3))}
-        given = {
-            part: numbers_of(value, size, f"'{name}': {part}")
-            for part, (value, size) in parts.items()
-            if value is not None
-        }
-        surface = cls.of(name, given["dofs"][0], nodes, facets, shape, neighbours)
+        axis, facets, neighbours, shape = joined_cells(coordinates, cells, name)
+        n, dim = axis.shape
+
+        # separate numbers of dofs from the field in which they count
+        numbers, field = numbers_of(dofs, (n, dim), f"'{name}': dofs")
+        fields = [("dofs", field)]
+        if rotations is not None:
+            per_node = 1 if dim == 2 else 3
+            turns, field = numbers_of(rotations, (n, per_node), f"'{name}': rotations")
+            fields.append(("rotations", field))
+
+        # move the facets off the axis
+        surface = cls.of(name, numbers, axis, facets, shape, neighbours)
         if thickness:
-            surface = cls.of(
-                name,
-                surface.dofs,
-                nodes + 0.5 * thickness * surface.normals,
-                facets,
-                shape,
-                neighbours,
-            )
-        arms = (
-            None
-            if rotations is None
-            else arms_of(surface.nodes - (nodes if about is None else np.asarray(about)))
-        )
-        return replace(
-            surface,
-            meshed=False,
-            stiffness=stiffness,
-            arms=arms,
-            rotations=None if rotations is None else given["rotations"][0],
-            unnumbered=tuple(
-                (part, field) for part, (_, field) in given.items() if field is not None
-            ),
-        )
+            nodes = axis + 0.5 * thickness * surface.normals
+            surface = cls.of(name, numbers, nodes, facets, shape, neighbours)
+
+        unnumbered = tuple((part, field) for part, field in fields if field is not None)
+        surface = replace(surface, meshed=False, stiffness=stiffness, unnumbered=unnumbered)
+        if rotations is None:
+            return surface
+        centre = axis if about is None else np.asarray(about)
+        return replace(surface, rotations=turns, arms=arms_of(surface.nodes - centre))
 
     @classmethod
     def of(
@@ -201,11 +189,14 @@ class Surface:
         neighbours: ndarray,
     ) -> Surface:
         """Return a surface from its facets, with their areas; facets without area are refused."""
-        surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(len(facets)))
+        m = len(facets)
+        surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(m))
         xi, weight = rule(shape, 5)
-        everywhere = np.repeat(np.arange(len(facets)), len(weight)), np.tile(xi, (len(facets), 1))
-        area = surface.density(*everywhere).reshape(len(facets), -1) @ weight
-        if (flat := area <= 0.0).any():
+        facet = np.repeat(np.arange(m), len(weight))
+        density = surface.density(facet, np.tile(xi, (m, 1)))
+        area = density.reshape(m, -1) @ weight
+        flat = area <= 0.0
+        if flat.any():
             centres = nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()
             raise ValueError(f"'{name}': facets without area at {centres}")
         return replace(surface, nodes=nodes, area=area)
@@ -222,20 +213,22 @@ class Surface:
 
     def numbered(self, numbers: Mapping[Any, ndarray]) -> Surface:
         """Return the surface with global dofs, numbers[field] : ndarray, shape (n,)."""
+        if not self.unnumbered:
+            return self
         new: dict[str, Any] = {}
         for part, field in self.unnumbered:
             local = getattr(self, part)
             new[part] = np.where(local < 0, -1, np.asarray(numbers[field])[local.clip(0)])
-        return replace(self, unnumbered=(), **new) if new else self
+        return replace(self, unnumbered=(), **new)
 
     @cached_property
     def all_dofs(self) -> ndarray:
         """Dofs of the surface, ascending, rotations included; -1 among them for rigid nodes."""
         if self.fields:
             return np.zeros(0, int)
-        return np.unique(
-            self.dofs if self.rotations is None else np.hstack((self.dofs, self.rotations))
-        )
+        if self.rotations is None:
+            return np.unique(self.dofs)
+        return np.unique(np.hstack((self.dofs, self.rotations)))
 
     @property
     def end(self) -> int:
@@ -249,15 +242,14 @@ class Surface:
         return self.dofs[nodes]
 
     def levers(self, nodes: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the rotations that move nodes, shape (n, q), and how they do, shape (n, k dim,
-        q).
-        """
+        """Return rotations of nodes, shape (n, q), and displacements by them, (n, k dim, q)."""
         n, k = nodes.shape
         if self.arms is None or self.rotations is None:
             return np.zeros((n, 0), int), np.zeros((n, k * self.dim, 0))
         q = self.arms.shape[2]
+        node = np.arange(k)
         lever = np.zeros((n, k, self.dim, k, q))
-        lever[:, np.arange(k), :, np.arange(k)] = self.arms[nodes].transpose(1, 0, 2, 3)
+        lever[:, node, :, node] = self.arms[nodes].transpose(1, 0, 2, 3)  # (k, n, dim, q)
         dofs = np.where((nodes < 0)[:, :, None], -1, self.rotations[nodes])
         return dofs.reshape(n, k * q), lever.reshape(n, k * self.dim, k * q)
 
@@ -274,9 +266,8 @@ class Surface:
     @property
     def rigid(self) -> bool:
         """True if no dof moves the surface."""
-        return bool(
-            (self.dofs < 0).all() and (self.rotations is None or (self.rotations < 0).all())
-        )
+        turns = self.rotations is not None and (self.rotations >= 0).any()
+        return bool((self.dofs < 0).all()) and not turns
 
     @cached_property
     def size(self) -> ndarray:
@@ -303,27 +294,28 @@ class Surface:
 
     @cached_property
     def normals(self) -> ndarray:
-        """Unit normals at the nodes, means of those of the facets there by area, shape (n_nodes,
-        dim).
-        """
+        """Unit normals at the nodes: means over their facets, by area, shape (n_nodes, dim)."""
         m, k = self.facets.shape
-        normal = self.at(
-            np.repeat(np.arange(m), k), np.tile(self.shape.nodes, (m, 1)), self.nodes
-        ).normal
+        facet = np.repeat(np.arange(m), k)
+        xi = np.tile(self.shape.nodes, (m, 1))
+        normal = self.at(facet, xi, self.nodes).normal
+        area = np.repeat(self.area, k)
         total = np.zeros(self.nodes.shape)
-        np.add.at(total, self.facets.ravel(), normal * np.repeat(self.area, k)[:, None])
+        np.add.at(total, self.facets.ravel(), normal * area[:, None])
         return unit(total)
 
     @cached_property
     def directions(self) -> ndarray:
-        """Axes most nearly along the surface, for the facets' tangents in space; another one where
-        this is normal.
+        """Axes along the facets, for their tangents in space, shape (n_facets, dim).
+
+        The axis most nearly along the whole surface serves, but for facets nearly normal to it.
         """
         squares = self.centres.normal**2
-        axis = np.argmin(np.round(self.area @ squares / self.area.sum(), 6))
-        return np.eye(self.dim)[
-            np.where(squares[:, axis] > _NORMAL, np.argmin(np.round(squares, 6), axis=1), axis)
-        ]
+        mean = self.area @ squares / self.area.sum()
+        common = np.argmin(np.round(mean, 6))
+        own = np.argmin(np.round(squares, 6), axis=1)
+        axis = np.where(squares[:, common] > _NORMAL, own, common)
+        return np.eye(self.dim)[axis]
 
     @cached_property
     def at_rim(self) -> ndarray:
@@ -332,34 +324,29 @@ class Surface:
 
     @cached_property
     def reach(self) -> ndarray:
-        """Extension of the facets beyond the rim in local coordinates, shape (n_facets,
-        n_sides).
-        """
+        """Extension beyond the rim in local coordinates, shape (n_facets, n_sides)."""
         return 2.0 * self.extension * self.at_rim
 
     @cached_property
     def rank(self) -> ndarray:
-        """Ranks of the facets at a side, shape (n_facets, n_sides): a point at a joint belongs to
-        the larger one.
+        """Ranks of the facets at their sides, shape (n_facets, n_sides).
+
+        A point at a joint belongs to the facet of the larger rank.
         """
-        if self.dim == 2:
-            return np.tile([0.0, 1.0], (len(self.facets), 1))
         m, sides = self.neighbours.shape
+        if self.dim == 2:
+            return np.tile([0.0, 1.0], (m, 1))
         return np.repeat(1.0 - np.arange(m)[:, None] / m, sides, axis=1)
 
     def facing(self, slave: Surface) -> Surface:
-        """Return the surface extended off its rim by a share of the slave's facets, or of its own
-        if smaller.
-        """
+        """Return the surface extended off its rim by a share of the smaller of both facets."""
         if self.closed:
             return self
         last = float(self.size[self.at_rim.any(axis=1)].max())
         return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
 
     def positions(self, x: ndarray | None, origin: ndarray | float = 0.0) -> ndarray:
-        """Return the coordinates of the nodes at displacements x or None, from an origin, shape
-        (n_nodes, dim).
-        """
+        """Return the nodes at displacements x or None, from an origin, shape (n_nodes, dim)."""
         if x is None:
             return np.asarray(self.nodes - origin + 0.0)
         if self.fields:
@@ -373,20 +360,16 @@ class Surface:
         return np.asarray(self.nodes - origin + moved)
 
     def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> FacetMapping:
-        """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at
-        present nodes.
-        """
+        """Return the mapping at local coordinates, (n, dim - 1), of facets with given nodes."""
         shapes = self.shape.at(facet, xi, derivatives)
-        coordinates = nodes.take(
-            self.facets.take(facet, axis=0), axis=0
-        )  # a fourth of the time of indexing
+        # `take` needs a fourth of the time of indexing
+        coordinates = nodes.take(self.facets.take(facet, axis=0), axis=0)  # (n, k, dim)
         return FacetMapping(shapes, [_combined(M, coordinates) for M in shapes])
 
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:
-        """Return the area of a unit of the local coordinates in the reference configuration, shape
-        (n,).
-        """
-        return np.asarray(np.linalg.norm(across(self.at(facet, xi, self.nodes).x[1]), axis=1))
+        """Return reference area by unit of the local coordinates, shape (n,)."""
+        tangents = self.at(facet, xi, self.nodes).x[1]
+        return np.asarray(np.linalg.norm(across(tangents), axis=1))
 
 
 def _combined(factors: ndarray, coordinates: ndarray) -> ndarray:

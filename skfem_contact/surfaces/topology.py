@@ -1,6 +1,4 @@
-"""Topology of surfaces: facets of boundaries and of given cells, their order and their
-neighbours.
-"""
+"""Topology of surfaces: facets of boundaries and of given cells, their order and neighbours."""
 
 from __future__ import annotations
 
@@ -16,16 +14,14 @@ from skfem import CellBasis
 
 from ..checks import check_basis, facets_of
 from .shape import Shape
-from .vectors import across
+from .vectors import across, dot
 
 #: Global dofs, or a field and numbers in it.
 Numbers = ArrayLike | tuple[Hashable, ArrayLike]
 
 
 def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Return dofs and coordinates of the nodes of a named boundary, its facets and their
-    neighbours.
-    """
+    """Return dofs, coordinates, facets and their neighbours of a named boundary."""
     check_basis(basis)
     mesh = basis.mesh
     facets = np.unique(facets_of(mesh, name))
@@ -37,21 +33,25 @@ def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, nd
     corners = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
     if mesh.dim() == 2:
         order = ordered(corners, name)
-        facets, corners = facets[order], corners[:, order]
+        facets = facets[order]
+        corners = corners[:, order]
         neighbours = following(len(facets), bool(corners[0, 0] == corners[1, -1]))
     else:
         neighbours = adjacent(corners.T, name)
-    dofs = _dofs(basis, facets, corners)
-    unique, numbers = np.unique(dofs[..., 0], return_inverse=True)
-    at_nodes = unique[:, None] + np.arange(mesh.dim())
-    return at_nodes, basis.doflocs[:, unique].T.copy(), numbers.reshape(len(facets), -1), neighbours
+    # number the nodes by their first displacement
+    first_dofs = _dofs(basis, facets, corners)[..., 0]
+    unique, numbers = np.unique(first_dofs, return_inverse=True)
+    dofs = unique[:, None] + np.arange(mesh.dim())
+    nodes = basis.doflocs[:, unique].T.copy()
+    return dofs, nodes, numbers.reshape(len(facets), -1), neighbours
 
 
 def joined_cells(
     coordinates: ArrayLike, cells: ArrayLike, name: str
 ) -> tuple[ndarray, ndarray, ndarray, Shape]:
     """Return nodes, facets, neighbours and shape functions of given cells."""
-    nodes, facets = np.array(coordinates, float), np.array(cells)
+    nodes = np.array(coordinates, float)
+    facets = np.array(cells)
     n, dim = nodes.shape if nodes.ndim == 2 else (0, 0)
     try:
         shape = Shape.of_cells(dim, *facets.shape[1:])
@@ -60,31 +60,35 @@ def joined_cells(
     if shape is None or not ((facets >= 0) & (facets < n)).all() or not np.isfinite(nodes).all():
         raise ValueError(
             f"'{name}': cells must be numbers of 2 or 3 of the {n} nodes in the plane, and of 3, "
-            f"4, 6, 8 "
-            f"or 9 in space, with finite coordinates, not of shape {facets.shape}"
+            f"4, 6, 8 or 9 in space, with finite coordinates, not of shape {facets.shape}"
         )
     if dim == 3:
         return nodes, facets, adjacent(facets[:, : len(shape.corners)], name), shape
     facets = facets[ordered(facets[:, :2].T, name)]
-    return nodes, facets, following(len(facets), bool(facets[0, 0] == facets[-1, 1])), shape
+    closed = bool(facets[0, 0] == facets[-1, 1])
+    return nodes, facets, following(len(facets), closed), shape
 
 
 def ordered(ends: ndarray, name: str) -> ndarray:
-    """Return the order in which facets, given by their end nodes, shape (2, n), follow each other
-    in one chain.
-    """
+    """Return the order in which facets of end nodes, shape (2, n), follow in one chain."""
     n = ends.shape[1]
-    following = {int(node): k for k, node in enumerate(ends[0])}
-    arriving = set(ends[1].tolist())
-    if len(following) < n or len(arriving) < n:
+    starts = ends[0].tolist()
+    arrivals = ends[1].tolist()
+    facet_from = {node: k for k, node in enumerate(starts)}
+    reached = set(arrivals)
+    if len(facet_from) < n or len(reached) < n:
         raise ValueError(f"boundary '{name}' is no single chain: it branches")
-    first = [k for k in range(n) if int(ends[0, k]) not in arriving]
+    first = [k for k in range(n) if starts[k] not in reached]
     if len(first) > 1:
         raise ValueError(
             f"boundary '{name}' is no single chain: it consists of {len(first)} pieces"
         )
-    order = [first[0] if first else 0]
-    while (k := following.get(int(ends[1, order[-1]]))) is not None and k != order[0]:
+    # follow the chain to its end, or once round
+    order = first or [0]
+    for _ in range(n - 1):
+        k = facet_from.get(arrivals[order[-1]], order[0])
+        if k == order[0]:
+            break
         order.append(k)
     if len(order) < n:
         raise ValueError(
@@ -105,60 +109,58 @@ def following(n: int, closed: bool) -> ndarray:
 
 
 def adjacent(corners: ndarray, name: str) -> ndarray:
-    """Return facets beyond the sides of facets in space, shape (n_facets, n_sides), -1 beyond the
-    rim.
-    """
+    """Return facets beyond the sides of facets in space, shape (n_facets, n_sides), -1 at rims."""
     m, n = corners.shape
-    start = np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2)
-    _, number = np.unique(np.concatenate((start, start[:, ::-1])), axis=0, return_inverse=True)
-    first, last = number.reshape(2, -1)
-    if len(np.unique(first)) < len(first):
+    # number the edges, directed as their own facet goes round and as the facet beyond does
+    edges = np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2)
+    both = np.concatenate((edges, edges[:, ::-1]))
+    _, number = np.unique(both, axis=0, return_inverse=True)
+    own, opposite = number.reshape(2, -1)
+    if len(np.unique(own)) < len(own):
         raise ValueError(
             f"boundary '{name}' is no surface: an edge belongs to more than two facets, or two "
-            f"facets "
-            "there have opposite outward sides"
+            "facets there have opposite outward sides"
         )
-    begins = np.full(number.max() + 1, -1)
-    begins[first] = np.repeat(np.arange(m), n)
-    beyond = begins[last].reshape(m, n)
-    if len(pinched := _pinched(corners, beyond)):
+    facet_of = np.full(number.max() + 1, -1)
+    facet_of[own] = np.repeat(np.arange(m), n)
+    neighbours = facet_of[opposite].reshape(m, n)
+    pinched = _pinched(corners, neighbours)
+    if len(pinched):
         raise ValueError(
             f"boundary '{name}' is no surface: parts of it meet only at a corner, at "
-            f"{len(pinched)} "
-            "nodes; give each part a boundary of its own"
+            f"{len(pinched)} nodes; give each part a boundary of its own"
         )
-    return beyond
+    return neighbours
 
 
 def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
+    """Return nodes at which more than one fan of facets meets."""
     m, n = corners.shape
+    # tie the corners of facets that share a side
     facet, side = np.nonzero(neighbours >= 0)
     beyond = neighbours[facet, side]
-    there = np.argmax(corners[beyond] == corners[facet, side][:, None], axis=1)
-    same = coo_matrix(
-        (np.ones(len(facet)), (facet * n + side, beyond * n + there)), shape=(m * n, m * n)
-    )
-    _, fan = connected_components(same, directed=False)
-    node, fans = np.unique(
-        corners.ravel()[np.unique(fan, return_index=True)[1]], return_counts=True
-    )
+    corner_beyond = np.argmax(corners[beyond] == corners[facet, side][:, None], axis=1)
+    ties = (facet * n + side, beyond * n + corner_beyond)
+    ones = np.ones(len(facet))
+    graph = coo_matrix((ones, ties), shape=(m * n, m * n))
+    _, fan = connected_components(graph, directed=False)
+    # count the fans at every node
+    _, first = np.unique(fan, return_index=True)
+    node, fans = np.unique(corners.ravel()[first], return_counts=True)
     return np.asarray(node[fans > 1])
 
 
 def numbers_of(given: Any, shape: tuple[int, ...], what: str) -> tuple[ndarray, Hashable]:
     """Return numbers of dofs as an array of a shape, and the field that they count in, or None."""
-    has_field = (
-        isinstance(given, tuple)
-        and len(given) == 2
-        and not isinstance(given[0], (int, np.integer, list, tuple, np.ndarray))
-    )
-    field, values = given if has_field else (None, given)
+    field: Hashable = None
+    values = given
+    if isinstance(given, tuple) and len(given) == 2:
+        number_like = (int, np.integer, list, tuple, np.ndarray)
+        if not isinstance(given[0], number_like):
+            field, values = given
     numbers = np.asarray(values)
-    if (
-        numbers.size != np.prod(shape)
-        or numbers.dtype.kind not in "iu"
-        or numbers.min(initial=0) < -1
-    ):
+    whole = numbers.dtype.kind in "iu"
+    if numbers.size != np.prod(shape) or not whole or numbers.min(initial=0) < -1:
         raise ValueError(f"{what} must be whole numbers from -1 of shape {shape}, not {values!r}")
     return numbers.reshape(shape), field
 
@@ -171,29 +173,30 @@ def arms_of(offset: ndarray) -> ndarray:
 
 
 def _outward(p: ndarray, t: ndarray, corners: ndarray, element: ndarray) -> ndarray:
+    """Return the corners of facets in the order that turns their normals out of the elements."""
     x = p[:, corners].transpose(2, 1, 0)  # (n, corners, dim)
-    inward = p[:, t[:, element]].mean(axis=1).T - x[:, 0]
-    tangents = (
-        x[:, [1]] - x[:, [0]]
-        if len(p) == 2
-        else np.stack((x[:, 1] - x[:, 0], x[:, -1] - x[:, 0]), axis=1)
-    )
-    inside_out = np.einsum("nc,nc->n", across(tangents), inward) > 0
+    centre = p[:, t[:, element]].mean(axis=1).T
+    inward = centre - x[:, 0]
+    sides = [1] if len(p) == 2 else [1, -1]
+    tangents = x[:, sides] - x[:, [0]]
+    inside_out = dot(across(tangents), inward) > 0
     return np.where(inside_out, corners[::-1], corners)
 
 
 def _dofs(basis: CellBasis, facets: ndarray, corners: ndarray) -> ndarray:
-    """Return the dofs of the facets' nodes, shape (n_facets, k, dim): corners, edges in space, the
-    facet itself.
-    """
-    mesh, dim = basis.mesh, basis.mesh.dim()
+    """Return dofs at corners, edges and middles of facets, shape (n_facets, k, dim)."""
+    mesh = basis.mesh
+    dim = mesh.dim()
     dofs = [basis.nodal_dofs[:, corners]]
     if dim == 3 and len(basis.edge_dofs):
+        # find the edges by a key of their two vertices
         n = np.int64(mesh.p.shape[1])
-        ends = np.sort(np.stack((corners, np.roll(corners, -1, axis=0))), axis=0)
+        following_corners = np.roll(corners, -1, axis=0)
+        low = np.minimum(corners, following_corners)
+        high = np.maximum(corners, following_corners)
         key = mesh.edges.min(axis=0) * n + mesh.edges.max(axis=0)
         order = np.argsort(key)
-        edge = order[np.searchsorted(key[order], ends[0] * n + ends[1])]
+        edge = order[np.searchsorted(key[order], low * n + high)]
         dofs.append(basis.edge_dofs[:dim, edge])
     if basis.facet_dofs is not None and len(basis.facet_dofs):
         dofs.append(basis.facet_dofs[:dim, facets][:, None])

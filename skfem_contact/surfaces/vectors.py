@@ -40,36 +40,36 @@ def cross(u: ndarray, v: ndarray) -> ndarray:
 
 
 def askew(direction: ndarray, normal: ndarray) -> ndarray:
-    """Return directions, shape (n, 3), replaced where they are normal by the axis that is least
-    so.
-    """
+    """Return directions, shape (n, 3), with an axis along the facet in place of normal ones."""
     aside = np.real(direction - dot(direction, normal)[:, None] * normal)
-    lost = np.einsum("nc,nc->n", aside, aside) <= _NORMAL**2 * np.einsum(
-        "nc,nc->n", direction.real, direction.real
-    )
-    if not lost.any():
+    real = direction.real
+    is_normal = dot(aside, aside) <= _NORMAL**2 * dot(real, real)
+    if not is_normal.any():
         return direction
-    return np.where(
-        lost[:, None], np.eye(3)[np.argmin(np.abs(normal.real).round(6), axis=1)], direction
-    )
+    least = np.argmin(np.abs(normal.real).round(6), axis=1)
+    return np.where(is_normal[:, None], np.eye(3)[least], direction)
 
 
 def frame(normal: ndarray, direction: ndarray) -> ndarray:
-    """Return orthonormal tangents, shape (n, dim - 1, dim): in space the first along a direction,
-    shape (n, 3).
+    """Return orthonormal tangents, shape (n, dim - 1, dim), in space the first along a direction.
+
+    The direction, shape (n, 3), counts in space only.
     """
     if normal.shape[1] == 2:
         return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
     direction = askew(direction, normal)
     first = unit(direction - dot(direction, normal)[:, None] * normal)
-    return np.stack((first, cross(normal, first)), axis=1)
+    return np.stack((first, cross(normal, first)), axis=1)  # (n, 2, 3)
 
 
 def products(a: ndarray, b: ndarray) -> ndarray:
-    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim); `matmul` takes
-    twice as long.
+    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim).
+
+    `matmul` takes twice as long.
     """
-    rows = [[dot(a[:, i], b[:, j]) for j in range(b.shape[1])] for i in range(a.shape[1])]
+    rows = []
+    for i in range(a.shape[1]):
+        rows.append([dot(a[:, i], b[:, j]) for j in range(b.shape[1])])
     return np.array(rows).transpose(2, 0, 1)
 
 
@@ -84,7 +84,8 @@ def inverse(A: ndarray) -> ndarray:
     """Return inverses of matrices of one or two rows."""
     if A.shape[1] == 1:
         return np.asarray(1.0 / A)
-    adjugate = np.stack((A[:, 1, 1], -A[:, 0, 1], -A[:, 1, 0], A[:, 0, 0]), axis=1).reshape(A.shape)
+    entries = (A[:, 1, 1], -A[:, 0, 1], -A[:, 1, 0], A[:, 0, 0])
+    adjugate = np.stack(entries, axis=1).reshape(A.shape)
     return np.asarray(adjugate / determinant(A)[:, None, None])
 
 
@@ -94,8 +95,6 @@ def solve(A: ndarray, b: ndarray) -> ndarray:
 
 
 def lift(factors: ndarray, vectors: ndarray) -> ndarray:
-    """Return ``A^T v`` for operators (n, i, nodes) or (n, 1, nodes) that act node by node, v
-    likewise.
-    """
-    product = factors[:, :, :, None] * vectors[:, :, None, :]
+    """Return ``A^T v`` for operators (n, i, nodes) or (n, 1, nodes) that act node by node."""
+    product = factors[:, :, :, None] * vectors[:, :, None, :]  # (n, i, nodes, dim)
     return np.asarray(product.reshape(*product.shape[:2], product.shape[2] * product.shape[3]))
