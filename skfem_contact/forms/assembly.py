@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, cast
 
 import numpy as np
 from numpy import ndarray
@@ -32,7 +32,8 @@ _DAMPING = 0.2
 #: strip as wide as four of them settle by 4, 10, 16, 23 and 49 % too little at .40, .48, .49, .495
 #: and .499.
 _TIGHT = 0.485
-_CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the processor's cache
+#: Elements of a batch: its B, DB and BᵀDB stay in the processor's cache.
+_CHUNK = 512
 
 
 class StrainOperator(NamedTuple):
@@ -55,20 +56,20 @@ class StrainOperator(NamedTuple):
 def strain_of(
     basis: CellBasis, strain: str | None, coordinates: str | None, flows: bool
 ) -> tuple[Measure, Coordinates]:
-    """Return strain measure and coordinate system as given, or those that suit mesh and material.
+    """Return strain measure and coordinate system as given, or as suits mesh and material.
 
     Raises
     ------
     ValueError
         Other words, axial symmetry of a mesh in space, or B-bar in axial symmetry.
     """
-    usual: Coordinates = "plane" if basis.mesh.dim() == 2 else "space"
-    known = ("plane", "axisymmetric") if usual == "plane" else ("space",)
-    if coordinates is not None and coordinates not in known:
+    known = {2: ("plane", "axisymmetric"), 3: ("space",)}[basis.mesh.dim()]
+    if coordinates is None:
+        coordinates = known[0]
+    if coordinates not in known:
         raise ValueError(
             f"coordinates of a {type(basis.mesh).__name__} must be "
-            f"{' or '.join(map(repr, known))}, not "
-            f"{coordinates!r}"
+            f"{' or '.join(map(repr, known))}, not {coordinates!r}"
         )
     if strain not in (None, "full", "b_bar"):
         raise ValueError(f"strain must be 'full' or 'b_bar', not {strain!r}")
@@ -77,16 +78,16 @@ def strain_of(
         raise ValueError(
             "there is no strain 'b_bar' in axial symmetry: take elements of second order"
         )
-    usually = flows and not axial and isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
-    averaged = strain == "b_bar" or (strain is None and usually)
-    return "b_bar" if averaged else "full", "axisymmetric" if axial else usual
+    if strain is None:
+        locks = flows and isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
+        strain = "b_bar" if locks and not axial else "full"
+    return cast(Measure, strain), cast(Coordinates, coordinates)
 
 
 def strain_operator(basis: CellBasis, strain: str, coordinates: str) -> StrainOperator:
     """Return the operator of a strain measure in a coordinate system."""
-    full = {"plane": _plane_strain, "axisymmetric": _axisymmetric, "space": _in_space}[coordinates](
-        basis
-    )
+    builders = {"plane": _plane_strain, "axisymmetric": _axisymmetric, "space": _in_space}
+    full = builders[coordinates](basis)
     return full if strain == "full" else _b_bar(*full)
 
 
@@ -98,16 +99,21 @@ def has_corners_only(basis: CellBasis) -> bool:
 def locking(
     basis: CellBasis, coordinates: Coordinates | None, yielded: float, D: ndarray
 ) -> Iterator[Remark]:
-    """Yield remarks on elements of corner nodes alone with full strains: a share of points yields,
-    or D resists volume.
+    """Yield remarks on elements of corner nodes alone, with full strains, that may lock.
 
-    `D` : ndarray, shape (n_elements, r, r), are moduli in the rows of the strain operator that act,
-    shear last.
+    Parameters
+    ----------
+    yielded
+        Share of the points that yield.
+    D : ndarray, shape (n_elements, r, r)
+        Moduli in the rows of the strain operator that act, shear last.
     """
     if not has_corners_only(basis):
         return
-    averaged = len(basis.mesh.t) == 2 ** basis.mesh.dim() and coordinates != "axisymmetric"
-    instead = ('take strain="b_bar", or ' if averaged else "take ") + "elements of second order"
+    dim = basis.mesh.dim()
+    instead = "take elements of second order"
+    if len(basis.mesh.t) == 2**dim and coordinates != "axisymmetric":
+        instead = 'take strain="b_bar", or elements of second order'
     if yielded:
         yield Remark(
             "locking",
@@ -116,30 +122,35 @@ def locking(
             f"stiff and too strong where soil flows (collapse loads are 10 to 20 % too high): "
             f"{instead}",
         )
-    if (nu := float((0.5 * D[:, 0, 1] / (D[:, 0, 1] + D[:, -1, -1])).max())) > _TIGHT:
+    # nu = lambda / (2 (lambda + G))
+    lame = D[:, 0, 1]
+    shear = D[:, -1, -1]
+    nu = float((0.5 * lame / (lame + shear)).max())
+    if nu > _TIGHT:
         yield Remark(
             "volume",
             nu,
             f"Poisson's ratio is {nu:.4g}, of undrained ground that of soil and water: elements "
             "of corner nodes alone lock, settlements may be a few times too small and pressures "
-            "too large: " + instead,
+            f"too large: {instead}",
         )
 
 
 def _gradients(basis: CellBasis) -> ndarray:
     """Return gradients of the scalar shape functions, (n_elements, n_points, n_functions, dim)."""
-    functions = [
-        np.asarray(basis.basis[j][0].grad)[0] for j in range(0, basis.Nbfun, basis.mesh.dim())
-    ]
-    return np.ascontiguousarray(np.stack(functions).transpose(2, 3, 0, 1))
+    functions = basis.basis[:: basis.mesh.dim()]
+    gradients = [np.asarray(field.grad)[0] for (field,) in functions]  # (dim, elements, points)
+    return np.ascontiguousarray(np.stack(gradients).transpose(2, 3, 0, 1))
 
 
 def _plane_strain(basis: CellBasis) -> StrainOperator:
     """Return plane strains: the out-of-plane strain is zero, the out-of-plane stress is not."""
     G = _gradients(basis)
     B = np.zeros((*G.shape[:2], 4, 2 * G.shape[2]))
-    B[:, :, 0, 0::2] = B[:, :, 3, 1::2] = G[..., 0]
-    B[:, :, 1, 1::2] = B[:, :, 3, 0::2] = G[..., 1]
+    B[:, :, 0, 0::2] = G[..., 0]  # xx
+    B[:, :, 1, 1::2] = G[..., 1]  # yy
+    B[:, :, 3, 0::2] = G[..., 1]  # xy
+    B[:, :, 3, 1::2] = G[..., 0]
     return StrainOperator(B, np.asarray(basis.dx))
 
 
@@ -158,8 +169,9 @@ def _b_bar(B: ndarray, weight: ndarray) -> StrainOperator:
 
 
 def _axisymmetric(basis: CellBasis) -> StrainOperator:
-    """Return strains in axial symmetry about x = 0: xx is radial, yy axial, zz the hoop strain u_x
-    / x; per radian.
+    """Return strains in axial symmetry about x = 0, with weights per radian.
+
+    The component xx is radial, yy axial, and zz the hoop strain u_x / x.
     """
     radius = np.asarray(basis.global_coordinates())[0]
     if not (radius > 0.0).all():
@@ -167,7 +179,7 @@ def _axisymmetric(basis: CellBasis) -> StrainOperator:
             f"axial symmetry needs x >= 0, but there are elements at x = {radius.min():.4g}"
         )
     B, weight = _plane_strain(basis)
-    values = np.stack([np.asarray(basis.basis[j][0])[0] for j in range(0, basis.Nbfun, 2)])
+    values = np.stack([np.asarray(field)[0] for (field,) in basis.basis[::2]])
     B[:, :, 2, 0::2] = (values / radius).transpose(1, 2, 0)
     return StrainOperator(B, weight * radius)
 
@@ -176,32 +188,35 @@ def _in_space(basis: CellBasis) -> StrainOperator:
     """Return strains of tetrahedra and hexahedra: xx, yy, zz, xy, yz, zx (engineering shears)."""
     G = _gradients(basis)
     B = np.zeros((*G.shape[:2], 6, 3 * G.shape[2]))
-    B[:, :, 0, 0::3] = B[:, :, 3, 1::3] = B[:, :, 5, 2::3] = G[..., 0]
-    B[:, :, 1, 1::3] = B[:, :, 3, 0::3] = B[:, :, 4, 2::3] = G[..., 1]
-    B[:, :, 2, 2::3] = B[:, :, 4, 1::3] = B[:, :, 5, 0::3] = G[..., 2]
+    for i in range(3):
+        B[:, :, i, i::3] = G[..., i]
+    for row, (i, j) in enumerate(((0, 1), (1, 2), (2, 0)), start=3):
+        B[:, :, row, i::3] = G[..., j]
+        B[:, :, row, j::3] = G[..., i]
     return StrainOperator(B, np.asarray(basis.dx))
 
 
 def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:
-    """Return the matrix from stresses (ncomp, n_elements, n_points) to internal forces (n,):
-    ``B^T`` times weights.
+    """Return the matrix from stresses (ncomp, n_elements, n_points) to internal forces, (n,).
 
-    Stored by rows, it multiplies a third faster than the transpose of the matrix of the strains.
+    Its entries are ``B^T`` times weights. Stored by rows, it multiplies a third faster than the
+    transpose of the matrix of the strains.
     """
     data, indices, counts = [], [], []
     for component in range(B.shape[2]):
-        used = np.flatnonzero(B[:, :, component].any(axis=(0, 1)))
-        data.append((B[:, :, component, used] * weight[..., None]).ravel())
-        indices.append(
-            np.broadcast_to(element_dofs[used].T[:, None, :], (*weight.shape, len(used))).ravel()
-        )
+        rows = B[:, :, component]
+        used = np.flatnonzero(rows.any(axis=(0, 1)))
+        dofs = element_dofs[used].T[:, None, :]
+        data.append((rows[..., used] * weight[..., None]).ravel())
+        indices.append(np.broadcast_to(dofs, (*weight.shape, len(used))).ravel())
         counts.append(np.full(weight.size, len(used)))
     indptr = np.concatenate(([0], np.cumsum(np.concatenate(counts))))
-    columns = csc_matrix(
-        (np.concatenate(data), np.concatenate(indices).astype(np.int32), indptr.astype(np.int32)),
-        shape=(n, len(indptr) - 1),
+    entries = (
+        np.concatenate(data),
+        np.concatenate(indices).astype(np.int32),
+        indptr.astype(np.int32),
     )
-    return columns.tocsr()
+    return csc_matrix(entries, shape=(n, len(indptr) - 1)).tocsr()
 
 
 def element_stiffness(B: ndarray, D: ndarray) -> ndarray:
@@ -213,17 +228,16 @@ def element_stiffness(B: ndarray, D: ndarray) -> ndarray:
     n_elements, n_points, ncomp, n_local = B.shape
     K = np.empty((n_elements, n_local, n_local))
     for start in range(0, n_elements, _CHUNK):
-        part = slice(start, start + _CHUNK)
-        flat = B[part].reshape(-1, n_points * ncomp, n_local)
-        DB = np.matmul(D[part], B[part]).reshape(flat.shape)
-        np.matmul(flat.transpose(0, 2, 1), DB, out=K[part])
+        batch = slice(start, start + _CHUNK)
+        flat = B[batch].reshape(-1, n_points * ncomp, n_local)
+        DB = np.matmul(D[batch], B[batch]).reshape(flat.shape)
+        np.matmul(flat.transpose(0, 2, 1), DB, out=K[batch])
     return K
 
 
 @dataclass(frozen=True)
 class Pattern:
-    """Sparsity pattern of a basis and the slot of every entry of every element matrix in its CSR
-    data.
+    """Sparsity pattern of a basis, and the slots of all element matrices in its CSR data.
 
     Attributes
     ----------
@@ -239,18 +253,17 @@ class Pattern:
 
     @classmethod
     def of(cls, basis: CellBasis) -> Pattern:
-        """Build the pattern of a basis whose displacement components follow each other node by
-        node.
-        """
+        """Build the pattern of a basis whose displacement components follow node by node."""
         d = basis.mesh.dim()
+        n_nodes = basis.N // d
         nodes = basis.element_dofs[0::d].T // d
         n_elements, n_local = nodes.shape
-        n_nodes = basis.N // d
+
+        # find the pattern of the nodes, and the slot of every pair of nodes of an element in it
         rows = np.repeat(nodes, n_local, axis=1).ravel()
         columns = np.tile(nodes, (1, n_local)).ravel()
-        graph = coo_matrix(
-            (np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(n_nodes, n_nodes)
-        ).tocsr()
+        ones = np.ones(len(rows), dtype=np.int8)
+        graph = coo_matrix((ones, (rows, columns)), shape=(n_nodes, n_nodes)).tocsr()
         graph.sort_indices()
         ptr = graph.indptr.astype(np.int64)
         degree = np.diff(ptr)
@@ -259,29 +272,25 @@ class Pattern:
 
         # a node pair (r, c) becomes a d x d block: d rows of d degree(r) entries each
         first = d * d * ptr[rows] + d * (entry - ptr[rows])
-        block = (
-            first[:, None, None]
-            + np.arange(d)[:, None] * d * degree[rows, None, None]
-            + np.arange(d)
-        )
+        row_length = d * degree[rows, None, None]
+        i = np.arange(d)
+        block = first[:, None, None] + i[:, None] * row_length + i  # (n_pairs, d, d)
         slots = block.reshape(n_elements, n_local, n_local, d, d).transpose(0, 1, 3, 2, 4)
+        slots = slots.astype(np.int32, order="C").reshape(n_elements, d * n_local, d * n_local)
 
-        length = np.repeat(d * degree, d)  # of the rows
+        # repeat the columns of a node in its d rows
+        length = np.repeat(d * degree, d)
         indptr = np.concatenate(([0], np.cumsum(length)))
-        pairs = (d * graph.indices[:, None] + np.arange(d)).ravel()
+        dofs = (d * graph.indices[:, None] + i).ravel()
+        start = np.repeat(d * ptr[:-1], d)
         within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], length)
-        indices = pairs[np.repeat(np.repeat(d * ptr[:-1], d), length) + within]
-        return cls(
-            _frozen(indptr),
-            _frozen(indices),
-            slots.astype(np.int32, order="C").reshape(n_elements, d * n_local, d * n_local),
-        )
+        indices = dofs[np.repeat(start, length) + within]
+        return cls(_frozen(indptr), _frozen(indices), slots)
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
         """Sum element matrices as CSR data."""
-        return np.bincount(
-            self.slots[elements].ravel(), matrices.ravel(), minlength=len(self.indices)
-        )
+        slots = self.slots[elements].ravel()
+        return np.bincount(slots, matrices.ravel(), minlength=len(self.indices))
 
     def matrix(self, data: ndarray) -> csr_matrix:
         """Return the ``csr_matrix`` of these data, read-only; the pattern is shared, not copied."""
@@ -292,27 +301,32 @@ class Pattern:
         """Matrix of this pattern without data."""
         n = len(self.indptr) - 1
         matrix = csr_matrix((n, n))
-        matrix.indices, matrix.indptr = self.indices, self.indptr
-        matrix.has_sorted_indices = matrix.has_canonical_format = True
+        matrix.indices = self.indices
+        matrix.indptr = self.indptr
+        matrix.has_sorted_indices = True
+        matrix.has_canonical_format = True
         return matrix
 
 
 def _frozen(numbers: ndarray) -> ndarray:
+    """Return a read-only copy of 32 bits."""
     frozen = numbers.astype(np.int32)
     frozen.flags.writeable = False
     return frozen
 
 
 def damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
-    r"""Move tangents of non-associated flow, (n, ncomp, ncomp), towards a symmetric and positive
-    neighbour.
+    r"""Move tangents of non-associated flow towards a symmetric and positive neighbour.
 
     :math:`D = D_e P` with a projector P along the plastic flow. Its companion
-    :math:`P^T D_e P = D^T D_e^{-1} D` resists all strains but the same flow, and is symmetric.
+    :math:`P^T D_e P = D^T D_e^{-1} D` resists all strains but the same flow, and is symmetric. All
+    arrays have the shape (n, ncomp, ncomp).
     """
     skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
-    at = np.flatnonzero(skew > 1e-9 * np.abs(elasticity).max(axis=(1, 2)))
+    size = np.abs(elasticity).max(axis=(1, 2))
+    skewed = np.flatnonzero(skew > 1e-9 * size)
+    D = tangent[skewed]
+    companion = D.transpose(0, 2, 1) @ np.linalg.solve(elasticity[skewed], D)
     new = tangent.copy()
-    companion = tangent[at].transpose(0, 2, 1) @ np.linalg.solve(elasticity[at], tangent[at])
-    new[at] += _DAMPING * (companion - tangent[at])
+    new[skewed] += _DAMPING * (companion - D)
     return new

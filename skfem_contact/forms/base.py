@@ -15,7 +15,7 @@ from ..checks import names_of
 from ..errors import Remark
 from ..layout import Field
 from ..sparse import padded, scattered
-from .roles import Body, Reducible, having, missing_roles
+from .roles import Body, Reducible, having, materials_of, missing_roles
 
 Self = TypeVar("Self")
 #: Coordinate systems.
@@ -70,9 +70,14 @@ class Response:
         measure: ndarray | None = None,
         dofs: ndarray | None = None,
     ) -> None:
-        self.force, self.round_off, self.active = force, round_off, active
+        self.force = force
+        self.round_off = round_off
+        self.active = active
         self.measure = force if measure is None else measure
-        self._state, self._stiffness, self._damped, self._dofs = state, stiffness, damped, dofs
+        self._state = state
+        self._stiffness = stiffness
+        self._damped = damped
+        self._dofs = dofs
 
     @cached_property
     def state(self) -> Any:
@@ -108,14 +113,15 @@ class Response:
         def among(K: csr_matrix) -> csr_matrix:
             return padded(K, n) if dofs is None else scattered(K, dofs, n)
 
+        round_off = self.round_off
         return Response(
             spread(self.force),
             lambda: self.state,
-            lambda: among(self.stiffness),
-            lambda: among(self.damped),
-            _each(self.round_off, spread),
-            self.active,
-            spread(self.measure),
+            stiffness=lambda: among(self.stiffness),
+            damped=lambda: among(self.damped),
+            round_off=spread(round_off) if isinstance(round_off, np.ndarray) else round_off,
+            active=self.active,
+            measure=spread(self.measure),
         )
 
     def lost(self, part: slice) -> float:
@@ -123,11 +129,6 @@ class Response:
         if isinstance(self.round_off, np.ndarray):
             return float(np.linalg.norm(self.round_off[part]))
         return self.round_off if part.start == 0 else 0.0
-
-
-def _each(round_off: float | ndarray, change: Callable[[ndarray], ndarray]) -> float | ndarray:
-    """Return round-off with its forces changed, if it is given by dofs."""
-    return change(round_off) if isinstance(round_off, np.ndarray) else round_off
 
 
 Value = TypeVar("Value")
@@ -283,7 +284,7 @@ class Form:
         return self
 
     def completed(self: Self, forms: Mapping[str, Any]) -> Self:
-        """Return the form with properties of other forms, such as a penalty from their stiffness."""
+        """Return the form with properties of other forms, such as a penalty by stiffness."""
         return self
 
     def outputs(self, x: ndarray, state: Any) -> Outputs:
@@ -384,36 +385,39 @@ def reduced_parts(
     """
     excluded = set(names_of(exclude))
     named = set(names_of(reduce or ()))
-    bodies = having(forms, Body)
-    reducible = having(forms, Reducible)
-    regions = {name: set(body.materials) for name, body in bodies.items()}
-    known = sorted(set(forms).union(*regions.values()))
-    for name in sorted(named | excluded):
-        if name not in known:
-            raise ValueError(
-                f"there is no form or region '{name}' to reduce; existing: {', '.join(known)}"
-            )
-    for name in forms:
-        strengths = reducible[name].strengths if name in reducible else ()
-        for region in named & regions.get(name, set()) - set(strengths):
-            law = type(bodies[name].materials[region]).__name__
-            raise ValueError(f"'{region}' cannot be reduced: {law} has no strength")
-        if name in named and not strengths and not regions.get(name):
-            raise ValueError(f"'{name}' cannot be reduced: {forms[name]!r} has no strength")
+    _check_reducible(forms, named, excluded)
     targets = {}
-    for name, form in reducible.items():
-        parts = []
-        for part in form.strengths:
-            chosen = reduce is None or name in named or part in named
-            if chosen and name not in excluded and part not in excluded:
-                parts.append(part)
+    for name, form in having(forms, Reducible).items():
+        parts = set(form.strengths)
+        if reduce is not None and name not in named:
+            parts &= named
+        if name in excluded:
+            parts.clear()
+        parts -= excluded
         if parts:
-            targets[name] = tuple(parts)
+            targets[name] = tuple(part for part in form.strengths if part in parts)
     if not targets:
         raise ValueError(
             "there is nothing to reduce: nothing among the forms has a strength that can be"
         )
     return targets
+
+
+def _check_reducible(forms: Mapping[str, Form], named: set[str], excluded: set[str]) -> None:
+    """Refuse names that do not exist, and names to reduce without a strength."""
+    known = set(forms).union(*(body.materials for body in having(forms, Body).values()))
+    for name in sorted((named | excluded) - known):
+        raise ValueError(
+            f"there is no form or region '{name}' to reduce; existing: {', '.join(sorted(known))}"
+        )
+    for name, form in forms.items():
+        materials = materials_of(form)
+        strengths = form.strengths if isinstance(form, Reducible) else ()
+        for region in named & set(materials) - set(strengths):
+            law = type(materials[region]).__name__
+            raise ValueError(f"'{region}' cannot be reduced: {law} has no strength")
+        if name in named and not strengths and not materials:
+            raise ValueError(f"'{name}' cannot be reduced: {form!r} has no strength")
 
 
 def dilate_less(forms: Mapping[str, Form]) -> bool:
@@ -424,6 +428,7 @@ def dilate_less(forms: Mapping[str, Form]) -> bool:
 
 def part_names(parts: Mapping[str, Collection[str]]) -> tuple[str, ...]:
     """Return names such as ``soil.clay`` of parts by form; a form as a whole has its own name."""
-    return tuple(
-        ".".join(filter(None, (name, part))) for name, given in parts.items() for part in given
-    )
+    result = []
+    for form, regions in parts.items():
+        result += [f"{form}.{region}" if region else form for region in regions]
+    return tuple(result)

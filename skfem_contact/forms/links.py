@@ -20,7 +20,7 @@ from .roles import Couples, Regularised, Staged, Stiff, with_force_kept
 
 
 class MatrixForm(Form, Stiff, Couples, Staged):
-    """Linear form of any matrix, such as that of a ``BilinearForm``.
+    """Linear form of any matrix, such as the matrix of a ``BilinearForm``.
 
     Parameters
     ----------
@@ -39,11 +39,13 @@ class MatrixForm(Form, Stiff, Couples, Staged):
     >>> import numpy as np
     >>> from skfem import Basis, BilinearForm, ElementQuad1, ElementVector, FacetBasis, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> bottom = FacetBasis(basis.mesh, basis.elem, facets="bottom")
     >>> subgrade = BilinearForm(lambda u, v, w: 100. * (u[0] * v[0] + u[1] * v[1])).assemble(bottom)
-    >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.)), "ground": sc.MatrixForm(subgrade)}
-    >>> result = sc.Model(forms).run([sc.Stage("weight", sc.weight(basis, 20.))])
+    >>> square = sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.))
+    >>> model = sc.Model({"square": square, "ground": sc.MatrixForm(subgrade)})
+    >>> result = model.run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> [float(f"{u:.4f}") for u in result["weight"].x[basis.get_dofs("bottom").all("u^2")]]
     [-0.2, -0.2, -0.2, -0.2, -0.2]
     """
@@ -52,21 +54,15 @@ class MatrixForm(Form, Stiff, Couples, Staged):
         shape = np.shape(K)  # type: ignore[arg-type]
         if len(shape) != 2:
             raise ValueError(f"K must be a square matrix, not an array of shape {shape}")
-        self.elastic_stiffness = csr_matrix(K)  # type: ignore[arg-type]
-        self.size: int = int(self.elastic_stiffness.shape[1])
-        if (
-            self.elastic_stiffness.shape[0] != self.size
-            or not np.isfinite(self.elastic_stiffness.data).all()
-        ):
-            raise ValueError(
-                f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}"
-            )
-        largest = abs(self.elastic_stiffness).max() if self.elastic_stiffness.nnz else 0.0
-        self.symmetric = (
-            abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
-        )
+        K = csr_matrix(K)  # type: ignore[arg-type]
+        if shape[0] != shape[1] or not np.isfinite(K.data).all():
+            raise ValueError(f"K must be a square matrix of finite numbers, not {K.shape}")
+        largest = abs(K).max() if K.nnz else 0.0
+        self.elastic_stiffness = K
+        self.size: int = int(shape[1])
+        self.symmetric = abs(K - K.T).max() <= 1e-12 * largest
         self.changing = np.zeros(0, int)
-        self.acts_on = self.elastic_stiffness.indices
+        self.acts_on = K.indices
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.size} dofs, {self.elastic_stiffness.nnz} entries>"
@@ -77,9 +73,8 @@ class MatrixForm(Form, Stiff, Couples, Staged):
 
     @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:
-        return Response(
-            self.elastic_stiffness @ (x - state), lambda: state, lambda: self.elastic_stiffness
-        )
+        force = self.elastic_stiffness @ (x - state)
+        return Response(force, lambda: state, lambda: self.elastic_stiffness)
 
     @override
     def rebased(self, x: ndarray, state: ndarray) -> ndarray:
@@ -126,25 +121,25 @@ class Spring(MatrixForm):
         part: str | None = None,
         to_part: str | None = None,
     ) -> None:
+        dim = basis.mesh.dim()
         k = finite(stiffness, "stiffness")
-        k = np.broadcast_to(k, (basis.mesh.dim(),)) if k.ndim == 0 else k
-        if not (k.shape == (basis.mesh.dim(),) and (k >= 0.0).all() and k.any()):
+        if k.ndim == 0:
+            k = np.broadcast_to(k, (dim,))
+        if k.shape != (dim,) or (k < 0.0).any() or not k.any():
             raise ValueError(
-                f"stiffness must be positive, in each direction or in one of them, not "
+                "stiffness must be positive, in each direction or in one of them, not "
                 f"{stiffness!r}"
             )
-        ends = [dofs_at(basis, coordinates, part)]
+        first = dofs_at(basis, coordinates, part)
+        data = np.broadcast_to(k, first.shape).ravel()
+        rows = columns = first.ravel()
         if to is not None:
-            ends.append(dofs_at(basis, to, to_part))
-        entries = [
-            (sign_a * sign_b * k, a, b)
-            for a, sign_a in zip(ends, (1, -1))
-            for b, sign_b in zip(ends, (1, -1))
-        ]
-        data, rows, columns = (
-            np.concatenate([np.broadcast_to(entry[i], ends[0].shape).ravel() for entry in entries])
-            for i in range(3)
-        )
+            # k (u_1 - u_2) at the first end, and the opposite force at the second
+            a = rows
+            b = np.broadcast_to(dofs_at(basis, to, to_part), first.shape).ravel()
+            rows = np.concatenate((a, a, b, b))
+            columns = np.concatenate((a, b, a, b))
+            data = np.concatenate((data, -data, -data, data))
         K = coo_matrix((data, (rows, columns)), shape=(basis.N, basis.N)).tocsr()
         K.eliminate_zeros()
         super().__init__(K)
@@ -189,8 +184,7 @@ class Bar(Form, Couples, Staged, Regularised):
     part, end_part
         Subdomains of the nodes, where nodes of two bodies coincide.
     spacing
-        Distance of the members of a row in the plane: EA, forces and strength are those of one of
-        them.
+        Distance of the members of a row in the plane: EA, forces and strength are of one member.
 
     Raises
     ------
@@ -239,19 +233,16 @@ class Bar(Form, Couples, Staged, Regularised):
         compression_only: bool = False,
         spacing: float = 1.0,
     ) -> None:
-        if not (
-            is_number(EA, 0.0, np.inf)
-            and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))
-        ):
-            raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
-        if tension_only and compression_only:
-            raise ValueError("a bar of tension_only and compression_only resists nothing")
+        self._set_strength(EA, yield_force, tension_only, compression_only)
         a, b = np.broadcast_arrays(_points(start, "start", basis), _points(end, "end", basis))
         length = np.linalg.norm(b - a, axis=1)
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")
-        axis = (b - a) / length[:, None]
-        ends = [(start, a, part, -axis), *([] if fixed_end else [(end, b, end_part, axis)])]
+        self.symmetric = True
+        self._where = np.hstack((a, b))
+        self._spacing = positive(spacing, "spacing")
+        self._stiffness = EA / length
+        self._jack: float | None = None
         self._parameters = {
             "EA": EA,
             "yield_force": yield_force,
@@ -259,37 +250,44 @@ class Bar(Form, Couples, Staged, Regularised):
             "tension_only": tension_only,
             "compression_only": compression_only,
         }
-        self._where = np.hstack((a, b))
-        self._axis = np.hstack([sign for *_, sign in ends])
-        self._ends = [
-            at if isinstance(at, FieldDofs) else _at(basis, points, name)
-            for at, points, name, _ in ends
-        ]
-        self.borrowed = tuple({at.field: None for at in self._ends if isinstance(at, FieldDofs)})
-        self.symmetric, self.unilateral = True, tension_only or compression_only
-        self._spacing, self._stiffness = positive(spacing, "spacing"), EA / length
-        self._least, self._most = (
-            0.0 if tension_only else -yield_force,
-            0.0 if compression_only else yield_force,
-        )
-        self._jack: float | None = None
+
+        # elongation = axis . (u_end - u_start), without the end that is fixed
+        axis = (b - a) / length[:, None]
+        self._ends = [_end_dofs(basis, start, a, part)]
+        self._axis = -axis
+        if not fixed_end:
+            self._ends.append(_end_dofs(basis, end, b, end_part))
+            self._axis = np.hstack((-axis, axis))
+        fields = [dofs.field for dofs in self._ends if isinstance(dofs, FieldDofs)]
+        self.borrowed = tuple(dict.fromkeys(fields))
         if not self.borrowed:
             self._connect({})
 
+    def _set_strength(
+        self, EA: float, yield_force: float, tension_only: bool, compression_only: bool
+    ) -> None:
+        """Set the range of the force."""
+        yields = yield_force == np.inf or is_number(yield_force, 0.0, np.inf)
+        if not is_number(EA, 0.0, np.inf) or not yields:
+            raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
+        if tension_only and compression_only:
+            raise ValueError("a bar of tension_only and compression_only resists nothing")
+        self.unilateral = tension_only or compression_only
+        self._least = 0.0 if tension_only else -yield_force
+        self._most = 0.0 if compression_only else yield_force
+
     def _connect(self, numbers: Mapping[Field, ndarray]) -> None:
         """Set the dofs of both ends."""
-        self._dofs = np.hstack(
-            [
-                np.broadcast_to(
-                    numbers[at.field][at.indices] if isinstance(at, FieldDofs) else at,
-                    (len(self._axis), self._axis.shape[1] // len(self._ends)),
-                )
-                for at in self._ends
-            ]
-        )
+        n = len(self._axis)
+        columns = []
+        for end in self._ends:
+            dofs = numbers[end.field][end.indices] if isinstance(end, FieldDofs) else end
+            columns.append(np.broadcast_to(dofs, (n, self._axis.shape[1] // len(self._ends))))
+        self._dofs = np.hstack(columns)
         self._at, rows = np.unique(self._dofs, return_inverse=True)
         self._rows = rows.reshape(self._dofs.shape)
-        self.changing = self.acts_on = self._at
+        self.changing = self._at
+        self.acts_on = self._at
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Bar:
@@ -298,12 +296,11 @@ class Bar(Form, Couples, Staged, Regularised):
         return new
 
     def __repr__(self) -> str:
-        return f"<Bar {len(self._axis)} bars, EA/L {self._stiffness.min():.4g} to {self._stiffness.max():.4g}>"
+        k = self._stiffness
+        return f"<Bar {len(k)} bars, EA/L {k.min():.4g} to {k.max():.4g}>"
 
     def prestressed(self, force: float) -> Bar:
-        """Return the bars with a jack that keeps their force, tension positive, at any
-        elongation.
-        """
+        """Return the bars with a jack that keeps their force (tension positive) constant."""
         if not self._least <= force <= self._most:
             raise ValueError(
                 f"the force of a jack must lie between {self._least:g} and {self._most:g}"
@@ -323,40 +320,40 @@ class Bar(Form, Couples, Staged, Regularised):
 
     @override
     def assemble(self, x: ndarray, state: BarState) -> Response:
-        k, elongation = self._stiffness, self._elongation(x)
-        elastic = k * (elongation - state.free)
-        force = (
-            np.full_like(elastic, self._jack)
-            if self._jack is not None
-            else np.clip(elastic, self._least, self._most)
-        )
-        slack = (force == 0.0) & (self._jack is None)
-        # slack ropes and bars that flow have no stiffness
-        tangent = np.where((force == elastic) & (self._jack is None), k, 0.0)
+        k = self._stiffness
+        elongation = self._elongation(x)
+        if self._jack is not None:
+            force = np.full_like(elongation, self._jack)
+            slack = np.zeros(len(k), bool)
+            tangent = np.zeros(len(k))
+        else:
+            # slack ropes and bars that flow have no stiffness
+            elastic = k * (elongation - state.free)
+            force = np.clip(elastic, self._least, self._most)
+            slack = force == 0.0
+            tangent = np.where(force == elastic, k, 0.0)
 
-        def stiffness() -> csr_matrix:
-            blocks = (
-                tangent[:, None, None]
-                / self._spacing
-                * self._axis[:, :, None]
-                * self._axis[:, None, :]
-            )
-            rows, columns = np.broadcast_arrays(self._rows[:, :, None], self._rows[:, None, :])
-            n = len(self._at)
-            return coo_matrix(
-                (blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)
-            ).tocsr()
-
+        n = len(self._at)
         forces = force[:, None] / self._spacing * self._axis
         return Response(
-            np.bincount(self._rows.ravel(), forces.ravel(), minlength=len(self._at)),
+            np.bincount(self._rows.ravel(), forces.ravel(), minlength=n),
             lambda: BarState(force, np.where(slack, state.free, elongation - force / k)),
-            stiffness,
+            stiffness=lambda: self._matrix(tangent),
             dofs=self._at,
         )
 
+    def _matrix(self, tangent: ndarray) -> csr_matrix:
+        """Return the stiffness among the dofs of the bars, of forces by elongations, (n,)."""
+        axial = tangent[:, None, None] / self._spacing
+        blocks = axial * self._axis[:, :, None] * self._axis[:, None, :]  # (n, m, m)
+        rows, columns = np.broadcast_arrays(self._rows[:, :, None], self._rows[:, None, :])
+        entries = blocks.ravel(), (rows.ravel(), columns.ravel())
+        n = len(self._at)
+        return coo_matrix(entries, shape=(n, n)).tocsr()
+
     @override
-    def inherits(self, old: Bar, state: BarState) -> BarState:  # a new stiffness changes no force
+    def inherits(self, old: Bar, state: BarState) -> BarState:
+        # a new stiffness changes no force
         before = state.force / old._stiffness
         return with_force_kept(state, before, state.force / self._stiffness)
 
@@ -368,10 +365,11 @@ class Bar(Form, Couples, Staged, Regularised):
     def outputs(self, x: ndarray, state: BarState) -> Outputs:
         axes = "xyz"[: self._where.shape[1] // 2]
         names = [*axes, *(f"end {axis}" for axis in axes)]
+        members = dict(zip(names, self._where.T))
         return Outputs(
             summary=f"forces {state.force.min():.4g} to {state.force.max():.4g}",
             parameters=self._parameters,
-            members=dict(zip(names, self._where.T)) | {"force": state.force},
+            members=members | {"force": state.force},
         )
 
 
@@ -386,8 +384,12 @@ def _points(end: ArrayLike | FieldDofs, name: str, basis: CellBasis | None) -> n
     return points
 
 
-def _at(basis: CellBasis | None, points: ndarray, part: str | None) -> ndarray:
-    """Return the dofs of nodes of the mesh, (n, dim)."""
+def _end_dofs(
+    basis: CellBasis | None, end: ArrayLike | FieldDofs, points: ndarray, part: str | None
+) -> ndarray | FieldDofs:
+    """Return the dofs of ends of bars: nodes of the mesh, (n, dim), or of a beam."""
+    if isinstance(end, FieldDofs):
+        return end
     if basis is None:
         raise ValueError("a bar between nodes of the mesh needs its basis")
     return dofs_at(basis, points, part)

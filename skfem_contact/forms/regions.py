@@ -1,6 +1,4 @@
-"""Regions of a basis: every element has one material, and the elements of a region follow each
-other.
-"""
+"""Regions of a basis: slices of elements of one material."""
 
 from __future__ import annotations
 
@@ -20,48 +18,50 @@ from .assembly import damped
 
 
 class Region(NamedTuple):
-    """Elements of one material: their subdomain, and their slice of a basis ordered by regions."""
+    """Elements of one material: a subdomain, a slice of a basis ordered by regions.
+
+    `given` is a material with functions of the coordinates, whose values at the points `material`
+    has; None for a material without functions.
+    """
 
     name: str
     material: Material
     elements: slice = slice(None)
-    given: Material | None = (
-        None  # with functions of the coordinates, whose values at the points `material` has
-    )
+    given: Material | None = None
 
     def with_material(self, material: Any, basis: CellBasis) -> Region:
-        """Return the region with another material, which need not derive from :class:`Material`, at
-        a basis' points.
+        """Return the region with another material at a basis' points.
+
+        The material need not derive from :class:`Material`.
         """
         try:
             given = as_material(material)
-            here = (
-                given.at(np.asarray(basis.global_coordinates())[:, self.elements])
-                if given.functions
-                else given
-            )
+            if not given.functions:
+                return Region(self.name, given, self.elements)
+            return Region(self.name, given.at(self._points(basis)), self.elements, given)
         except ValueError as error:
             raise ValueError(f"material of '{self.name}': {error}") from error
-        return Region(self.name, here, self.elements, given if given.functions else None)
 
     def initial_internal(self, stress: ndarray, basis: CellBasis) -> ndarray:
-        """Return the memory of ground under stresses of a basis' points; say where they are not
-        admissible.
-        """
+        """Return the memory of ground under stresses of a basis' points."""
         try:
             return self.material.initial_internal(stress[:, self.elements])
         except InadmissibleStress as error:
-            at = np.asarray(basis.global_coordinates())[:, self.elements].reshape(
-                basis.mesh.dim(), -1
-            )[:, error.point]
+            points = self._points(basis).reshape(basis.mesh.dim(), -1)
+            where = format_point(points[:, error.point])
             raise InadmissibleStress(
-                f"{error}; that point lies at {format_point(at)} in '{self.name}'", error.point
+                f"{error}; that point lies at {where} in '{self.name}'", error.point
             ) from error
+
+    def _points(self, basis: CellBasis) -> ndarray:
+        """Return the integration points of the region, (dim, n_elements, n_points)."""
+        return np.asarray(basis.global_coordinates())[:, self.elements]
 
 
 def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int) -> None:
-    """Try every material on unstrained points, (n_elements, n_points): its parameters and its
-    memory must fit.
+    """Try every material on unstrained points, (n_elements, n_points).
+
+    Its parameters and its memory must fit.
     """
     for name, material, elements, _ in regions:
         n = len(range(shape[0])[elements]), shape[1]
@@ -80,14 +80,14 @@ def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: 
 
 
 def _check_memory(material: Material, call: str, internal: ndarray, n: tuple[int, int]) -> None:
-    """Refuse internal variables that the material has not declared, and those of a wrong shape."""
-    shape, declared = np.shape(internal), (material.n_internal, *n)
+    """Refuse internal variables that the material has not declared, or of a wrong shape."""
+    shape = np.shape(internal)
+    declared = (material.n_internal, *n)
     if shape != declared:
         names = ", ".join(variable.name for variable in material.internal) or "none"
         raise ValueError(
             f"{call} returns internal variables of shape {shape}, but {material.n_internal} "
-            f"declared "
-            f"({names}) make {declared}; declare all in `internal`"
+            f"declared ({names}) make {declared}; declare all in `internal`"
         )
 
 
@@ -99,24 +99,40 @@ def by_region(
         return basis, (Region("all", materials),)
     if not materials:
         raise ValueError("there is no material: give one, or {subdomain: material}")
+    subdomains = basis.mesh.subdomains or {}
     present = elements_of(basis)
-    order, regions, start = [], [], 0
+    order, regions = [], []
+    start = 0
     for name, material in materials.items():
-        part = np.asarray(look_up(name, basis.mesh.subdomains or {}, "subdomain"))
-        elements = part[
-            np.sort(np.unique(part, return_index=True)[1])
-        ]  # each once, in the order of its parameters
+        part = np.asarray(look_up(name, subdomains, "subdomain"))
+        # each element once, in the order of its parameters
+        _, first = np.unique(part, return_index=True)
+        elements = part[np.sort(first)]
         elements = elements[np.isin(elements, present)]
         if len(elements) == 0:
             raise ValueError(f"subdomain '{name}' holds no element of this basis")
+        stop = start + len(elements)
         order.append(elements)
-        regions.append(Region(name, material, slice(start, start + len(elements))))
-        start += len(elements)
+        regions.append(Region(name, material, slice(start, stop)))
+        start = stop
     tind = np.concatenate(order)
+    _check_cover(tind, present, materials, subdomains)
+    if not np.array_equal(tind, present):
+        basis = basis.with_elements(tind)
+    return basis, tuple(regions)
+
+
+def _check_cover(
+    tind: ndarray,
+    present: ndarray,
+    materials: Mapping[str, Material],
+    subdomains: Mapping[str, ndarray],
+) -> None:
+    """Refuse elements that have no material, or more than one."""
     unique, count = np.unique(tind, return_counts=True)
     if len(unique) < len(present):
         missing = np.setdiff1d(present, unique)
-        names = [k for k, v in (basis.mesh.subdomains or {}).items() if np.isin(missing, v).any()]
+        names = [name for name, part in subdomains.items() if np.isin(missing, part).any()]
         raise ValueError(
             f"{len(missing)} of {len(present)} elements have no material; "
             f"they lie in the subdomains {names}"
@@ -126,54 +142,54 @@ def by_region(
             f"{(count > 1).sum()} elements have more than one material: the subdomains "
             f"{list(materials)} overlap"
         )
-    return (basis if np.array_equal(tind, present) else basis.with_elements(tind)), tuple(regions)
 
 
 def changed_moduli(
     material: Material, stress: ndarray, internal: ndarray, update: Update, damping: bool
 ) -> tuple[ndarray, ndarray]:
-    """Return the points whose moduli are not those of the elastic stiffness, and their tangents (n,
-    ncomp, ncomp).
-    """
-    if not (material.stress_dependent or len(update.plastic)):
-        return update.plastic, np.zeros(0)
-    n, ncomp = stress[0].size, len(stress)
-    if not material.stress_dependent:
-        tangent = update.tangent()
-        if damping:
-            elasticity = np.broadcast_to(
-                material.elasticity(ncomp), (stress.shape[1], ncomp, ncomp)
-            )
-            tangent = damped(tangent, elasticity[update.plastic // stress[0, 0].size])
-        return update.plastic, tangent
-    moduli = material.elasticity(ncomp, stress, internal).reshape(n, ncomp, ncomp).copy()
-    if len(update.plastic):
-        tangent = update.tangent()
-        moduli[update.plastic] = damped(tangent, moduli[update.plastic]) if damping else tangent
-    return np.arange(n), moduli
+    """Return points of other moduli than the elastic stiffness, and tangents, (n, ncomp, ncomp)."""
+    plastic = update.plastic
+    ncomp, n_elements, n_points = stress.shape
+    if material.stress_dependent:
+        # all points: elastic moduli of their stress, and tangents where they are plastic
+        points = np.arange(n_elements * n_points)
+        elasticity = material.elasticity(ncomp, stress, internal)
+        moduli = elasticity.reshape(len(points), ncomp, ncomp).copy()
+        if len(plastic):
+            tangent = update.tangent()
+            moduli[plastic] = damped(tangent, moduli[plastic]) if damping else tangent
+        return points, moduli
+    if not len(plastic):
+        return plastic, np.zeros(0)
+    tangent = update.tangent()
+    if damping:
+        elasticity = np.broadcast_to(material.elasticity(ncomp), (n_elements, ncomp, ncomp))
+        tangent = damped(tangent, elasticity[plastic // n_points])
+    return plastic, tangent
 
 
 def inherited(old: Region, new: Region, stress: ndarray, internal: ndarray) -> bool:
-    """Change stresses and internal variables where a region gets another material; return True if
-    any changes.
+    """Change stresses and memory where a region gets another material; return True if any changes.
 
     Variables of the same name keep their values, others start from the stress. Ground that was
     undrained and is drained now loses its excess pore pressure.
     """
-    ends = [range(stress.shape[1])[region.elements] for region in (old, new)]
-    at = slice(max(end.start for end in ends), min(end.stop for end in ends))
-    before, after = old.material, new.material
-    names, known = (
-        [variable.name for variable in material.internal] for material in (after, before)
-    )
-    drains = before.undrained and not after.undrained
-    if at.start >= at.stop or before is after or (names == known[: len(names)] and not drains):
+    every = range(stress.shape[1])
+    before, after = every[old.elements], every[new.elements]
+    common = slice(max(before.start, after.start), min(before.stop, after.stop))
+    if common.start >= common.stop or old.material is new.material:
+        return False
+    names = [variable.name for variable in new.material.internal]
+    known = [variable.name for variable in old.material.internal]
+    drains = old.material.undrained and not new.material.undrained
+    if names == known[: len(names)] and not drains:
         return False
     if drains:
-        stress[:, at], internal[:, at] = before.drained(stress[:, at], internal[:, at])
-    memory = internal[:, at].copy()
-    first = after.initial_internal(stress[:, at])
+        drained = old.material.drained(stress[:, common], internal[:, common])
+        stress[:, common], internal[:, common] = drained
+    memory = internal[:, common].copy()
+    first = new.material.initial_internal(stress[:, common])
     for row, name in enumerate(names):
-        kept = before.variable(name, memory)
-        internal[row, at] = first[row] if kept is None else kept
+        kept = old.material.variable(name, memory)
+        internal[row, common] = first[row] if kept is None else kept
     return True

@@ -21,8 +21,7 @@ from .links import MatrixForm
 
 
 class RigidBoundary(MatrixForm):
-    """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much
-    stiffer than the ground.
+    """A boundary that moves as a rigid body, such as below a footing, a cap or a platen.
 
     Small displacements: it may sink and turn, and the ground sticks to it. Multipliers, dofs
     besides the displacements, keep all of its motions at zero but the rigid ones; to prescribe one
@@ -49,7 +48,8 @@ class RigidBoundary(MatrixForm):
 
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> footing = sc.RigidBoundary(basis, "top")
     >>> forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.)), "footing": footing}
     >>> stage = sc.Stage("load", footing.load((0., -10.), at=(1 / 3, 1.)))
@@ -62,22 +62,16 @@ class RigidBoundary(MatrixForm):
 
     def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True) -> None:
         check_basis(basis)
-        self._dofs = np.unique(
-            basis.get_dofs(facets_of(basis.mesh, boundary)).all()
-        )  # node by node
-        self._coordinates, self._modes = (
-            basis.doflocs[:, self._dofs],
-            None if rotates else basis.mesh.dim(),
-        )
-        self._others = null_space(self._at(self._coordinates[:, 0])[0].T)
+        facets = facets_of(basis.mesh, boundary)
+        self._dofs = np.unique(basis.get_dofs(facets).all())  # node by node
+        self._coordinates = basis.doflocs[:, self._dofs]
+        self._modes = None if rotates else basis.mesh.dim()
         self._displacements = int(basis.N)
-        self.fields = (
-            Field(
-                "force of a rigid boundary",
-                self._coordinates[:, : self._others.shape[1]],
-                "multiplier",
-            ),
-        )
+        # multipliers on an orthonormal basis of all motions that are not rigid
+        rigid, _ = self._motions(self._coordinates[:, 0])
+        self._others = null_space(rigid.T)
+        where = self._coordinates[:, : self._others.shape[1]]
+        self.fields = (Field("force of a rigid boundary", where, "multiplier"),)
         super().__init__(csr_matrix((self._displacements, self._displacements)))
 
     def __repr__(self) -> str:
@@ -88,9 +82,8 @@ class RigidBoundary(MatrixForm):
         multipliers = numbers[self.fields[0]]
         size = max(self._displacements, int(multipliers.max(initial=-1)) + 1)
         rows, columns = np.broadcast_arrays(self._dofs[:, None], multipliers)
-        ties = coo_matrix(
-            (self._others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)
-        ).tocsr()
+        entries = self._others.ravel(), (rows.ravel(), columns.ravel())
+        ties = coo_matrix(entries, shape=(size, size)).tocsr()
         new = copy(self)
         MatrixForm.__init__(new, ties + ties.T)
         new._multipliers = multipliers
@@ -98,25 +91,25 @@ class RigidBoundary(MatrixForm):
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> RigidBoundary:
-        stiffness = [
-            form.elastic_stiffness.diagonal()[self._dofs].max()
-            for form in solids_of(forms).values()
-        ]
-        if not max(stiffness, default=0.0) > 0.0:
+        largest = 0.0
+        for solid in solids_of(forms).values():
+            diagonal = solid.elastic_stiffness.diagonal()
+            largest = max(largest, float(diagonal[self._dofs].max()))
+        if largest == 0.0:
             raise ValueError(
                 "a rigid boundary rests on nothing: its boundary belongs to no solid among the "
                 "forms"
             )
         new = copy(self)
-        new.fields = (replace(self.fields[0], scale=float(max(stiffness))),)
+        new.fields = (replace(self.fields[0], scale=largest),)
         return new
 
     @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:
-        response, own = super().assemble(x, state), self._multipliers
-        response.measure = (
-            response.force.copy()
-        )  # motions that are not rigid are small beside those that add up
+        response = super().assemble(x, state)
+        own = self._multipliers
+        # motions that are not rigid are compared with the displacements that cancel in them
+        response.measure = response.force.copy()
         response.measure[own] = (abs(self.elastic_stiffness) @ abs(x - state))[own]
         return response
 
@@ -127,29 +120,27 @@ class RigidBoundary(MatrixForm):
         return moved
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
-        """Return the load vector, (N,), of a force, (dim,), at coordinates (dim,), on the boundary
-        or beside it.
-        """
+        """Return the load vector, (N,), of a force, (dim,), at coordinates, (dim,), anywhere."""
         load = np.zeros(self._displacements)
         load[self._dofs] = self._spread(at) @ vector(force, len(self._coordinates), "force")
         return load
 
     def motion(self, x: ndarray, at: ArrayLike) -> ndarray:
-        """Return the displacement, (dim,), of the rigid body at coordinates (dim,) from all
-        displacements x, (N,).
+        """Return the displacement, (dim,), of the rigid body at coordinates, (dim,).
+
+        It follows from all displacements x, (N,).
         """
         return self._spread(at).T @ x[self._dofs]
 
     def _spread(self, at: ArrayLike) -> ndarray:
-        """Return forces on the dofs for unit forces at coordinates, (n, dim): the motion, too, by
-        reciprocity.
-        """
-        modes, there = self._at(vector(at, len(self._coordinates), "at"))
-        return np.linalg.pinv(modes).T @ there.T
+        """Return the map, (n, dim), from a force at a point to forces on the dofs."""
+        modes, modes_there = self._motions(vector(at, len(self._coordinates), "at"))
+        return np.linalg.pinv(modes).T @ modes_there.T
 
-    def _at(self, point: ndarray) -> tuple[ndarray, ndarray]:
-        """Return rigid motions of the dofs, and at given coordinates."""
+    def _motions(self, point: ndarray) -> tuple[ndarray, ndarray]:
+        """Return rigid motions of the dofs, (n, modes), and at a point, (dim, modes)."""
         dim, n = self._coordinates.shape
-        coordinates = np.column_stack((self._coordinates, np.tile(point[:, None], dim)))
+        point_dofs = np.tile(point[:, None], dim)
+        coordinates = np.column_stack((self._coordinates, point_dofs))
         modes = rigid_modes(coordinates, np.arange(n + dim))[:, : self._modes]
         return modes[:n], modes[n:]

@@ -1,4 +1,4 @@
-"""Roles: abilities that a form adds to :class:`~skfem_contact.Form`, each asked for by some analyses.
+"""Roles: abilities that a form adds to :class:`~skfem_contact.Form`, for some analyses.
 
 A form derives from :class:`~skfem_contact.Form` and from the roles that it has. An analysis selects
 the forms that have a role with :func:`having`, and never asks for a class of forms.

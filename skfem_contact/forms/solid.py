@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import cast
 
 import numpy as np
@@ -33,12 +34,14 @@ from .base import Coordinates, Form, Outputs, Response
 from .regions import Region, by_region, changed_moduli, check_materials, inherited
 from .roles import Body, Reducible, Staged, Timed
 
-#: Round-off of forces relative to those of single displacements, and share of the last stresses
-#: that is theirs.
-_ROUND_OFF, _UNLOADED = 8 * np.finfo(float).eps, 1e-9
-#: Rotation (radians) and strain that are remarked on: lengths are then off by 1 %, strains by a
-#: fifth of themselves.
-_TURN, _STRAIN = 0.14, 0.2
+#: Round-off of forces relative to the forces of single displacements.
+_ROUND_OFF = 8 * np.finfo(float).eps
+#: Share of the last stresses below which new ones are the difference of nearly equal forces.
+_UNLOADED = 1e-9
+#: Rotation (radians) that is remarked on: lengths are then off by 1 %.
+_TURN = 0.14
+#: Strain that is remarked on: it is off by a fifth of itself.
+_STRAIN = 0.2
 
 #: Regions with the stresses and internal variables of an accepted state.
 _Given = list[tuple[Region, ndarray, ndarray]]
@@ -51,8 +54,8 @@ class SolidState:
     Attributes
     ----------
     strain
-        Strain of the accepted configuration (xx, yy, zz, xy; engineering shear; in three dimensions
-        also yz, zx).
+        Strain of the accepted configuration: xx, yy, zz, xy (engineering shear), in space also yz
+        and zx.
     stress
         Stress of these components, tension positive.
     internal
@@ -108,7 +111,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))
     >>> x = basis.zeros()
     >>> x[0::2] = 1e-3 * basis.doflocs[0, 0::2]
@@ -128,30 +132,35 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
     ) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        self.basis, regions = by_region(
-            basis, materials
-        )  # state arrays follow this order of the elements
+        # order the elements by regions
+        self.basis, regions = by_region(basis, materials)
         regions = tuple(r.with_material(r.material, self.basis) for r in regions)
         flows = any(region.material.n_internal for region in regions)
         self.size = int(self.basis.N)
         self._duration = 0.0
         self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
-        self.unit_weight, self.porous = unit_weight, porous
-        if unit_weight is not None and (missing := weightless(self, unit_weight)):
+        self.unit_weight = unit_weight
+        self.porous = porous
+        missing = [] if unit_weight is None else weightless(self, unit_weight)
+        if missing:
             raise ValueError(
                 f"{missing} have no unit weight: give one for each subdomain, 0 for a weightless "
-                f"one"
+                "one"
             )
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
         check_materials(regions, self.weight.shape, self._ncomp)
         self._set(regions)
+
+        # compute what does not change in Newton's iterations
         self._pattern = Pattern.of(self.basis)
         self._force_matrix = force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
         # rows of B that never act (zz in plane strain) need not be multiplied
         self._rows = np.flatnonzero(B.any(axis=(0, 1, 3)))
-        self._B = B if len(self._rows) == self._ncomp else np.ascontiguousarray(B[:, :, self._rows])
+        self._B = B
+        if len(self._rows) < self._ncomp:
+            self._B = np.ascontiguousarray(B[:, :, self._rows])
 
     def __repr__(self) -> str:
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
@@ -159,21 +168,19 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
 
     def _set(self, regions: tuple[Region, ...]) -> None:
         """Set the regions, and the attributes that follow from their materials."""
-        self.regions, self.materials = regions, {region.name: region.material for region in regions}
+        self.regions = regions
+        self.materials = {region.name: region.material for region in regions}
         laws = self.materials.values()
-        self.symmetric, self._n_internal = (
-            all(law.symmetric for law in laws),
-            max(law.n_internal for law in laws),
-        )
+        self.symmetric = all(law.symmetric for law in laws)
+        self._n_internal = max(law.n_internal for law in laws)
         changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
         self.changing = None if changing else np.zeros(0, int)
-        self.strengths = tuple(
-            name for name, material in self.materials.items() if material.reducible
-        )
+        self.strengths = tuple(name for name, law in self.materials.items() if law.reducible)
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
-        """Return the body with other materials, ``{subdomain: material}``; matrices that do not
-        change are shared.
+        """Return the body with other materials, ``{subdomain: material}``.
+
+        Matrices that do not change are shared.
         """
         names(materials, self.materials, "region of this solid")
         new = self._of(materials)
@@ -181,31 +188,33 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         return new
 
     def _of(self, materials: Mapping[str, Material]) -> SolidForm:
-        regions = tuple(
-            r.with_material(m, self.basis) if (m := materials.get(r.name)) else r
-            for r in self.regions
-        )
-        if same := all(
-            np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
-            for a, b in zip(self.regions, regions, strict=True)
-        ):
+        """Return the body with some other materials, unchecked."""
+        regions = []
+        same = True
+        for old in self.regions:
+            new = old
+            if old.name in materials:
+                new = old.with_material(materials[old.name], self.basis)
+                moduli = new.material.elasticity(self._ncomp)
+                same &= np.array_equal(moduli, old.material.elasticity(self._ncomp))
+            regions.append(new)
+        if same:
             _ = self._diagonal  # with the stiffness: computed once, for the bodies of all strengths
-        new = copy(self)
-        for name in () if same else ("_elasticity", "elastic_stiffness", "_diagonal"):
-            vars(new).pop(name, None)
-        new._set(regions)
-        return new
+        body = copy(self)
+        if not same:
+            for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
+                vars(body).pop(name, None)
+        body._set(tuple(regions))
+        return body
 
     @override
     def own_weight(self, acceleration: ndarray) -> ndarray | None:
         if self.unit_weight is None:
             return None
         size = float(np.linalg.norm(acceleration))
-        return (
-            size * weight(self, self.unit_weight, acceleration / size)
-            if size
-            else np.zeros(self.basis.N)
-        )
+        if size == 0.0:
+            return np.zeros(self.basis.N)
+        return size * weight(self, self.unit_weight, acceleration / size)
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
@@ -236,94 +245,93 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         return flowed, after.stress[0].size
 
     @override
-    def shear_strain(self, x: ndarray) -> ndarray:  # of plane bodies that in the plane
+    def shear_strain(self, x: ndarray) -> ndarray:
         return largest_shear(self.strains(x))
 
     @override
     def initial_state(self, x: ndarray | None = None, stress: ndarray | None = None) -> SolidState:
-        """Return the state without strain: undeformed or built at the displacements x, (N,);
-        stress-free or given.
-        """
-        stress = np.zeros((self._ncomp, *self.weight.shape)) if stress is None else stress
+        """Return the state without strain at the displacements x, (N,), stress-free or given."""
+        if stress is None:
+            stress = np.zeros((self._ncomp, *self.weight.shape))
         strain = np.zeros(stress.shape) if x is None else self.strains(x)
         return SolidState(strain, stress, self._initial_internal(stress))
 
     def _initial_internal(self, stress: ndarray) -> ndarray:
         """Return the internal variables with which the materials start under a stress."""
         internal = np.zeros((self._n_internal, *self.weight.shape))
-        for r in self.regions:
-            internal[: r.material.n_internal, r.elements] = r.initial_internal(stress, self.basis)
+        for region in self.regions:
+            n = region.material.n_internal
+            internal[:n, region.elements] = region.initial_internal(stress, self.basis)
         return internal
 
     def strains(self, x: ndarray) -> ndarray:
-        """Return strains at displacements x, (N,), with doubled shear, (n_components, n_elements,
-        n_points).
+        """Return strains, (n_components, n_elements, n_points), at displacements x, (N,).
+
+        Shear strains are engineering ones.
         """
         n_elements, n_points, n_acting, _ = self._B.shape
-        acting = np.matmul(
-            self._B.reshape(n_elements, n_points * n_acting, -1),
-            x.take(self._element_dofs)[:, :, None],
-        )
+        B = self._B.reshape(n_elements, n_points * n_acting, -1)
+        u = x.take(self._element_dofs)
+        acting = np.matmul(B, u[:, :, None]).reshape(n_elements, n_points, n_acting)
         strain = np.zeros((self._ncomp, n_elements, n_points))
-        strain[self._rows] = acting.reshape(n_elements, n_points, n_acting).transpose(2, 0, 1)
+        strain[self._rows] = acting.transpose(2, 0, 1)
         return strain
 
     def _remembered(self, state: SolidState) -> ndarray:
-        """Return the internal variables, of which a state from before a change of materials may
-        hold too few.
-        """
-        if len(there := state.internal) >= self._n_internal:
-            return there
-        return np.concatenate((there, self._initial_internal(state.stress)[len(there) :]))
+        """Return the internal variables, with new ones after a change of materials."""
+        known = state.internal
+        if len(known) >= self._n_internal:
+            return known
+        return np.concatenate((known, self._initial_internal(state.stress)[len(known) :]))
 
     def at_regions(self, state: SolidState) -> _Given:
         """Return the regions with the stresses and internal variables of their materials."""
         internal = self._remembered(state)
-        return [
-            (r, state.stress[:, r.elements], internal[: r.material.n_internal, r.elements])
-            for r in self.regions
-        ]
+        result = []
+        for region in self.regions:
+            part = region.elements
+            own = internal[: region.material.n_internal, part]
+            result.append((region, state.stress[:, part], own))
+        return result
 
     @override
     def assemble(self, x: ndarray, state: SolidState) -> Response:
         check_size(x, self.basis.N)
+        # update the stresses region by region
         strain = self.strains(x)
         increment = strain - state.strain
         given = self.at_regions(state)
-        updates = [
-            updated(r.material, increment[:, r.elements], old, internal, self._duration)
-            for r, old, internal in given
-        ]
-        # the stress of a single region is not copied
-        stress = (
-            updates[0].stress
-            if len(updates) == 1
-            else np.concatenate([u.stress for u in updates], axis=1)
-        )
-        force, lost = self._force_matrix @ stress.ravel(), float(np.linalg.norm(self._diagonal * x))
+        updates = []
+        for region, old, internal in given:
+            part = increment[:, region.elements]
+            updates.append(updated(region.material, part, old, internal, self._duration))
+        stress = updates[0].stress  # the stress of a single region is not copied
+        if len(updates) > 1:
+            stress = np.concatenate([update.stress for update in updates], axis=1)
+        force = self._force_matrix @ stress.ravel()
+
+        # estimate round-off; stresses that vanish are differences of the last ones
+        summed = float(np.linalg.norm(self._diagonal * x))
         if np.abs(stress).max(initial=0.0) < _UNLOADED * np.abs(state.stress).max(initial=0.0):
-            lost += float(np.linalg.norm(self._force_matrix @ state.stress.ravel()))
+            summed += float(np.linalg.norm(self._force_matrix @ state.stress.ravel()))
         return Response(
             force,
             lambda: SolidState(strain, stress, self._internal(state, given, updates)),
-            lambda: self._tangent(given, updates),
-            lambda: self._tangent(given, updates, damping=True),
-            _ROUND_OFF * lost,
+            stiffness=lambda: self._tangent(given, updates),
+            damped=lambda: self._tangent(given, updates, damping=True),
+            round_off=_ROUND_OFF * summed,
         )
 
     def _internal(self, state: SolidState, given: _Given, updates: list[Update]) -> ndarray:
-        """Return internal variables after the updates; a material that hands back its argument has
-        changed nothing.
-        """
+        """Return internal variables after the updates, copied only where one of them changes."""
         before = self._remembered(state)
-        changed = [
-            (r, update)
-            for (r, _, i), update in zip(given, updates, strict=True)
-            if update.internal is not i
-        ]
-        after = before.copy() if changed else before
-        for region, update in changed:
-            after[: region.material.n_internal, region.elements] = update.internal
+        after = before
+        for (region, _, old), update in zip(given, updates, strict=True):
+            # a material that returns its argument has changed nothing
+            if update.internal is not old:
+                if after is before:
+                    after = before.copy()
+                after[: region.material.n_internal, region.elements] = update.internal
         return after
 
     def _summary(self, state: SolidState) -> str:
@@ -331,22 +339,19 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         return f"{yielded.mean():.1%} yielded" if yielded.any() else ""
 
     def variable(self, name: str, state: SolidState) -> ndarray:
-        """Return an internal variable, (n_elements, n_points); zero where a material does not
-        declare it.
-        """
+        """Return an internal variable, (n_elements, n_points); zero where it is not declared."""
         values = np.zeros(self.weight.shape)
         for region, _, internal in self.at_regions(state):
-            if (own := region.material.variable(name, internal)) is not None:
+            own = region.material.variable(name, internal)
+            if own is not None:
                 values[region.elements] = own
         return values
 
     @override
     def continues(self, old: Form) -> SolidForm:
-        if (
-            not isinstance(old, SolidForm)
-            or old.weight.shape != self.weight.shape
-            or not np.array_equal(old.basis.element_dofs, self.basis.element_dofs)
-        ):
+        if not isinstance(old, SolidForm) or old.weight.shape != self.weight.shape:
+            raise ValueError("its elements are others")
+        if not np.array_equal(old.basis.element_dofs, self.basis.element_dofs):
             raise ValueError("its elements are others")
         return self
 
@@ -354,20 +359,18 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
     def inherits(self, old: Form, state: SolidState) -> SolidState:
         if not isinstance(old, SolidForm):
             return state
+        stress = state.stress.copy()
         internal = old._remembered(state)
         missing = max(0, self._n_internal - len(internal))
-        new = SolidState(
-            state.strain, state.stress.copy(), np.pad(internal, ((0, missing), (0, 0), (0, 0)))
-        )
-        changed = [
-            inherited(one, other, new.stress, new.internal)
-            for one in old.regions
-            for other in self.regions
-        ]
-        return new if any(changed) else state
+        internal = np.pad(internal, ((0, missing), (0, 0), (0, 0)))
+        changed = False
+        for region, successor in product(old.regions, self.regions):
+            changed |= inherited(region, successor, stress, internal)
+        return SolidState(state.strain, stress, internal) if changed else state
 
     @override
-    def fits(self, state: SolidState) -> bool:  # internal variables may be others than at first
+    def fits(self, state: SolidState) -> bool:
+        # internal variables may be others than at first
         return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
 
     @override
@@ -375,18 +378,20 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         return replace(state, strain=np.zeros_like(state.strain))
 
     def _remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
-        moved = zip(x[self.basis.element_dofs], self.basis.basis, strict=True)
+        """Yield remarks on large rotations and strains, and on elements that lock."""
+        moved = zip(x[self.basis.element_dofs], self.basis.basis)
         gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
-        if (
-            turn := float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
-        ) > _TURN:
+        skew = np.abs(gradient - gradient.swapaxes(0, 1))
+        turn = float(skew.max(initial=0.0)) / 2.0
+        if turn > _TURN:
             yield Remark(
                 "rotation",
                 turn,
                 f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
                 f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}",
             )
-        if (strain := float(np.abs(state.strain).max(initial=0.0))) > _STRAIN:
+        strain = float(np.abs(state.strain).max(initial=0.0))
+        if strain > _STRAIN:
             units = "; are E and the loads in the same units?" if strain > 1.0 else ""
             yield Remark(
                 "strain", strain, f"strains of up to {strain:.0%} are taken for small{units}"
@@ -396,9 +401,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             yield from locking(self.basis, self.coordinates, yielded, self._elasticity)
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
-        """Return the internal forces that the nodes exert on some elements, (n_local_dofs,
-        len(elements)).
-        """
+        """Return internal forces of the nodes on some elements, (n_local_dofs, n_elements)."""
         acting = stress[self._rows[:, None], elements]
         return np.einsum("eqcb,ceq,eq->be", self._B[elements], acting, self.weight[elements])
 
@@ -412,9 +415,9 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
 
     def _acting(self, moduli: ndarray) -> ndarray:
         """Return the part of some moduli, (n, ncomp, ncomp), in the rows of B that act."""
-        return (
-            moduli if len(self._rows) == self._ncomp else moduli[:, self._rows[:, None], self._rows]
-        )
+        if len(self._rows) == self._ncomp:
+            return moduli
+        return moduli[:, self._rows[:, None], self._rows]
 
     @cached_property
     def elastic_stiffness(self) -> csr_matrix:
@@ -424,6 +427,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
 
     @cached_property
     def _diagonal(self) -> ndarray:
+        """Diagonal of the elastic stiffness, (N,)."""
         return self.elastic_stiffness.diagonal()
 
     def _tangent(self, given: _Given, updates: list[Update], damping: bool = False) -> csr_matrix:
@@ -431,21 +435,27 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         n_points = self.weight.shape[1]
         points, tangents = [], []
         for (region, stress, internal), update in zip(given, updates, strict=True):
-            at, tangent = changed_moduli(region.material, stress, internal, update, damping)
-            if len(at):
-                points.append(at + n_points * (region.elements.start or 0))
+            changed, tangent = changed_moduli(region.material, stress, internal, update, damping)
+            if len(changed):
+                points.append(changed + n_points * (region.elements.start or 0))
                 tangents.append(tangent)
         if not points:
             return self.elastic_stiffness
+
+        # number the elements that change; the points of an element follow each other
         point = np.concatenate(points)
         element, q = np.divmod(point, n_points)
-        first = np.ones(len(point), bool)  # the points of an element follow each other
+        first = np.ones(len(point), bool)
         first[1:] = element[1:] != element[:-1]
-        elements, position = element[first], np.cumsum(first) - 1
+        elements = element[first]
+        position = np.cumsum(first) - 1
+
+        # integrate the difference to the elastic moduli
         D = self._acting(np.concatenate(tangents))
         D -= self._elasticity[element]
         D *= self.weight.take(point)[:, None, None]
-        change = np.zeros((len(elements), n_points, len(self._rows), len(self._rows)))
+        n_rows = len(self._rows)
+        change = np.zeros((len(elements), n_points, n_rows, n_rows))
         change[position, q] = D
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
