@@ -81,8 +81,13 @@ class Bars:
         """
         now = perf_counter()
         done = (self._number - 1 + share) / self._stages
-        left = tqdm.format_interval(round((now - self._began) * (1.0 / done - 1.0)))
-        text = f"{increments} increments, {iterations} iterations, displacement {displacement:.3g}, {left} left"
+        remaining = "?"  # in a jump of the load at the start of the first stage
+        if done > 0.0:
+            remaining = tqdm.format_interval(round((now - self._began) * (1.0 / done - 1.0)))
+        text = (
+            f"{increments} increments, {iterations} iterations, displacement {displacement:.3g}, "
+            f"{remaining} left"
+        )
         self._bar.update(share - self._bar.n)
         self._bar.set_postfix_str(text)
         if self._bar.disable and (share == 1.0 or now - self._logged > _SELDOM):

@@ -23,6 +23,8 @@ from .supports import check_supports
 #: Share of the nodes of a solid from which a load is its weight: a traction acts on half of them at
 #: most.
 _WEIGHTY = 0.6
+#: Share of the load above which a load that is given as a function begins with a jump.
+_JUMP = 1e-9
 #: Loads on inactive dofs below this share of the largest one are round-off of their integration.
 _NO_LOAD = 1e-12
 
@@ -46,6 +48,8 @@ class Phase:
         a part of them, (N,).
     on_top
         Load as a function of the share of the stage, where it is given as one.
+    jump
+        Difference between this load at share 0 and the load before, (N,), if there is any.
     remarks
         Remarks on input that changes nothing in the stage, and was probably meant to.
     water
@@ -64,6 +68,7 @@ class Phase:
     changed: bool
     gone: ndarray
     on_top: Callable[[float], ndarray] | None = None
+    jump: ndarray | None = None
     remarks: tuple[Remark, ...] = ()
     water: Any = None
     replaced: Mapping[str, Form] = field(default_factory=dict)
@@ -114,6 +119,7 @@ class Planner:
         changes = bool(stage.activate or stage.deactivate or stage.change)
         changes = changes or stage.fixed is not None
         before = self._active
+        on_top_before = self._on_top_before(stage)
         old_supports = self._supports
         known_supports = self._known_supports()
         self._change(stage, changes)
@@ -125,6 +131,7 @@ class Planner:
         if changes or self._first or stage.water is not None:
             self._rest = self._at_rest(self._active)
         load, on_top = self._loads(stage)
+        jump = None if on_top is None else self._jump(on_top(0.0), on_top_before)
         prescribed = self._prescribed(stage)
 
         # Compare with the stage before
@@ -140,6 +147,7 @@ class Planner:
             *self._of_forms(stage),
             *self._of_water(stage, load),
             *self._of_prescribed(prescribed),
+            *_of_jump(stage, load, jump),
             *self._of_weights(stage, remaining, load - self._rest),
         )
 
@@ -162,6 +170,7 @@ class Planner:
             changed=changed,
             gone=gone,
             on_top=on_top,
+            jump=jump,
             remarks=remarks,
             water=self._water,
             replaced={k: form for k, form in self._known.items() if form is not own[k]},
@@ -242,6 +251,26 @@ class Planner:
         if not callable(function):
             return whole(function), None
         return whole(function(1.0)), lambda share: whole(function(share))
+
+    def _on_top_before(self, stage: Stage) -> ndarray:
+        """Return the load on top of weights and water before a stage whose load is a function."""
+        start = self._start
+        if not (self._first and start is not None and callable(stage.load)):
+            return self._on_top
+        setup = self._setup
+        load = setup.vector(start.load, "start")
+        if start.unreleased is not None:
+            load = load + setup.vector(start.unreleased, "start")
+        unknown = isinstance(self._water, str)  # a file names it, and the stage gives it again
+        water = stage.water if unknown else self._water
+        return load - setup.weights(self._active) - setup.water_on(self._active, water)
+
+    def _jump(self, first: ndarray, on_top_before: ndarray) -> ndarray | None:
+        """Return the difference between the first load of a function and the load before."""
+        jump = first - self._rest - on_top_before
+        jump[self._inactive] = 0.0
+        largest = np.abs([first, on_top_before]).max(initial=0.0)
+        return jump if np.abs(jump).max(initial=0.0) > _JUMP * largest else None
 
     def _prescribed(self, stage: Stage) -> ndarray | None:
         """Return the prescribed displacements of all dofs, (N,), or None."""
@@ -404,6 +433,21 @@ def check_contacts(forms: Mapping[str, Form], inactive: ndarray) -> None:
         for dofs in (joined_by(form), acted_on):
             if dofs is not None and np.isin(dofs, inactive).any():
                 raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
+
+
+def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Remark]:
+    """Yield a remark on a load that is a function and does not begin with the load before."""
+    if jump is None:
+        return
+    size = float(np.abs(jump).max())
+    largest = max(float(np.abs(load).max()), size)
+    yield Remark(
+        "jump",
+        size / largest,
+        f"its load begins with a jump: function(0) differs from the load before by "
+        f"{size / largest:.2g} of the largest force; the jump is applied at the start, in "
+        f"{stage.increments} increments of its own",
+    )
 
 
 def _of_idle_input(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -31,6 +31,10 @@ from .setup import Setup
 from .stage import Stage, checked
 
 logger = logging.getLogger("skfem_contact")
+
+#: Time of a jump at the start of a stage over the duration of the stage: nothing flows or creeps in
+#: it, and bodies with inertia stay.
+_SUDDEN = 1e-9
 
 #: Function that is called with every accepted increment.
 Observer = Callable[[StageResult], Any]
@@ -126,7 +130,12 @@ class _Follower:
         # Follow the increments.
         parts = Parts(not np.array_equal(path(0.0)[1], path(1.0)[1]))
         newton = self._setup.newton or Newton()
-        increments = _increments(system, self._predictor, stage, path, last, newton)
+        ways = [_Way(stage.name, path, stage.increments, stage.duration)]
+        if phase.jump is not None:
+            jump = _jump_path(phase.jump, path)
+            sudden = _SUDDEN * stage.duration
+            ways.insert(0, _Way(stage.name, jump, stage.increments, sudden, at_start=True))
+        increments = _increments(system, self._predictor, ways, last, newton)
         try:
             last = self._followed(increments, stage, last, parts)
         except (NotConverged, KeyboardInterrupt) as error:
@@ -217,28 +226,68 @@ def _placed(phase: Phase, last: StageResult, x: ndarray) -> dict[str, ndarray]:
 
 
 def _keeps(stage: Stage, accepted: StageResult) -> bool:
-    """Return True if a stage keeps an accepted increment."""
-    if stage.keep == "last":
+    """Return True if a stage keeps an accepted increment; jumps at its start have none to keep."""
+    if stage.keep == "last" or accepted.fraction == 0.0:
         return False
     return stage.keep == "all" or len(accepted.iterations) % stage.keep == 0
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Loads and prescribed values that a stage follows: all of it, or the jump at its start.
+
+    Attributes
+    ----------
+    name
+        Name of the stage.
+    path
+        Load and prescribed values at a share of the way.
+    increments, duration
+        Number of increments to begin with, and time that they take.
+    at_start
+        True for a jump at the start of the stage.
+    """
+
+    name: str
+    path: Path
+    increments: int
+    duration: float
+    at_start: bool = False
+
+    def __str__(self) -> str:
+        jump = ", in the jump of the load at its start," if self.at_start else ""
+        return f"stage '{self.name}'{jump}"
 
 
 def _increments(
     system: System,
     predictor: Predictor,
-    stage: Stage,
-    path: Path,
+    ways: Sequence[_Way],
     last: StageResult,
     newton: Newton,
 ) -> Iterator[StageResult]:
-    """Yield the accepted increments of a stage."""
+    """Yield the accepted increments of a stage; in a jump its share and time stay."""
     began = last.time
-    duration = stage.duration
-    stepping = Stepping(stage.increments, last.next_step / duration if duration else np.inf)
+    for way in ways:
+        for accepted in _along(way, system, predictor, last, newton):
+            last = accepted
+            if way.at_start:
+                last = replace(accepted, fraction=0.0, time=began, next_step=np.inf)
+            yield last
+
+
+def _along(
+    way: _Way, system: System, predictor: Predictor, last: StageResult, newton: Newton
+) -> Iterator[StageResult]:
+    """Yield the accepted increments along a way."""
+    began = last.time
+    duration = way.duration
+    path = way.path
+    stepping = Stepping(way.increments, last.next_step / duration if duration else np.inf)
     start_x = last.x
     farthest = _farthest(system, path)
     while last.fraction < 1.0:
-        _check_size(stage, system, last, _moved(last, start_x), farthest)
+        _check_size(way, system, last, _moved(last, start_x), farthest)
 
         # Extrapolate the last increments, and solve the next one.
         fraction = stepping.fraction
@@ -253,22 +302,22 @@ def _increments(
             new, errors = solve_step(step, interval, newton, stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
-            text = "stage '%s': increment to %.4f failed, cut to %.4f: %s"
-            logger.info(text, stage.name, fraction, stepping.size, error)
+            text = "%s: increment to %.4f failed, cut to %.4f: %s"
+            logger.info(text, way, fraction, stepping.size, error)
             if stepping.exhausted:
                 where = "" if error.dof is None else f", {system.layout.describe(error.dof)}"
                 raise NotConverged(
-                    f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}"
+                    f"{way} {stepping}: {error}{where}{_so_far(system, last)}"
                 ) from error
             continue
         if stepping.too_long(errors):
-            text = "stage '%s': step to %.3g too long, cut to %.4f"
-            logger.info(text, stage.name, time, stepping.size)
+            text = "%s: step to %.3g too long, cut to %.4f"
+            logger.info(text, way, time, stepping.size)
             continue
 
         # Accept it.
         percent = 100 * fraction
-        logger.debug("stage '%s': %.2f%% in %d iterations", stage.name, percent, new.iterations)
+        logger.debug("%s: %.2f%% in %d iterations", way, percent, new.iterations)
         stepping.accept(fraction, new.iterations, new.equilibria)
         last = _accepted(last, step, new, fraction, time)
         last = replace(last, next_step=stepping.allowed * duration if duration else np.inf)
@@ -298,12 +347,12 @@ def _accepted(
 
 
 def _check_size(
-    stage: Stage, system: System, last: StageResult, moved: float, farthest: float
+    way: _Way, system: System, last: StageResult, moved: float, farthest: float
 ) -> None:
     """Refuse displacements larger than the bodies."""
     if moved > farthest:
         raise NotConverged(
-            f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load: its displacements, "
+            f"{way} stopped at {last.fraction:.2%} of its load: its displacements, "
             f"{moved:.3g}, exceed the size of the bodies, {farthest:.3g}; are E and the loads in "
             f"the same units, and is every body held?{_so_far(system, last)}",
             last.x,
@@ -332,13 +381,25 @@ def _path(
     end = phase.load - remaining
     on_top = phase.on_top
     start = 0.0 if on_top is None else on_top(0.0)
+    if phase.jump is not None:
+        start = start - phase.jump
 
     def at(fraction: float) -> tuple[ndarray, ndarray]:
         values = held + fraction * (target - held)
         if on_top is None:
             return load + fraction * (end - load) - (1.0 - fraction) * lost, values
-        faded = (1.0 - fraction) * (load - lost - start)
+        faded = (1.0 - fraction) * (load - lost - start)  # weights and water that change, too
         return on_top(fraction) - fraction * remaining + faded, values
+
+    return at
+
+
+def _jump_path(jump: ndarray, path: Path) -> Path:
+    """Return load and prescribed values on the way to the first load of a path that jumps there."""
+    end, prescribed = path(0.0)
+
+    def at(fraction: float) -> tuple[ndarray, ndarray]:
+        return end - (1.0 - fraction) * jump, prescribed
 
     return at
 

@@ -33,7 +33,9 @@ class Stage:
         External forces at its end, (N,), or several such vectors: the whole load, not the
         increment. The weight of active bodies with a ``unit_weight`` and the pressure of `water`
         come on top. A function of the share of the stage, 0 to 1, that returns a vector, gives the
-        load on the way as well.
+        load on the way as well. Where its first load is not the load before, the difference is a
+        jump at the start, with a warning. The jump takes increments of its own, in hardly any time,
+        and `keep` leaves them out.
     prescribed
         Displacements at its end, (N,), of which the values at the fixed dofs count. By default they
         stay as they are.
