@@ -40,6 +40,8 @@ _NOTHING, _SINGULAR = 1e-9, 1e-10
 #: Compliance of the multipliers in the tangent, over that of the penalty: supports may hold both
 #: sides of a node, whose multiplier then has no effect.
 _HELD = 1e-10
+#: Second moment of a surface, over the largest one, below which it has no extent there.
+_FLAT = 1e-6
 #: Square of the cosine between a direction of slip and supports that hold it.
 _ALONG = 0.99
 
@@ -47,13 +49,13 @@ _ALONG = 0.99
 def hats(shape: Shape, xi: ndarray) -> ndarray:
     """Return the functions N_k of the nodes, shape (n, k), at local coordinates (n, dim - 1).
 
-    Lines have their shape functions.  On facets in space functions are linear between neighbouring
-    nodes: the integral of a shape function of second order is zero at the corner of a triangle.
+    They are linear between neighbouring nodes: the integral of a shape function of second order is
+    zero at the corner of a triangle, and of a line that ends on the axis of symmetry.
     """
-    if shape.dim == 1:
+    if shape.dim == 1 and len(shape.nodes) == 2:
         return shape.at(np.zeros(len(xi), int), xi, 0)[0]
     spacing = np.ptp(shape.corners[:, 0]) / shape.exponents.max()
-    away = (xi[:, None] - shape.nodes) / spacing  # (n, k, 2)
+    away = (xi[:, None] - shape.nodes) / spacing  # (n, k, dim)
     if not shape.triangular:
         return np.asarray(np.maximum(1.0 - np.abs(away), 0.0).prod(axis=2))
     with_third = np.dstack((away, away.sum(axis=2)))
@@ -282,19 +284,22 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
     forces = np.einsum("nk,ink->in", weights, state.multiplier[:, facing.nodes])
     area = pair.share * facing.weight
 
-    # Weigh the points by one and by their coordinates, from the middle and over the size
+    # Weigh the points by one and by their coordinates across the mean normal, over the size
     x = facing.positions(pair.slave.nodes)
     x = x - x.mean(axis=0) if len(x) else x
     size = np.abs(x).max(initial=0.0) or 1.0
-    linear = np.column_stack((np.ones(len(x)), x / size))
+    normal = pair.slave.at(facing.facet, facing.xi, pair.slave.nodes).normal
+    tractions = state.traction.copy()
+    pressed = area * np.abs(tractions[0, at])
+    mean = pressed @ normal / max(float(pressed.sum()), np.finfo(float).tiny)
+    linear = np.column_stack((np.ones(len(x)), (x - np.outer(x @ mean, mean)) / size))
 
     # Change each component in proportion to its size
-    tractions = state.traction.copy()
     for component, force in zip(tractions, forces, strict=True):
         t = component[at]
         missing = linear.T @ (force - area * t)
         products = linear.T @ ((area * np.abs(t))[:, None] * linear)
-        factors = np.linalg.pinv(products, rcond=_SINGULAR, hermitian=True) @ missing
+        factors = np.linalg.pinv(products, rcond=_FLAT, hermitian=True) @ missing
         component[at] = t + np.abs(t) * (linear @ factors)
     return tractions
 

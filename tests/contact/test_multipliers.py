@@ -339,6 +339,25 @@ def test_supports_on_both_sides_of_a_node() -> None:
     np.testing.assert_allclose(joint.pressure, 1.0, rtol=1e-6)
 
 
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P2"])
+def test_uniform_pressure_about_the_axis(element: str) -> None:
+    """[X] A column of revolution pressed evenly: 10 everywhere, also at r = 0, where a shape
+    function of second order has no weight.
+    """
+    t = np.linspace(0, 1, 4)
+    mesh = sc.join_bodies({"column": grid(element, t, t)})
+    basis = vector_basis(mesh, element, intorder=4)
+    floor = sc.rigid.line((-1.0, 0.0), (2.0, 0.0))
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric"),
+        "joint": sc.ContactPair(basis, "column:bottom", floor, sc.Coulomb(), enforcement=DUAL),
+    }
+    model = sc.Model(forms, basis.get_dofs("column:left").all("u^1"))
+    load = model.traction("column:top", (0.0, -10.0))
+    joint = model.run([sc.Stage("press", load)], progress=False)["press"].tractions("joint")
+    np.testing.assert_allclose(joint.pressure, 10.0, rtol=1e-6)
+
+
 # -- tangent, slice, files
 
 
