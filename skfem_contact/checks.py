@@ -1,6 +1,4 @@
-"""Checks of input: each returns the checked value, or raises a ValueError that names the
-argument.
-"""
+"""Checks of input: each returns the checked value, or raises an error that names the argument."""
 
 from __future__ import annotations
 
@@ -50,24 +48,21 @@ _MODES = {2: (3, 3, 1), 3: (6, 6, 6)}
 
 
 def is_number(value: Any, low: float = -np.inf, high: float = np.inf) -> bool:
-    """Return True for a number between two others, both excluded: no array, no truth value, no
-    NaN.
-    """
-    return (
-        isinstance(value, _NUMBERS)
-        and not isinstance(value, bool | np.bool_)
-        and bool(low < value < high)
-    )
+    """Return True for a number between two others: no array, no truth value, no NaN."""
+    if not isinstance(value, _NUMBERS) or isinstance(value, bool | np.bool_):
+        return False
+    return bool(low < value < high)
 
 
 def number(value: Any, name: str, low: float = -np.inf, high: float = np.inf) -> float:
     """Return a finite number between two others, both excluded."""
     if not is_number(value, low, high):
-        limits = [f" above {low:g}", f" below {high:g}"]
-        kept = " and".join(
-            text for text, limit in zip(limits, (low, high), strict=True) if np.isfinite(limit)
-        )
-        raise ValueError(f"{name} must be a finite number{kept}, not {value!r}")
+        limits = []
+        if np.isfinite(low):
+            limits.append(f" above {low:g}")
+        if np.isfinite(high):
+            limits.append(f" below {high:g}")
+        raise ValueError(f"{name} must be a finite number{' and'.join(limits)}, not {value!r}")
     return float(value)
 
 
@@ -82,11 +77,8 @@ def finite(value: Any, name: str) -> ndarray:
         numbers = np.asarray(value)
     except ValueError:
         numbers = np.asarray(None)  # a list of lists of different lengths
-    if (
-        np.ma.isMaskedArray(value)
-        or numbers.dtype.kind not in "iuf"
-        or not np.isfinite(numbers).all()
-    ):
+    real = numbers.dtype.kind in "iuf" and not np.ma.isMaskedArray(value)
+    if not real or not np.isfinite(numbers).all():
         raise ValueError(f"{name} must be finite numbers, not {value!r}")
     return numbers.astype(float)
 
@@ -101,10 +93,11 @@ def vector(value: Any, size: int, name: str) -> ndarray:
 
 def unit_vector(value: Any, size: int, name: str) -> ndarray:
     """Return a direction, (size,); a ``ValueError`` for vectors of another length than 1."""
-    found = np.asarray(value, dtype=float)
-    if found.shape != (size,) or not np.isclose(np.linalg.norm(found), 1.0, rtol=0.0, atol=1e-6):
+    direction = np.asarray(value, dtype=float)
+    length = np.linalg.norm(direction)
+    if direction.shape != (size,) or not np.isclose(length, 1.0, rtol=0.0, atol=1e-6):
         raise ValueError(f"{name} must be a unit vector with {size} components, not {value!r}")
-    return found
+    return direction
 
 
 def dofs(value: Any, size: int, name: str) -> ndarray:
@@ -162,16 +155,13 @@ def check_basis(basis: CellBasis) -> None:
     if not isinstance(basis, CellBasis):
         raise ValueError(f"basis must be a CellBasis, not {type(basis).__name__}")
     elem = basis.elem
-    if (
-        not isinstance(elem, ElementVector)
-        or type(elem.elem) not in _SUPPORTED
-        or elem.dim != elem.elem.dim
-    ):
-        names = ", ".join(f"ElementVector({cls.__name__}())" for cls in _SUPPORTED)
-        name = type(elem).__name__
-        if isinstance(elem, ElementVector):
-            name = f"{name}({type(elem.elem).__name__}()) with {elem.dim} components"
-        raise ValueError(f"unsupported element {name}; supported are {names}")
+    name = type(elem).__name__
+    if isinstance(elem, ElementVector):
+        if type(elem.elem) in _SUPPORTED and elem.dim == elem.elem.dim:
+            return
+        name = f"{name}({type(elem.elem).__name__}()) with {elem.dim} components"
+    supported = ", ".join(f"ElementVector({cls.__name__}())" for cls in _SUPPORTED)
+    raise ValueError(f"unsupported element {name}; supported are {supported}")
 
 
 def check_plane(basis: CellBasis, name: str) -> None:
@@ -180,7 +170,7 @@ def check_plane(basis: CellBasis, name: str) -> None:
     if basis.mesh.dim() != 2:
         raise ValueError(
             f"{name} is for plane bodies, but this is a {type(basis.mesh).__name__} in three "
-            f"dimensions"
+            "dimensions"
         )
 
 
@@ -196,8 +186,7 @@ def check_quadrature(basis: CellBasis) -> None:
     if strains * points < basis.Nbfun - rigid - allowed:
         raise ValueError(
             f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it "
-            f"would "
-            f"deform without strain; pass a higher `intorder` to Basis"
+            "would deform without strain; pass a higher `intorder` to Basis"
         )
 
 
@@ -209,18 +198,34 @@ class Kind(NamedTuple):
 
 
 def _are_numbers(value: Any) -> bool:
+    """Return True for finite numbers."""
     try:
-        return finite(value, "").dtype.kind == "f"
+        finite(value, "")
     except ValueError:
         return False
+    return True
 
 
-def _is_array(value: Any) -> bool:  # an array may hold NaN for what is not known
-    return (
-        value.dtype.kind in "biuf"
-        if isinstance(value, ndarray)
-        else isinstance(value, list) and _are_numbers(value)
-    )
+def _is_array(value: Any) -> bool:
+    """Return True for an array, which may hold NaN for what is not known, or a list of numbers."""
+    if isinstance(value, ndarray):
+        return value.dtype.kind in "biuf"
+    return isinstance(value, list) and _are_numbers(value)
+
+
+def _is_whole(value: Any) -> bool:
+    """Return True for a whole number."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _is_number_or_infinite(value: Any) -> bool:
+    """Return True for a finite number, or a float that is infinite."""
+    return is_number(value) or (isinstance(value, float) and value == np.inf)
+
+
+def _instance_of(*classes: type) -> Callable[[Any], bool]:
+    """Return the test for objects of some classes."""
+    return lambda value: isinstance(value, classes)
 
 
 #: Base classes of a user's own objects, which need not derive from them.
@@ -229,131 +234,136 @@ _KINDS = {
     Any: Kind("any value", lambda value: True),
     object: Kind("any value", lambda value: True),
     NoneType: Kind("None", lambda value: value is None),
-    bool: Kind("True or False", lambda value: isinstance(value, bool | np.bool_)),
-    int: Kind(
-        "a whole number",
-        lambda value: isinstance(value, int | np.integer) and not isinstance(value, bool),
-    ),
+    bool: Kind("True or False", _instance_of(bool, np.bool_)),
+    int: Kind("a whole number", _is_whole),
     float: Kind("a finite number", is_number),
-    str: Kind("a string", lambda value: isinstance(value, str)),
+    str: Kind("a string", _instance_of(str)),
     ndarray: Kind("an array of real numbers", _is_array),
     Callable: Kind("a function", lambda value: callable(value) and not isinstance(value, type)),
 }
-
-
 #: Kind of numbers whose default is infinite.
-_INFINITE = Kind(
-    "a number", lambda value: is_number(value) or (isinstance(value, float) and value == np.inf)
-)
+_INFINITE = Kind("a number", _is_number_or_infinite)
 
 
 def kind_of(hint: Any) -> Kind:
     """Return the kind of values that an annotation allows."""
-    origin, inner = get_origin(hint), get_args(hint)
-    numeric = all(one in inner for one in get_args(ArrayLike))
-    if hint in _KINDS or origin in _KINDS:
-        return _KINDS[hint if hint in _KINDS else origin]
-    if origin is Annotated:  # types of what is given, where the attribute has others
-        return kind_of(inner[1])
+    origin = get_origin(hint)
+    inner = get_args(hint)
+    if hint in _KINDS:
+        return _KINDS[hint]
+    if origin in _KINDS:
+        return _KINDS[origin]
+    if origin is Annotated:
+        return kind_of(inner[1])  # types of the argument, where the attribute has others
     if origin is Literal:
-        return Kind(
-            f"one of {', '.join(map(repr, inner))}",
-            lambda value: any(type(value) is type(one) and value == one for one in inner),
-        )
+        return _literal(inner)
     if origin in (Union, UnionType):
-        kinds = [Kind("finite numbers", _are_numbers)] * numeric
-        kinds += [
-            kind_of(one) for one in inner if not numeric or one not in (float, *get_args(ArrayLike))
-        ]
-        return Kind(
-            " or ".join(dict.fromkeys(kind.name for kind in kinds)),
-            _any_of([kind.holds for kind in kinds]),
-        )
+        return _union(inner)
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        item = kind_of(inner[1])
-        each = "" if item is _KINDS[Any] else f", each {item.name}"
-        return Kind(
-            f"a dictionary of names{each}",
-            lambda value: isinstance(value, Mapping) and all(map(item.holds, value.values())),
-        )
+        return _mapping(kind_of(inner[1]))
     if isinstance(origin, type) and issubclass(origin, Iterable):
         return _sequence(origin, inner)
-    cls = origin or hint
-    if not isinstance(cls, type) or cls.__name__ in _OWN:
-        return _KINDS[Any]
-    name = f"a{'n' * (cls.__name__[0] in 'AEIOU')} {cls.__name__}"
-    if getattr(cls, "_is_protocol", False) and cls.__module__ != "os":
-        calls = [call for call in vars(cls) if call[0] != "_"]
-        return Kind(
-            name,
-            lambda value: (
-                not isinstance(value, type) and all(hasattr(value, call) for call in calls)
-            ),
-        )
-    return Kind(name, lambda value: isinstance(value, cls))
+    return _class(origin or hint)
 
 
-def _any_of(tests: list[Callable[[Any], bool]]) -> Callable[[Any], bool]:
-    """Return the test that holds where one of several does; the loop is faster than `any`."""
+def _literal(words: tuple[Any, ...]) -> Kind:
+    """Return the kind of some words."""
 
     def holds(value: Any) -> bool:
-        for test in tests:  # noqa: SIM110
+        return any(type(value) is type(word) and value == word for word in words)
+
+    return Kind(f"one of {', '.join(map(repr, words))}", holds)
+
+
+def _union(hints: tuple[Any, ...]) -> Kind:
+    """Return the kind of a union; all types of numpy's ``ArrayLike`` are finite numbers."""
+    array_like = get_args(ArrayLike)
+    kinds = []
+    if all(hint in hints for hint in array_like):
+        kinds.append(Kind("finite numbers", _are_numbers))
+        hints = tuple(hint for hint in hints if hint not in (float, *array_like))
+    kinds += map(kind_of, hints)
+    tests = [kind.holds for kind in kinds]
+
+    def holds(value: Any) -> bool:
+        for test in tests:  # noqa: SIM110, faster than `any`
             if test(value):
                 return True
         return False
 
-    return holds
+    return Kind(" or ".join(_distinct(kinds)), holds)
+
+
+def _mapping(item: Kind) -> Kind:
+    """Return the kind of dictionaries with values of a kind."""
+
+    def holds(value: Any) -> bool:
+        return isinstance(value, Mapping) and all(map(item.holds, value.values()))
+
+    each = "" if item is _KINDS[Any] else f", each {item.name}"
+    return Kind(f"a dictionary of names{each}", holds)
+
+
+def _class(cls: Any) -> Kind:
+    """Return the kind of the objects of a class, or with the methods of a protocol."""
+    if not isinstance(cls, type) or cls.__name__ in _OWN:
+        return _KINDS[Any]
+    article = "an" if cls.__name__[0] in "AEIOU" else "a"
+    name = f"{article} {cls.__name__}"
+    if cls.__module__ == "os" or not getattr(cls, "_is_protocol", False):
+        return Kind(name, _instance_of(cls))
+    calls = [call for call in vars(cls) if call[0] != "_"]
+
+    def holds(value: Any) -> bool:
+        return not isinstance(value, type) and all(hasattr(value, call) for call in calls)
+
+    return Kind(name, holds)
+
+
+def _distinct(kinds: Iterable[Kind]) -> list[str]:
+    """Return the different names of kinds, in their order."""
+    return list(dict.fromkeys(kind.name for kind in kinds))
 
 
 def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
-    """Return the kind of several values: in an order unless a collection will do, a tuple of a
-    known length.
-    """
-    items = [kind_of(one) for one in inner if one is not ...]
-    kept = Sequence if issubclass(origin, Sequence) else Collection
-    several = len(items) if origin is tuple and ... not in inner else None
+    """Return the kind of several values: an order, any collection, or a tuple of a known length."""
+    items = [kind_of(hint) for hint in inner if hint is not ...]
+    container = Sequence if issubclass(origin, Sequence) else Collection
+    length = len(items) if origin is tuple and ... not in inner else None
 
     def holds(value: Any) -> bool:
-        listed = value.ndim > 0 if isinstance(value, ndarray) else isinstance(value, kept)
-        return (
-            listed
-            and not isinstance(value, str | bytes)
-            and several in (None, len(value))
-            and all(
-                item.holds(one)
-                for item, one in zip(items if several else cycle(items), value, strict=False)
-            )
-        )
+        if isinstance(value, str | bytes):
+            return False
+        several = value.ndim > 0 if isinstance(value, ndarray) else isinstance(value, container)
+        if not several or length not in (None, len(value)):
+            return False
+        kinds = items if length else cycle(items)
+        return all(kind.holds(item) for kind, item in zip(kinds, value, strict=False))
 
-    return Kind(
-        f"{several or 'several'} values, each {' and '.join(dict.fromkeys(i.name for i in items))}",
-        holds,
-    )
+    return Kind(f"{length or 'several'} values, each {' and '.join(_distinct(items))}", holds)
 
 
 @functools.cache
 def _kinds(function: Any, owner: type | None) -> tuple[list[tuple[str, Kind]], dict[str, Kind]]:
-    """Return the positional parameters of a function in their order, and all by name, with their
-    kinds.
-    """
-    modules = [
-        vars(sys.modules[base.__module__]) for base in getattr(owner, "__mro__", ())
-    ]  # of inherited fields
-    hints, kinds = (
-        get_type_hints(function, localns=ChainMap({"Self": Any}, *modules), include_extras=True),
-        {},
-    )
-    given = {
-        k: p
-        for k, p in inspect.signature(function).parameters.items()
-        if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)
-    }
-    for name in hints.keys() & given:
-        infinite = isinstance(default := given[name].default, float) and np.isinf(default)
-        kinds[name] = _INFINITE if infinite else kind_of(hints[name])
-    return [
-        (k, kinds.get(k, _KINDS[Any])) for k, p in given.items() if p.kind != p.KEYWORD_ONLY
-    ], kinds
+    """Return the kinds of positional parameters in their order, and of all parameters by name."""
+    # inherited fields have their types in the modules of the base classes
+    bases = getattr(owner, "__mro__", ())
+    modules = [vars(sys.modules[base.__module__]) for base in bases]
+    names = ChainMap({"Self": Any}, *modules)
+    hints = get_type_hints(function, localns=names, include_extras=True)
+    in_order = []
+    by_name = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
+        kind = _KINDS[Any]
+        if name in hints:
+            default = parameter.default
+            infinite = isinstance(default, float) and np.isinf(default)
+            kind = by_name[name] = _INFINITE if infinite else kind_of(hints[name])
+        if parameter.kind != parameter.KEYWORD_ONLY:
+            in_order.append((name, kind))
+    return in_order, by_name
 
 
 def _check_arguments(
@@ -386,16 +396,13 @@ def _checked(function: Any, owner: type | None = None) -> Any:
         return function(*args, **named)
 
     # doctest finds functions by their globals
-    own = FunctionType(
-        checked.__code__, function.__globals__, function.__name__, None, checked.__closure__
-    )
+    code = checked.__code__
+    own = FunctionType(code, function.__globals__, function.__name__, None, checked.__closure__)
     return functools.update_wrapper(own, function)
 
 
 def guard(*modules: str) -> None:
-    """Check the arguments of all that modules export, functions and methods, against their
-    annotations.
-    """
+    """Check the arguments of the functions and methods that modules export by their annotations."""
     for module in map(sys.modules.__getitem__, modules):
         for name in module.__all__:
             public = getattr(module, name)
@@ -408,22 +415,20 @@ def guard(*modules: str) -> None:
 
 
 def _guard_methods(public: type) -> None:
-    """Check the arguments of constructors and methods; overrides are called by the package
-    itself.
+    """Check the arguments of constructors and methods, but for overrides.
+
+    Overrides are called by the package itself.
     """
     for name, member in list(vars(public).items()):
         function = getattr(member, "__func__", member)
-        if (
-            (name[0] != "_" or name in ("__init__", "__getitem__"))
-            and isinstance(function, FunctionType)
-            and not hasattr(function, "__wrapped__")
-            and not getattr(function, "__override__", False)
-        ):
+        if name.startswith("_") and name not in ("__init__", "__getitem__"):
+            continue
+        if not isinstance(function, FunctionType) or hasattr(function, "__wrapped__"):
+            continue
+        if not getattr(function, "__override__", False):
             new = _checked(function, public)
             setattr(public, name, new if member is function else type(member)(new))
+    package = __name__.partition(".")[0]
     for base in public.__bases__:
-        if (
-            base.__module__.partition(".")[0] == __name__.partition(".")[0]
-            and base.__name__ not in _OWN
-        ):
+        if base.__module__.partition(".")[0] == package and base.__name__ not in _OWN:
             _guard_methods(base)

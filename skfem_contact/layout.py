@@ -1,5 +1,4 @@
-"""Degrees of freedom of an analysis: displacements of the basis first, then the fields that forms
-bring.
+"""Degrees of freedom of an analysis: displacements of the basis, then the fields of forms.
 
 The displacements of a node follow each other, component by component.
 """
@@ -8,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from typing import Any, Literal
 
 import numpy as np
@@ -28,21 +28,22 @@ Kind = Literal["displacement", "rotation", "pressure", "multiplier"]
 
 
 def different(n: int, *numbers: ndarray) -> ndarray:
-    """Return the different ones of some numbers from 0 to n - 1, sorted, in a tenth of the time of
-    ``np.unique``.
+    """Return the different ones of some numbers from 0 to n - 1, sorted.
+
+    It takes a tenth of the time of ``np.unique``.
     """
-    there = np.zeros(n, bool)
+    chosen = np.zeros(n, bool)
     for part in numbers:
-        there[part] = True
-    return np.flatnonzero(there)
+        chosen[part] = True
+    return np.flatnonzero(chosen)
 
 
 def others(n: int, *numbers: ndarray) -> ndarray:
     """Return the numbers from 0 to n - 1 that are not among some, sorted."""
-    away = np.ones(n, bool)
+    remaining = np.ones(n, bool)
     for part in numbers:
-        away[part] = False
-    return np.flatnonzero(away)
+        remaining[part] = False
+    return np.flatnonzero(remaining)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ class Field:
         Name under which several forms share one field, such as the pore pressure of two parts of
         the ground.
     taken
-        Dofs that are those of another field or of the basis: pairs of indices and of
+        Dofs that belong to another field or to the basis: pairs of indices and of
         :class:`FieldDofs` or numbers.
 
     Notes
@@ -104,7 +105,7 @@ class Field:
     @property
     def own(self) -> ndarray:
         """Indices of the dofs that are not taken."""
-        return others(self.n, *(at for at, _ in self.taken))
+        return others(self.n, *(indices for indices, _ in self.taken))
 
     @property
     def moves(self) -> bool:
@@ -122,8 +123,7 @@ class FieldDofs:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Numbers of all dofs of an analysis: the displacements of the basis, then the fields one
-    behind the other.
+    """Numbers of all dofs: the displacements of the basis, then one field after the other.
 
     Attributes
     ----------
@@ -151,63 +151,61 @@ class Layout:
                 raise ValueError(
                     f"two forms share the field '{new.shared}', but at other coordinates"
                 )
-        ends = np.cumsum([f.n for f in fields])
-        return cls(
-            tuple(fields),
-            tuple(slice(int(end) - f.n, int(end)) for f, end in zip(fields, ends, strict=True)),
-        )
+        parts = []
+        start = 0
+        for f in fields:
+            parts.append(slice(start, start + f.n))
+            start += f.n
+        return cls(tuple(fields), tuple(parts))
 
     def numbers(self, fields: Iterable[Field]) -> Mapping[Field, ndarray]:
         """Return the dofs of some fields."""
-        return {
-            sought: self._with_taken(sought, np.arange(part.start, part.stop))
-            for sought in fields
-            for f, part in zip(self.fields, self.parts, strict=True)
-            if _same(f, sought)
-        }
+        result = {}
+        for sought in fields:
+            for known, part in zip(self.fields, self.parts, strict=True):
+                if _same(known, sought):
+                    result[sought] = self._with_taken(sought, np.arange(part.start, part.stop))
+        return result
 
     def _with_taken(self, field: Field, own: ndarray) -> ndarray:
-        """Return the dofs of a field from those that are its own."""
+        """Return all dofs of a field, given its own ones."""
         if not field.taken:
             return own
-        found = np.empty(field.n, int)
-        found[field.own] = own
-        for at, other in field.taken:
-            field_dofs = isinstance(other, FieldDofs)
-            found[at] = (
-                self.numbers([other.field])[other.field][other.indices] if field_dofs else other
-            )
-        return found
+        result = np.empty(field.n, int)
+        result[field.own] = own
+        for indices, other in field.taken:
+            if isinstance(other, FieldDofs):
+                result[indices] = self.numbers([other.field])[other.field][other.indices]
+            else:
+                result[indices] = other
+        return result
 
     def dofs(self, given: Any) -> ndarray:
-        """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of
-        both.
-        """
-        several = isinstance(given, list | tuple) and any(
-            isinstance(p, FieldDofs) or np.ndim(p) for p in given
-        )
-        parts = given if several else [given]
-        numbers = []
-        for part in parts:
-            if isinstance(part, FieldDofs):
-                if not (known := self.numbers([part.field])):
-                    raise ValueError(
-                        f"fixed dofs belong to the field '{part.field.name}', which no form of the "
-                        f"model "
-                        "brings"
-                    )
-                part = known[part.field][part.indices]
-            numbers.append(np.asarray(part).ravel())
-            if len(numbers[-1]) and numbers[-1].dtype.kind not in "iu":
-                raise ValueError(
-                    "fixed must be dofs, integers such as basis.get_dofs('bottom').all(), those of "
-                    "beams "
-                    "as *beam.dofs((x, y))"
-                )
-        found = np.unique(np.concatenate(numbers).astype(int))
-        if len(found) and (found[0] < 0 or found[-1] >= self.size):
+        """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or several."""
+        several = isinstance(given, list | tuple) and any(map(_is_part, given))
+        numbers = [self._numbers_of(part) for part in (given if several else [given])]
+        dofs = np.unique(np.concatenate(numbers).astype(int))
+        if len(dofs) and (dofs[0] < 0 or dofs[-1] >= self.size):
             raise ValueError(f"fixed dofs must lie between 0 and {self.size - 1}")
-        return found
+        return dofs
+
+    def _numbers_of(self, part: Any) -> ndarray:
+        """Return dofs from numbers, or from dofs of a field."""
+        if isinstance(part, FieldDofs):
+            known = self.numbers([part.field])
+            if not known:
+                raise ValueError(
+                    f"fixed dofs belong to the field '{part.field.name}', which no form of "
+                    "the model brings"
+                )
+            part = known[part.field][part.indices]
+        numbers = np.asarray(part).ravel()
+        if len(numbers) and numbers.dtype.kind not in "iu":
+            raise ValueError(
+                "fixed must be dofs, integers such as basis.get_dofs('bottom').all(), those of "
+                "beams as *beam.dofs((x, y))"
+            )
+        return numbers
 
     @property
     def size(self) -> int:
@@ -253,12 +251,16 @@ class Layout:
         return np.flatnonzero(np.repeat(chosen, [f.n for f in self.fields]))
 
     def describe(self, dof: int) -> str:
-        """Return the coordinates of a dof, and its field unless it is a displacement, for a
-        message.
-        """
+        """Return coordinates of a dof, and its field if it is no displacement, for a message."""
         k = next(k for k, part in enumerate(self.parts) if dof < part.stop)
-        what = f"the {self.fields[k].name} " if k else ""
-        return f"{what}at {format_point(self.fields[k].coordinates[:, dof - self.parts[k].start])}"
+        name = f"the {self.fields[k].name} " if k else ""
+        coordinates = self.fields[k].coordinates[:, dof - self.parts[k].start]
+        return f"{name}at {format_point(coordinates)}"
+
+
+def _is_part(given: Any) -> bool:
+    """Return True for dofs of a field, or several numbers."""
+    return isinstance(given, FieldDofs) or np.ndim(given) > 0
 
 
 def _same(a: Field, b: Field) -> bool:
@@ -267,9 +269,7 @@ def _same(a: Field, b: Field) -> bool:
 
 
 def nodes(basis: CellBasis) -> ndarray:
-    """Return the nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces,
-    centre.
-    """
+    """Return nodes, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
     dim = basis.mesh.dim()
     return np.asarray(basis.element_dofs[0::dim].T) // dim
 
@@ -285,11 +285,11 @@ def linear_element(mesh: Mesh) -> Element:
 
 
 def _first_components(basis: CellBasis, part: str | None) -> ndarray:
-    """Return the dofs of the first component at all nodes, or at those of a subdomain."""
-    elements = (
-        slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
-    )
-    return np.unique(basis.dofs.element_dofs[:: basis.mesh.dim(), elements])
+    """Return the dofs of the first component at all nodes, or at the nodes of a subdomain."""
+    dofs = basis.dofs.element_dofs[:: basis.mesh.dim()]
+    if part is not None:
+        dofs = dofs[:, look_up(part, basis.mesh.subdomains or {}, "subdomain")]
+    return np.unique(dofs)
 
 
 def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -> ndarray:
@@ -328,29 +328,29 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
             f"coordinates must be finite points of {dim} components, not {coordinates!r}"
         )
     numbers = _first_components(basis, part)
-    tree, near = (
-        cKDTree(basis.doflocs[:, numbers].T),
-        _AT * float(np.ptp(basis.doflocs, axis=1).max()),
-    )
-    for point, found in zip(x, tree.query_ball_point(x, near)):
-        if len(found) != 1:
-            at = format_point(basis.doflocs[:, numbers[tree.query(point)[1]]])
-            raise ValueError(
-                f"there are {len(found)} nodes at {format_point(point)}"
-                + (
-                    "; say by `part` which body is meant"
-                    if found
-                    else f"; the nearest one is at {at}"
-                )
-            )
-    return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
+    nodes = basis.doflocs[:, numbers]
+    tree = cKDTree(nodes.T)
+    _, nearest = tree.query(x)
+    counts = tree.query_ball_point(x, _near(basis), return_length=True)
+    for k in np.flatnonzero(counts != 1):
+        hint = "say by `part` which body is meant"
+        if counts[k] == 0:
+            hint = f"the nearest one is at {format_point(nodes[:, nearest[k]])}"
+        raise ValueError(f"there are {counts[k]} nodes at {format_point(x[k])}; {hint}")
+    return numbers[nearest][:, None] + np.arange(dim)
+
+
+def _near(basis: CellBasis) -> float:
+    """Return the distance below which a node lies at given coordinates."""
+    return _AT * float(np.ptp(basis.doflocs, axis=1).max())
 
 
 def box_supports(
     basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed"
 ) -> ndarray:
-    """Return the dofs that the supports of a box of ground hold: its base, and its sides in normal
-    direction.
+    """Return the dofs that the supports of a box of ground hold.
+
+    The supports hold the base, and the sides in normal direction.
 
     Parameters
     ----------
@@ -378,26 +378,32 @@ def box_supports(
     dim = basis.mesh.dim()
     numbers = _first_components(basis, part)
     x = basis.doflocs[:, numbers]
-    near = _AT * float(np.ptp(basis.doflocs, axis=1).max())
-    low, high = x.min(axis=1), x.max(axis=1)
+    near = _near(basis)
+    low = x.min(axis=1)
+    high = x.max(axis=1)
     bottom = numbers[x[-1] < low[-1] + near]
-    held = [bottom + (dim - 1)] if base == "rollers" else [bottom + c for c in range(dim)]
-    held += [numbers[(x[c] < low[c] + near) | (x[c] > high[c] - near)] + c for c in range(dim - 1)]
-    return np.unique(np.concatenate(held))
+    fixed = [bottom + (dim - 1)]
+    for c in range(dim - 1):
+        on_side = (x[c] < low[c] + near) | (x[c] > high[c] - near)
+        fixed.append(numbers[on_side] + c)
+        if base == "fixed":
+            fixed.append(bottom + c)
+    return np.unique(np.concatenate(fixed))
 
 
 def rigid_modes(locations: ndarray, dofs: ndarray) -> ndarray:
-    """Return small rigid motions of a body: translations, then rotations about its centre, scaled
-    by its size.
+    """Return small rigid motions of a body, scaled by the size of the mesh, (n, 3) or (n, 6).
 
-    From the coordinates of all dofs, (dim, N), and the n dofs of the body: displacements, (n, 3),
-    in space (n, 6).
+    They are translations, then rotations about its centre, from the coordinates of all dofs,
+    (dim, N), and the n displacements of the body.
     """
     x = locations[:, dofs]
     dim = len(x)
     component = np.eye(dim)[dofs % dim]
     centre = x.mean(axis=1, keepdims=True) if len(dofs) else 0.0
-    arm = ((x - centre) / max(float(np.ptp(locations)), 1e-300)).T
-    planes = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
-    turns = [component[:, j] * arm[:, i] - component[:, i] * arm[:, j] for i, j in planes]
-    return np.column_stack((component, *turns))
+    size = max(float(np.ptp(locations)), 1e-300)
+    arm = ((x - centre) / size).T
+    modes = [component]
+    for i, j in combinations(range(dim), 2):
+        modes.append(component[:, [j]] * arm[:, [i]] - component[:, [i]] * arm[:, [j]])
+    return np.hstack(modes)

@@ -20,9 +20,7 @@ def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
 
 
 def constant(K: csr_matrix) -> csr_matrix:
-    """Return a matrix after its data have become read-only: where they are met again, they are the
-    same.
-    """
+    """Return a matrix after its data have become read-only, so that they can be known again."""
     K.data.flags.writeable = False
     return K
 
@@ -30,20 +28,21 @@ def constant(K: csr_matrix) -> csr_matrix:
 def padded(K: csr_matrix, n: int) -> csr_matrix:
     """Pad a matrix of the first dofs to n dofs; its data are shared."""
     indptr = np.concatenate((K.indptr, np.repeat(K.indptr[-1:], n - K.shape[0])))
-    return with_data(
-        csr_matrix((K.data, K.indices, indptr), shape=(n, n)), K.data
-    )  # scipy takes a view of them
+    matrix = csr_matrix((K.data, K.indices, indptr), shape=(n, n))
+    return with_data(matrix, K.data)  # scipy has taken a view of the data
 
 
 def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
     """Return a matrix of some dofs among n dofs."""
     local = K.tocoo()
-    return coo_matrix((local.data, (dofs[local.row], dofs[local.col])), shape=(n, n)).tocsr()
+    entries = local.data, (dofs[local.row], dofs[local.col])
+    return coo_matrix(entries, shape=(n, n)).tocsr()
 
 
 class Gathering:
-    """Forces and tangents of points among n dofs; slots in the matrix are found again only for
-    other nodes.
+    """Forces and tangents of points among n dofs.
+
+    Slots in the matrix are found again only for points on other nodes.
     """
 
     def __init__(self, n: int) -> None:
@@ -67,30 +66,34 @@ class Gathering:
         return with_data(self._pattern, data)
 
     def _find(self, dofs: ndarray) -> None:
-        """Find the slots of the entries, once for all points on the same dofs, such as those of one
-        facet.
+        """Find the slots of the entries, once for all points on the same dofs.
 
-        Points on the same dofs that follow each other, such as those of a piece, are added first.
+        Points on the same dofs that follow each other, such as on a facet, are added first.
         """
-        self._dofs, changes = dofs, np.ones(len(dofs), bool)
+        n = self._n
+        self._dofs = dofs
+        changes = np.ones(len(dofs), bool)
         changes[1:] = (dofs[1:] != dofs[:-1]).any(axis=1)
         self._first = np.flatnonzero(changes)
+
+        # number the entries of moving dofs
         alike, number = _unique_rows(dofs[self._first])
         alike = alike.astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
-        moving = (alike >= 0)[:, :, None] & (alike >= 0)[:, None]
-        entries, found = np.unique(
-            (alike[:, :, None] * self._n + alike[:, None])[moving], return_inverse=True
-        )
-        slots = np.zeros(moving.shape, found.dtype)
-        slots[moving] = found
+        free = alike >= 0
+        moving = free[:, :, None] & free[:, None]  # (n_blocks, m, m)
+        keys = alike[:, :, None] * n + alike[:, None]
+        entries, numbers = np.unique(keys[moving], return_inverse=True)
+        slots = np.zeros(moving.shape, numbers.dtype)
+        slots[moving] = numbers
         self._moving = moving[number]
         self._slots = slots[number][self._moving]
-        row, column = np.divmod(entries, self._n)
-        ends = np.append(0, np.cumsum(np.bincount(row, minlength=self._n)))
-        self._pattern = csr_matrix(
-            (np.ones(len(row)), column.astype(np.int32), ends.astype(np.int32)),
-            shape=(self._n, self._n),
-        )
+
+        # the sorted entries are the pattern
+        row, column = np.divmod(entries, n)
+        ends = np.append(0, np.cumsum(np.bincount(row, minlength=n)))
+        ones = np.ones(len(row))
+        pattern = ones, column.astype(np.int32), ends.astype(np.int32)
+        self._pattern = csr_matrix(pattern, shape=(n, n))
 
 
 def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
@@ -104,9 +107,7 @@ def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
 
 
 class FreeBlock:
-    """K[order][:, order], gathered through an index map that is kept as long as the pattern of K
-    stays.
-    """
+    """K[order][:, order], gathered through an index map for as long as the pattern of K stays."""
 
     def __init__(self, order: ndarray) -> None:
         self.order = order
@@ -120,24 +121,24 @@ class FreeBlock:
         return with_data(self._entries, K.data.take(self._entries.data))
 
     def _map(self, K: csr_matrix) -> None:
+        """Find the entries of the block in the data of `K`."""
         pattern = with_data(K, np.empty(K.nnz, dtype=bool))
-        changes = (
-            K.indices.flags.writeable or K.indptr.flags.writeable
-        )  # scipy changes a pattern in place
+        # scipy changes a pattern in place
+        changes = K.indices.flags.writeable or K.indptr.flags.writeable
         self._pattern = pattern.copy() if changes else pattern
+        # numpy copies indices of 32 bits in every call: these have 64
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
-        self._entries = numbers[self.order][
-            :, self.order
-        ]  # numpy copies indices of 32 bits in every call
+        self._entries = numbers[self.order][:, self.order]
         self._entries.sort_indices()
         self._entries.has_canonical_format = True
 
 
 def same_pattern(A: csr_matrix, B: csr_matrix) -> bool:
     """Return True if two matrices in canonical format have the same pattern."""
-    return A.nnz == B.nnz and all(
-        a is b or np.array_equal(a, b) for a, b in ((A.indptr, B.indptr), (A.indices, B.indices))
-    )
+    if A.nnz != B.nnz:
+        return False
+    pairs = ((A.indptr, B.indptr), (A.indices, B.indices))
+    return all(a is b or np.array_equal(a, b) for a, b in pairs)
 
 
 def same_matrix(A: csr_matrix, B: csr_matrix) -> bool:
@@ -158,26 +159,24 @@ class Total:
 
     def __init__(self) -> None:
         self._pattern: csr_matrix | None = None
-        self._parts: list[
-            tuple[csr_matrix, ndarray]
-        ] = []  # masks: a sorted part fills its slots in order
+        # slots are masks where they can be: a sorted part fills its slots in order
+        self._parts: list[tuple[csr_matrix, ndarray]] = []
         self._sum: tuple[list[ref[ndarray]], csr_matrix] | None = None
         self._scaled: tuple[csr_matrix, csr_matrix] | None = None
 
     def of(self, matrices: Sequence[csr_matrix]) -> csr_matrix:
-        """Return the sum; its index arrays are those of the last sum as long as they serve."""
+        """Return the sum; its index arrays stay as long as they serve."""
         if len(matrices) == 1:
             return matrices[0]
         values = [matrix.data for matrix in matrices]
         if self._sum is not None:
             known, total = self._sum
-            if len(known) == len(values) and all(
-                old() is new and not new.flags.writeable
-                for old, new in zip(known, values, strict=True)
-            ):
-                return total  # the same constants as last time
+            if _same_constants(known, values):
+                return total
             del known, total
             self._sum = self._scaled = None  # their memory is free for the next sum
+
+        # find the slots of the parts, in a wider pattern if need be
         matrices = [_canonical(matrix) for matrix in matrices]
         slots = self._slots(matrices)
         if slots is None:
@@ -185,6 +184,7 @@ class Total:
             slots = self._slots(matrices)
         pattern = self._pattern
         assert pattern is not None and slots is not None
+
         data = np.zeros(pattern.nnz)
         data[slots[0]] = matrices[0].data
         for matrix, own in zip(matrices[1:], slots[1:], strict=True):
@@ -216,14 +216,25 @@ class Total:
 
     def _widen(self, matrices: Sequence[csr_matrix]) -> None:
         """Add new entries, and drop old ones that have become many."""
-        needed = _union(matrices)
+        pattern = _union(matrices)
         if self._pattern is not None:
-            both = _union([needed, self._pattern])
-            needed = both if both.nnz <= (1.0 + _SPARE) * needed.nnz else needed
-        self._pattern, self._parts = needed, []
+            both = _union([pattern, self._pattern])
+            if both.nnz <= (1.0 + _SPARE) * pattern.nnz:
+                pattern = both
+        self._pattern = pattern
+        self._parts = []
+
+
+def _same_constants(known: list[ref[ndarray]], values: list[ndarray]) -> bool:
+    """Return True if read-only data are the known ones."""
+    if len(known) != len(values):
+        return False
+    pairs = zip(known, values, strict=True)
+    return all(old() is new and not new.flags.writeable for old, new in pairs)
 
 
 def _canonical(matrix: csr_matrix) -> csr_matrix:
+    """Return the matrix with sorted columns, each once."""
     if not matrix.has_canonical_format:
         matrix = matrix.copy()
         matrix.sum_duplicates()
@@ -233,32 +244,35 @@ def _canonical(matrix: csr_matrix) -> csr_matrix:
 def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
     """Return the entries of any of the matrices."""
     ones = [with_data(matrix, np.ones(matrix.nnz, dtype=np.int8)) for matrix in matrices]
-    union = reduce(
-        csr_matrix.maximum, sorted(ones, key=lambda one: one.nnz)
-    )  # the largest one is gone through once
-    union.has_canonical_format = True  # as those of the matrices
-    union.indices.flags.writeable = union.indptr.flags.writeable = (
-        False  # a known pattern need not be compared again
-    )
+    ones.sort(key=lambda matrix: matrix.nnz)  # the largest one is gone through once
+    union = reduce(csr_matrix.maximum, ones)
+    union.has_canonical_format = True  # like the matrices
+    # a known pattern need not be compared again
+    union.indices.flags.writeable = False
+    union.indptr.flags.writeable = False
     return union
 
 
 def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
-    """Return the slots of a matrix in a pattern: numbers or, if many, a mask; None if one is
-    missing.
+    """Return the slots of a matrix in a pattern, or None if one is missing.
+
+    They are numbers or, if many, a mask.
     """
-    counts, have = np.diff(matrix.indptr), np.diff(pattern.indptr)
-    if (counts > have).any():
+    counts = np.diff(matrix.indptr)
+    available = np.diff(pattern.indptr)
+    if (counts > available).any():
         return None
+    # rows of as many entries are as in the pattern, or not within it; search the others
     position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
-    rows = np.flatnonzero(
-        (counts > 0) & (counts < have)
-    )  # the others are as in the pattern, or not within it
+    rows = np.flatnonzero((counts > 0) & (counts < available))
     if len(rows):
-        n, entry, within = matrix.shape[1], _entries(matrix, rows), _entries(pattern, rows)
-        keys = np.repeat(rows * n, have[rows]) + pattern.indices[within]
+        n = matrix.shape[1]
+        entry = _entries(matrix, rows)
+        within = _entries(pattern, rows)
+        keys = np.repeat(rows * n, available[rows]) + pattern.indices[within]
         wanted = np.repeat(rows * n, counts[rows]) + matrix.indices[entry]
-        position[entry] = within[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)]
+        slot = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        position[entry] = within[slot]
     if not np.array_equal(pattern.indices.take(position), matrix.indices):
         return None
     if 8 * len(position) < pattern.nnz:  # the mask would take more memory
@@ -270,5 +284,7 @@ def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
 
 def _entries(matrix: csr_matrix, rows: ndarray) -> ndarray:
     """Return the positions of all entries of some rows."""
-    start, count = matrix.indptr[rows].astype(int), np.diff(matrix.indptr)[rows]
-    return np.arange(count.sum()) + np.repeat(start - np.cumsum(count) + count, count)
+    start = matrix.indptr[rows].astype(int)
+    count = np.diff(matrix.indptr)[rows]
+    before = np.cumsum(count) - count
+    return np.arange(count.sum()) + np.repeat(start - before, count)
