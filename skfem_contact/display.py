@@ -38,17 +38,14 @@ def in_notebook() -> bool:
 
 
 def progress_bar(show: bool | None, **options: Any) -> Any:
-    """Return a bar of tqdm, as a widget in a notebook that has them; shown by default in terminals
-    and notebooks.
-    """
-    return tqdm(
-        disable=not (sys.stderr.isatty() or in_notebook() if show is None else show), **options
-    )
+    """Return a bar of tqdm, by default shown in terminals and notebooks only."""
+    if show is None:
+        show = sys.stderr.isatty() or in_notebook()
+    return tqdm(disable=not show, **options)
 
 
 class Bars:
-    """Bars of a run: one for every stage where somebody looks on, otherwise a line of the log now
-    and then.
+    """Bars of a run, one for every stage; where they are not shown, a line of the log now and then.
 
     Parameters
     ----------
@@ -59,14 +56,18 @@ class Bars:
     """
 
     def __init__(self, show: bool | None, stages: int) -> None:
-        self._show, self._stages, self._number = show, stages, 0
+        self._show = show
+        self._stages = stages
+        self._number = 0
+        self._name = ""
+        self._bar = progress_bar(False)
         self._began = self._logged = perf_counter()
-        self._name, self._bar = "", progress_bar(False)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Show the bar of the next stage."""
-        self._number, self._name = self._number + 1, name
+        self._number += 1
+        self._name = name
         with progress_bar(
             self._show,
             total=1.0,
@@ -76,9 +77,7 @@ class Bars:
             yield
 
     def update(self, share: float, increments: int, iterations: int, displacement: float) -> None:
-        """Show the share of the stage, its increments, their iterations and the largest
-        displacement so far.
-        """
+        """Show the share of the stage, and its increments, iterations and displacement so far."""
         now = perf_counter()
         done = (self._number - 1 + share) / self._stages
         remaining = "?"  # in a jump of the load at the start of the first stage
@@ -91,21 +90,16 @@ class Bars:
         self._bar.update(share - self._bar.n)
         self._bar.set_postfix_str(text)
         if self._bar.disable and (share == 1.0 or now - self._logged > _SELDOM):
-            logger.info(
-                "stage '%s' (%d of %d): %.0f%%, %s",
-                self._name,
-                self._number,
-                self._stages,
-                100 * share,
-                text,
-            )
+            number = f"{self._number} of {self._stages}"
+            logger.info("stage '%s' (%s): %.0f%%, %s", self._name, number, 100 * share, text)
             self._logged = now
 
 
 @dataclass(frozen=True)
 class Table:
-    """Table of a result: printed as text, shown by notebooks as HTML; ``table["M"]`` is a column as
-    an array.
+    """Table of a result, printed as text and shown by notebooks as HTML.
+
+    ``table["M"]`` is a column as an array.
 
     Attributes
     ----------
@@ -148,52 +142,49 @@ class Table:
         return len(self.rows)
 
     def __str__(self) -> str:
-        texts = [self.head, *self.texts()]
-        widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-        lines = (
-            "  ".join(
-                text.rjust(n) if right else text.ljust(n)
-                for text, n, right in zip(row, widths, self._right, strict=True)
-            ).rstrip()
-            for row in texts
-        )
-        return "\n".join((*([self.caption] if self.caption else ()), *lines))
+        texts = [list(self.head), *self.texts()]
+        columns = []
+        for column, right in zip(zip(*texts, strict=True), self._right, strict=True):
+            width = max(map(len, column))
+            columns.append([text.rjust(width) if right else text.ljust(width) for text in column])
+        lines = ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
+        if self.caption:
+            lines.insert(0, self.caption)
+        return "\n".join(lines)
 
     __repr__ = __str__  # in a terminal as in print
 
     def _repr_html_(self) -> str:
-        def cells(tag: str, row: Sequence[str]) -> str:
-            sides = ("right" if right else "left" for right in self._right)
-            return "".join(
-                f'<{tag} style="text-align:{side}">{escape(text)}</{tag}>'
-                for side, text in zip(sides, row, strict=True)
-            )
+        sides = ["right" if right else "left" for right in self._right]
 
+        def cells(tag: str, row: Sequence[str]) -> str:
+            result = ""
+            for side, text in zip(sides, row, strict=True):
+                result += f'<{tag} style="text-align:{side}">{escape(text)}</{tag}>'
+            return result
+
+        head = f"<thead><tr>{cells('th', self.head)}</tr></thead>"
         body = "".join(f"<tr>{cells('td', row)}</tr>" for row in self.texts())
         above = f"<caption>{escape(self.caption)}</caption>" if self.caption else ""
-        return f"<table>{above}<thead><tr>{cells('th', self.head)}</tr></thead><tbody>{body}</tbody></table>"
+        return f"<table>{above}{head}<tbody>{body}</tbody></table>"
 
     def to_markdown(self) -> str:
         """Return the table in Markdown, figures with four digits and aligned on the right."""
         rule = "|" + "|".join("--:" if right else ":--" for right in self._right) + "|"
-        head, *body = (
-            "| " + " | ".join(text.replace("|", "\\|") for text in row) + " |"
-            for row in (self.head, *self.texts())
-        )
-        return "\n".join((head, rule, *body))
+        lines = []
+        for row in (self.head, *self.texts()):
+            cells = " | ".join(text.replace("|", "\\|") for text in row)
+            lines.append(f"| {cells} |")
+        lines.insert(1, rule)
+        return "\n".join(lines)
 
     def to_csv(self, file: str | Path | None = None) -> str:
-        """Return comma-separated values with all digits, and write them to a file if one is
-        given.
-        """
+        """Return comma-separated values with all digits, and write them to a given file."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerows(
-            (
-                self.head,
-                *([None if _missing(value) else value for value in row] for row in self.rows),
-            )
-        )
+        writer.writerow(self.head)
+        for row in self.rows:
+            writer.writerow([None if _missing(value) else value for value in row])
         if file is not None:
             Path(file).write_text(text.getvalue(), encoding="utf-8")
         return text.getvalue()
@@ -207,39 +198,43 @@ class Table:
     @property
     def _right(self) -> list[bool]:
         """True for each column of figures, which is aligned on the right."""
-        columns = [
-            [text for text in column if text not in ("", "–")]
-            for column in zip(*self.texts(), strict=True)
-        ]
-        return [
-            all(text.lstrip("<>= -−")[:1].isdigit() or text == "inf" for text in column)
-            and bool(column)
-            for column in columns
-        ] or [False] * len(self.head)
+        if not self.rows:
+            return [False] * len(self.head)
+        return [_are_figures(column) for column in zip(*self.texts(), strict=True)]
 
     def texts(self) -> list[list[str]]:
         """Return the cells as text: figures with four digits, a dash for nothing."""
-        sizes = [
-            max((abs(v) for v in column if isinstance(v, float) and np.isfinite(v)), default=0.0)
-            for column in zip(*self.rows, strict=True)
-        ]
-        return [
-            [_written(value, size) for value, size in zip(row, sizes, strict=True)]
-            for row in self.rows
-        ]
+        columns = [_written(column) for column in zip(*self.rows, strict=True)]
+        return [list(row) for row in zip(*columns, strict=True)]
 
 
 def _missing(value: Any) -> bool:
+    """Return True for no value."""
     return value is None or (isinstance(value, float) and np.isnan(value))
 
 
-def _written(value: Any, size: float) -> str:
-    """Return a figure with four digits, zero for the round-off of a column, a name as it is, a dash
-    for nothing.
+def _are_figures(column: Sequence[str]) -> bool:
+    """Return True for the texts of a column of figures."""
+    texts = [text for text in column if text not in ("", "–")]
+    figures = [text.lstrip("<>= -−")[:1].isdigit() or text == "inf" for text in texts]
+    return bool(figures) and all(figures)
+
+
+def _written(column: Sequence[Any]) -> list[str]:
+    """Return the texts of a column.
+
+    Figures have four digits, and zero stands for round-off; a dash stands for nothing.
     """
-    if _missing(value):
-        return "–"
-    if isinstance(value, float):
-        value = 0.0 if abs(value) < _ZERO * size else value
-        return f"{value + 0.0:.0f}" if 1e4 <= abs(value) < _PLAIN else f"{value + 0.0:.4g}"
-    return str(value)
+    figures = [abs(v) for v in column if isinstance(v, float) and np.isfinite(v)]
+    size = max(figures, default=0.0)
+    texts = []
+    for value in column:
+        if _missing(value):
+            texts.append("–")
+        elif not isinstance(value, float):
+            texts.append(str(value))
+        else:
+            figure = 0.0 if abs(value) < _ZERO * size else value + 0.0
+            plain = 1e4 <= abs(figure) < _PLAIN
+            texts.append(f"{figure:.0f}" if plain else f"{figure:.4g}")
+    return texts

@@ -18,11 +18,15 @@ class AnalysisWarning(UserWarning):
 
 def warn(text: str, kind: type[Warning] = AnalysisWarning) -> None:
     """Warn at the line outside the package whose call led here."""
-    ours, level, frame = (__name__.partition(".")[0], "contextlib"), 1, sys._getframe()
-    while (
-        frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in ours
-    ):
-        level, frame = level + 1, frame.f_back
+    ours = (__name__.partition(".")[0], "contextlib")
+    level = 1
+    frame = sys._getframe()
+    while frame.f_back is not None:
+        package = frame.f_globals.get("__name__", "").partition(".")[0]
+        if package not in ours:
+            break
+        level += 1
+        frame = frame.f_back
     warnings.warn(text, kind, stacklevel=level)
 
 
@@ -54,12 +58,14 @@ class NotConverged(RuntimeError):
         cycle: Sequence[ndarray] = (),
     ) -> None:
         super().__init__(message)
-        self.x, self.residuals, self.dof, self.cycle = x, tuple(residuals), dof, tuple(cycle)
+        self.x = x
+        self.residuals = tuple(residuals)
+        self.dof = dof
+        self.cycle = tuple(cycle)
 
 
 class NoEquilibrium(NotConverged):
-    """Collapse under a load: displacements grow without bound, and the load does more work than the
-    bodies resist.
+    """Collapse under a load: displacements grow without bound.
 
     With associated flow the residual is the gradient of a convex potential. A line search along
     this energy finds the minimum. At collapse there is no minimum, and the search runs away along
@@ -71,8 +77,9 @@ class NoEquilibrium(NotConverged):
 
 @dataclass(frozen=True)
 class Failure:
-    """Failure of Newton's method, for a form that may return a regularised one, see
-    :meth:`Form.begin`.
+    """Failure of Newton's method, for a form that may return a regularised one.
+
+    See :meth:`Form.begin`.
 
     Attributes
     ----------
@@ -87,8 +94,9 @@ class Failure:
 
 
 class InadmissibleStress(ValueError):
-    """Initial stress that a material does not admit, worst at a point: the flat index (C order)
-    among those given.
+    """Initial stress that a material does not admit.
+
+    `point` is the flat index (C order) of the worst point.
     """
 
     def __init__(self, message: str, point: int) -> None:
@@ -97,16 +105,14 @@ class InadmissibleStress(ValueError):
 
 
 class IncrementTooLarge(RuntimeError):
-    """Error of a material's update or of :meth:`Form.outer`: the increment is too large and must be
-    cut.
-    """
+    """Error of a material's update or of :meth:`Form.outer`: the increment must be cut."""
 
 
 @dataclass(frozen=True)
 class Remark:
     """Remark on an accepted state; of each kind a run reports the remark of the largest figure.
 
-    One that is made before the state is known may have a condition on its displacements, (N,).
+    A remark that is made before the state is known may have a condition on its displacements, (N,).
     """
 
     kind: str
@@ -123,7 +129,8 @@ class Remarks:
     >>> import warnings
     >>> with warnings.catch_warnings(record=True) as caught, Remarks() as remarks:
     ...     for stage, share in (("dig", 2), ("load", 30), ("unload", 4)):
-    ...         remarks.add(stage, "joint", [Remark("penetration", share, f"the slave penetrates by {share} %")])
+    ...         remark = Remark("penetration", share, f"the slave penetrates by {share} %")
+    ...         remarks.add(stage, "joint", [remark])
     >>> [str(warning.message) for warning in caught]
     ["stage 'load', joint: the slave penetrates by 30 %"]
     """

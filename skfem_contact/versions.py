@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 import sys
-from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 
 from threadpoolctl import threadpool_info
@@ -28,26 +27,26 @@ def own_version() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the package, Python, the machine and all packages in use, and the
-    threads, by name.
-    """
-    threads = {
-        f"{pool.get('user_api')} ({pool.get('internal_api')})": pool.get("num_threads")
-        for pool in threadpool_info()
-    }
-    return {
+    """Return the versions of the package, Python, the machine and all packages, and the threads."""
+    result = {
         "skfem_contact": own_version(),
         "Python": platform.python_version(),
         "platform": f"{platform.system()} {platform.release()}, {platform.machine()}",
-        **{name: _of(name) or "missing" for name in _USED},
-        **{name: _of(name) or f"not installed: {purpose}" for name, purpose in _OPTIONAL.items()},
-        "threads": ", ".join(f"{kind}: {number}" for kind, number in threads.items()) or "unknown",
     }
+    for name in _USED:
+        result[name] = _of(name) or "missing"
+    for name, purpose in _OPTIONAL.items():
+        result[name] = _of(name) or f"not installed: {purpose}"
+    threads = {}
+    for pool in threadpool_info():
+        threads[f"{pool.get('user_api')} ({pool.get('internal_api')})"] = pool.get("num_threads")
+    listed = ", ".join(f"{kind}: {number}" for kind, number in threads.items())
+    result["threads"] = listed or "unknown"
+    return result
 
 
 def show_versions() -> None:
-    """Print versions of the package, Python, the machine and all packages in use, optional ones
-    included, and threads.
+    """Print versions of the package, Python, the machine and all packages, and the threads.
 
     Examples
     --------
@@ -56,16 +55,14 @@ def show_versions() -> None:
     skfem_contact  ...
     Python         ...
     """
-    print("\n".join(_lines()))
-
-
-def _lines() -> Iterator[str]:
-    found = versions()
-    width = max(map(len, found))
-    yield from (f"{name:{width}}  {text}" for name, text in found.items())
+    lines = versions()
+    width = max(map(len, lines))
+    for name, text in lines.items():
+        print(f"{name:{width}}  {text}")
 
 
 def _of(name: str) -> str | None:
+    """Return the version of a package, None where it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:
