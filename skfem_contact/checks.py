@@ -207,7 +207,7 @@ def _are_numbers(value: Any) -> bool:
 
 
 def _is_array(value: Any) -> bool:
-    """Return True for an array, which may hold NaN for what is not known, or a list of numbers."""
+    """Return True for an array, which may hold NaN for unknown values, or a list of numbers."""
     if isinstance(value, ndarray):
         return value.dtype.kind in "biuf"
     return isinstance(value, list) and _are_numbers(value)

@@ -1,4 +1,4 @@
-"""Analyses that show what the package does.
+"""Analyses that show the package.
 
 Run them by ``python -m skfem_contact.demo --out culvert_out``, or ``... slope``.
 """

@@ -106,7 +106,7 @@ class Table:
     head
         Names of the columns.
     rows
-        Values of each row: names and figures, NaN where there is none.
+        Values of each row: names and figures, NaN for none.
     caption
         Title of the table.
 

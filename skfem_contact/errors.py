@@ -68,9 +68,9 @@ class NoEquilibrium(NotConverged):
     """Collapse under a load: displacements grow without bound.
 
     With associated flow the residual is the gradient of a convex potential. A line search along
-    this energy finds the minimum. At collapse there is no minimum, and the search runs away along
+    this energy finds the minimum. At collapse no minimum exists, and the search runs away along
     the mechanism: displacements of a hundred times the elastic ones count as collapse. With
-    friction and non-associated flow there is no potential, but the mechanism is found in the same
+    friction and non-associated flow no potential exists, but the mechanism is found in the same
     way.
     """
 

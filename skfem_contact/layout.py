@@ -226,7 +226,7 @@ class Layout:
 
     @property
     def scale(self) -> ndarray | None:
-        """Scales of all dofs, (N,); None where there are displacements only."""
+        """Scales of all dofs, (N,); None for displacements only."""
         if len(self.fields) == 1:
             return None
         return np.concatenate([np.full(f.n, f.scale) for f in self.fields])
@@ -360,7 +360,7 @@ def box_supports(
         Subdomain whose lowest nodes are the base and whose outermost ones are the sides; by default
         the whole mesh.
     base
-        ``"fixed"``: nothing moves there; ``"rollers"``: the base holds the upright direction only.
+        ``"fixed"``: nothing moves; ``"rollers"``: the base holds the upright direction only.
 
     Returns
     -------

@@ -39,12 +39,12 @@ class Model(Setup):
         default a direct solver with an ordering of its own; for large bodies in space multigrid
         where it is faster and installed.
     newton
-        Settings of Newton's method; by default those of each method.
+        Settings of Newton's method; by default the settings of each method.
     gravity
         Direction of gravity, a unit vector (dim,); by default against the last axis.
     seismic
-        Horizontal acceleration over that of gravity, one number or a component for each horizontal
-        axis.
+        Horizontal acceleration over the one of gravity, a number or a component for each
+        horizontal axis.
     water_unit_weight
         Unit weight of water, for water levels.
 
@@ -69,7 +69,8 @@ class Model(Setup):
 
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     >>> square = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
     >>> model = sc.Model({"square": square}, basis.get_dofs("bottom").all())
     >>> print(model.run([sc.Stage("gravity")]))
@@ -78,7 +79,8 @@ class Model(Setup):
     """
 
     def __repr__(self) -> str:
-        return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {', '.join(self.forms)}>"
+        forms = ", ".join(self.forms)
+        return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {forms}>"
 
     def initial_state(
         self,
@@ -110,7 +112,7 @@ class Model(Setup):
         Returns
         -------
         Result
-            A start for :meth:`run`; its residual is that of the equilibrium. A stage with the same
+            A start for :meth:`run`, with the residual of its equilibrium. A stage with the same
             load, a *null step*, removes the rest.
 
         Warns
@@ -130,9 +132,9 @@ class Model(Setup):
         water: AtRest = None,
         name: str = "initial",
     ) -> Result:
-        """Return the K0 state of level ground: vertical stress from the weight above, horizontal
-        stress K0 times it.
+        """Return the K0 state of level ground.
 
+        The vertical stress follows from the weight above, the horizontal stress is K0 times it.
         Where the surface or the layers are not level use :meth:`gravity_state`.
 
         Parameters
@@ -142,10 +144,10 @@ class Model(Setup):
         K0
             Ratio of the effective stresses: one number, or by subdomain.
         unit_weights
-            Unit weights, one number or by subdomain; by default those of the forms. Subdomains that
+            Unit weights, one number or by subdomain; by default the forms' own. Subdomains that
             are not named are weightless.
         surcharge
-            Pressure on the surface, that of water above it included.
+            Pressure on the surface, with the water above it.
         water
             Water at rest: its level, points of it, or the pore pressure as a function of the
             coordinates or at the vertices, (n_vertices,). Stresses are then effective, everywhere.
@@ -163,8 +165,10 @@ class Model(Setup):
         >>> import numpy as np
         >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
         >>> import skfem_contact as sc
-        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-        >>> ground = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=1., phi=30.), unit_weight=20.)
+        >>> mesh = MeshQuad().refined(1).with_defaults()
+        >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+        >>> soil = sc.MohrCoulomb(E=1e4, nu=.3, c=1., phi=30.)
+        >>> ground = sc.SolidForm(basis, soil, unit_weight=20.)
         >>> start = sc.Model({"ground": ground}, sc.box_supports(basis)).k0_state(K0=.5)
         >>> stress = start["initial"].states["ground"].stress
         >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
@@ -184,7 +188,7 @@ class Model(Setup):
         """Turn gravity on in ground of any shape; the displacements are then set to zero.
 
         Contact has followed the bodies: where it does not balance once it is back, equilibrium is
-        found from there.
+        found from this state.
 
         Parameters
         ----------
@@ -219,8 +223,8 @@ class Model(Setup):
         stages
             Stages in their order.
         start
-            Result, or one stage, to continue from, with what its stages have changed; forms it
-            lacks are inactive.
+            Result, or one stage, to continue from, with the changes by its stages; forms it lacks
+            are inactive.
         on_increment
             Function of every accepted increment, a :class:`StageResult`, such as
             ``sc.results.Append(file)``.
@@ -273,13 +277,13 @@ class Model(Setup):
         Parameters
         ----------
         load
-            External forces besides the weight of the forms and the water, (N,); by default those of
-            ``start``.
+            External forces besides the weight of the forms and the water, (N,); by default the ones
+            of ``start``.
         start
             Where to start: a result (its last stage) or a stage. By default the load is applied to
             the unstrained bodies first.
         water
-            Water at rest, as of a :class:`Stage`; by default that of ``start``. ``False``: none.
+            Water at rest, as of a :class:`Stage`; by default the water of ``start``. ``False``: none.
         reduce
             Names of forms and of regions whose strength is reduced, or one; by default all that
             have a strength: regions of solids, and friction and adhesion of contact pairs.
@@ -325,7 +329,8 @@ class Model(Setup):
 
         >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
         >>> import skfem_contact as sc
-        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> mesh = MeshQuad().refined(1).with_defaults()
+        >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
         >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.))
         >>> fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
         >>> model = sc.Model({"soil": column}, fixed)
@@ -379,7 +384,7 @@ class Model(Setup):
         tolerance
             The curve ends when its last slope lets the multiplier rise by no more than this share.
         step
-            First multiplier; it is halved until there is an equilibrium.
+            First multiplier; it is halved until an equilibrium is found.
         max_value
             The curve ends when the multiplier exceeds this.
         flow
@@ -388,11 +393,11 @@ class Model(Setup):
             equilibrium with its own friction, and in long steps it resists more than the given law:
             `max_step` keeps them short.
         max_step
-            Work of the longest step over that of the first one. Steps grow up to it.
+            Work of the longest step over the work of the first one. Steps grow up to it.
         min_displacement
             The curve does not end at a peak or plateau before a displacement is as large as this.
         certify, undrained, progress
-            As for :meth:`strength_reduction`; water is that of the start.
+            As for :meth:`strength_reduction`; water is the water of the start.
 
         Raises
         ------
@@ -429,8 +434,7 @@ class Model(Setup):
         water: AtRest = None,
         undrained: bool = False,
     ) -> bool:
-        """Return True if the structure resists its load: a factor of safety above 1, asked in one
-        step.
+        """Return True if the structure resists its load: its factor of safety is above 1.
 
         An equilibrium means True; displacements that run away along a mechanism
         (:class:`NoEquilibrium`) mean False.
@@ -443,13 +447,14 @@ class Model(Setup):
         Raises
         ------
         NotConverged
-            Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by
-            step.
+            Neither an equilibrium nor a collapse was found; :meth:`limit_load` proceeds by
+            steps.
         """
         return is_stable(self, load, start, water, undrained)
 
     def bounds(self, **options: Any) -> Bounds:
-        """Return proven bounds of the factor of safety or of the limit load, see
-        :func:`~.limit_analysis.bounds`.
+        """Return proven bounds of the factor of safety or of the limit load.
+
+        See :func:`~.limit_analysis.bounds`.
         """
         return bounds(self.forms, self.fixed, **{"seismic": self.seismic, **options})

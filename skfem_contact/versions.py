@@ -1,4 +1,4 @@
-"""Versions of the package, of what it uses, and of the machine, for reports and questions."""
+"""Versions of the package, of the packages that it uses, and of the machine, for reports and questions."""
 
 from __future__ import annotations
 

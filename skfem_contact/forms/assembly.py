@@ -43,7 +43,7 @@ class StrainOperator(NamedTuple):
     ----------
     B
         Shape (n_elements, n_points, 4, n_local_dofs); rows xx, yy, zz, xy (engineering shear). In
-        space there are 6 rows: xx, yy, zz, xy, yz, zx.
+        space 6 rows: xx, yy, zz, xy, yz, zx.
     weight
         Quadrature weight times Jacobian (times the radius in axial symmetry), (n_elements,
         n_points).

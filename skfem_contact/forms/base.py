@@ -42,7 +42,7 @@ class Response:
         Norm of the forces on displacements that round-off may leave, or these forces like `force`:
         equilibrium is no better than that.
     active
-        Active set: the points that are closed and those that slide. Iterations continue while they
+        Active set: the closed points and the sliding ones. Iterations continue while they
         find new sets.
     measure : ndarray
         Forces that unbalanced ones are compared with, where `force` is itself a difference that
@@ -148,9 +148,9 @@ class Outputs:
     parameters : dict
         Stiffnesses, strengths and other parameters by their names, for reports.
     lines : tuple
-        Coordinates x and y along a beam, N, V and M there, (n,) each.
+        Coordinates x and y along a beam, and N, V and M, (n,) each.
     points : tuple
-        Start, end and middle of the elements of a beam, (3 m, dim), and values there by name.
+        Start, end and middle of the elements of a beam, (3 m, dim), and their values by name.
     members : dict
         Coordinates and forces of bars, or of points along a line, by the columns of a table, (n,)
         each.
@@ -205,7 +205,7 @@ class Outputs:
 
     @cached_property
     def points(self) -> Points | None:
-        """Points of a beam with values there; None where the form is no beam."""
+        """Points of a beam with their values; None where the form is no beam."""
         return _value(self._points)
 
     @cached_property

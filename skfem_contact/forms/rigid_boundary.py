@@ -39,7 +39,7 @@ class RigidBoundary(MatrixForm):
     Raises
     ------
     ValueError
-        There is no such boundary, or it is empty; where it is run: it belongs to no solid.
+        The boundary does not exist or is empty; where it is run: it belongs to no solid.
 
     Examples
     --------

@@ -28,7 +28,7 @@ class MaterialPoints(NamedTuple):
 
     @property
     def known(self) -> ndarray:
-        """Local coordinates, zero where there is no point."""
+        """Local coordinates, zero for no point."""
         return np.where(self.exist[:, None], self.xi, 0.0)
 
     def take(self, chosen: ndarray) -> MaterialPoints:
@@ -36,7 +36,7 @@ class MaterialPoints(NamedTuple):
         return MaterialPoints(self.facet[chosen], self.xi[chosen])
 
     def positions(self, surface: Surface, nodes: ndarray) -> ndarray:
-        """Return coordinates, shape (n, dim); without meaning where there is no point."""
+        """Return coordinates, shape (n, dim); without meaning for no point."""
         return surface.at(self.facet, self.known, nodes, 0).x[0]
 
 

@@ -281,7 +281,7 @@ def cone(
     Parameters
     ----------
     apex, axis : array_like, shape (3,)
-        Its tip, and the direction from there into the body.
+        Its tip, and the direction from the tip into the body.
     slope : float
         Height over radius: the tangent of the angle between its side and the plane across its axis.
     radius : float

@@ -56,7 +56,7 @@ class Shape:
     coefficients : ndarray, shape (1, k, p) or (n_facets, k, p)
         Coefficients of the shape functions, the latter where facets differ.
     corners : ndarray, shape (n_corners, dim - 1)
-        Local coordinates of the corners, anticlockwise where there are more than two.
+        Local coordinates of the corners, anticlockwise if more than two.
     nodes : ndarray, shape (k, dim - 1)
         Local coordinates of the nodes, before smoothing.
     """
@@ -81,7 +81,7 @@ class Shape:
 
     @classmethod
     def of_cells(cls, dim: int, k: int) -> Shape:
-        """Return the shape functions of facets with k nodes; a KeyError if there are none."""
+        """Return the shape functions of facets with k nodes; a KeyError if none has."""
         kinds = {facet.doflocs.shape: element for element, (facet, _) in _FACETS.items()}
         return cls.of_facets(kinds[k, dim - 1]())
 
