@@ -331,7 +331,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     nodes = basis.doflocs[:, numbers]
     tree = cKDTree(nodes.T)
     _, nearest = tree.query(x)
-    counts = tree.query_ball_point(x, _near(basis), return_length=True)
+    counts = np.asarray(tree.query_ball_point(x, _near(basis), return_length=True))
     for k in np.flatnonzero(counts != 1):
         hint = "say by `part` which body is meant"
         if counts[k] == 0:

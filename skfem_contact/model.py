@@ -283,7 +283,8 @@ class Model(Setup):
             Where to start: a result (its last stage) or a stage. By default the load is applied to
             the unstrained bodies first.
         water
-            Water at rest, as of a :class:`Stage`; by default the water of ``start``. ``False``: none.
+            Water at rest, as of a :class:`Stage`; by default the water of ``start``; ``False``:
+            none.
         reduce
             Names of forms and of regions whose strength is reduced, or one; by default all that
             have a strength: regions of solids, and friction and adhesion of contact pairs.

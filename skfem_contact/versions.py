@@ -1,4 +1,4 @@
-"""Versions of the package, of the packages that it uses, and of the machine, for reports and questions."""
+"""Versions of the package, of the packages in use and of the machine, for reports."""
 
 from __future__ import annotations
 
