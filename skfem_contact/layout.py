@@ -330,13 +330,14 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     numbers = _first_components(basis, part)
     nodes = basis.doflocs[:, numbers]
     tree = cKDTree(nodes.T)
-    _, nearest = tree.query(x)
-    counts = np.asarray(tree.query_ball_point(x, _near(basis), return_length=True))
-    for k in np.flatnonzero(counts != 1):
+    nearest = np.asarray(tree.query(x)[1])
+    for point, node, found in zip(x, nearest, tree.query_ball_point(x, _near(basis))):
+        if len(found) == 1:
+            continue
         hint = "say by `part` which body is meant"
-        if counts[k] == 0:
-            hint = f"the nearest one is at {format_point(nodes[:, nearest[k]])}"
-        raise ValueError(f"there are {counts[k]} nodes at {format_point(x[k])}; {hint}")
+        if not found:
+            hint = f"the nearest one is at {format_point(nodes[:, node])}"
+        raise ValueError(f"there are {len(found)} nodes at {format_point(point)}; {hint}")
     return numbers[nearest][:, None] + np.arange(dim)
 
 
