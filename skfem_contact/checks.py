@@ -27,6 +27,7 @@ import skfem
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, ElementVector, Mesh
+from skfem.quadrature import get_quadrature
 
 T = TypeVar("T")
 _NUMBERS = (int, float, np.integer, np.floating)
@@ -183,10 +184,14 @@ def check_quadrature(basis: CellBasis) -> None:
     """
     points = basis.X.shape[-1]
     strains, rigid, allowed = _MODES[basis.mesh.dim()]
-    if strains * points < basis.Nbfun - rigid - allowed:
+    needed = basis.Nbfun - rigid - allowed
+    if strains * points < needed:
+        order = 1
+        while strains * len(get_quadrature(basis.elem.refdom, order)[1]) < needed:
+            order += 1
         raise ValueError(
             f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it "
-            "would deform without strain; pass a higher `intorder` to Basis"
+            f"would deform without strain; pass a higher `intorder` to Basis, at least {order}"
         )
 
 

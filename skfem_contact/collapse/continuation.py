@@ -25,7 +25,7 @@ from numpy import ndarray
 from ..checks import look_up
 from ..errors import NotConverged, warn
 from ..forms.base import Form
-from ..forms.roles import Reducible, changed
+from ..forms.roles import Reducible, Staged, changed, having
 from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Problem, Search, iterate
 from ..nonlinear.system import System
@@ -168,6 +168,10 @@ def loaded_start(
     if undrained:
         active, fixed = without_drainage(active, fixed, flow)
     system = setup.checked_system(active, fixed)
+    if last is None:  # else the stages have reported them
+        for name, form in having(active, Staged).items():
+            for remark in form.check_stage(setup.fixed, setup.inactive(active), 0.0):
+                warn(f"{name}: {remark.text}")
 
     system, origin = _fixed_geometry(system, last)
 

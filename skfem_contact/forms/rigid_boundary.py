@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import replace
 
@@ -15,9 +15,13 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from ..checks import check_basis, facets_of, vector
+from ..errors import Remark
 from ..layout import Field, rigid_modes
 from .base import Form, Response, solids_of
 from .links import MatrixForm
+
+#: Coordinates that count as the same, as a share of the mesh, and the least turn that counts.
+_SAME, _TURNS = 1e-9, 1e-6
 
 
 class RigidBoundary(MatrixForm):
@@ -34,7 +38,8 @@ class RigidBoundary(MatrixForm):
     boundary
         Its name.
     rotates
-        True if it may turn; else it is guided and moves parallel to itself.
+        True if it may turn; else it is guided and moves parallel to itself, as in half a model that
+        ends in a plane of symmetry.
 
     Raises
     ------
@@ -67,6 +72,7 @@ class RigidBoundary(MatrixForm):
         self._coordinates = basis.doflocs[:, self._dofs]
         self._modes = None if rotates else basis.mesh.dim()
         self._displacements = int(basis.N)
+        self._locations = basis.doflocs
         # multipliers on an orthonormal basis of all motions that are not rigid
         rigid, _ = self._motions(self._coordinates[:, 0])
         self._others = null_space(rigid.T)
@@ -118,6 +124,46 @@ class RigidBoundary(MatrixForm):
         moved = super().rebased(x, state)
         moved[self._multipliers] = state[self._multipliers]
         return moved
+
+    @override
+    def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+        for axis in range(len(self._coordinates)):
+            plane = self._plane_of_symmetry(axis, fixed)
+            if plane is not None and self._turns_out_of(axis, fixed):
+                yield Remark(
+                    "turns",
+                    0.0,
+                    f"it ends at {'xyz'[axis]} = {plane:.4g}, where supports hold it across, and "
+                    "may turn there: in a plane of symmetry give rotates=False",
+                )
+
+    def _turns_out_of(self, axis: int, fixed: ndarray) -> bool:
+        """Return True if a motion that supports leave turns a plane across an axis."""
+        dim, n = self._coordinates.shape
+        ends = np.stack((self._coordinates[:, 0], self._coordinates[:, 0]), axis=1)
+        ends[axis, 1] += np.ptp(self._coordinates[axis])
+        coordinates = np.column_stack((self._coordinates, np.repeat(ends, dim, axis=1)))
+        modes = rigid_modes(coordinates, np.arange(n + 2 * dim))[:, : self._modes]
+        free = null_space(modes[:n][np.isin(self._dofs, fixed)])
+        turn = (modes[n + dim :] - modes[n : n + dim]) @ free
+        return bool(np.abs(turn).max(initial=0.0) > _TURNS)
+
+    def _plane_of_symmetry(self, axis: int, fixed: ndarray) -> float | None:
+        """Return the coordinate of a plane at one end, held across beside the boundary as well."""
+        dim = len(self._coordinates)
+        across = self._dofs % dim == axis
+        x = self._coordinates[axis, across]
+        held = np.isin(self._dofs[across], fixed)
+        ends = {float(end) for end in (x.min(), x.max()) if held[x == end].any()}
+        if len(ends) != 1 or x.min() == x.max():
+            return None
+        (end,) = ends
+        others = np.setdiff1d(fixed[fixed < self._displacements], self._dofs)
+        others = others[others % dim == axis]
+        size = np.ptp(self._locations[axis])
+        near = np.abs(self._locations[axis] - end) < _SAME * size
+        last = np.abs(self._locations[axis] - end).max() > (1.0 - _SAME) * size
+        return end if last and near[others].any() else None
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
         """Return the load vector, (N,), of a force, (dim,), at coordinates, (dim,), anywhere."""

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, Mesh
 
 from ..checks import finite, look_up, names, positive, vector
+from ..errors import warn
 from ..forms.solid import SolidForm
 from ..materials import Material
 from .extrude import extruded
@@ -242,9 +243,19 @@ class Section:
         basis
             ``Basis`` of the section's mesh.
         materials, unit_weight
-            One material and unit weight, or by area.
+            One material and unit weight, or by area; 0 for areas without weight.
         porous
             As for :class:`~skfem_contact.SolidForm`.
+
+        Raises
+        ------
+        ValueError
+            An area without material, or a unit weight of an area that does not exist.
+
+        Warns
+        -----
+        AnalysisWarning
+            Unit weights by area lack an area, which is weightless.
 
         Examples
         --------
@@ -263,6 +274,11 @@ class Section:
         if missing:
             raise ValueError(f"there is no material for the areas {missing}")
         weights = self._by_area(unit_weight)
+        for name in weights:
+            look_up(name, self.areas, "area with a unit weight")
+        weightless = [name for name in self.areas if name not in weights]
+        if weightless:
+            warn(f"{weightless} are weightless: name them too, with 0 if they are meant to be")
         coordinates = None if self.coordinates == "plane" else self.coordinates
         forms = {}
         for part, areas in self.parts.items():

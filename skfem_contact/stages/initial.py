@@ -40,6 +40,9 @@ _BALANCED = 1e-6
 #: left, else 3e-4, 4e-9.
 _RETURNS = 4
 
+#: Change of a given stress, as a share of the largest, from which on a warning is given.
+_RETURNED = 1e-3
+
 #: Stress at coordinates (2, ...) in elements of the mesh.
 _StressField = Callable[[ndarray, ndarray], ndarray]
 
@@ -287,6 +290,7 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
                 f"{values.shape}"
             )
         states[key] = form.assemble(x[: form.size], form.initial_state(stress=values)).state
+        _warn_of_returned(key, points, values, states[key].stress)
 
     # Give the contact pairs the tractions that balance the stresses.
     operators = {}
@@ -314,6 +318,20 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
         layout=setup.layout,
     )
     return Result((end,))
+
+
+def _warn_of_returned(name: str, points: ndarray, given: ndarray, borne: ndarray) -> None:
+    """Warn of given stresses, (n_components, n_elements, n_points), that a solid cannot resist."""
+    change = np.abs(borne - given).max(axis=0)
+    largest = np.abs(given).max(initial=0.0)
+    returned = change > _RETURNED * largest
+    if returned.any():
+        worst = np.unravel_index(change.argmax(), change.shape)
+        warn(
+            f"the stresses of '{name}' are beyond its strength at {returned.mean():.0%} of its "
+            f"points: they are returned to the yield surface, and change by up to "
+            f"{change[worst] / largest:.2g} of the largest, at {format_point(points[(slice(None), *worst)])}"
+        )
 
 
 def _check_balance(now: Evaluation, system: System) -> None:

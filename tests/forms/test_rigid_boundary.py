@@ -141,6 +141,55 @@ def test_a_cap_in_space():
     assert cap.motion(x, at) == pytest.approx((0.0, 0.01, 0.0), abs=1e-9)
 
 
+def clay_under(footing_options, left=0.0, support=None):
+    """Clay under a rigid strip from -1 to 1 or its right half: model, strip and their basis."""
+    half = np.append(np.linspace(0, 1, 5), np.linspace(1, 5, 6)[1:])
+    x = half if left == 0.0 else np.append(-half[:0:-1], half)
+    mesh = MeshQuad.init_tensor(x, np.linspace(-3, 0, 7)).with_defaults()
+    mesh = mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (abs(p[0]) < 1 + 1e-9)})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    footing = sc.RigidBoundary(basis, "footing", **footing_options)
+    forms = {"ground": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=20.0)), "footing": footing}
+    fixed = sc.box_supports(basis) if support is None else support(basis)
+    return sc.Model(forms, fixed), footing
+
+
+@pytest.mark.parametrize("search", [False, True], ids=["stage", "search"])
+def test_half_of_a_rigid_strip(search, recwarn):
+    """[X] Symmetry: the half that is guided moves as the whole; one that may turn there is told."""
+
+    def found(options, left, share):
+        model, footing = clay_under(options, left)
+        load = footing.load((0.0, -share), at=(0.0, 0.0))
+        if search:
+            limit = model.limit_load(load, step=20.0, tolerance=0.01, progress=False)
+            return limit.multiplier
+        end = model.run([sc.Stage("load", 10.0 * load)], progress=False)["load"]
+        return footing.motion(end.x, (0.0, 0.0))[1]
+
+    whole = found({}, -5.0, 2.0)
+    half = found({"rotates": False}, 0.0, 1.0)
+    assert half == pytest.approx(whole, rel=0.01 if search else 1e-9)
+    assert not [text for text in recwarn if "rotates" in str(text.message)]
+    with pytest.warns(sc.AnalysisWarning, match="ends at x = 0, .* rotates=False"):
+        turned = found({}, 0.0, 1.0)
+    assert abs(turned / whole - 1.0) > 0.2
+
+
+def test_rigid_strip_that_is_held_at_one_node(recwarn):
+    """A strip that supports keep from sliding, at one of its nodes, has no remark."""
+
+    def one_node(basis):
+        bottom = basis.get_dofs("bottom").all()
+        corner = basis.get_dofs(lambda x: (x[0] < 1e-9) & (x[1] > -1e-9)).all("u^1")
+        return np.append(bottom, corner)
+
+    model, footing = clay_under({}, support=one_node)
+    load = footing.load((0.0, -1.0), at=(0.5, 0.0))
+    model.run([sc.Stage("load", load)], progress=False)
+    assert not [text for text in recwarn if "rotates" in str(text.message)]
+
+
 def test_two_footings_one_after_the_other():
     """[X] Two footings on one body, whose dofs the model numbers: both stay straight."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 8, 17), np.linspace(0, 2, 5)).with_boundaries(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from skfem import LinearForm
+from skfem import Basis, ElementQuad2, ElementVector, LinearForm, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.materials import Update
@@ -430,3 +430,12 @@ def test_locking_at_constant_volume(element, nu_undrained, told):
         nu_undrained is not None
     ):  # P2 9.718e-3, Q1 9.736e-3; on meshes twice as fine 9.719e-3 and 9.726e-3
         assert -stage.x[1::2].min() == pytest.approx(5.00e-3 if told else 9.72e-3, rel=0.01)
+
+
+def test_message_on_too_few_points_names_the_order():
+    """Nine-node quadrilaterals with four points have three motions without strain."""
+    basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad2()), intorder=2)
+    with pytest.raises(ValueError, match=r"4 integration points .* at least 4$"):
+        sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad2()), intorder=4)
+    sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -610,3 +611,20 @@ def test_elements_grow_with_the_distance_from_a_fine_line():
         axis=0
     )
     assert (edges < 1.6 * (0.2 + 0.4 * np.hypot(x, y - np.clip(y, -4.0, 0.0)))).all()
+
+
+def test_unit_weights_of_a_section_name_its_areas():
+    """[X] 10 m x 5 m x 18 and the rest named as weightless; a misspelt or a missing one is told."""
+    box = sc.section.rectangle
+    areas = {"clay": box((0, 10), (-5, 0)), "plate": box((2, 4), (0, 1))}
+    section = sc.section.Section(areas, size=5.0, bodies="plate")
+    basis = Basis(section.mesh(), ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=2e4, nu=0.3, c=10.0, phi=25.0)
+    with pytest.raises(ValueError, match="no area with a unit weight 'cley'; existing: clay"):
+        section.solids(basis, soil, unit_weight={"cley": 18.0, "plate": 0.0})
+    with pytest.warns(sc.AnalysisWarning, match=r"\['plate'\] are weightless: name them too"):
+        section.solids(basis, soil, unit_weight={"clay": 18.0})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        forms = section.solids(basis, soil, unit_weight={"clay": 18.0, "plate": 0.0})
+    assert -forms["ground"].own_weight(np.array([0.0, -1.0])).sum() == pytest.approx(900.0)

@@ -522,3 +522,20 @@ def test_axisymmetric_operator():
     with pytest.raises(ValueError, match="axial symmetry needs x >= 0"):
         basis = vector_basis(grid("Q1", np.linspace(-1, 1, 3), np.linspace(0, 1, 3)), "Q1")
         sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.0), coordinates="axisymmetric")
+
+
+def test_k0_beyond_the_passive_ratio_is_told():
+    """[X] Kp = 3 at 30 degrees: K0 = 5 cannot be borne, K0 = 2.9 can."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 6, 7), np.linspace(0, 4, 9)), "Q1", intorder=2)
+    sand = sc.MohrCoulomb(E=3e4, nu=0.3, c=0.1, phi=30.0, psi=5.0)
+    form = sc.SolidForm(basis, sand, unit_weight=20.0)
+    model = sc.Model({"ground": form}, sc.box_supports(basis))
+    with pytest.warns(sc.AnalysisWarning, match=r"'ground' are beyond its strength at 100% of"):
+        start = model.k0_state(K0=5.0)
+    stress = start["initial"].states["ground"].stress
+    assert np.median(stress[0] / stress[1]) == pytest.approx(3.0, rel=0.01)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        start = model.k0_state(K0=2.9)
+    stress = start["initial"].states["ground"].stress
+    np.testing.assert_allclose(stress[0], 2.9 * stress[1], rtol=1e-9)
