@@ -43,6 +43,7 @@ _ROUND_OFF = 1e-12
 #: A correction that has not become less by this factor so many times in a row will not do so.
 _PROGRESS, _PATIENCE = 0.7, 2
 _ACCURACY = 1e-14
+_NONE = np.zeros((1, 1), bool)  # mask of no multipliers
 
 
 @dataclass(frozen=True)
@@ -149,6 +150,7 @@ class AugmentedLagrangian(Penalty):
             pair.penalties(accepted),
             stiffness,
             pair.progress,
+            _kept(pair),
         )
         # Keep the tractions where the tangential penalty has become harder
         harder = state.penalty_factor[1] / accepted.penalty_factor[1]
@@ -163,7 +165,7 @@ class AugmentedLagrangian(Penalty):
     ) -> Iterator[Remark]:
         penalties = pair.penalties(state)
         stiffness = pair.stiffness or penalties[0]
-        error = self.error(state, pair.points(state), penalties, stiffness)
+        error = self.error(state, pair.points(state), penalties, stiffness, _kept(pair))
         if error > self.tolerance:
             yield Remark(
                 "multipliers",
@@ -181,10 +183,12 @@ class AugmentedLagrangian(Penalty):
         points: SlavePoints,
         penalties: tuple[float, float],
         stiffness: float,
+        kept: ndarray = _NONE,
     ) -> float:
         """Return the error of the tractions of an accepted state, relative to the largest one."""
-        moves = np.ones(state.multiplier.shape, dtype=bool)
+        moves = np.broadcast_to(~kept, state.multiplier.shape)
         _, _, error = self._corrected(state, state.multiplier, points, penalties, stiffness, moves)
+        error = np.where(kept, 0.0, error)
         largest = np.abs(state.traction[0]).max(initial=0.0)
         return float(error.max() / max(largest, np.finfo(float).tiny))
 
@@ -196,15 +200,16 @@ class AugmentedLagrangian(Penalty):
         penalties: tuple[float, float],
         stiffness: float,
         progress: Progress,
+        kept: ndarray,
     ) -> tuple[ContactState, Progress]:
         """Return the accepted state, with better multipliers unless these suffice, and progress."""
         # Find the multipliers whose error is too large
-        moves = np.broadcast_to(progress.stalls < _PATIENCE, accepted.multiplier.shape)
+        moves = np.broadcast_to((progress.stalls < _PATIENCE) & ~kept, accepted.multiplier.shape)
         after, correction, error = self._corrected(
             found, accepted.multiplier, points, penalties, stiffness, moves
         )
         limit = self.tolerance * np.abs(found.traction[0]).max(initial=0.0)
-        unfinished = error > limit
+        unfinished = (error > limit) & ~kept
         if progress.error == np.inf:
             # Take up again multipliers left to the penalty before, where they have changed
             _, before, error_before = self._corrected(
@@ -256,6 +261,17 @@ class AugmentedLagrangian(Penalty):
         sticks = _nodal_mean(points, found.status == Status.STICK) > 0.99
         counts = np.stack((np.ones(len(sticks)), *[sticks] * n_shear))
         return after, correction, stiffness * np.abs(correction) * counts
+
+
+def _kept(pair: Any) -> ndarray:
+    """Return multipliers that stay zero, (dim, n_nodes) or less: of slip that supports hold.
+
+    They would act on the master's inside alone, beside a plane of symmetry, where no friction acts.
+    """
+    if pair.symmetry is None:
+        return _NONE
+    along = pair.symmetry.along
+    return np.concatenate((np.zeros((1, along.shape[1]), bool), along))
 
 
 def _improved(

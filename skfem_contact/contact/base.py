@@ -59,6 +59,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     slip_shift: ndarray | None = None
     debonded: ndarray | None = None
     families: tuple[Any, ...] = ()
+    symmetry: Any = None  # nodes that supports hold along the joint, which a model x
     multipliers = np.zeros((0, 0), int)  # their dofs, (dim, n_nodes), which the model numbers
 
     def __init__(

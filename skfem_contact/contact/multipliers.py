@@ -42,6 +42,8 @@ _NOTHING, _SINGULAR = 1e-9, 1e-10
 _HELD = 1e-10
 #: Second moment of a surface, over the largest one, below which it has no extent there.
 _FLAT = 1e-6
+#: Distance from a plane of symmetry, over the size of a facet, that is none.
+_ON_PLANE = 1e-3
 #: Square of the cosine between a direction of slip and supports that hold it.
 _ALONG = 0.99
 
@@ -105,6 +107,54 @@ class Nodes:
 
 
 @dataclass(frozen=True, eq=False)
+class Symmetry:
+    """Nodes of a slave that supports hold along the surface, as the master on the same plane.
+
+    Across a plane of symmetry nothing slips, and no friction acts. Supports that move the two sides
+    apart are no such plane.
+
+    Attributes
+    ----------
+    along : ndarray, shape (dim - 1, n_nodes)
+        Mask of the directions of slip that are held.
+    own, opposite : ndarray, shape (n_nodes, dim)
+        Dofs of these nodes, and dofs of the master beside them; -1 where they are not held.
+    """
+
+    along: ndarray
+    own: ndarray
+    opposite: ndarray
+
+    @classmethod
+    def of(cls, slave: Surface, master: Surface, fixed: ndarray) -> Symmetry:
+        """Return the nodes that fixed dofs hold."""
+        reach = max(slave.spacing, master.spacing)
+        own = np.where(np.isin(slave.dofs, fixed), slave.dofs, -1)
+        opposite = np.full(own.shape, -1)
+
+        # Find held nodes of the master on the same plane, direction by direction
+        for i in range(slave.dim):
+            members = np.flatnonzero((master.dofs[:, i] >= 0) & np.isin(master.dofs[:, i], fixed))
+            if len(members) == 0:
+                continue
+            distance, nearest = cKDTree(master.nodes[members]).query(slave.nodes)
+            beside = members[nearest]
+            apart = np.abs(master.nodes[beside, i] - slave.nodes[:, i])
+            on_plane = (distance < reach) & (apart < _ON_PLANE * reach)
+            opposite[on_plane, i] = master.dofs[beside[on_plane], i]
+        held = (own >= 0) & (opposite >= 0)
+        directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
+        along = (directions**2 * held[:, None]).sum(axis=2) > _ALONG
+        return cls(along.T, np.where(held, own, -1), np.where(held, opposite, -1))
+
+    def slides(self, x: ndarray, round_off: float) -> ndarray:
+        """Return a mask of nodes, (n_nodes,), that supports have moved along the master."""
+        held = self.own >= 0
+        apart = np.where(held, x[self.own] - x[self.opposite], 0.0)
+        return np.asarray((np.abs(apart) > round_off).any(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
 class _Closed:
     """Nodes that may have tractions, with the points near them and the law's update.
 
@@ -148,7 +198,13 @@ def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
     depth = pair.depth(points)
     found, projected = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
     multipliers = x[pair.multipliers]  # (dim, n_nodes)
-    closed = _closed(pair, x, state, found, multipliers / eps[:, None], round_off)
+    still = np.zeros((len(eps) - 1, multipliers.shape[1]), bool)
+    if pair.symmetry is not None:
+        # Nodes that only supports move have no multiplier along the surface, but the last traction
+        along = pair.symmetry.along
+        multipliers[1:][along] = state.multiplier[1:][along]
+        still = along & ~pair.symmetry.slides(x, round_off)
+    closed = _closed(pair, x, state, found, multipliers / eps[:, None], round_off, still)
     traction = closed.everywhere(closed.update.traction)
 
     # Forces of the tractions that the duals interpolate, and what round-off leaves of them
@@ -192,8 +248,12 @@ def _closed(
     found: Projection,
     multiplied: ndarray,
     round_off: float,
+    still: ndarray,
 ) -> _Closed:
-    """Evaluate the law at the nodes that it may close, at means of gap and slip."""
+    """Evaluate the law at the nodes that it may close, at means of gap and slip.
+
+    Nodes that are `still` along the surface, (dim - 1, n_nodes), have no friction.
+    """
     around = pair.nodes_at(state)
 
     def without_round_off(values: ndarray) -> ndarray:
@@ -214,10 +274,10 @@ def _closed(
     number = np.full(multiplied.shape[1], -1)
     number[on] = np.arange(len(on))
     numbers = number[facing.nodes]
-    acts = (numbers >= 0).any(axis=1)
-    near = at[acts]
-    weights = weights[acts]
-    numbers = numbers[acts]
+    loaded = (numbers >= 0).any(axis=1)
+    near = at[loaded]
+    weights = weights[loaded]
+    numbers = numbers[loaded]
 
     # Mean slip of these nodes
     kinematics = pair.interface.variations(x, state, found, near)
@@ -227,7 +287,12 @@ def _closed(
     slip = without_round_off((sums @ kinematics.slip).T / area[on]) + multiplied[1:, on]
 
     jump = np.vstack((gap[None, reached], slip))
+    acts = ~still[:, on]
+    jump[1:] = np.where(acts, jump[1:], 0.0)
     update = _law_at(pair, state, on).update(jump, internal[:, reached], pair.penalties(state))
+    tangent = update.tangent.copy()
+    tangent[1:] = np.where(acts[:, None], tangent[1:], 0.0)
+    update = update._replace(tangent=tangent)
     area[~faces] = pair.slave.area.mean()
     return _Closed(on, near, weights, sums, area, kinematics, update)
 
@@ -310,21 +375,8 @@ def idle(pair: Any, fixed: ndarray) -> ndarray:
     Nothing slips across a plane of symmetry.  Such a multiplier would act on the master's inside
     alone, and its equations would nearly be equations of its neighbours.
     """
-    slave = pair.slave
-    master = pair.facets
-    reach = max(slave.spacing, master.spacing)
-    fixed_slave = np.isin(slave.dofs, fixed)
-    fixed_master = np.isin(master.dofs, fixed)
-
-    # Keep the nodes of the slave near fixed nodes of the master, direction by direction
-    for i in range(slave.dim):
-        near: ndarray | bool = False
-        if fixed_master[:, i].any():
-            near = cKDTree(master.nodes[fixed_master[:, i]]).query(slave.nodes)[0] < reach
-        fixed_slave[:, i] &= near
-    directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
-    along = (directions**2 * fixed_slave[:, None]).sum(axis=2) > _ALONG
-    return np.asarray(pair.multipliers[1:][along.T])
+    along = Symmetry.of(pair.slave, pair.facets, fixed).along
+    return np.asarray(pair.multipliers[1:][along])
 
 
 def _law_at(pair: Any, state: ContactState, numbers: ndarray) -> Any:

@@ -20,6 +20,7 @@ from .base import ContactBase, initial_clearance
 from .diagnosis import remarks
 from .interface import RECUTS, ContactState
 from .laws import InterfaceLaw, Status
+from .multipliers import Symmetry
 from .prestress import LinearisedContact, TractionOperator
 
 #: Tractions that differ by this share come from another penalty; and the share of the largest one
@@ -217,6 +218,10 @@ class ContactPair(ContactBase):
     @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
         return regularisation.begin(self, accepted, failure)
+
+    @override
+    def supported(self, fixed: ndarray) -> ContactPair:
+        return self.with_(symmetry=Symmetry.of(self.slave, self.facets, fixed))
 
     @override
     def idle(self, fixed: ndarray) -> ndarray:

@@ -266,8 +266,10 @@ class Setup:
 
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
-        staged = having(forms, Staged).values()
-        fixed = different(self.layout.size, fixed, *(form.idle(fixed) for form in staged))
+        staged = {name: form.supported(fixed) for name, form in having(forms, Staged).items()}
+        forms = {**forms, **staged}
+        idle = [form.idle(fixed) for form in staged.values()]
+        fixed = different(self.layout.size, fixed, *idle)
         free = others(self.layout.size, fixed)
         solver = linear_solver(forms, self.solver, self.layout.coordinates, free)
         return System(forms, self.layout, fixed, solver)

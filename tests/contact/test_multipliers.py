@@ -339,6 +339,93 @@ def test_supports_on_both_sides_of_a_node() -> None:
     np.testing.assert_allclose(joint.pressure, 1.0, rtol=1e-6)
 
 
+def punched(enforcement, half: bool):
+    """A round punch on a block with friction, whole or on one side of the plane of symmetry."""
+    n = 1 if half else 2
+    ends = (0.0, 4.0, 3.0) if half else (-4.0, 4.0, 3.0)
+    low = grid("Q1", np.linspace(ends[0], 4, 12 * n + 1), np.linspace(0, 4, 9))
+    up = grid("Q1", np.linspace(0.75 * ends[0], 3, 16 * n + 1), np.linspace(0, 1, 7))
+    x, e = up.p
+    up = replace(up, doflocs=np.array([x, 4 + 3 * e + (1 - e) * x**2 / 40]))
+    basis = vector_basis(sc.join_bodies({"low": low, "up": up}), "Q1", intorder=2)
+    materials = {"low": sc.LinearElastic(E=1e4, nu=0.3), "up": sc.LinearElastic(E=2e5, nu=0.3)}
+    forms = {
+        "solid": sc.SolidForm(basis, materials),
+        "joint": sc.ContactPair(
+            basis, "up:bottom", "low:top", sc.Coulomb(0.4), enforcement=enforcement
+        ),
+    }
+    p, top = basis.mesh.p, basis.get_dofs("up:top").all("u^2")
+    on_axis = np.abs(p[0]) < 1e-9
+    if not half:
+        on_axis &= (p[1] < 1e-9) | (p[1] > 6.99)
+    rollers = basis.get_dofs("low:bottom").all("u^2")
+    fixed = np.unique(np.concatenate((rollers, top, basis.nodal_dofs[0, on_axis])))
+    prescribed = basis.zeros()
+    prescribed[top] = -0.05
+    stage = sc.Stage("press", prescribed=prescribed, increments=2)
+    return sc.Model(forms, fixed).run([stage], progress=False)["press"]
+
+
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+@pytest.mark.parametrize("method", [DUAL, sc.AugmentedLagrangian()])
+def test_half_of_a_punch_with_friction(method) -> None:
+    """[X] The half on a plane of symmetry has half of the force, the pressures and no shear."""
+    whole, half = punched(method, half=False), punched(method, half=True)
+    force = [stage.report("joint").force[1] for stage in (whole, half)]
+    assert 2.0 * force[1] == pytest.approx(force[0], rel=2e-3)
+    largest = [stage.tractions("joint").pressure.max() for stage in (whole, half)]
+    assert largest[1] == pytest.approx(largest[0], rel=0.1)
+    joint = half.tractions("joint")
+    assert abs(joint.shear[joint.x.argmin()]) < 0.05 * joint.shear.max()
+
+
+def test_push_out_of_a_press_fit() -> None:
+    """[X] Supports move both end nodes along the joint: friction acts there, too, mu N in all."""
+    inner = grid("Q1", np.linspace(10, 20.0025, 3), np.linspace(0, 20, 5))
+    outer = grid("Q1", np.linspace(20, 30, 3), np.linspace(0, 20, 5))
+    basis = vector_basis(sc.join_bodies({"inner": inner, "outer": outer}), "Q1", intorder=2)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=210e3, nu=0.3)),
+        "joint": sc.ContactPair(
+            basis, "inner:right", "outer:left", sc.Coulomb(0.1), enforcement=DUAL
+        ),
+    }
+    pushed = basis.get_dofs("inner:bottom").all("u^2")
+    sides = [basis.get_dofs(name).all("u^1") for name in ("outer:right", "inner:left")]
+    fixed = [basis.get_dofs("outer:bottom").all("u^2"), pushed, *sides]
+    model = sc.Model(forms, np.unique(np.concatenate(fixed)))
+    fit = model.run([sc.Stage("fit")], progress=False)
+    prescribed = fit["fit"].x.copy()
+    prescribed[pushed] -= 0.05
+    push = sc.Stage("push", prescribed=prescribed, increments=5)
+    stage = model.run([push], start=fit, progress=False)["push"]
+    force = -stage.reactions()[pushed].sum()
+    assert force == pytest.approx(-0.1 * stage.report("joint").force[0], rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_fit_of_a_strip_with_friction() -> None:
+    """[X] A strip with an interference of 1e-3 in a higher slot: friction hardly changes the
+    thrust.
+    """
+    strip = grid("Q1", np.linspace(0.5, 1, 5), np.linspace(0.1, 0.9, 5))
+    wall = grid("Q1", np.linspace(1, 2, 7), np.linspace(0, 1, 6))
+    basis = vector_basis(sc.join_bodies({"s": strip, "w": wall}), "Q1", intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
+    rollers = [basis.get_dofs({f"{b}:top", f"{b}:bottom"}).all("u^2") for b in "sw"]
+    sides = [basis.get_dofs(name).all("u^1") for name in ("s:left", "w:right")]
+    fixed = np.unique(np.concatenate((*rollers, *sides)))
+    thrusts = []
+    for mu in (0.0, 0.2):
+        pair = sc.ContactPair(
+            basis, "s:right", "w:left", sc.Coulomb(mu), initial=1e-3, enforcement=DUAL
+        )
+        model = sc.Model({"solid": solid, "joint": pair}, fixed)
+        thrusts.append(model.run([sc.Stage("fit")], progress=False)["fit"].report("joint").force[0])
+    assert thrusts[1] == pytest.approx(thrusts[0], rel=5e-3)
+
+
 @pytest.mark.parametrize("element", ["Q1", "Q2", "P2"])
 def test_uniform_pressure_about_the_axis(element: str) -> None:
     """[X] A column of revolution pressed evenly: 10 everywhere, also at r = 0, where a shape
