@@ -19,7 +19,7 @@ from .enforcement import Enforcement, check_corners
 from .growth import foreseen
 from .interface import ContactState
 from .laws import InterfaceLaw, Status
-from .multipliers import balanced, idle, nodal_forces, respond
+from .multipliers import balanced, nodal_forces, respond
 
 
 @dataclass(frozen=True)
@@ -136,10 +136,6 @@ class DualMultipliers(Enforcement):
     @override
     def nodal_forces(self, pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:
         return nodal_forces(pair, x, state)
-
-    @override
-    def idle(self, pair: Any, fixed: ndarray) -> ndarray:
-        return idle(pair, fixed)
 
     @override
     def foreseen(

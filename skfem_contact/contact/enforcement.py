@@ -94,10 +94,6 @@ class Enforcement:
         friction = state.traction - pressure
         return [operator @ pressure.ravel(), operator @ friction.ravel()]
 
-    def idle(self, pair: Any, fixed: ndarray) -> ndarray:
-        """Return dofs of the method's fields without effect between supports."""
-        return np.zeros(0, int)
-
     def foreseen(
         self, pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState
     ) -> ndarray:

@@ -110,8 +110,9 @@ class Nodes:
 class Symmetry:
     """Nodes of a slave that supports hold along the surface, as the master on the same plane.
 
-    Across a plane of symmetry nothing slips, and no friction acts. Supports that move the two sides
-    apart are no such plane.
+    Across a plane of symmetry nothing slips, and no friction acts: a multiplier would act on the
+    master's inside alone, and its equations would nearly be equations of its neighbours. Supports
+    that move the two sides apart are no such plane.
 
     Attributes
     ----------
@@ -367,16 +368,6 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
         factors = np.linalg.pinv(products, rcond=_FLAT, hermitian=True) @ missing
         component[at] = t + np.abs(t) * (linear @ factors)
     return tractions
-
-
-def idle(pair: Any, fixed: ndarray) -> ndarray:
-    """Return tangential multipliers at nodes that supports hold along the surface, as the master.
-
-    Nothing slips across a plane of symmetry.  Such a multiplier would act on the master's inside
-    alone, and its equations would nearly be equations of its neighbours.
-    """
-    along = Symmetry.of(pair.slave, pair.facets, fixed).along
-    return np.asarray(pair.multipliers[1:][along])
 
 
 def _law_at(pair: Any, state: ContactState, numbers: ndarray) -> Any:

@@ -210,7 +210,7 @@ class ContactPair(ContactBase):
             changes["_recuts"] = self._recuts + 1
             at = self.interface.nearest(points, self.points(cut))
             for name in ("clearance", "slip_shift", "debonded"):
-                values = getattr(self, name)
+                values = changes.get(name, getattr(self, name))
                 if values is not None:
                     changes[name] = values[..., at]
         return None if state is accepted else (self.with_(**changes), state)
@@ -220,12 +220,10 @@ class ContactPair(ContactBase):
         return regularisation.begin(self, accepted, failure)
 
     @override
-    def supported(self, fixed: ndarray) -> ContactPair:
-        return self.with_(symmetry=Symmetry.of(self.slave, self.facets, fixed))
-
-    @override
-    def idle(self, fixed: ndarray) -> ndarray:
-        return self.enforcement.idle(self, fixed)
+    def supported(self, fixed: ndarray) -> tuple[ContactPair, ndarray]:
+        symmetry = Symmetry.of(self.slave, self.facets, fixed)
+        idle = self.multipliers[1:][symmetry.along] if self.saddle else np.zeros(0, int)
+        return self.with_(symmetry=symmetry), idle
 
     @override
     def foreseen(

@@ -232,13 +232,9 @@ class Staged:
         """Return True if a state has the shapes of the initial state."""
         return same_shapes(state, self.initial_state())  # type: ignore[attr-defined]
 
-    def supported(self, fixed: ndarray) -> Staged:
-        """Return the form between supports, from which it may learn what they hold."""
-        return self
-
-    def idle(self, fixed: ndarray) -> ndarray:
-        """Return dofs of the form's own fields that do nothing between supports."""
-        return np.zeros(0, int)
+    def supported(self, fixed: ndarray) -> tuple[Any, ndarray]:
+        """Return the form between supports, and dofs of its own fields that do nothing there."""
+        return self, np.zeros(0, int)
 
     def rebased(self, x: ndarray, state: Any) -> Any:
         """Return the state once displacements are counted from x on."""

@@ -266,9 +266,11 @@ class Setup:
 
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
-        staged = {name: form.supported(fixed) for name, form in having(forms, Staged).items()}
-        forms = {**forms, **staged}
-        idle = [form.idle(fixed) for form in staged.values()]
+        idle = []
+        for name, form in having(forms, Staged).items():
+            supported, dofs = form.supported(fixed)
+            forms = {**forms, name: supported}
+            idle.append(dofs)
         fixed = different(self.layout.size, fixed, *idle)
         free = others(self.layout.size, fixed)
         solver = linear_solver(forms, self.solver, self.layout.coordinates, free)
