@@ -43,6 +43,8 @@ _ROUND_OFF = 1e-12
 #: A correction that has not become less by this factor so many times in a row will not do so.
 _PROGRESS, _PATIENCE = 0.7, 2
 _ACCURACY = 1e-14
+#: Bonds with this share of the largest overload break together with the one that has it.
+_TOGETHER = 0.9
 _NONE = np.zeros((1, 1), bool)  # mask of no multipliers
 
 
@@ -66,6 +68,10 @@ class Progress:
                 np.flatnonzero(given_up),
             )
         return Progress(correction, stalls, error)
+
+
+#: Progress at the start of further corrections in an increment.
+_AGAIN = Progress(error=np.finfo(float).max)
 
 
 @dataclass(frozen=True)
@@ -139,6 +145,14 @@ class AugmentedLagrangian(Penalty):
         return replace(state, multiplier=multipliers), tractions - multipliers @ shapes.T
 
     @override
+    def law_in_increment(self, pair: Any) -> InterfaceLaw:
+        """Return the law whose bonds hold: they break between equilibria alone.
+
+        A new multiplier adds to the traction at the start of a solution, up to twice of it.
+        """
+        return pair.law.unbreakable()
+
+    @override
     def after_equilibrium(
         self, pair: Any, accepted: ContactState, found: ContactState
     ) -> tuple[ContactState, dict[str, Any]]:
@@ -152,6 +166,15 @@ class AugmentedLagrangian(Penalty):
             pair.progress,
             _kept(pair),
         )
+        if state is accepted:
+            overload = pair.law.take(pair.points(accepted)).overload(found.traction, found.internal)
+            worst = overload.max(initial=0.0)
+            if worst > 1.0 + _ROUND_OFF:
+                broken = overload >= max(1.0, _TOGETHER * worst)
+                if pair.debonded is not None:
+                    broken |= pair.debonded
+                return replace(accepted), {"progress": _AGAIN, "debonded": broken}
+
         # Keep the tractions where the tangential penalty has become harder
         harder = state.penalty_factor[1] / accepted.penalty_factor[1]
         if harder != 1.0:

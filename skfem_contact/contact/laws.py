@@ -17,6 +17,8 @@ from .quadrature import SlavePoints
 
 #: Round-off of a traction on the friction cone, as a share of it.
 _ON_CONE = 1e-9
+#: Strength of bonds that do not break; infinity times a shape function of zero is no number.
+_ENDLESS = 1e100
 #: Share of the secant in a damped tangent. A pit of 6 m beside a sheet pile that slides along both
 #: faces: the search for its factor, 3.30, takes 254 iterations with .3 and 543 with 1; it stalls at
 #: 3.20 with .1, and without, in the first try of every search, at 2.65 after 140. A wall of which 5
@@ -150,6 +152,14 @@ class InterfaceLaw:
     def debonded(self, internal: ndarray) -> ndarray:
         """Return the internal variables of points whose bond is broken; by default the same."""
         return internal
+
+    def unbreakable(self) -> InterfaceLaw:
+        """Return the law with bonds that transfer any tension; by default the same."""
+        return self
+
+    def overload(self, traction: ndarray, internal: ndarray) -> ndarray:
+        """Return the tension of unbroken bonds over their strength, (n,); 0 without bonds."""
+        return np.zeros(traction.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,6 +311,21 @@ class Coulomb(InterfaceLaw):
     @override
     def debonded(self, internal: ndarray) -> ndarray:
         return np.ones_like(internal) if self._has_bond else internal
+
+    @override
+    def unbreakable(self) -> Coulomb:
+        if not np.any(self.tension):
+            return self
+        new = copy(self)
+        tension = np.where(self.tension, _ENDLESS, 0.0)
+        object.__setattr__(new, "tension", tension if tension.ndim else _ENDLESS)
+        return new
+
+    @override
+    def overload(self, traction: ndarray, internal: ndarray) -> ndarray:
+        whole = (internal[0] == 0.0) & (np.asarray(self.tension) > 0.0)
+        strength = np.where(whole, self.tension, np.inf)
+        return np.asarray(np.maximum(traction[0], 0.0) / strength)
 
 
 @dataclass(frozen=True, eq=False)

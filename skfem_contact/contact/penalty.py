@@ -18,7 +18,7 @@ from .compliance import on_compliance, on_penetration, on_round_off
 from .enforcement import Enforcement
 from .interface import ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
-from .laws import LawUpdate, Status, resisting
+from .laws import InterfaceLaw, LawUpdate, Status, resisting
 
 #: Penalty over the stiffness of the layers of elements beside the surfaces.  On the average over
 #: many loads the nodal forces of a Hertz contact are closest to the exact ones at 6 to 12
@@ -151,10 +151,14 @@ class Penalty(Enforcement):
 
     keeps_penalty = True
 
+    def law_in_increment(self, pair: Any) -> InterfaceLaw:
+        """Return the law of the points while an equilibrium is looked for."""
+        return pair.law
+
     @override
     def respond(self, pair: Any, x: ndarray, accepted: ContactState) -> Response:
         """Return the response of a pair whose points have tractions by their law (eq. 13)."""
-        law = pair.law
+        law = self.law_in_increment(pair)
         state = pair.effective(accepted)
         points = pair.points(state)
         eps_N, eps_T = pair.penalties(state)

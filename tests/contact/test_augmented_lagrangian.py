@@ -194,3 +194,46 @@ def test_multipliers_do_not_pull():
     np.testing.assert_allclose(
         np.sort(after[0]), [-0.5 * (1 + np.sqrt(3.0)), 0.0], rtol=1e-3, atol=1e-12
     )
+
+
+@pytest.mark.parametrize(("share", "broken"), [(0.5, False), (1.5, True)])
+def test_bonds_break_at_their_strength_alone(share: float, broken: bool) -> None:
+    """[X] A joint with a tension cut-off of 2 under tension of half, and 1.5 times of it."""
+    lower = grid("Q1", np.linspace(0, 1, 9), np.linspace(-1, 0, 5))
+    upper = grid("Q1", np.linspace(0, 1, 9), np.linspace(0, 1, 5))
+    basis = vector_basis(sc.join_bodies({"a": lower, "b": upper}), "Q1", intorder=2)
+    law = sc.Coulomb(mu=0.3, adhesion=2.0, tension=2.0)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)),
+        "joint": sc.ContactPair(basis, "b:bottom", "a:top", law, enforcement=AUGMENTED),
+    }
+    top, base = basis.get_dofs("b:top"), basis.get_dofs("a:bottom")
+    prescribed = basis.zeros()
+    prescribed[top.all("u^2")] = share * 2.0 * 2e-4
+    model = sc.Model(forms, np.union1d(base.all(), top.all()))
+    stage = model.run([sc.Stage("pull", prescribed=prescribed)], progress=False)["pull"]
+    joint = stage.tractions("joint")
+    assert ((joint.status == Status.OPEN) == broken).all()
+    np.testing.assert_allclose(joint.pressure, 0.0 if broken else -2.0 * share, rtol=1e-3)
+    assert not broken or not stage.states["joint"].multiplier.any()
+
+
+def test_bonds_of_a_bent_joint_stay_whole() -> None:
+    """[X] Stresses of -1 to 1, half of the strength: multipliers on their way break no bond."""
+    lower = grid("Q1", np.linspace(0, 1, 9), np.linspace(-1, 0, 5))
+    upper = grid("Q1", np.linspace(0, 1, 9), np.linspace(0, 1, 5))
+    basis = vector_basis(sc.join_bodies({"a": lower, "b": upper}), "Q1", intorder=2)
+    law = sc.Coulomb(mu=0.3, adhesion=2.0, tension=2.0)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)),
+        "joint": sc.ContactPair(basis, "b:bottom", "a:top", law, enforcement=AUGMENTED),
+    }
+    top, base = basis.get_dofs("b:top"), basis.get_dofs("a:bottom")
+    prescribed = basis.zeros()
+    lifted = top.all("u^2")
+    prescribed[lifted] = 2e-4 * (2.0 * basis.doflocs[0, lifted] - 1.0)
+    model = sc.Model(forms, np.union1d(base.all(), lifted))
+    stage = model.run([sc.Stage("bend", prescribed=prescribed)], progress=False)["bend"]
+    joint = stage.tractions("joint")
+    assert (joint.status != Status.OPEN).all()
+    assert -joint.pressure.min() < 1.2
