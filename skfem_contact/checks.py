@@ -403,7 +403,9 @@ def _checked(function: Any, owner: type | None = None) -> Any:
     # doctest finds functions by their globals
     code = checked.__code__
     own = FunctionType(code, function.__globals__, function.__name__, None, checked.__closure__)
-    return functools.update_wrapper(own, function)
+    functools.update_wrapper(own, function)
+    vars(own)["is_checked"] = True
+    return own
 
 
 def guard(*modules: str) -> None:
@@ -428,7 +430,7 @@ def _guard_methods(public: type) -> None:
         function = getattr(member, "__func__", member)
         if name.startswith("_") and name not in ("__init__", "__getitem__"):
             continue
-        if not isinstance(function, FunctionType) or hasattr(function, "__wrapped__"):
+        if not isinstance(function, FunctionType) or hasattr(function, "is_checked"):
             continue
         if not getattr(function, "__override__", False):
             new = _checked(function, public)

@@ -19,8 +19,8 @@ from ..nonlinear.step import Attempt, Step
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
-from ..solvers import single_threaded
 from ..stages.setup import Setup
+from ..stages.stage import AtRest, Force
 from .continuation import GROWTH, Branch, Course, follow, last_stage, loaded_start
 from .mechanism import LOAD, as_collapse, warn_of_errors
 from .result import CollapseResult, Point, SearchLog, conclude
@@ -52,22 +52,63 @@ class _Load(Branch):
         return slope
 
 
-@single_threaded
 def limit_load(
     setup: Setup,
-    load: Any,
-    start: Result | StageResult | None,
-    tolerance: float,
-    step: float,
-    max_value: float,
-    flow: Flow,
-    max_step: float,
-    min_displacement: float,
-    certify: bool | Mapping[str, Any],
-    undrained: bool,
-    progress: bool | None,
+    load: Force,
+    *,
+    start: Result | StageResult | None = None,
+    tolerance: float = 0.005,
+    step: float = 1.0,
+    max_value: float = np.inf,
+    flow: Flow = "given",
+    max_step: float = np.inf,
+    min_displacement: float = 0.0,
+    certify: bool | Mapping[str, Any] = False,
+    undrained: bool = False,
+    progress: bool | None = None,
 ) -> CollapseResult:
-    """Multiply a load until the structure collapses, see :meth:`skfem_contact.Model.limit_load`."""
+    """Multiply a load until the structure collapses.
+
+    The work of the load is prescribed and its multiplier follows, until the curve over the work
+    has levelled off.
+
+    Parameters
+    ----------
+    load
+        Reference load, (N,).
+    start
+        Where to start: a result (its last stage) or a stage, whose load stays. By default the
+        bodies are unstrained, and the weight of the forms stays.
+    tolerance
+        The curve ends when its last slope lets the multiplier rise by no more than this share.
+    step
+        First multiplier; it is halved until an equilibrium is found.
+    max_value
+        The curve ends when the multiplier exceeds this.
+    flow
+        Flow rule. With psi < phi the law as given takes hundreds of iterations or stalls; one
+        that is ``"lagged"`` (Krabbenhoft and others 2012) does not, but must start from
+        equilibrium with its own friction, and in long steps it resists more than the given law:
+        `max_step` keeps them short.
+    max_step
+        Work of the longest step over the work of the first one. Steps grow up to it.
+    min_displacement
+        The curve does not end at a peak or plateau before a displacement is as large as this.
+    certify, undrained, progress
+        As for :meth:`strength_reduction`; water is the water of the start.
+
+    Raises
+    ------
+    NotConverged
+        No step was small enough to begin with.
+
+    Warns
+    -----
+    AnalysisWarning
+        The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says
+        why. Or the value lies outside of the proven bounds by more than `tolerance`, or needs
+        displacements beyond a tenth of the model.
+    """
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_step > 0:
         raise ValueError(
@@ -153,11 +194,30 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
     )
 
 
-@single_threaded
 def is_stable(
-    setup: Setup, load: Any, start: Result | StageResult | None, water: Any, undrained: bool
+    setup: Setup,
+    load: Force = None,
+    *,
+    start: Result | StageResult | None = None,
+    water: AtRest = None,
+    undrained: bool = False,
 ) -> bool:
-    """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
+    """Return True if the structure resists its load: its factor of safety is above 1.
+
+    An equilibrium means True; displacements that run away along a mechanism
+    (:class:`NoEquilibrium`) mean False.
+
+    Parameters
+    ----------
+    load, start, water, undrained
+        As for :meth:`strength_reduction`.
+
+    Raises
+    ------
+    NotConverged
+        Neither an equilibrium nor a collapse was found; :meth:`limit_load` proceeds by
+        steps.
+    """
     begun = loaded_start(setup, load, start, water, undrained)
     system, origin = begun.system, begun.origin
     whole = begun.weight + begun.load

@@ -23,8 +23,8 @@ from ..nonlinear.step import Attempt, Step
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
-from ..solvers import single_threaded
 from ..stages.setup import Setup
+from ..stages.stage import AtRest, Force
 from .continuation import Branch, Course, follow, loaded_start, motion
 from .mechanism import FACTOR, as_collapse, is_singular
 from .result import (
@@ -154,23 +154,91 @@ class _Strength(Branch):
         return Point(result.x, result.states, factor, work, result.residuals)
 
 
-@single_threaded
 def strength_reduction(
     setup: Setup,
-    load: Any,
-    start: Result | StageResult | None,
-    water: Any,
-    reduce: str | Collection[str] | None,
-    exclude: str | Collection[str],
-    flow: Flow,
-    tolerance: float,
-    step: float,
-    max_value: float,
-    certify: bool | Literal["auto"] | Mapping[str, Any],
-    undrained: bool,
-    progress: bool | None,
+    load: Force = None,
+    *,
+    start: Result | StageResult | None = None,
+    water: AtRest = None,
+    reduce: str | Collection[str] | None = None,
+    exclude: str | Collection[str] = (),
+    flow: Flow = "given",
+    tolerance: float = 0.01,
+    step: float = 0.1,
+    max_value: float = 100.0,
+    certify: bool | Literal["auto"] | Mapping[str, Any] = "auto",
+    undrained: bool = False,
+    progress: bool | None = None,
 ) -> CollapseResult:
-    """Reduce the strength until collapse, see :meth:`skfem_contact.Model.strength_reduction`."""
+    """Reduce the strength until the structure collapses under its load.
+
+    The work of the load is prescribed and the factor follows, up to its plateau.
+
+    Parameters
+    ----------
+    load
+        External forces besides the weight of the forms and the water, (N,); by default the ones
+        of ``start``.
+    start
+        Where to start: a result (its last stage) or a stage. By default the load is applied to
+        the unstrained bodies first.
+    water
+        Water at rest, as of a :class:`Stage`; by default the water of ``start``; ``False``:
+        none.
+    reduce
+        Names of forms and of regions whose strength is reduced, or one; by default all that
+        have a strength: regions of solids, and friction and adhesion of contact pairs.
+    exclude
+        Names of forms and of regions that keep their strength, or one.
+    flow
+        Flow rule: ``"given"``, ``"associated"``, ``"davis_a"``, ``"davis_b"``, ``"davis_c"`` or
+        ``"lagged"``, see
+        :doc:`theory </theory/plasticity>`.
+    tolerance
+        Width of the bracket; the curve is followed until a quarter of it is left.
+    step
+        First step of the factor, at least `tolerance`: over less a curve looks like its
+        plateau.
+    max_value
+        The search ends above this factor.
+    certify
+        Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane
+        search if that takes no more than about its time. True, or arguments of :meth:`bounds`
+        such as ``{"gap": .02}``: on meshes of their own. The load must be a sum of weights and
+        linear tractions on boundaries; water at rest is known.
+    undrained
+        Let no water flow in ground with :class:`PoreWater`: a collapse just after a quick
+        change. By default its pressures stay: a collapse as slow as the drainage.
+    progress
+        Show a progress bar; by default where the output is a terminal.
+
+    Raises
+    ------
+    NotConverged
+        No equilibrium was found to start from.
+
+    Warns
+    -----
+    AnalysisWarning
+        The factor is below 1, outside of the proven bounds, or needs displacements beyond a
+        tenth of the model; no collapse was shown (:attr:`CollapseResult.stop`); elements lock;
+        pressures are kept that have yet to drain.
+
+    Examples
+    --------
+    A column of soil that can spread collapses at ``q = 2 c / F``, or under 2 c:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad().refined(1).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.))
+    >>> fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    >>> model = sc.Model({"soil": column}, fixed)
+    >>> load = model.traction("top", (0., -10.))
+    >>> f"{model.strength_reduction(load).factor:.2f} {model.limit_load(load).multiplier:.2f}"
+    '2.00 2.00'
+    """
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_value > 1:
         raise ValueError(

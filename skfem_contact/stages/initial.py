@@ -28,7 +28,7 @@ from ..results.stage import StageResult
 from .plan import acts_on, check_contacts
 from .run import run
 from .setup import Setup, dofs_of
-from .stage import Stage
+from .stage import AtRest, Force, Stage
 
 #: Largest K0 without a warning: the passive pressure of a soil with 55 degrees.
 _LARGEST_K0 = 10.0
@@ -48,23 +48,99 @@ _StressField = Callable[[ndarray, ndarray], ndarray]
 
 
 def initial_state(
-    setup: Setup, load: Any, stress: Callable[[ndarray], ndarray], water: Any, name: str
+    setup: Setup,
+    load: Force = None,
+    *,
+    stress: Callable[[ndarray], ndarray],
+    water: AtRest = None,
+    name: str = "initial",
 ) -> Result:
-    """Return a given field of stresses, see :meth:`skfem_contact.Model.initial_state`."""
+    """Return a start with a given field of stresses; nothing has moved.
+
+    Where a stress is not admissible it is returned to the yield surface, and counted as
+    yielded. Contact pairs get the tractions that balance the stresses on both sides.
+
+    Parameters
+    ----------
+    load
+        External forces besides the weight of the forms, (N,): stresses, weight and these are in
+        equilibrium.
+    stress
+        Stress (xx, yy, zz, xy), tension positive, at coordinates (2, n_elements, n_points): (4,
+        n_elements, n_points); in three dimensions 6 components at coordinates (3, n_elements,
+        n_points).
+    water
+        Water at rest, as in :class:`Stage`.
+    name
+        Name of the state in the result.
+
+    Returns
+    -------
+    Result
+        A start for :meth:`run`, with the residual of its equilibrium. A stage with the same
+        load, a *null step*, removes the rest.
+
+    Warns
+    -----
+    AnalysisWarning
+        The forces out of balance exceed 1e-6 of the load.
+    """
     whole = _whole(setup, load, water)
     return _wet(setup, _balanced(setup, whole, lambda x, elements: stress(x), name), water)
 
 
 def k0_state(
     setup: Setup,
-    load: Any,
+    load: Force = None,
+    *,
     K0: float | Mapping[str, float],
-    unit_weights: float | Mapping[str, float] | None,
-    surcharge: float,
-    water: Any,
-    name: str,
+    unit_weights: float | Mapping[str, float] | None = None,
+    surcharge: float = 0.0,
+    water: AtRest = None,
+    name: str = "initial",
 ) -> Result:
-    """Return the state of the K0 procedure, see :meth:`skfem_contact.Model.k0_state`."""
+    """Return the K0 state of level ground.
+
+    The vertical stress follows from the weight above, the horizontal stress is K0 times it.
+    Where the surface or the layers are not level use :meth:`gravity_state`.
+
+    Parameters
+    ----------
+    load, name
+        As for :meth:`initial_state`.
+    K0
+        Ratio of the effective stresses: one number, or by subdomain.
+    unit_weights
+        Unit weights, one number or by subdomain; by default the forms' own. Subdomains that
+        are not named are weightless.
+    surcharge
+        Pressure on the surface, with the water above it.
+    water
+        Water at rest: its level, points of it, or the pore pressure as a function of the
+        coordinates or at the vertices, (n_vertices,). Stresses are then effective, everywhere.
+        A wall that is wished in place begins as ground. Where the forms have unit weights the
+        load of the water is added, otherwise `load` holds it.
+
+    Raises
+    ------
+    ValueError
+        Unknown subdomain, elements without K0, different unit weights at the same height (the
+        ground is not level).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad().refined(1).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> soil = sc.MohrCoulomb(E=1e4, nu=.3, c=1., phi=30.)
+    >>> ground = sc.SolidForm(basis, soil, unit_weight=20.)
+    >>> start = sc.Model({"ground": ground}, sc.box_supports(basis)).k0_state(K0=.5)
+    >>> stress = start["initial"].states["ground"].stress
+    >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
+    (True, True)
+    """
     solids = setup.solids
     mesh = next(iter(solids.values())).basis.mesh
     elements = np.concatenate([form.elements for form in solids.values()])
@@ -131,22 +207,43 @@ def _pressure_field(
 
 def gravity_state(
     setup: Setup,
-    load: Any,
-    K0: float | Mapping[str, float] | None,
-    water: Any,
-    name: str,
-    increments: int,
+    load: Force = None,
+    *,
+    K0: float | Mapping[str, float] | None = None,
+    water: AtRest = None,
+    name: str = "initial",
+    increments: int = 1,
 ) -> Result:
-    """Turn gravity on in ground of any shape, see :meth:`skfem_contact.Model.gravity_state`."""
+    """Turn gravity on in ground of any shape; the displacements are then set to zero.
+
+    Contact has followed the bodies: where it does not balance once it is back, equilibrium is
+    found from this state.
+
+    Parameters
+    ----------
+    load, water, name
+        As for :meth:`initial_state`. Excess pressures of :class:`PoreWater` are zero.
+    K0
+        Where it is given, for all regions or by the name of a region, gravity first acts on
+        elastic ground with Poisson's ratio K0 / (1 + K0), which gives this ratio under a level
+        surface; then the ground's own materials find their equilibrium.
+    increments
+        Number of increments to begin with.
+
+    Raises
+    ------
+    ValueError
+        K0 outside (0, 1), or of a region that does not exist.
+    """
     whole = _whole(setup, load, water)
     _check_inactive(setup, whole)
     dry, kept = _without_still_fields(setup)
-    load = whole[kept]
+    dry_load = whole[kept]
     first = None
     if K0 is not None:
         elastic = _with(dry, {**dry.forms, **_elastic_bodies(dry, K0)})
-        first = _loaded(elastic, f"{name}, elastic", load, 1, None)
-    result = _at_rest(dry, _loaded(dry, name, load, increments, first))
+        first = _loaded(elastic, f"{name}, elastic", dry_load, 1, None)
+    result = _at_rest(dry, _loaded(dry, name, dry_load, increments, first))
     return _wet(setup, _among_all(setup, kept, result), water)
 
 
@@ -171,7 +268,8 @@ def _loaded(
     setup: Setup, name: str, load: ndarray, increments: int, start: StageResult | None
 ) -> StageResult:
     """Run a stage of a whole load."""
-    return run(setup, [Stage(name, load, increments=increments)], start, progress=False)[name]
+    stage = Stage(name, load, increments=increments)
+    return run(setup, [stage], start=start, progress=False)[name]
 
 
 def _whole(setup: Setup, load: Any, water: Any) -> ndarray:

@@ -23,7 +23,6 @@ from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.strength import undrained_friction
-from ..solvers import single_threaded
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
 from .plan import Phase, plan, timeless
@@ -40,15 +39,50 @@ _SUDDEN = 1e-9
 Observer = Callable[[StageResult], Any]
 
 
-@single_threaded
 def run(
     setup: Setup,
     stages: Sequence[Stage],
+    *,
     start: Result | StageResult | None = None,
     on_increment: Observer | None = None,
     progress: bool | None = None,
 ) -> Result:
-    """Run stages one after the other, see :meth:`skfem_contact.Model.run`."""
+    """Run stages one after the other.
+
+    Parameters
+    ----------
+    stages
+        Stages in their order.
+    start
+        Result, or one stage, to continue from, with the changes by its stages; forms it lacks
+        are inactive.
+    on_increment
+        Function of every accepted increment, a :class:`StageResult`, such as
+        ``sc.results.Append(file)``.
+    progress
+        Show a progress bar; by default where the output is a terminal.
+
+    Returns
+    -------
+    Result
+        The stages of ``start``, if any, and the new ones.
+
+    Raises
+    ------
+    ValueError
+        Bad input, before anything is computed: sizes, NaN, unknown or repeated names, a body
+        that nothing holds.
+    NotConverged
+        With the partial result, whose last entry is the last increment that was accepted; so
+        has the ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute
+        ``result``.
+
+    Warns
+    -----
+    AnalysisWarning
+        Remarks of the forms on their states, each kind once; stages and supports that change
+        nothing.
+    """
     # Check everything, and plan all stages.
     done = [start] if isinstance(start, StageResult) else list(start or ())
     stages = checked(stages, [stage.name for stage in done])
