@@ -95,7 +95,7 @@ def limit_load(
     min_displacement
         The curve does not end at a peak or plateau before a displacement is as large as this.
     certify, undrained, progress
-        As for :meth:`strength_reduction`; water is the water of the start.
+        As for :meth:`strength_reduction`; the water stays as in the start.
 
     Raises
     ------
