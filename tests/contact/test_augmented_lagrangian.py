@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -237,3 +238,33 @@ def test_bonds_of_a_bent_joint_stay_whole() -> None:
     joint = stage.tractions("joint")
     assert (joint.status != Status.OPEN).all()
     assert -joint.pressure.min() < 1.2
+
+
+@pytest.mark.parametrize("stiff_slave", [True, False])
+def test_peaks_of_a_stiff_slave_are_told(stiff_slave: bool) -> None:
+    """[X] A stiff round punch as the slave of a soft block has peaks, and as its master none."""
+    low = grid("Q1", np.linspace(-4, 4, 49), np.linspace(0, 4, 17))
+    up = grid("Q1", np.linspace(-3, 3, 49), np.linspace(0, 1, 13))
+    x, e = up.p
+    up = replace(up, doflocs=np.array([x, 4 + 3 * e + (1 - e) * x**2 / 40]))  # radius 20
+    basis = vector_basis(sc.join_bodies({"low": low, "up": up}), "Q1", intorder=2)
+    materials = {"low": sc.LinearElastic(E=1e4, nu=0.3), "up": sc.LinearElastic(E=2e5, nu=0.3)}
+    sides = ("up:bottom", "low:top") if stiff_slave else ("low:top", "up:bottom")
+    pair = sc.ContactPair(basis, *sides, sc.Coulomb(), enforcement=AUGMENTED)
+    p, top = basis.mesh.p, basis.get_dofs("up:top").all("u^2")
+    on_axis = (np.abs(p[0]) < 1e-9) & ((p[1] < 1e-9) | (p[1] > 6.99))
+    rollers = basis.get_dofs("low:bottom").all("u^2")
+    fixed = np.unique(np.concatenate((rollers, top, basis.nodal_dofs[0, on_axis])))
+    prescribed = basis.zeros()
+    prescribed[top] = -0.05
+    model = sc.Model({"solid": sc.SolidForm(basis, materials), "joint": pair}, fixed)
+    stage = sc.Stage("press", prescribed=prescribed, increments=4)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = model.run([stage], progress=False)["press"]
+    peaks = [str(w.message) for w in told if "peaks of" in str(w.message)]
+    assert len(peaks) == (1 if stiff_slave else 0)
+    force = -result.reactions()[top].sum()
+    hertz = np.sqrt(force / np.pi / 20 / (0.91 / 1e4 + 0.91 / 2e5))
+    if not stiff_slave:
+        assert result.tractions("joint").pressure.max() == pytest.approx(hertz, rel=0.05)
