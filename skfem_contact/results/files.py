@@ -105,12 +105,19 @@ class Append:
 
     :func:`~skfem_contact.load_result` reads the file at any time, also after the analysis was
     killed: a record that was not completed is ignored. Records of a stage that is run again replace
-    the older ones.
+    the older ones. Where a record cannot be written, because the disk is full, the file ends with
+    the record before.
 
     Parameters
     ----------
     file
         Name of the file; new records follow the existing ones.
+
+    Warns
+    -----
+    AnalysisWarning
+        A record of an existing file is damaged: new records follow the one before, and the file as
+        it was is kept with the end ``.damaged``.
 
     Examples
     --------
@@ -131,7 +138,12 @@ class Append:
         self.file = Path(file)
         if self.file.exists() and self.file.stat().st_size > len(_MAGIC):
             with self.file.open("rb+") as stream:
-                stream.truncate(_records(stream)[1])  # without a record that was not completed
+                records, end, damaged = _records(stream)
+                if damaged:
+                    copy = self.file.with_name(f"{self.file.name}.damaged")
+                    shutil.copyfile(self.file, copy)
+                    warn(f"{_damage(self.file, records)}: new ones follow them, {copy} has all")
+                stream.truncate(end)  # without a record that was not completed
         else:
             self.file.write_bytes(_MAGIC)
 
@@ -140,10 +152,16 @@ class Append:
         payload = io.BytesIO()
         _write_arrays(payload, [replace(stage, increments=())])
         record = payload.getvalue()
-        with self.file.open("ab") as stream:
-            stream.write(_PREFIX.pack(len(record), crc32(record)) + record)
-            stream.flush()
-            os.fsync(stream.fileno())
+        remaining = memoryview(_PREFIX.pack(len(record), crc32(record)) + record)
+        with self.file.open("ab", buffering=0) as stream:
+            end = stream.tell()
+            try:
+                while remaining:
+                    remaining = remaining[stream.write(remaining) :]
+                os.fsync(stream.fileno())
+            except BaseException:
+                stream.truncate(end)  # without a part of a record, behind which nothing is read
+                raise
 
 
 def write(file: str | Path, stages: Iterable[StageData]) -> None:
@@ -169,9 +187,11 @@ def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_St
     try:
         with open(path, "rb") as stream:
             appended = stream.read(len(_MAGIC)) == _MAGIC
-            records = _records(stream)[0] if appended else []
+            records, _, damaged = _records(stream) if appended else ([], 0, False)
         if not appended:
             return tuple(_read_arrays(path, given, make))
+        if damaged:
+            warn(_damage(path, records))
         increments: list[_Stage] = []
         for record in records:
             increments += _read_arrays(io.BytesIO(record), given, make)
@@ -183,8 +203,11 @@ def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_St
         raise ValueError(f"{path} cannot be read as a result of these forms: {error}") from error
 
 
-def _records(stream: BinaryIO) -> tuple[list[bytes], int]:
-    """Return the complete records of a file, and the position behind the last one."""
+def _records(stream: BinaryIO) -> tuple[list[bytes], int, bool]:
+    """Return the records of a file before any damage, their end, and True if others follow it.
+
+    A last record that is not complete is no damage.
+    """
     stream.seek(0)
     if stream.read(len(_MAGIC)) != _MAGIC:
         raise ValueError(f"{stream.name} is no file of appended increments: give it another name")
@@ -197,13 +220,18 @@ def _records(stream: BinaryIO) -> tuple[list[bytes], int]:
         if len(record) < length:
             break
         if crc32(record) != checksum:
-            # The last record may be incomplete, the others are damaged.
-            if stream.tell() == size:
-                break
-            raise ValueError(f"record {len(records)} is not what was written")
+            return records, end, stream.tell() < size
         records.append(record)
         end = stream.tell()
-    return records, end
+    return records, end, False
+
+
+def _damage(file: str | Path, records: list[bytes]) -> str:
+    """Return a message on a damaged record, and on the ones that are read."""
+    return (
+        f"record {len(records)} of {file} is not what was written: only the {len(records)} "
+        "records before it are read"
+    )
 
 
 def _grouped(increments: list[_Stage]) -> tuple[_Stage, ...]:

@@ -73,6 +73,33 @@ class Result:
     def _repr_html_(self) -> str:
         return Table(COLUMNS, rows_of(self))._repr_html_()
 
+    def completed(self) -> Result:
+        """Return the result without a last stage that ended early: an interrupted run is resumed.
+
+        Examples
+        --------
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
+        >>> model = sc.Model({"block": block}, basis.get_dofs("bottom").all())
+        >>> def stop(increment):
+        ...     if increment.fraction == .5 and increment.name == "load":
+        ...         raise KeyboardInterrupt
+        >>> stages = [sc.Stage("weight"), sc.Stage("load", model.traction("top", (0., -1.)), increments=2)]
+        >>> try:
+        ...     result = model.run(stages, on_increment=stop)
+        ... except KeyboardInterrupt as error:
+        ...     result = error.result
+        >>> [stage.name for stage in result], [stage.name for stage in result.completed()]
+        (['weight', 'load'], ['weight'])
+        >>> model.run(stages[1:], start=result.completed())["load"].fraction
+        1.0
+        """
+        if self.stages and self.stages[-1].fraction < 1.0:
+            return Result(self.stages[:-1])
+        return self
+
     def envelope(self, body: str, sections: Sections | None = None) -> tables.Envelope:
         """Return the extreme section forces over the ends of all stages, without increments."""
         stages = [stage for stage in self if body in stage.states]

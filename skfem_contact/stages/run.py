@@ -12,7 +12,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import Bars
-from ..errors import NotConverged, Remarks
+from ..errors import NotConverged, Remarks, warn
 from ..forms.base import solids_of, summaries
 from ..forms.roles import Wet
 from ..nonlinear.increment import Interval, Path, solve_step
@@ -37,6 +37,24 @@ _SUDDEN = 1e-9
 
 #: Function that is called with every accepted increment.
 Observer = Callable[[StageResult], Any]
+
+
+class _Accepted:
+    """Stages and increments that are accepted so far: whatever ends a run takes them with it."""
+
+    def __init__(self, done: Sequence[StageResult]) -> None:
+        self.done = [*done]
+        self.reached: StageResult | None = None  # the last increment of a stage that is not done
+        self.kept: list[StageResult] = []
+        self.begun = False
+
+    def result(self) -> Result:
+        """Return the stages that are done and the one that is not."""
+        stages = [*self.done]
+        reached = self.reached
+        if reached is not None and reached.name not in [stage.name for stage in stages[-1:]]:
+            stages.append(replace(reached, increments=tuple(self.kept)))
+        return Result(tuple(stages))
 
 
 def run(
@@ -73,9 +91,9 @@ def run(
         Bad input, before anything is computed: sizes, NaN, unknown or repeated names, a body
         that nothing holds.
     NotConverged
-        With the partial result, whose last entry is the last increment that was accepted; so
-        has the ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute
-        ``result``.
+        With the partial result, whose last entry is the last increment that was accepted. So has
+        every error that ends a run, as its attribute ``result``: of an observer, a law or a
+        solver, and the ``KeyboardInterrupt`` of a run that is stopped by hand.
 
     Warns
     -----
@@ -83,8 +101,25 @@ def run(
         Remarks of the forms on their states, each kind once; stages and supports that change
         nothing.
     """
+    accepted = _Accepted([start] if isinstance(start, StageResult) else list(start or ()))
+    try:
+        return _run(setup, stages, accepted, on_increment, progress)
+    except BaseException as error:
+        if accepted.begun:
+            error.result = accepted.result()  # type: ignore[attr-defined]
+        raise
+
+
+def _run(
+    setup: Setup,
+    stages: Sequence[Stage],
+    accepted: _Accepted,
+    on_increment: Observer | None,
+    progress: bool | None,
+) -> Result:
+    """Run stages, and record every increment that is accepted."""
     # Check everything, and plan all stages.
-    done = [start] if isinstance(start, StageResult) else list(start or ())
+    done = accepted.done
     stages = checked(stages, [stage.name for stage in done])
     setup = setup.after(done[-1] if done else None)
     phases = plan(setup, stages, done[-1] if done else None)
@@ -94,35 +129,50 @@ def run(
     else:
         last = _nothing(phases[0])
 
+    if done and done[-1].fraction < 1.0:
+        warn(
+            f"the start ends at {done[-1].fraction:.0%} of its stage '{done[-1].name}', from which "
+            "the run continues: start=result.completed() leaves this stage out"
+        )
+
     # Follow the stages.
-    follower = _Follower(setup, on_increment, Bars(progress, len(stages)))
+    follower = _Follower(setup, accepted, on_increment, Bars(progress, len(stages)))
     with Remarks() as remarks:
         remarks.add(stages[-1].name, "the stage", timeless(setup, stages, phases[-1]))
+        accepted.begun = True
         for stage, phase in zip(stages, phases, strict=True):
             try:
-                last, parts = follower.stage(stage, phase, last)
-            except (NotConverged, KeyboardInterrupt) as error:
-                ended, parts = error.result  # type: ignore[union-attr]
-                ended = _remarked(remarks, phase, ended, parts)
-                error.result = Result((*done, ended))  # type: ignore[union-attr]
+                last = follower.stage(stage, phase, last)
+            except BaseException:
+                if accepted.reached is not None:
+                    accepted.reached = _remarked(remarks, phase, accepted.reached, follower.parts)
                 raise
-            last = _remarked(remarks, phase, last, parts)
+            last = _remarked(remarks, phase, last, follower.parts)
             done.append(last)
-    return Result(tuple(done))
+            accepted.reached = None
+    return accepted.result()
 
 
 class _Follower:
     """Stages that follow each other, with the system and the predictor that go on between them."""
 
-    def __init__(self, setup: Setup, on_increment: Observer | None, progress: Bars) -> None:
+    def __init__(
+        self,
+        setup: Setup,
+        accepted: _Accepted,
+        on_increment: Observer | None,
+        progress: Bars,
+    ) -> None:
         self._setup = setup
+        self._accepted = accepted
+        self.parts = Parts(driven=False)  # of the stage that is followed
         self._on_increment = on_increment
         self._progress = progress
         self._system: System | None = None
         self._predictor = Predictor(np.zeros(0, int))
 
-    def stage(self, stage: Stage, phase: Phase, last: StageResult) -> tuple[StageResult, Parts]:
-        """Return the end of a stage, and its increments in parts; errors hold both."""
+    def stage(self, stage: Stage, phase: Phase, last: StageResult) -> StageResult:
+        """Return the end of a stage."""
         # Begin with other forms, bodies and supports.
         lost = np.zeros(len(last.x))
         first = self._system is None
@@ -162,7 +212,7 @@ class _Follower:
         path = _path(phase, last, system.fixed, lost, remaining)
 
         # Follow the increments.
-        parts = Parts(not np.array_equal(path(0.0)[1], path(1.0)[1]))
+        self.parts = Parts(driven=not np.array_equal(path(0.0)[1], path(1.0)[1]))
         newton = self._setup.newton or Newton()
         ways = [_Way(stage.name, path, stage.increments, stage.duration)]
         if phase.jump is not None:
@@ -170,41 +220,30 @@ class _Follower:
             sudden = _SUDDEN * stage.duration
             ways.insert(0, _Way(stage.name, jump, stage.increments, sudden, at_start=True))
         increments = _increments(system, self._predictor, ways, last, newton)
-        try:
-            last = self._followed(increments, stage, last, parts)
-        except (NotConverged, KeyboardInterrupt) as error:
-            error.result = error.result, parts  # type: ignore[union-attr]
-            raise
-        return replace(last, unreleased=remaining if remaining.any() else None), parts
+        last = self._followed(increments, stage, last)
+        return replace(last, unreleased=remaining if remaining.any() else None)
 
     def _followed(
-        self, increments: Iterator[StageResult], stage: Stage, last: StageResult, parts: Parts
+        self, increments: Iterator[StageResult], stage: Stage, last: StageResult
     ) -> StageResult:
-        """Return the end of a stage with the increments that it keeps.
-
-        An error that stops the stage holds the last accepted increment.
-        """
-        kept: list[StageResult] = []
+        """Return the end of a stage with the increments that it keeps."""
+        accepted = self._accepted
+        accepted.kept = []
+        accepted.reached = last
         began = perf_counter()
-
-        def ended() -> StageResult:
-            return replace(last, increments=tuple(kept), seconds=perf_counter() - began)
-
         with self._progress.stage(stage.name):
-            try:
-                for accepted in increments:
-                    parts.add(last, accepted)
-                    last = accepted
-                    if _keeps(stage, last):
-                        kept.append(last)
-                    iterations = len(last.iterations), sum(last.iterations)
-                    self._progress.update(last.fraction, *iterations, _moved(last))
-                    if self._on_increment is not None:
-                        self._on_increment(last)
-            except (NotConverged, KeyboardInterrupt) as error:
-                error.result = ended()  # type: ignore[union-attr]
-                raise
-        return ended()
+            for new in increments:
+                seconds = perf_counter() - began
+                self.parts.add(last, new)
+                last = new
+                accepted.reached = replace(new, seconds=seconds)
+                if _keeps(stage, last):
+                    accepted.kept.append(last)
+                iterations = len(last.iterations), sum(last.iterations)
+                self._progress.update(last.fraction, *iterations, _moved(last))
+                if self._on_increment is not None:
+                    self._on_increment(last)
+        return replace(last, increments=tuple(accepted.kept), seconds=perf_counter() - began)
 
 
 def _remarked(remarks: Remarks, phase: Phase, last: StageResult, parts: Parts) -> StageResult:

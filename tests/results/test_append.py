@@ -136,21 +136,62 @@ def test_a_stage_that_is_run_again_replaces_the_older_one(tmp_path):
 
 
 def test_damage_before_the_last_record_is_told(tmp_path):
+    """The records before the damage are read, and others follow them; a copy keeps the rest."""
     forms, load, fixed = block()
     append = Append(tmp_path / "run.records")
-    for part in increments(forms, load, fixed):
+    parts = list(increments(forms, load, fixed))
+    sizes = []
+    for part in parts:
         append(part)
+        sizes.append(append.file.stat().st_size)
     damaged = bytearray(append.file.read_bytes())
-    damaged[100] ^= 255
+    damaged[sizes[1] + 100] ^= 255
     append.file.write_bytes(damaged)
-    with pytest.raises(ValueError, match="record 0 is not what was written"):
-        sc.load_result(append.file, forms)
+    with pytest.warns(sc.AnalysisWarning, match="record 2 of .* is not what was written"):
+        (fill,) = sc.load_result(append.file, forms)
+    assert [part.fraction for part in fill.increments] == [0.5, 1.0]
+    with pytest.warns(sc.AnalysisWarning, match=r"record 2 of .* new ones follow them"):
+        append = Append(append.file)
+    assert (tmp_path / "run.records.damaged").read_bytes() == damaged
+    for part in parts[2:]:
+        append(part)
+    assert [len(stage.increments) for stage in sc.load_result(append.file, forms)] == [2, 3]
+
+
+def test_other_files_are_not_appended_to(tmp_path):
     other = tmp_path / "other.npz"
     Result(()).save(other)
     with pytest.raises(
         ValueError, match=r"other\.npz is no file of appended increments: give it another name"
     ):
         Append(other)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits of file sizes are of POSIX")
+@pytest.mark.parametrize("space", [5, 500])
+def test_record_that_finds_no_space_is_taken_back(tmp_path, space):
+    """[X] The disk is full within a record: the records before are there, and more follow later."""
+    import resource
+
+    forms, load, fixed = block()
+    append = Append(tmp_path / "run.records")
+    parts = list(increments(forms, load, fixed))
+    for part in parts[:2]:
+        append(part)
+    size = append.file.stat().st_size
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size + space, limits[1]))
+    try:
+        with pytest.raises(OSError):
+            append(parts[2])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert append.file.stat().st_size == size
+    for part in parts[2:]:
+        append(part)
+    assert [len(stage.increments) for stage in sc.load_result(append.file, forms)] == [2, 3]
 
 
 def test_kept_increments_are_saved(tmp_path):
