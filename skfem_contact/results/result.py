@@ -86,7 +86,8 @@ class Result:
         >>> def stop(increment):
         ...     if increment.fraction == .5 and increment.name == "load":
         ...         raise KeyboardInterrupt
-        >>> stages = [sc.Stage("weight"), sc.Stage("load", model.traction("top", (0., -1.)), increments=2)]
+        >>> load = model.traction("top", (0., -1.))
+        >>> stages = [sc.Stage("weight"), sc.Stage("load", load, increments=2)]
         >>> try:
         ...     result = model.run(stages, on_increment=stop)
         ... except KeyboardInterrupt as error:

@@ -63,7 +63,7 @@ class Failing(sc.Form):
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError("no space"), ZeroDivisionError()])
 @pytest.mark.parametrize("member", ["initial_state", "assemble", "outputs", "observer", "solver"])
 def test_whatever_ends_a_run_leaves_the_accepted_stages(member, error):
-    """[X] An error in the third stage, wherever it is raised: two stages with x = F / k are left."""
+    """[X] An error in the third stage, wherever it is raised: two stages, x = F / k, are left."""
     form, late = Failing(member, error), Failing(member, error)
 
     def observe(increment):
