@@ -39,7 +39,7 @@ def begin(
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
     known = dofs_of(phase.before, layout)
 
-    # Place new bodies, and give new water the excess pressure of undrained ground.
+    # Move new bodies along, and give new water the excess pressure of undrained ground.
     x = last.x.copy()
     unmoved = np.intersect1d(layout.still, dofs_of(new, layout))
     unmoved = np.setdiff1d(unmoved, known)

@@ -116,13 +116,11 @@ class Planner:
         ValueError
             Names, supports, loads or water of the stage do not fit; the message names the stage.
         """
-        changes = bool(stage.activate or stage.deactivate or stage.change)
-        changes = changes or stage.fixed is not None
         before = self._active
         on_top_before = self._on_top_before(stage)
-        old_supports = self._supports
         known_supports = self._known_supports()
-        self._change(stage, changes)
+        changes = _changes_forms(stage) or stage.fixed is not None
+        same_supports = self._change(stage, changes)
         fixed = np.union1d(self._supports, self._inactive)
 
         # Add up weights, water and the load on top of them
@@ -135,20 +133,16 @@ class Planner:
         prescribed = self._prescribed(stage)
 
         # Compare with the stage before
-        last_load = self._last_load
-        same_load = last_load is not None and np.array_equal(load, last_load)
-        same_load = same_load and prescribed is None
-        same_supports = stage.fixed is None or np.array_equal(old_supports, self._supports)
+        same_load = prescribed is None and self._same_as_before(load)
         waits = same_load and on_top is None and not (changes or self._unreleased)
         self._time = self._time + stage.duration if waits else stage.duration
-        remaining = {name: self._active[name] for name in before if name in self._active}
         remarks = (
             *_of_idle_input(stage, same_load, same_supports, self._unreleased),
             *self._of_forms(stage),
-            *self._of_water(stage, load),
-            *self._of_prescribed(prescribed),
+            *self._of_water(stage),
+            *self._of_pressures(stage, load, prescribed),
             *_of_jump(stage, load, jump),
-            *self._of_weights(stage, remaining, load - self._rest),
+            *self._of_weights(stage, before, load - self._rest),
         )
 
         # Release forces of bodies that go
@@ -157,33 +151,45 @@ class Planner:
         if self._unreleased and stage.deactivate:
             gone = self._at_rest(before) - self._rest
             gone[fixed] = 0.0
-        changed = changes and not (self._first and self._start is None)
-        self._on_top = load - self._rest
-        self._last_load = load
-        own = self._setup.own
-        return Phase(
+        phase = Phase(
             before=before,
             forms=self._active,
             fixed=fixed,
             load=load,
             prescribed=prescribed,
-            changed=changed,
+            changed=changes and (self._start is not None or not self._first),
             gone=gone,
             on_top=on_top,
             jump=jump,
             remarks=remarks,
             water=self._water,
-            replaced={k: form for k, form in self._known.items() if form is not own[k]},
+            replaced=self._all_replaced(),
             supports=self._supports,
             opened=self._opened(stage, known_supports),
         )
+        self._on_top = load - self._rest
+        self._last_load = load
+        return phase
+
+    def _same_as_before(self, load: ndarray) -> bool:
+        """Return True if a load is the load of the stage before."""
+        return self._last_load is not None and np.array_equal(load, self._last_load)
+
+    def _all_replaced(self) -> dict[str, Form]:
+        """Return the forms that stages have changed so far."""
+        own = self._setup.own
+        return {name: form for name, form in self._known.items() if form is not own[name]}
 
     def _select(self) -> dict[str, Form]:
         """Return the active forms in the order of the model."""
         return {name: form for name, form in self._known.items() if name in self._names}
 
-    def _change(self, stage: Stage, changes: bool) -> None:
-        """Change forms and supports, and check that bodies are active and held."""
+    def _change(self, stage: Stage, changes: bool) -> bool:
+        """Change forms and supports, and return True if the supports stay.
+
+        Bodies must be active and held.
+        """
+        old = self._supports
         try:
             if stage.fixed is not None:
                 self._supports = self._setup.layout.dofs(stage.fixed)
@@ -196,6 +202,7 @@ class Planner:
                 check_supports(self._active, np.union1d(self._supports, self._inactive))
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
+        return stage.fixed is None or np.array_equal(old, self._supports)
 
     def _replaced(self, stage: Stage) -> dict[str, Form]:
         """Return the new forms of a stage, which continue the states of the present ones."""
@@ -291,7 +298,7 @@ class Planner:
             raise ValueError(f"stage '{stage.name}': {error}") from None
         return found
 
-    def _of_water(self, stage: Stage, load: ndarray) -> Iterator[Remark]:
+    def _of_water(self, stage: Stage) -> Iterator[Remark]:
         """Refuse water that counts twice; report ground that drains at once, and lost suction."""
         waters = having(self._setup.forms, Wet)
         active = having(self._active, Wet)
@@ -313,36 +320,36 @@ class Planner:
                 f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: "
                 "their water would count twice; give the soil alone, or deactivate the water"
             )
-        level = isinstance(self._water, float | int) and self._water is not False
+        is_level = isinstance(self._water, float | int) and self._water is not False
         for name, water in active.items():
-            if level and water.suction > 0.0:
+            if is_level and water.suction > 0.0:
                 yield Remark(
                     "suction",
                     water.suction,
                     f"a level has none of the suction, up to {water.suction:.3g}, with which "
                     f"'{name}' begins: give water=model.forms['{name}'].initial",
                 )
+
+    def _of_pressures(
+        self, stage: Stage, load: ndarray, prescribed: ndarray | None
+    ) -> Iterator[Remark]:
+        """Refuse loads on pressures; report prescribed pressures that are not held."""
         layout = self._setup.layout
+        given = np.zeros(0, int) if prescribed is None else np.flatnonzero(prescribed)
+        loose = np.setdiff1d(given, self._supports)
+        if len(loose) and loose[0] < layout.n_displacements:
+            loose = loose[:0]  # values are given for all dofs
         for one, part in zip(layout.fields, layout.parts, strict=True):
+            if one.kind != "pressure":
+                continue
             loaded = int(np.count_nonzero(load[part]))
-            if one.kind == "pressure" and loaded:
+            if loaded:
                 raise ValueError(
                     f"stage '{stage.name}': the load acts on the {one.name} at {loaded} dofs, "
                     "where it would be water per increment: prescribe pressures that are held"
                 )
-
-    def _of_prescribed(self, prescribed: ndarray | None) -> Iterator[Remark]:
-        """Report prescribed pressures that are not held."""
-        layout = self._setup.layout
-        if prescribed is None or not having(self._setup.forms, Wet):
-            return
-        loose = np.setdiff1d(np.flatnonzero(prescribed), self._supports)
-        if not len(loose) or loose[0] < layout.n_displacements:
-            return  # values are given for all dofs
-        for one, part in zip(layout.fields, layout.parts, strict=True):
-            inside = (loose >= part.start) & (loose < part.stop)
-            n = int(np.count_nonzero(inside))
-            if one.kind == "pressure" and n:
+            n = int(np.count_nonzero((loose >= part.start) & (loose < part.stop)))
+            if n:
                 yield Remark(
                     "loose",
                     n,
@@ -351,20 +358,21 @@ class Planner:
                 )
 
     def _of_weights(
-        self, stage: Stage, forms: Mapping[str, Form], on_top: ndarray
+        self, stage: Stage, before: Mapping[str, Form], on_top: ndarray
     ) -> Iterator[Remark]:
         """Yield remarks on weights of solids in the load before that this load lacks."""
         if stage.load is not None and not on_top.any():
             return  # nothing at all is asked for
         gravity = self._setup.gravity
         n = self._setup.layout.n_displacements
-        before = self._on_top[:n].reshape(-1, len(gravity)) @ gravity  # weight at the nodes
+        then = self._on_top[:n].reshape(-1, len(gravity)) @ gravity  # weight at the nodes
         now = on_top[:n].reshape(-1, len(gravity)) @ gravity
-        least = _NO_LOAD * np.abs(before).max(initial=0.0)
-        for name, form in solids_of(forms).items():
+        least = _NO_LOAD * np.abs(then).max(initial=0.0)
+        remaining = {name: form for name, form in self._active.items() if name in before}
+        for name, form in solids_of(remaining).items():
             own = np.unique(nodes(form.basis))
-            lost = own[(np.abs(before[own]) > least) & (np.abs(now[own]) <= least)]
-            total = float(before[lost].sum())
+            lost = own[(np.abs(then[own]) > least) & (np.abs(now[own]) <= least)]
+            total = float(then[lost].sum())
             weightless = form.own_weight(gravity) is None
             if weightless and len(lost) > _WEIGHTY * len(own) and total > 0.0:
                 yield Remark(
@@ -450,6 +458,11 @@ def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Rema
     )
 
 
+def _changes_forms(stage: Stage) -> bool:
+    """Return True if a stage activates, deactivates or changes forms."""
+    return bool(stage.activate or stage.deactivate or stage.change)
+
+
 def _of_idle_input(
     stage: Stage, same_load: bool, same_supports: bool, unreleased: bool
 ) -> Iterator[Remark]:
@@ -460,7 +473,7 @@ def _of_idle_input(
             0.0,
             "`fixed` holds what is supported already: leave it out, or a boundary is empty",
         )
-    changes = stage.activate or stage.deactivate or stage.change or stage.duration or unreleased
+    changes = _changes_forms(stage) or stage.duration or unreleased
     if same_load and same_supports and not changes:
         yield Remark(
             "nothing",

@@ -154,7 +154,7 @@ def _run(
 
 
 class _Follower:
-    """Stages that follow each other, with the system and the predictor that go on between them."""
+    """Stages that follow each other, with the system and the predictor that they share."""
 
     def __init__(
         self,
