@@ -337,15 +337,19 @@ def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
     length = len(items) if origin is tuple and ... not in inner else None
 
     def holds(value: Any) -> bool:
-        if isinstance(value, str | bytes):
-            return False
-        several = value.ndim > 0 if isinstance(value, ndarray) else isinstance(value, container)
-        if not several or length not in (None, len(value)):
+        if not _is_several(value, container) or length not in (None, len(value)):
             return False
         kinds = items if length else cycle(items)
         return all(kind.holds(item) for kind, item in zip(kinds, value, strict=False))
 
     return Kind(f"{length or 'several'} values, each {' and '.join(_distinct(items))}", holds)
+
+
+def _is_several(value: Any, container: Any) -> bool:
+    """Return True for a container or an array of values, but no text."""
+    if isinstance(value, ndarray):
+        return value.ndim > 0
+    return isinstance(value, container) and not isinstance(value, str | bytes)
 
 
 @functools.cache

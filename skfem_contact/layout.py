@@ -183,7 +183,8 @@ class Layout:
     def dofs(self, given: Any) -> ndarray:
         """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or several."""
         several = isinstance(given, list | tuple) and any(map(_is_part, given))
-        numbers = [self._numbers_of(part) for part in (given if several else [given])]
+        parts = given if several else [given]
+        numbers = [self._numbers_of(part) for part in parts]
         dofs = np.unique(np.concatenate(numbers).astype(int))
         if len(dofs) and (dofs[0] < 0 or dofs[-1] >= self.size):
             raise ValueError(f"fixed dofs must lie between 0 and {self.size - 1}")

@@ -99,11 +99,12 @@ class Gathering:
 def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
     """Return the different rows, and the number of each row among them."""
     order = np.lexsort(numbers.T)
+    ordered = numbers[order]
     new = np.ones(len(order), bool)
-    new[1:] = (numbers[order[1:]] != numbers[order[:-1]]).any(axis=1)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
     number = np.empty(len(order), int)
     number[order] = np.cumsum(new) - 1
-    return numbers[order[new]], number
+    return ordered[new], number
 
 
 class FreeBlock:

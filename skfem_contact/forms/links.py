@@ -344,12 +344,15 @@ class Bar(Form, Couples, Staged, Regularised):
 
     def _matrix(self, tangent: ndarray) -> csr_matrix:
         """Return the stiffness among the dofs of the bars, of forces by elongations, (n,)."""
-        axial = tangent[:, None, None] / self._spacing
-        blocks = axial * self._axis[:, :, None] * self._axis[:, None, :]  # (n, m, m)
-        rows, columns = np.broadcast_arrays(self._rows[:, :, None], self._rows[:, None, :])
-        entries = blocks.ravel(), (rows.ravel(), columns.ravel())
+        # k a a^T of every bar
+        a = self._axis
+        k = tangent[:, None, None] / self._spacing
+        blocks = k * a[:, :, None] * a[:, None, :]  # (n, m, m)
+        m = a.shape[1]
+        rows = np.repeat(self._rows, m, axis=1).ravel()
+        columns = np.tile(self._rows, m).ravel()
         n = len(self._at)
-        return coo_matrix(entries, shape=(n, n)).tocsr()
+        return coo_matrix((blocks.ravel(), (rows, columns)), shape=(n, n)).tocsr()
 
     @override
     def inherits(self, old: Bar, state: BarState) -> BarState:

@@ -50,6 +50,7 @@ def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
     half = 0.5 * (xi[:, 0] + 1.0)
     if surface.shape.affine:
         return np.asarray(start + half * surface.area[facet])
+    # integrate the length of the tangent
     nodes = surface.nodes - surface.nodes[0]  # large coordinates would cost digits
     t, w = gauss_points(5)
     inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]

@@ -390,10 +390,12 @@ def _surface(
     corners = len(shape.corners)
     x = points[facets[:, :corners]]  # (n_facets, corners, 3)
     normal = across(x[:, [1, -1]] - x[:, [0]])
-    wrong = dot(normal, outward(x.mean(axis=1))) < 0
+    centre = x.mean(axis=1)
+    wrong = dot(normal, outward(centre)) < 0
     # exchange the two local coordinates of facets on the wrong side
     mirrored = shape.nodes[:, ::-1]
-    mirror = np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
+    distance = np.abs(mirrored[:, None] - shape.nodes).sum(axis=2)
+    mirror = np.argmin(distance, axis=1)
     facets = np.where(wrong[:, None], facets[:, mirror], facets)
     return _rigid(name, points, facets, shape, adjacent(facets[:, :corners], name))
 

@@ -72,9 +72,12 @@ def _soft_joints(surface: Surface, corner: float) -> tuple[ndarray, ndarray]:
     if not surface.closed:
         before = before[:-1]
         after = after[:-1]
-    along = surface.nodes[surface.facets[:, 1]] - surface.nodes[surface.facets[:, 0]]
-    direction = np.arctan2(along[:, 1], along[:, 0])
-    turn = np.abs((direction[after] - direction[before] + np.pi) % (2 * np.pi) - np.pi)
+    start, end = surface.nodes[surface.facets.T]
+    x, y = (end - start).T
+    direction = np.arctan2(y, x)
+    # the change of direction, between -pi and pi
+    change = direction[after] - direction[before]
+    turn = np.abs((change + np.pi) % (2 * np.pi) - np.pi)
     soft = np.rad2deg(turn) <= corner + 1e-6  # all joints of an octagon alike
     return before[soft], after[soft]
 

@@ -246,12 +246,16 @@ class Surface:
         n, k = nodes.shape
         if self.arms is None or self.rotations is None:
             return np.zeros((n, 0), int), np.zeros((n, k * self.dim, 0))
+        dim = self.dim
         q = self.arms.shape[2]
-        node = np.arange(k)
-        lever = np.zeros((n, k, self.dim, k, q))
-        lever[:, node, :, node] = self.arms[nodes].transpose(1, 0, 2, 3)  # (k, n, dim, q)
-        dofs = np.where((nodes < 0)[:, :, None], -1, self.rotations[nodes])
-        return dofs.reshape(n, k * q), lever.reshape(n, k * self.dim, k * q)
+        missing = nodes < 0
+        dofs = np.where(missing[:, :, None], -1, self.rotations[nodes])  # (n, k, q)
+        # every node is moved by its own rotations alone
+        arms = self.arms[nodes]  # (n, k, dim, q)
+        lever = np.zeros((n, k, dim, k, q))
+        for node in range(k):
+            lever[:, node, :, node] = arms[:, node]
+        return dofs.reshape(n, k * q), lever.reshape(n, k * dim, k * q)
 
     @property
     def dim(self) -> int:

@@ -175,11 +175,12 @@ def arms_of(offset: ndarray) -> ndarray:
 def _outward(p: ndarray, t: ndarray, corners: ndarray, element: ndarray) -> ndarray:
     """Return the corners of facets in the order that turns their normals out of the elements."""
     x = p[:, corners].transpose(2, 1, 0)  # (n, corners, dim)
-    centre = p[:, t[:, element]].mean(axis=1).T
+    vertices = t[:, element]
+    centre = p[:, vertices].mean(axis=1).T
     inward = centre - x[:, 0]
     sides = [1] if len(p) == 2 else [1, -1]
-    tangents = x[:, sides] - x[:, [0]]
-    inside_out = dot(across(tangents), inward) > 0
+    normal = across(x[:, sides] - x[:, [0]])
+    inside_out = dot(normal, inward) > 0
     return np.where(inside_out, corners[::-1], corners)
 
 
