@@ -168,9 +168,8 @@ class Beam(BeamNodes):
             GA = EA / 3.0
         if GJ is None:
             GJ = 0.8 * EI
-        check_values(
-            Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=spacing or 1.0
-        )
+        distance = 1.0 if spacing is None else spacing
+        check_values(Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=distance)
         self.parameters = {
             "EI": EI,
             "EA": EA,
@@ -200,7 +199,7 @@ class Beam(BeamNodes):
 
         # Find stiffness and strength of a row per unit of length
         self.thickness = thickness
-        self.spacing = spacing or 1.0
+        self.spacing = distance
         self._weight = unit_weight / self.spacing
         self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI, GJ)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)

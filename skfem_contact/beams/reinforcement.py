@@ -114,7 +114,11 @@ class Reinforcement(BeamNodes, Regularised):
         cells: ArrayLike | None = None,
         bonded: bool | None = None,
     ) -> None:
-        for name, value in {"EA": EA, "Np": Np, "spacing": spacing or 1.0}.items():
+        for name, value in {
+            "EA": EA,
+            "Np": Np,
+            "spacing": 1.0 if spacing is None else spacing,
+        }.items():
             if not (is_number(value, 0.0, np.inf) or (name == "Np" and value == np.inf)):
                 raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
         self.parameters = {"EA": EA, "Np": Np, "spacing": spacing, "tension_only": tension_only}
@@ -143,7 +147,7 @@ class Reinforcement(BeamNodes, Regularised):
             self._connect(self.shared.ravel())
 
         # Stiffness and strength of a row per unit of length
-        self.spacing = spacing or 1.0
+        self.spacing = 1.0 if spacing is None else spacing
         self._EA = EA / self.spacing
         self._most = Np / self.spacing
         self._least = 0.0 if tension_only else -self._most

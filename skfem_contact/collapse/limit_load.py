@@ -123,6 +123,8 @@ def limit_load(
     last = last_stage(start)
     dead = begun.weight if last is None else setup.vector(last.load, "the load of the start")
     system = begun.system
+    if not begun.load[system.free].any():
+        raise ValueError("the load to be multiplied is zero, or acts on supports alone")
     if flow != "given":
         associated = changed(
             system.forms, Reducible, lambda form: form.reduced(1.0, flow, form.strengths)

@@ -54,7 +54,7 @@ class MatrixForm(Form, Stiff, Couples, Staged):
         shape = np.shape(K)  # type: ignore[arg-type]
         if len(shape) != 2:
             raise ValueError(f"K must be a square matrix, not an array of shape {shape}")
-        K = csr_matrix(K)  # type: ignore[arg-type]
+        K = csr_matrix(K, copy=True)  # type: ignore[arg-type]
         if shape[0] != shape[1] or not np.isfinite(K.data).all():
             raise ValueError(f"K must be a square matrix of finite numbers, not {K.shape}")
         largest = abs(K).max() if K.nnz else 0.0

@@ -114,6 +114,8 @@ def region_field(
             "that of the stage, a Seepage, or a function of coordinates such as hydrostatic(level)"
         )
     bodies = solids(stage)
+    if since is not None:
+        _check_same_mesh(stage, since, bodies)
     values = np.concatenate(
         [_of_form(form, stage, key, quantity, since) for key, form in bodies.items()]
     )
@@ -223,6 +225,21 @@ def has_solids(stage: StageData) -> bool:
 def basis_of(stage: StageData) -> CellBasis:
     """Return the basis of the displacements."""
     return next(iter(solids(stage).values())).basis
+
+
+def _check_same_mesh(stage: StageData, since: StageData, bodies: Mapping[str, SolidForm]) -> None:
+    """Refuse an earlier stage of another mesh."""
+    for name in bodies:
+        if name not in since.states:
+            continue
+        now = stage.x.shape, stage.states[name].stress.shape
+        before = since.x.shape, since.states[name].stress.shape
+        if now != before:
+            raise ValueError(
+                f"since: stage '{since.name}' is of another mesh than stage '{stage.name}': "
+                f"{before[0][0]} dofs and {before[1][1]} elements of '{name}', not {now[0][0]} "
+                f"and {now[1][1]}"
+            )
 
 
 def _of_form(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..checks import look_up
+from ..checks import finite, look_up
 from ..display import Table
 from ..forms.base import as_forms
 from ..forms.roles import Staged, fits, having
@@ -291,7 +291,9 @@ def of(
     """
     given = as_forms(getattr(model, "forms", model))
     forms = {name: look_up(name, given, "form") for name in states}
-    # Check sizes and states.
+    # Check numbers, sizes and states.
+    x = np.array(finite(x, "the displacements"))
+    load = np.zeros_like(x) if load is None else np.array(finite(load, "the load"))
     for name, form in forms.items():
         if np.ndim(x) != 1 or len(x) < (form.size or 0):
             raise ValueError(
@@ -304,7 +306,7 @@ def of(
     return StageResult(
         name="state",
         x=x,
-        load=np.zeros_like(x) if load is None else load,
+        load=load,
         states=states,
         iterations=(),
         residual=0.0,

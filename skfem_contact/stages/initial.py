@@ -25,7 +25,7 @@ from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
-from .plan import acts_on, check_contacts
+from .plan import acts_on, check_contacts, own_arrays
 from .run import run
 from .setup import Setup, dofs_of
 from .stage import AtRest, Force, Stage
@@ -279,7 +279,7 @@ def _whole(setup: Setup, load: Any, water: Any) -> ndarray:
 
 def _wet(setup: Setup, result: Result, water: Any) -> Result:
     """Return a result that knows the water of its load: the first stage that follows keeps it."""
-    known = {"water": water, "water_unit_weight": setup.water_unit_weight}
+    known = {"water": own_arrays(water), "water_unit_weight": setup.water_unit_weight}
     return Result(tuple(replace(stage, **known) for stage in result))
 
 

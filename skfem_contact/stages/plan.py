@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -125,7 +126,7 @@ class Planner:
 
         # Add up weights, water and the load on top of them
         if stage.water is not None:
-            self._water = stage.water
+            self._water = own_arrays(stage.water)
         if changes or self._first or stage.water is not None:
             self._rest = self._at_rest(self._active)
         load, on_top = self._loads(stage)
@@ -432,6 +433,13 @@ def _active_after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> 
         if name not in active:
             raise ValueError(f"'{name}' is deactivated, but it is not active")
     return (active | set(activated)) - set(deactivated)
+
+
+def own_arrays(water: Any) -> Any:
+    """Return water at rest with copies of its arrays, which the user may change later."""
+    if isinstance(water, Mapping):
+        return {name: own_arrays(level) for name, level in water.items()}
+    return deepcopy(water) if isinstance(water, (ndarray, list)) else water
 
 
 def check_contacts(forms: Mapping[str, Form], inactive: ndarray) -> None:

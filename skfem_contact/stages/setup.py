@@ -48,6 +48,7 @@ class Setup:
         self.solver = solver
         self.newton = newton
         self.coordinates = _coordinates_of(given)
+        _check_different(given)
         _check_bases(given)
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
@@ -332,6 +333,15 @@ def _check_fields(forms: Mapping[str, Form]) -> None:
                     f"'{name}' is joined to a form that is not in the model: it takes dofs of the "
                     f"field '{other.field.name}'"
                 )
+
+
+def _check_different(forms: Mapping[str, Form]) -> None:
+    """Refuse a form under two names, which would act twice."""
+    names: dict[int, str] = {}
+    for name, form in forms.items():
+        if id(form) in names:
+            raise ValueError(f"'{names[id(form)]}' and '{name}' are the same form: it acts twice")
+        names[id(form)] = name
 
 
 def _check_bases(forms: Mapping[str, Form]) -> None:

@@ -77,7 +77,7 @@ def polyline(points: ndarray, closed: bool = False, name: str = "obstacle") -> S
     >>> rigid.polyline([[5., 0.], [-5., 0.]]).area.tolist()    # the free side is below
     [10.0]
     """
-    points = np.asarray(points, float)
+    points = np.array(points, float)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
         raise ValueError(f"'{name}': points must be two or more finite (x, y)")
     n = len(points)

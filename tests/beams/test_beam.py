@@ -1237,3 +1237,11 @@ def test_temperature_is_refused():
         )
     with pytest.raises(ValueError, match="in space no free curvature"):
         sc.Beam(None, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], EI=1.0, EA=1.0).heated(1e-3, 1e-3)
+
+
+def test_spacing_of_zero_is_refused():
+    """Zero is no spacing, in place of one that is not given."""
+    with pytest.raises(ValueError, match="spacing"):
+        sc.Beam(None, [(0, 0), (1, 0)], EI=1.0, EA=1.0, spacing=0.0)
+    with pytest.raises(ValueError, match="spacing"):
+        sc.Reinforcement(None, [(0, 0), (1, 0)], EA=1.0, spacing=0.0)

@@ -180,3 +180,16 @@ def test_a_cube_that_is_crushed_as_a_whole_has_collapsed(recwarn) -> None:
     reduced = model.strength_reduction(model.traction("top", (0.0, 0.0, -10.0)), progress=False)
     assert reduced.factor == pytest.approx(2.0, abs=0.01) and reduced.stop.kind == "collapse"
     assert not recwarn.list  # nor does the mesh add anything
+
+
+def test_load_of_zeros_has_no_limit():
+    """A load of zeros, or on supports alone, cannot be multiplied."""
+    basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.MohrCoulomb(1e4, 0.3, c=10.0, phi=20.0)
+    form = sc.SolidForm(basis, soil, unit_weight=20.0)
+    model = sc.Model({"soil": form}, sc.box_supports(basis))
+    on_supports = basis.zeros()
+    on_supports[basis.get_dofs("bottom").all()] = 1.0
+    for load in (basis.zeros(), on_supports):
+        with pytest.raises(ValueError, match="the load to be multiplied is zero"):
+            model.limit_load(load, progress=False)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from skfem import (
     Basis,
+    ElementQuad1,
     ElementQuad2,
     ElementTriP2,
     ElementVector,
@@ -221,3 +222,28 @@ def test_contact_in_space_as_cells(element):
     cells = grid.extract_cells(np.isfinite(grid.cell_data["pressure"]))
     assert cells.n_cells == len(pair.slave.facets)
     assert abs(cells.compute_cell_sizes()["Area"]).sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", ["uy", "syy"])
+def test_difference_to_a_stage_of_another_mesh(name):
+    """It is refused by name, with the numbers of both meshes."""
+    stages = []
+    for n in (5, 4):
+        mesh = MeshQuad.init_tensor(np.linspace(0, 2, n), np.linspace(0, 1, n)).with_defaults()
+        basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+        ground = sc.SolidForm(basis, sc.LinearElastic(1e4, 0.3), unit_weight=20.0)
+        model = sc.Model({"ground": ground}, sc.box_supports(basis))
+        stages.append(model.run([sc.Stage("weight")], progress=False)["weight"])
+    with pytest.raises(ValueError, match=r"of another mesh .*32 dofs and 9 elements.* 50 and 16"):
+        stages[0].field(name, since=stages[1])
+
+
+def test_displacements_that_are_no_numbers():
+    """A result of a loop of one's own refuses NaN."""
+    mesh = MeshQuad().with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(1e4, 0.3))
+    states = {"ground": ground.initial_state()}
+    for given in ({"x": basis.zeros() * np.nan}, {"x": basis.zeros(), "load": np.full(8, np.inf)}):
+        with pytest.raises(ValueError, match="must be finite"):
+            sc.results.of({"ground": ground}, states=states, **given)

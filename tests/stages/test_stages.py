@@ -530,3 +530,10 @@ def test_weight_that_a_load_lacks_is_told(recwarn):
         {"column": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.25), unit_weight=20.0)}, fixed
     )
     assert not told([None, push])[1]  # the weight of the solid stays
+
+
+def test_form_under_two_names():
+    """It would act twice, and is refused."""
+    _, forms, fixed = column()
+    with pytest.raises(ValueError, match="'column' and 'again' are the same form"):
+        sc.Model({**forms, "again": forms["column"]}, fixed)
