@@ -46,6 +46,8 @@ _LONGEST = 0.28
 #: Nodes are the same point below this share of their elements' size; gaps of meshes that touch are
 #: smaller.
 _SAME = 1e-3
+#: Points of an axis that are the same node, as a share of its size; cosine of the least corner.
+_ROUND_OFF, _SMOOTH = 1e-9, 0.7
 #: Share of a curve by which values of bodies that touch may differ: the width of a line.
 _DIFFERENT = 0.02
 
@@ -411,7 +413,8 @@ class _Ordinates(NamedTuple):
 def _ordinates(values: Any, quantity: str) -> _Ordinates:
     """Return the ordinates of tractions, into the slave, or of section forces.
 
-    A node of a beam has one value and one direction of each of its elements.
+    A node of a beam has one value of each of its elements. Their ordinates have one direction, but
+    at a corner.
     """
     _titles(values)
     # Sort the points along the axis.
@@ -431,6 +434,17 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
         tangent = np.gradient(axis, axis=0)
     tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
     left = np.column_stack((-tangent[:, 1], tangent[:, 0]))
+
+    # Give both values at a node the mean of their directions.
+    first = np.arange(len(axis) if closed else len(axis) - 1)
+    second = (first + 1) % len(axis)
+    apart = np.linalg.norm(axis[second] - axis[first], axis=1)
+    smooth = (left[first] * left[second]).sum(axis=1) > _SMOOTH
+    at_node = (apart <= _ROUND_OFF * np.ptp(axis)) & smooth
+    first = first[at_node]
+    second = second[at_node]
+    mean = left[first] + left[second]
+    left[first] = left[second] = mean / np.linalg.norm(mean, axis=1)[:, None]
     sign = 1.0 if isinstance(values, SectionForces) else -1.0
     return _Ordinates(axis, getattr(values, quantity)[order], sign * left, closed)
 

@@ -21,6 +21,7 @@ import skfem_contact as sc
 from skfem_contact import plot
 from skfem_contact.contact.laws import Status
 from skfem_contact.plot import sheet
+from skfem_contact.plot.diagram import _ordinates
 from skfem_contact.plot.scene import Cutaway, Scene, _volumes
 from skfem_contact.plot.sheet import make_scale
 from skfem_contact.results import Result, SectionForces, StageResult, Tractions
@@ -780,3 +781,31 @@ def test_cutaway_is_seen():
     }.items():
         with pytest.raises(ValueError, match=message):
             refused()
+
+
+def test_ordinates_at_a_node_of_a_ring_are_one_point():
+    """[X] Geometry: M = 1 around a ring of radius 3 has all tips at the radius 2, one a node.
+
+    At the corner of a frame both elements have their own ordinates, across each.
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, 25)
+    ring = np.column_stack((3.0 * np.cos(angle), 3.0 * np.sin(angle)))
+    corners = np.array([(0.0, 0.0), (0.0, 3.0), (3.0, 3.0)])
+    for points, smooth in ((ring[:-1], True), (corners, False)):
+        cells = np.column_stack((np.arange(len(points)), np.arange(1, len(points) + 1)))
+        cells = cells % len(points) if smooth else cells[:-1]
+        x, y = points[cells.ravel()].T
+        lengths = np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1)
+        ends = np.cumsum(lengths)
+        position = np.column_stack((ends - lengths, ends)).ravel()
+        one = np.ones(len(x))
+        forces = SectionForces(x=x, y=y, position=position, N=one, V=one, M=one)
+        line = _ordinates(forces, "M")
+        tips = (line.axis + line.ordinate[:, None] * line.left).reshape(-1, 2, 2)
+        apart = np.linalg.norm(tips[1:, 0] - tips[:-1, 1], axis=1)
+        assert line.closed == smooth
+        if smooth:
+            np.testing.assert_allclose(apart, 0.0, atol=1e-9)
+            np.testing.assert_allclose(np.linalg.norm(tips, axis=2), 2.0, atol=1e-9)
+        else:
+            np.testing.assert_allclose(apart, np.sqrt(2.0), atol=1e-9)
