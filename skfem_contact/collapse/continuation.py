@@ -186,6 +186,7 @@ def loaded_start(
     if last is not None and not undrained:
         warn_of_fresh_pressures(system, origin.x, origin.states, weight + on_top)
 
+    # keep the settings of the start for the end of the search
     kept: dict[str, Any] = {"water_unit_weight": setup.water_unit_weight}
     if last is not None:
         kept.update((name, getattr(last, name)) for name in _KEPT)
@@ -341,9 +342,7 @@ def _follow(
         margin = course.margin(last.parameter)
         rise = length * (last.parameter - before.parameter) / (last.work - before.work)
         try:
-            point = correct(branch, control, points, last.work + length, newton)
-            if course.min_displacement == 0.0 and point.parameter < last.parameter - margin:
-                raise PeakPassed("the curve falls", point.x, point.residuals)
+            point = _next(branch, control, points, length, newton, course)
         except NotConverged as error:
             # end at a collapse, or after too many failures; otherwise halve the step
             failure = _as_collapse(branch, last, last.parameter + max(rise, margin), error, newton)
@@ -363,9 +362,7 @@ def _follow(
         # end on a plateau or beyond the largest value; otherwise lengthen the step
         points.append(point)
         log.accept(point)
-        moved = log.moved(point.x) >= course.min_displacement
-        flat = remainder(points) < margin
-        if moved and flat and not _rises(branch, control, points, newton, margin, log):
+        if _is_level(branch, control, points, newton, course, log):
             return _plateau(points, margin)
         if point.parameter > course.max_value:
             return SearchResult(points, no_collapse_below(course.max_value))
@@ -373,6 +370,23 @@ def _follow(
             length = min(growth * length, course.max_step)
         failures.clear()
     return SearchResult(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
+
+
+def _next(
+    branch: Branch,
+    control: ndarray,
+    points: list[Point],
+    length: float,
+    newton: Newton,
+    course: Course,
+) -> Point:
+    """Return the next point of the curve, which must not fall where the end may be its peak."""
+    last = points[-1]
+    point = correct(branch, control, points, last.work + length, newton)
+    lowest = last.parameter - course.margin(last.parameter)
+    if course.min_displacement == 0.0 and point.parameter < lowest:
+        raise PeakPassed("the curve falls", point.x, point.residuals)
+    return point
 
 
 def _plateau(points: list[Point], margin: float) -> SearchResult:
@@ -393,27 +407,32 @@ def _as_collapse(
     return as_collapse(error, system, last.x, last.states, load, newton)
 
 
-def _rises(
+def _is_level(
     branch: Branch,
     control: ndarray,
     points: list[Point],
     newton: Newton,
-    margin: float,
+    course: Course,
     log: SearchLog,
 ) -> bool:
-    """Return True if a curve ends with a straight piece that rises by more than a margin."""
+    """Return True if a curve may rise by less than its margin, also beyond a straight end."""
     before, last = points[-2:]
+    margin = course.margin(before.parameter)
+    if log.moved(last.x) < course.min_displacement or not remainder(points) < margin:
+        return False
     length = last.work - before.work
     rise = last.parameter - before.parameter
     if not log.straight or not _BEYOND[0] * rise > margin:
-        return False
+        return True
+
+    # continue the straight piece as far as an equilibrium exists
     for times in _BEYOND:
         try:
             far = correct(branch, control, points, last.work + times * length, newton)
         except NotConverged:
             continue
-        return far.parameter - last.parameter > _STRAIGHT * times * rise
-    return False
+        return not far.parameter - last.parameter > _STRAIGHT * times * rise
+    return True
 
 
 def correct(

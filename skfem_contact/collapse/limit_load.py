@@ -160,6 +160,8 @@ def limit_load(
         )
         points = [begun.origin, first]
         search = follow(branch, branch.reference, points, newton, course, log)
+
+    # describe the end of the curve
     end = search.points[-1]
     result = conclude(
         LOAD,
@@ -176,6 +178,7 @@ def limit_load(
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:
     """Return the first loaded equilibrium."""
+    # halve the step until an equilibrium is found
     for cut in range(_CUTS):
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)

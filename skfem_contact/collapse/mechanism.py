@@ -98,6 +98,7 @@ def as_collapse(
     The tangent of a mechanism is singular, but so is the tangent of single points without pressure
     at an equilibrium.
     """
+    # hold all dofs by springs, soft over the rows of the tangent
     begun = system.evaluate(x, states, load)
     rows = abs(system.tangent(begun)).max(axis=1).toarray().ravel()
     rows[system.layout.still] = 0.0
@@ -118,6 +119,7 @@ def as_collapse(
             share[soft] = resisted / work if work > 0.0 else 0.0
         return now, share
 
+    # compare the shares of the work: equal in a mechanism, falling where something else resists
     try:
         now, share = shares(_SOFT)
     except NotConverged:
@@ -229,38 +231,44 @@ def warn_of_mesh(
     what: str, value: float, added: float, proven: Bounds | None, tolerance: float
 ) -> None:
     """Raise a warning if a value lies outside of its bounds, or if the mesh adds much to it."""
-    close = (
-        proven is not None and not proven.estimate and proven.lower > (1.0 - _CLOSE) * proven.upper
-    )
-    if proven is None or not close:
-        if added > _COARSE:
-            _warn_of_coarse_mesh(what, value, added, " (half to twice that)", "")
-    elif added * value > tolerance:
-        exact = proven.lower + _BETWEEN * (proven.upper - proven.lower)
-        if proven.upper + tolerance >= value > exact + _TIMES * tolerance:
-            bounds = f"bounds are [{proven.lower:.4g}, {proven.upper:.4g}]; "
-            _warn_of_coarse_mesh(what, value, value / exact - 1.0, "", bounds)
     if proven is None:
+        if added > _COARSE:
+            _warn_of_coarse_mesh(what, value, added)
         return
-    bounds = f"[{proven.lower:.4g}, {proven.upper:.4g}], its bounds"
-    if value > proven.upper + tolerance:
+    low = proven.lower
+    high = proven.upper
+    bounds = f"[{low:.4g}, {high:.4g}]"
+
+    # take the share that the mesh adds from bounds that are close, otherwise its estimate
+    if proven.estimate or not low > (1.0 - _CLOSE) * high:
+        if added > _COARSE:
+            _warn_of_coarse_mesh(what, value, added)
+    elif added * value > tolerance:
+        exact = low + _BETWEEN * (high - low)
+        if high + tolerance >= value > exact + _TIMES * tolerance:
+            _warn_of_coarse_mesh(what, value, value / exact - 1.0, bounds)
+
+    # compare the value with the bounds
+    if value > high + tolerance:
         warn(
-            f"the {what} {value:.4g} lies above {bounds}: the mesh is too coarse by at least "
-            f"{value / proven.upper - 1.0:.1%}, or elements of corner nodes lock; `proven.mesh` is "
+            f"the {what} {value:.4g} lies above {bounds}, its bounds: the mesh is too coarse by at "
+            f"least {value / high - 1.0:.1%}, or elements of corner nodes lock; `proven.mesh` is "
             "a better one"
         )
-    elif value < proven.lower - tolerance and not proven.estimate:
+    elif value < low - tolerance and not proven.estimate:
         warn(
-            f"the {what} {value:.4g} lies below {bounds}: the search ended too early, or the flow "
-            "is not associated"
+            f"the {what} {value:.4g} lies below {bounds}, its bounds: the search ended too early, "
+            "or the flow is not associated"
         )
 
 
-def _warn_of_coarse_mesh(what: str, value: float, share: float, range_: str, bounds: str) -> None:
-    """Raise a warning of a value that is too high by a share."""
+def _warn_of_coarse_mesh(what: str, value: float, share: float, bounds: str = "") -> None:
+    """Raise a warning of a value that is too high by a share, estimated or from bounds."""
+    doubt = "" if bounds else " (half to twice that)"
+    evidence = f"bounds are {bounds}; " if bounds else ""
     warn(
-        f"the {what} {value:.4g} is about {share:.1%}{range_} too high, for displacements do not "
-        f"jump inside of elements: {bounds}refine the mesh along the mechanism"
+        f"the {what} {value:.4g} is about {share:.1%}{doubt} too high, for displacements do not "
+        f"jump inside of elements: {evidence}refine the mesh along the mechanism"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,7 @@ def without_drainage(
     forms: Mapping[str, Form], fixed: ndarray, flow: str
 ) -> tuple[dict[str, Form], ndarray]:
     """Return forms whose water does not flow, and fixed dofs without their pressures."""
+    # check that water can be trapped, under a flow rule with an end
     wet = carriers(forms)
     if not any(form.fields for form in wet.values()):
         raise ValueError(
@@ -56,12 +58,14 @@ def without_drainage(
             f"undrained=True takes the flow rule as given, not flow='{flow}': ground that dilates "
             "and cannot drain gets stronger without end"
         )
-    bodies = having(forms, Body).values()
-    if any(material.dilates for body in bodies for material in body.materials.values()):
+    soils = chain.from_iterable(body.materials.values() for body in having(forms, Body).values())
+    if any(soil.dilates for soil in soils):
         warn(
             "a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
             "undrained soils take psi=0"
         )
+
+    # stop the flow, and free the pressures
     undrained = changed(forms, Timed, lambda form: form.undrained())
     return undrained, np.setdiff1d(fixed, _pressures(wet))
 

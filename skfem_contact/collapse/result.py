@@ -390,6 +390,7 @@ class CollapseResult:
 
     def beside(self, proven: Bounds | None, tolerance: float) -> CollapseResult:
         """Add bounds; warn of a search without limit, instability, and a value outside bounds."""
+        # warn of a value that is no limit, or no answer to the question
         if not self.stop.shows_limit:
             warn(
                 f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, "
@@ -403,6 +404,8 @@ class CollapseResult:
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
         added = self.added if self.stop.shows_limit else 0.0
         warn_of_mesh(self.what, self.value, added, proven, tolerance)
+
+        # narrow the bracket by the upper bound
         above = self.bracket[1]
         if proven is not None and proven.upper >= self.value:
             above = min(above, proven.upper)
@@ -461,6 +464,7 @@ def conclude(
         layout=system.layout,
     )
 
+    # collect the result
     value = search.best.parameter
     return CollapseResult(
         what=what,

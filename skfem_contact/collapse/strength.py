@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +15,7 @@ from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, part_names, reduced_parts
 from ..forms.roles import Body, Reducible, Regularised, having, materials_of
-from ..limit_analysis import at_hand, beside
+from ..limit_analysis import Bounds, at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
 from ..nonlinear.step import Attempt, Step
@@ -90,8 +89,8 @@ class _Strength(Branch):
 
     @property
     def dilates_less(self) -> bool:
-        """True if a reduced material dilates less than its friction."""
-        return any(material.dilates_less for material in self.materials)
+        """True if a reduced material dilates less than its friction under the given flow rule."""
+        return self.flow == "given" and any(soil.dilates_less for soil in self.materials)
 
     def bound(self, davis: CollapseResult) -> float:
         """Return a factor that no dilatancy reaches, where Radenkovic's theorem holds, or inf."""
@@ -253,7 +252,7 @@ def strength_reduction(
     branch = _Strength(begun.system, whole, reduced_parts(forms, reduce, exclude), flow)
     if reduce is None:
         _warn_of_kept_strength(forms, exclude)
-    free = branch.dilates_less and flow == "given" and not undrained
+    free = branch.dilates_less and not undrained
     balance = _LOOSE if free else _BALANCE
     newton = setup.newton or Newton(tolerance=balance * tolerance, max_iterations=30)
 
@@ -270,26 +269,28 @@ def strength_reduction(
     proven = beside(certify, live=None, progress=progress, **structure)
 
     # search, after Davis first where dilatancy is less than friction
-    search = partial(
-        _search,
-        origin=begun.origin,
-        newton=newton,
-        tolerance=tolerance,
-        step=max(step, tolerance),
-        max_value=max_value,
-    )
+    least = max(step, tolerance)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
-        davis = _davis(branch, search, bar) if free else None
-        result = begun.ended(search(branch, bar=bar, davis=davis), water)
+        found = _search(branch, begun.origin, newton, tolerance, least, max_value, bar, free)
+    result = begun.ended(found, water)
 
     # prove bounds on the mesh of the search where they are cheap
     if certify == "auto" and not undrained:
-        iterations = sum(found.iterations for found in (result, davis) if found)
-        coarse = result.stop.shows_limit and result.added * result.value > tolerance
-        work = float(len(whole)) * iterations
-        proven, unproven = at_hand(work=work, coarse=coarse and not free, **structure)
+        proven, unproven = _cheap_bounds(result, free, tolerance, structure)
         result = replace(result, unproven=unproven)
     return result.beside(proven, tolerance)
+
+
+def _cheap_bounds(
+    result: CollapseResult, free: bool, tolerance: float, structure: Mapping[str, Any]
+) -> tuple[Bounds | None, str]:
+    """Prove bounds if they cost less than the search, or return the reason why not."""
+    iterations = result.iterations
+    if result.davis is not None:
+        iterations += result.davis.iterations
+    work = float(len(result.x)) * iterations
+    adds = result.stop.shows_limit and result.added * result.value > tolerance
+    return at_hand(work=work, coarse=adds and not free, **structure)
 
 
 def _warn_of_kept_strength(forms: Mapping[str, Form], exclude: str | Collection[str]) -> None:
@@ -317,13 +318,24 @@ def _search(
     step: float,
     max_value: float,
     bar: Any,
-    davis: CollapseResult | None = None,
+    with_davis: bool = False,
 ) -> CollapseResult:
-    """Search for the factor of one flow rule."""
+    """Search for the factor of one flow rule, with the search after Davis in front of it or not."""
+    # search with Davis' soils of less strength: safe whatever the path
+    davis = None
+    if with_davis:
+        weaker = _Strength(branch.system, branch.load, branch.targets, "davis_b")
+        try:
+            davis = _search(weaker, origin, newton, tolerance, step, max_value, bar)
+        except (ValueError, NotConverged) as error:
+            # a material has no such flow, or no equilibrium to begin with exists
+            logger.info("no factor after Davis: %s", error)
+        else:
+            branch.safe = davis.factor
+            branch.above = branch.bound(davis)
+
+    # find the first equilibrium, then the end of the curve
     log = SearchLog(branch.system, bar, origin)
-    if davis is not None:
-        branch.safe = davis.factor
-        branch.above = branch.bound(davis)
     first = _first(branch, origin, newton, log)
     result = _continued(branch, first, newton, tolerance, step, max_value, log)
     if np.isfinite(branch.above) and result.stop.kind != "collapse":
@@ -342,22 +354,10 @@ def _search(
     )
 
 
-def _davis(
-    branch: _Strength, search: Callable[..., CollapseResult], bar: Any
-) -> CollapseResult | None:
-    """Search with Davis' soils of less strength: safe whatever the path."""
-    weaker = _Strength(branch.system, branch.load, branch.targets, "davis_b")
-    try:
-        return search(weaker, bar=bar)
-    except (ValueError, NotConverged) as error:
-        # a material has no such flow, or no equilibrium to begin with exists
-        logger.info("no factor after Davis: %s", error)
-        return None
-
-
 def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
     """Return the first equilibrium: at factor 1, or below where none is found."""
     error: NotConverged | None = None
+    # weaken the demand until an equilibrium exists
     for factor in _FIRST:
         if factor >= branch.above:
             continue
@@ -371,6 +371,8 @@ def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> 
         log.accept(point)
         log.begin(point)
         return point
+
+    # say whether the structure collapses, or no equilibrium was found
     most = f"{1 / _FIRST[-1]:g} times its strength"
     if isinstance(error, NoEquilibrium):
         raise NotConverged(
@@ -430,6 +432,7 @@ def _approach(
     share = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance)
     noticeable = share * branch.system.work(branch.load, response)
 
+    # lengthen the step after every equilibrium, halve it after every failure
     last = first
     while last.parameter <= max_value:
         factor = last.parameter + step
