@@ -186,6 +186,7 @@ def beside(
     Load vectors, (N,), are fixed, and multiplied or None where the strength is reduced. Water at
     rest is the water of the search.
     """
+    # read the options
     if certify is False or certify == "auto":
         return None
     given: dict[str, Any] = {}
@@ -198,6 +199,8 @@ def beside(
             f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not "
             f"{certify!r}"
         )
+
+    # compute the bounds under the load vectors
     loads = partial(
         vector_loads,
         dead=dead,
@@ -297,12 +300,16 @@ def _bracket(
 
 def _tell(search: Search, gap: float) -> None:
     """Warn about a search that did not reach its end."""
-    low, high = search.lower.proof.value, search.upper.proof.value
+    # name the bounds without proof
+    low = search.lower.proof.value
+    high = search.upper.proof.value
     unproven = []
     if not np.isfinite(low):
         unproven.append("lower")
     if not np.isfinite(high):
         unproven.append("upper")
+
+    # give the first reason that applies
     missing = search.problem.missing
     if missing == "cohesion" and not low > _NOTHING * high:
         warn(

@@ -176,6 +176,7 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
     kept = program.incompressible
     if not len(kept) and not program.joints:
         return velocities
+    # correct volumes and overlaps by forces, as a linear solid with the metric of the solution
     volume = program.volume
     stiffness = np.einsum("ni,nij,nj->n", volume, found.metric, volume) / (volume**2).sum(1) ** 2
     inverse = program.factor(found.metric)
@@ -187,7 +188,8 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
             missing[kept] = -(strain[kept] * volume[kept]).sum(1)
             if np.abs(missing).max(initial=0.0) <= _SHAPED * np.abs(strain).max(initial=0.0):
                 break
-            velocity = velocity + inverse(program.forces((stiffness * missing)[:, None] * volume))
+            stress = (stiffness * missing)[:, None] * volume
+            velocity = velocity + inverse(program.forces(stress))
         shaped.append(velocity)
     return shaped
 

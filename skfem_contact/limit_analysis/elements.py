@@ -323,6 +323,7 @@ class Program:
 
         A matrix without a factor raises an ArithmeticError.
         """
+        # gather the normal matrix in its order of elimination
         parts = zip(self._gatherings, self.blocks)
         K = self._total.of(
             [gathering.matrix(block.dofs, block.stiffness(D)) for gathering, block in parts]
@@ -331,7 +332,8 @@ class Program:
             raise ArithmeticError("the normal matrix is not finite")
         if self._ordered is None:
             self._ordered = FreeBlock(self._engine.order(K, self.reduction.coordinates))
-        A, order = self._ordered.gather(K), self._ordered.order
+        A = self._ordered.gather(K)
+        order = self._ordered.order
         diagonal = A.diagonal()
         # nothing resists the idle dofs of a smooth joint: their diagonal is zero
         share = np.where(diagonal > 0.0, diagonal, diagonal.max())
@@ -341,6 +343,7 @@ class Program:
             y[order] = inverse(np.ascontiguousarray(b[order]))
             return y
 
+        # raise the diagonal until a factor exists
         for shift in _SHIFTS:
             A.setdiag(diagonal + shift * share)
             try:

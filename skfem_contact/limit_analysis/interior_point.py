@@ -163,7 +163,8 @@ class _Path:
     def residuals(self) -> None:
         """Compute residuals of equilibrium, strength, flow rule and normalisation."""
         # r_c = s + G sigma + theta e - h
-        self.rc = self.s + _times(self.G, self.sigma[self.cones.at])
+        sigma = self.sigma[self.cones.at]
+        self.rc = self.s + _times(self.G, sigma)
         self.rc[:, 0] += self.theta * self.e - self.h
 
         # r_p = A sigma - f_0 - theta f_1
@@ -171,13 +172,17 @@ class _Path:
         self.rp = forces - self.f0 - self.theta * self.f1
 
         # r_d = A^T y + G^T z, and r_t = e z - f_1 y - 1
-        flow = self.gathered(_by(self.G, self.z))
+        multipliers = _by(self.G, self.z)
+        flow = self.gathered(multipliers)
         self.rd = self.program.strains(self.y) + flow
-        self.rt = float(-1.0 - self.f1 @ self.y + self.e @ self.z[:, 0])
-        self.gap = float((self.s * self.z).sum())
+        power = self.f1 @ self.y
+        self.rt = float(-1.0 - power + self.e @ self.z[:, 0])
+        products = self.s * self.z
+        self.gap = float(products.sum())
 
     def arrived(self) -> bool:
         """Return True if the gap is small, or no progress is made any more."""
+        # compare the residuals with their tolerances
         self.residuals()
         size = 1.0 if self.moving else max(self.theta, 1e-9)
         round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
@@ -186,6 +191,8 @@ class _Path:
         feasible = abs(self.rt) < normal and np.abs(self.rc).max() < strong and within.all()
         if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
             return True
+
+        # count iterations without progress
         worth = self.gap / size + self.away + abs(self.rt)
         if worth < 0.9 * self._best or worth > 1e-2:
             self._stalled = 0
@@ -229,17 +236,20 @@ class _Path:
     def _factor(self) -> None:
         """Factor the normal equations; compute responses to the objective and to the factor."""
         # H = sum G^T W^-2 G at every point, with a share of its trace
-        squared, G = self.scaled.squared, self.G
+        squared = self.scaled.squared
+        G = self.G
         GW = np.matmul(G.transpose(0, 2, 1), squared)  # (n_cones, 3, 3)
         H = self.gathered(np.matmul(GW, G))  # (n_points, 3, 3)
-        trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
+        trace = np.trace(H, axis1=1, axis2=2)
+        trace = trace[:, None, None]
         H += trace * 1e-13 * np.eye(3)
 
         # compliance to the mean stress where strength does not depend on it
         volume = self.program.volume[self.soft]
         h = self.h[: self.program.n_points]
         strong = h > _STRONG * np.median(self.h)
-        least = _AMONG_WEAK * np.median(trace) * strong[:, None, None]
+        weakest = _AMONG_WEAK * np.median(trace)
+        least = weakest * strong[:, None, None]
         size = np.maximum(trace, least)[self.soft]
         stiffness = self.goal.volume * size * volume[:, :, None]
         H[self.soft] += stiffness * volume[:, None, :] / 2
@@ -249,21 +259,26 @@ class _Path:
         self._inverse = self.program.factor(self.metric)
 
         # response to the objective
-        self._pull = self.gathered(_by(G, squared[:, :, 0] * self.e[:, None]))
+        scaled_e = squared[:, :, 0] * self.e[:, None]
+        self._pull = self.gathered(_by(G, scaled_e))
         r = _times(self.metric, self._pull)
-        self._y2 = self._solve(self.program.forces(r) + self.f1)
-        self._s2 = r - _times(self.metric, self.program.strains(self._y2))
+        forces = self.program.forces(r)
+        self._y2 = self._solve(forces + self.f1)
+        strain = self.program.strains(self._y2)
+        self._s2 = r - _times(self.metric, strain)
         own = (self.e**2 * squared[:, 0, 0]).sum()
         self._pivot = own - (self._pull * self._s2).sum() + self.f1 @ self._y2
 
         # response to the factor
         self._by_factor = None
         if self.moving and self.iterations > 4 and self.gap < 1.0:
-            mean = (self.cones.k * self.sigma[self.cones.at]).sum(1)
+            sigma = self.sigma[self.cones.at]
+            mean = (self.cones.k * sigma).sum(1)
             growth = self.dq * mean - self.dh
             u = squared[:, :, 0] * growth[:, None]
             turn = (self.dq * self.z[:, 0])[:, None] * self.cones.k
-            sigma, y, theta = self._response(u, self.gathered(turn), 0.0, 0.0)
+            turned = self.gathered(turn)
+            sigma, y, theta = self._response(u, turned, 0.0, 0.0)
             self._by_factor = _ByFactor(sigma, y, theta, u, growth, turn)
 
     def _solve(self, b: ndarray) -> ndarray:

@@ -116,12 +116,7 @@ def named_loads(
     """Check loads that are given by name, see :func:`~skfem_contact.bounds`."""
     # check the names
     mesh = site.basis.mesh
-    known = {"weight", *tractions}
-    for name in live:
-        if name not in known:
-            raise ValueError(
-                f"there is no load '{name}' to multiply; existing: {', '.join(sorted(known))}"
-            )
+    _check_live(live, {"weight", *tractions})
     for name in (*tractions, *submerged):
         look_up(name, mesh.boundaries or {}, "boundary")
     if not is_number(seismic, -np.inf, np.inf):
@@ -136,12 +131,12 @@ def named_loads(
     )
     if not body.any() and not fields and water is None:
         raise ValueError("there is no load: give `weight`, `tractions` or `water`")
-    dead, multiplied = body, np.zeros_like(body)
-    if "weight" in live:
-        dead, multiplied = multiplied, dead
     remarks: tuple[str, ...] = ()
     if any(map(callable, tractions.values())):
         remarks = ("tractions are linear along every facet",)
+    forces = np.zeros((2, *body.shape))  # fixed and multiplied ones, (2, n_elements, 2)
+    forces[int("weight" in live)] = body
+    dead, multiplied = forces
     return Loads(
         dead,
         multiplied,
@@ -150,6 +145,15 @@ def named_loads(
         submerged=tuple(submerged),
         remarks=remarks,
     )
+
+
+def _check_live(live: Collection[str], known: set[str]) -> None:
+    """Refuse unknown names of multiplied loads."""
+    for name in live:
+        if name not in known:
+            raise ValueError(
+                f"there is no load '{name}' to multiply; existing: {', '.join(sorted(known))}"
+            )
 
 
 def _traction(name: str, value: TractionLike) -> Field:
@@ -266,6 +270,7 @@ class _Decomposition:
 
         Boundaries are added one by one: each time the one that leaves least.
         """
+        # add boundaries until nothing but round-off remains
         target = load[self._free]
         size = float(np.linalg.norm(target))
         names: list[str] = []
@@ -285,6 +290,8 @@ class _Decomposition:
                 f"{format_point(worst)}; name the boundary that is loaded, give water by "
                 "certify={'water': ...}, or call `bounds`"
             )
+
+        # read the weights by subdomain, and the coefficients of the tractions
         n = self._weights.shape[1]
         solid = self._kinds >= 0
         body = np.zeros((len(self._kinds), 2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -99,17 +100,16 @@ def read(
         outer=outer,
     )
 
+    # list the simplifications
+    missing = _missing(model)
+    remarks = _remarks(solids, shape, given, soil, missing == "cohesion")
+
     # derive a model of rigid strong bodies, and weaker ones without associated flow
     strong = _strong(soil, carried, elements)
     davis = smooth = None
     if not associated:
         davis = _davis(model, solids, targets, carried, shape, unit)
         smooth = _without_friction(davis or model)
-
-    # list the simplifications
-    missing = _missing(model)
-    remarks = _remarks(solids, shape, given, soil, missing == "cohesion")
-    if not associated:
         remarks += _slipping(pairs)
     return Problem(
         model,
@@ -192,6 +192,8 @@ def _check_solids(solids: Mapping[str, SolidForm]) -> None:
                     "which has no cone(flow); MohrCoulomb, Tresca, VonMises, HoekBrown and, rigid, "
                     "LinearElastic have bounds"
                 )
+
+    # compare the elements of all solids
     elements = np.concatenate([form.elements for form in solids.values()])
     if len(np.unique(elements)) < len(elements):
         raise ValueError(
@@ -248,6 +250,7 @@ def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
 
     A cohesion that varies within elements has its mean.
     """
+    # check that the values are known where bounds need them
     material = region.material
     cone = material.cone(flow)
     if cone is None:
@@ -262,6 +265,8 @@ def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
             f"the cohesion of '{name}' is known at integration points alone, as after a reduction "
             "of its strength: give the body with the function of the coordinates"
         )
+
+    # check the values: friction that is not nearly zero, and a strength
     c, t, tension = map(_mean, cone)
     friction = np.asarray(t)
     if ((friction > 0) & (friction < FLAT)).any():
@@ -305,9 +310,12 @@ def _cohesion(
     """Return a share of the cohesion at coordinates (2, n, 3), by elements of the mesh, (n, 3)."""
     points = shape.centre[:, None, None] + shape.size * x  # (2, n, 3)
     values = np.asarray(material.cohesion_at(points))
+
+    # refuse negative values, but not round-off
     largest = np.abs(values).max(initial=0.0)
     if (values < -_ROUND_OFF * largest).any():
-        where = format_point(points.reshape(2, -1)[:, values.argmin()])
+        least = points.reshape(2, -1)[:, values.argmin()]
+        where = format_point(least)
         raise ValueError(f"the cohesion must not be negative, got {values.min():.4g} at {where}")
     return np.maximum(values, 0.0) * share[elements][:, None]
 
@@ -466,7 +474,8 @@ def _remarks(
         )
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")
-    if any(region.given is not None for form in solids.values() for region in form.regions):
+    regions = chain.from_iterable(form.regions for form in solids.values())
+    if any(region.given is not None for region in regions):
         remarks.append("a cohesion that varies is linear in every triangle")
     if given.water is not None:
         remarks.append("the pressure of water is linear in every triangle")

@@ -284,15 +284,21 @@ def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndar
     mesh = triangles.mesh
     owner = mesh.f2t[0, facets]
     normal = outward_normals(mesh, joint.slave, mesh.f2t[0, joint.slave])
+
+    # find the corner of the triangle at each end
     ends = mesh.p[:, mesh.facets[:, joint.slave]]  # (2, 2 ends, n)
     corners = mesh.p[:, mesh.t[:, owner]]  # (2, 3, n)
-    away = ends[:, :, None] - corners[:, None]
+    away = ends[:, :, None] - corners[:, None]  # (2, 2 ends, 3, n)
     corner = np.linalg.norm(away, axis=0).argmin(axis=1)  # (2 ends, n)
+
+    # t = sigma n, along the normal and along the tangent
     xx, yy, xy = stress[owner, corner].transpose(2, 1, 0)  # (n, 2 ends) each
     nx, ny = normal[:, :, None]
     tx = xx * nx + xy * ny
     ty = xy * nx + yy * ny
-    return np.stack([tx * nx + ty * ny, -tx * ny + ty * nx], axis=2)
+    along_normal = tx * nx + ty * ny
+    along_tangent = -tx * ny + ty * nx
+    return np.stack([along_normal, along_tangent], axis=2)
 
 
 def _interpolated(below: Bound, triangles: Triangles) -> ndarray:

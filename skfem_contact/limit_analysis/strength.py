@@ -64,14 +64,18 @@ class Cones:
 
         Strength that is not reduced has the factor `fixed`, and its apex is nearer by that.
         """
+        # g = 1 / sqrt(F^2 + t^2), and dg/dF
         F = np.where(self.reduced, factor, fixed)
         g = 1.0 / np.sqrt(F**2 + self.t**2)
         dg = np.where(self.reduced, -F * g**3, 0.0)
         q = np.where(self.whole, 1.0, g)
         dq = np.where(self.whole, 0.0, dg)
+
+        # the first row of G acts on the mean stress, the others on the shear
         mean = q[:, None] * self.k
         G = np.concatenate([mean[:, None], -self.R], axis=1)  # (n, 3, 3)
-        c = self.c / np.where(self.reduced, 1.0, fixed)
+        divisor = np.where(self.reduced, 1.0, fixed)
+        c = self.c / divisor
         return G, c * g, c * dg, dq
 
 
@@ -173,6 +177,8 @@ class Strength:
         size = np.where(self.smooth & self.joint, 1.0, self.c)
         friction = zero if self.joint else self.t
         every = Cones(at, size, friction, self.t[:, None] * k, R, whole=no, reduced=self.reduced)
+
+        # a tensile strength and further lines of the strength have cones of their own
         tension = Cones(
             at,
             self.tension,
@@ -272,6 +278,7 @@ class Strength:
         friction. With a tensile strength it is the power at the corner of line and limit,
         :math:`p\, \dot\varepsilon_V + r\, \dot\gamma`.
         """
+        # dissipate by one line, or by further lines
         volume, shear = self._invariants(strain)
         F = np.where(self.reduced, factor, 1.0)
         steep = self.t > 0
@@ -282,6 +289,7 @@ class Strength:
             first = np.where(inside, sheared, np.inf)
             sheared = np.minimum(first, self._of_lines(volume, shear, F))
 
+        # dissipate at the tensile strength
         limit = np.where(self.cut, self.tension, 0.0) / F
         if self.joint:
             torn = limit * volume + (self.c - self.t * limit) / F * shear
@@ -296,23 +304,26 @@ class Strength:
 
         Each belongs to a larger strength: to the apex of a line, or to the corner of two.
         """
+        # sort the lines by their slopes
         c, t = self._all_lines
         order = np.argsort(t, axis=0)
         c = np.take_along_axis(c, order, 0)
         t = np.take_along_axis(t, order, 0)
         a = np.hypot(F, t)
-        c1, t1, a1 = c[:-1], t[:-1], a[:-1]
-        c2, t2, a2 = c[1:], t[1:], a[1:]
+        c1, t1, a1 = (values[:-1] for values in (c, t, a))
+        c2, t2, a2 = (values[1:] for values in (c, t, a))
         with np.errstate(invalid="ignore", divide="ignore"):
+            # the apex of a line, p = c / t, bears no shear
             steeper = volume * a >= t * shear
             apex = np.where(steeper, c / t * volume, np.inf)
 
-            # a r = c - t p on both lines
+            # the corner of two lines lies on both, a r = c - t p
             p = (c1 * a2 - c2 * a1) / (t1 * a2 - t2 * a1)
             r = (c1 - t1 * p) / a1
             between = steeper[:-1] & (volume * a2 <= t2 * shear)
             corner = np.where(between, p * volume + r * shear, np.inf)
-        return np.nanmin(np.concatenate((apex, corner)), axis=0)
+        powers = np.concatenate((apex, corner))
+        return np.nanmin(powers, axis=0)
 
 
 def _ratio(above: ndarray, below: ndarray) -> ndarray:

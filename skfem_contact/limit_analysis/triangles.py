@@ -90,10 +90,14 @@ class Triangles:
         mesh = self.mesh
         if points is None:
             points = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
+
+        # number the new nodes, and cut the triangles
         new = np.full(mesh.nfacets, -1)
         new[facets] = mesh.nvertices + np.arange(len(facets))
         p = np.hstack([mesh.p, points])
         children, parents = _divided(p, mesh.t, new[mesh.t2f])
+
+        # cut the facets of all names
         ends = {}
         for name, named in self.tags.items():
             a, b = mesh.facets[:, named]
@@ -114,13 +118,15 @@ def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]
     count = (middle >= 0).sum(axis=0)
     one_cut = np.argmax(middle >= 0, axis=0)
     two_cut = (np.argmin(middle, axis=0) + 1) % 3
-    turn = (np.where(count == 1, one_cut, two_cut) + np.arange(3)[:, None]) % 3
+    first = np.where(count == 1, one_cut, two_cut)
+    turn = (first + np.arange(3)[:, None]) % 3
     a, b, c = np.take_along_axis(t, turn, 0)
     ab, bc, ca = np.take_along_axis(middle, turn, 0)
 
     # divide the quadrilateral beyond two cut facets by its shorter diagonal
-    diagonals = [np.linalg.norm(p[:, i] - p[:, j], axis=0) for i, j in ((a, bc), (ab, c))]
-    short = np.round(diagonals[0] - diagonals[1], _DIGITS) <= 0
+    to_bc = np.linalg.norm(p[:, a] - p[:, bc], axis=0)
+    to_c = np.linalg.norm(p[:, ab] - p[:, c], axis=0)
+    short = np.round(to_bc - to_c, _DIGITS) <= 0
     two = count == 2
     three = count == 3
     parts = [
@@ -137,8 +143,11 @@ def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]
         (three, (ca, bc, c)),
         (three, (ab, bc, ca)),
     ]
-    children = np.hstack([np.stack(corners)[:, which] for which, corners in parts])
-    return children, np.concatenate([np.flatnonzero(which) for which, _ in parts])
+
+    # collect corners and parents of the parts
+    children = [np.stack(corners)[:, which] for which, corners in parts]
+    parents = [np.flatnonzero(which) for which, _ in parts]
+    return np.hstack(children), np.concatenate(parents)
 
 
 def facet_lengths(mesh: MeshTri) -> ndarray:
@@ -157,9 +166,12 @@ def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarra
 
 def gradients(mesh: MeshTri) -> tuple[ndarray, ndarray]:
     """Return gradients of the linear shape functions, (n_elements, 3 corners, 2), and areas."""
+    # 2 A dN_1/dx = y_2 - y_3, 2 A dN_1/dy = x_3 - x_2, and in turn for the other corners
     x, y = mesh.p[:, mesh.t]
-    by_x = y[[1, 2, 0]] - y[[2, 0, 1]]  # twice the area times the derivatives, (3, n_elements)
-    by_y = x[[2, 0, 1]] - x[[1, 2, 0]]
+    following = [1, 2, 0]
+    last = [2, 0, 1]
+    by_x = y[following] - y[last]  # (3, n_elements)
+    by_y = x[last] - x[following]
     twice = by_y[2] * by_x[1] - by_y[1] * by_x[2]
     gradient = np.stack([by_x.T, by_y.T], 2) / twice[:, None, None]  # (n_elements, 3 corners, 2)
     return gradient, np.abs(twice) / 2
@@ -200,7 +212,8 @@ def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
     nodes, t = np.unique(corners, return_inverse=True)
     t = t.reshape(corners.shape)
     p = mesh.p[:, nodes]
-    low, high = p.min(axis=1), p.max(axis=1)
+    low = p.min(axis=1)
+    high = p.max(axis=1)
     centre = 0.5 * (low + high)
     size = float((high - low).max())
     p = (p - centre[:, None]) / size
@@ -212,7 +225,8 @@ def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
     if len(t) == 4:
         middle = p.shape[1] + np.arange(len(elements))
         p = np.hstack([p, p[:, t].mean(axis=1)])
-        t = np.hstack([np.stack([t[i], t[(i + 1) % 4], middle]) for i in range(4)])
+        quarters = [np.stack([t[i], t[(i + 1) % 4], middle]) for i in range(4)]
+        t = np.hstack(quarters)
         elements = np.tile(elements, 4)
     return Geometry(Triangles.of(p, t, elements, ends), centre, size, _curved(mesh, facets))
 
@@ -242,8 +256,9 @@ def _curved(mesh: Mesh, facets: ndarray) -> bool:
     if mesh.doflocs.shape[1] == mesh.nvertices:
         return False
     ends = mesh.p[:, mesh.facets[:, facets]]
-    middle = mesh.doflocs[:, mesh.dofs.facet_dofs[0, facets]]
-    off = np.linalg.norm(middle - ends.mean(axis=1), axis=0)
+    middle_dofs = mesh.dofs.facet_dofs[0, facets]
+    chord_middle = ends.mean(axis=1)
+    off = np.linalg.norm(mesh.doflocs[:, middle_dofs] - chord_middle, axis=0)
     length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=0)
     return bool((off > _STRAIGHT * length).any())
 
@@ -288,11 +303,13 @@ def _local(triangles: Triangles, facets: ndarray, nodes: ndarray) -> tuple[ndarr
     """Return coordinates of nodes along and off facets, over their lengths, (n_facets, n_nodes)."""
     mesh = triangles.mesh
     a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
-    dx, dy = d = (b - a)[:, :, None]  # (2, n_facets, 1)
-    x = mesh.p[:, None, nodes] - a[:, :, None]  # (2, n_facets, n_nodes)
+    d = (b - a)[:, :, None]  # (2, n_facets, 1)
+    points = mesh.p[:, None, nodes]
+    x = points - a[:, :, None]  # (2, n_facets, n_nodes)
     square = (d**2).sum(axis=0)
     along = (x * d).sum(axis=0) / square
-    return along, (dx * x[1] - dy * x[0]) / square
+    off = (d[0] * x[1] - d[1] * x[0]) / square
+    return along, off
 
 
 def _closed(triangles: Triangles, contact: Contact) -> Triangles:
