@@ -1,4 +1,4 @@
-"""Cuts across slender bodies, and the forces there."""
+"""Cuts across slender bodies, and the forces in them."""
 
 from __future__ import annotations
 

@@ -89,7 +89,9 @@ def _at_nodes(
     """Return displacements, stresses and strains at the nodes of the regions."""
     basis = basis_of(stage)
     u = stage.x[: basis.N].reshape(-1, basis.mesh.dim())
-    stress, strain, plastic = [], [], []
+    stress = []
+    strain = []
+    plastic = []
     for name, form in bodies.items():
         state = stage.states[name]
         stress.append(_in_space(recovered(form, total_stress(form, state), balanced=True).T, 6))
@@ -187,7 +189,9 @@ def _in_space(values: ndarray, n: int) -> ndarray:
 
 def _of_elements(stage: StageData, bodies: Mapping[str, SolidForm]) -> dict[str, ndarray]:
     """Return means over the elements of solids, and the numbers of their bodies."""
-    stress, plastic = [], []
+    # Take means over the elements, weighted by the volumes of their points.
+    stress = []
+    plastic = []
     for name, form in bodies.items():
         state = stage.states[name]
         share = form.weight / form.weight.sum(axis=1)[:, None]

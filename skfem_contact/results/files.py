@@ -208,13 +208,19 @@ def _records(stream: BinaryIO) -> tuple[list[bytes], int, bool]:
 
     A last record that is not complete is no damage.
     """
+    # Check the first bytes.
     stream.seek(0)
     if stream.read(len(_MAGIC)) != _MAGIC:
         raise ValueError(f"{stream.name} is no file of appended increments: give it another name")
+
+    # Read records up to the first one that is incomplete.
     records: list[bytes] = []
     end = len(_MAGIC)
     size = os.fstat(stream.fileno()).st_size
-    while len(prefix := stream.read(_PREFIX.size)) == _PREFIX.size:
+    while True:
+        prefix = stream.read(_PREFIX.size)
+        if len(prefix) < _PREFIX.size:
+            break
         length, checksum = _PREFIX.unpack(prefix)
         record = stream.read(min(length, size))
         if len(record) < length:
@@ -263,20 +269,11 @@ def _write_arrays(stream: Any, stages: Iterable[StageData]) -> None:
 
 
 def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[str, Any]:
-    """Return the head of a stage, and add its arrays and those of its increments."""
-    # Collect the vectors; kept increments find the increment before in the file.
-    time_before = 0.0
-    for name in _VECTORS:
-        vector = getattr(stage, name)
-        if vector is not None:
-            arrays[f"{key}/{name}"] = vector
-    if stage.before is not None:
-        *vectors_before, time_before = stage.before
-        if "." not in key:
-            for name, vector in zip(_BEFORE, vectors_before, strict=True):
-                arrays[f"{key}/{name}"] = vector
-    for name, vector in stage.placed.items():
-        arrays[f"{key}/placed of {name}"] = vector
+    """Return the head of a stage, and add the arrays of the stage and of its increments."""
+    # Collect the vectors; increments find the increment before in the file.
+    is_stage = "." not in key
+    for name, vector in _vectors_of(stage, with_before=is_stage).items():
+        arrays[f"{key}/{name}"] = vector
 
     # Collect the parts of the states.
     for name, state in stage.states.items():
@@ -288,14 +285,27 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     head["summary"] = dict(stage.summary)
     head["water"] = _in_words(stage.water)
     head["forms"] = list(stage.states)
-    head["meshes"] = {name: _fingerprint(form) for name, form in stage.forms.items()}
-    head["settings"] = {name: _settings(form) for name, form in stage.forms.items()}
+    head["meshes"] = {}
+    head["settings"] = {}
+    for name, form in stage.forms.items():
+        head["meshes"][name] = _fingerprint(form)
+        head["settings"][name] = _settings(form)
     head["placed"] = list(stage.placed)
-    head["time before"] = time_before
+    head["time before"] = 0.0 if stage.before is None else stage.before[2]
     head["increments"] = []
     for k, increment in enumerate(stage.increments):
         head["increments"].append(_described(increment, f"{key}.{k}", arrays))
     return head
+
+
+def _vectors_of(stage: StageData, with_before: bool) -> dict[str, ndarray]:
+    """Return the vectors of a stage by their names in a file."""
+    vectors = {name: getattr(stage, name) for name in _VECTORS}
+    if with_before and stage.before is not None:
+        vectors |= zip(_BEFORE, stage.before[:2], strict=True)
+    for name, vector in stage.placed.items():
+        vectors[f"placed of {name}"] = vector
+    return {name: vector for name, vector in vectors.items() if vector is not None}
 
 
 def _read_arrays(
@@ -346,8 +356,8 @@ def _stage(
 
     # Read the texts and the increments.
     texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
-    for name in ("iterations", "remarks"):
-        texts[name] = tuple(texts.get(name, ()))
+    texts["iterations"] = tuple(texts.get("iterations", ()))
+    texts["remarks"] = tuple(texts.get("remarks", ()))
     increments = []
     for k, part in enumerate(head.get("increments", ())):
         increments.append(_stage(arrays, f"{key}.{k}", part, given, make))

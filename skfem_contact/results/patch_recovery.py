@@ -3,7 +3,7 @@ r"""Fields at nodes from values at integration points, region by region.
 Stresses of linear elements are recovered from the forces of their nodes: Boroomand and Zienkiewicz
 (Int. J. Numer. Methods Eng. 40 (1997) 137-164), recovery by equilibrium in patches. Around every
 vertex a linear field
-:math:`\sigma^*` is sought whose nodal forces are those of the elements,
+:math:`\sigma^*` is sought whose nodal forces equal the forces of the elements,
 
 .. math:: \sum_p \Big| \int_p B^T \sigma^* - \int_p \bar B^T \sigma_h \Big|^2
           + \beta \int_p |\sigma^* - \sigma_h|^2 \to \min,
@@ -97,15 +97,18 @@ def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, nd
     """
     # Evaluate the functions of all elements at the points.
     corners = len(form.basis.mesh.t)
-    linear = form.basis.with_element(linear_element(form.basis.mesh)).basis
+    element = linear_element(form.basis.mesh)
+    linear = form.basis.with_element(element).basis
     columns = [np.broadcast_to(linear[j][0], form.weight.shape) for j in range(corners)]
     shapes = np.stack(columns, axis=2)  # (n_elements, n_points, corners)
 
     # Number the vertices region by region.
     cells = region_mesh(form).cells[:, :corners]
-    vertex = np.unique(cells, return_inverse=True)[1].reshape(-1, corners)
+    _, vertex = np.unique(cells, return_inverse=True)
+    vertex = vertex.reshape(-1, corners)
     indices = np.broadcast_to(vertex[:, None], shapes.shape).ravel()
-    N = csr_matrix((shapes.ravel(), indices, np.arange(0, shapes.size + 1, corners)))
+    rows = np.arange(0, shapes.size + 1, corners)
+    N = csr_matrix((shapes.ravel(), indices, rows))
 
     # Solve; the condition of the scaled mass is 5 on any mesh (A. J. Wathen 1987).
     weighted = csr_matrix(N.multiply(form.weight.reshape(-1, 1))).T
@@ -123,8 +126,10 @@ def within_points(nodal: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
     low = np.full_like(nodal, np.inf)
     high = np.full_like(nodal, -np.inf)
     for c, part in enumerate(values):
-        np.minimum.at(low[c], mesh.cells, part.min(axis=1)[:, None])
-        np.maximum.at(high[c], mesh.cells, part.max(axis=1)[:, None])
+        smallest = part.min(axis=1)
+        largest = part.max(axis=1)
+        np.minimum.at(low[c], mesh.cells, smallest[:, None])
+        np.maximum.at(high[c], mesh.cells, largest[:, None])
     return np.clip(nodal, low, high)
 
 
@@ -222,12 +227,14 @@ def _balance(
     owner = keys // n_nodes
     n = owner[-1] + 1
     first = np.searchsorted(owner, np.arange(n + 1))
-    position = (np.arange(len(keys)) - first[owner])[number.reshape(cells.shape)]
+    in_patch = np.arange(len(keys)) - first[owner]
+    position = in_patch[number.reshape(cells.shape)]
 
     # Sum the forces of the elements at each node.
     rows = int(np.diff(first).max()) * dim
     row = dim * position[:, :, None] + np.arange(dim)  # (pairs, nodes, dim)
-    slot = (row.reshape(len(cells), -1) + rows * patch[:, None]).ravel()
+    slots = row.reshape(len(cells), -1) + rows * patch[:, None]
+    slot = slots.ravel()
     size = n * rows
     columns = []
     for part in np.moveaxis(H, 2, 0):
@@ -258,7 +265,8 @@ def _sources(
     """
     # Find the vertices inside of regions: sides on their boundaries belong to one element.
     grid = form.basis.mesh
-    sides = mesh.region[:, None] * grid.nfacets + grid.t2f[:, form.elements].T
+    facets = grid.t2f[:, form.elements].T
+    sides = mesh.region[:, None] * grid.nfacets + facets
     _, first, count = np.unique(sides, return_index=True, return_counts=True)
     element, side = np.divmod(first[count == 1], sides.shape[1])
     positions = np.array(grid.elem.refdom.facets)[side]
@@ -267,20 +275,22 @@ def _sources(
 
     # Find the best patches of the elements of each node: inside, or with most elements.
     score = np.where(inside, np.inf, incidence.getnnz(axis=1))
-    near = (_incidence(mesh.cells, len(mesh.nodes)) @ incidence.T).tocoo()
+    n = len(mesh.nodes)
+    near = (_incidence(mesh.cells, n) @ incidence.T).tocoo()
     node = near.row
-    best = np.zeros(len(mesh.nodes))
-    np.maximum.at(best, node, score[near.col])
+    patch = near.col
+    best = np.zeros(n)
+    np.maximum.at(best, node, score[patch])
 
     # Take the own patch of a vertex if it is one of the best, otherwise all of the best.
-    has_own = np.zeros(len(mesh.nodes), bool)
+    has_own = np.zeros(n, bool)
     has_own[vertex] = score == best[vertex]
-    is_own = node == vertex[near.col]
-    is_best = score[near.col] == best[node]
+    is_own = node == vertex[patch]
+    is_best = score[patch] == best[node]
     chosen = np.where(has_own[node], is_own, is_best)
     rows = node[chosen]
     shares = 1.0 / np.bincount(rows)[rows]
-    return coo_matrix((shares, (rows, near.col[chosen])), shape=near.shape).tocsr()
+    return coo_matrix((shares, (rows, patch[chosen])), shape=near.shape).tocsr()
 
 
 def _evaluated(

@@ -165,24 +165,27 @@ class Result:
     def to_pvd(self, file: str | Path) -> list[Path]:
         """Write a ``.pvd`` series for ParaView and a ``.vtu`` file for each stage or increment.
 
-        ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is that of the
+        ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is the time of the
         analysis where stages have a duration, otherwise a number. The names of the written files
         are returned, the series first.
         """
-        parts = [part for stage in self for part in stage.increments or (stage,)]
+        parts: list[StageResult] = []
+        for stage in self:
+            parts += stage.increments or (stage,)
         return export.series(file, parts)
 
     def reset(self) -> Result:
         """Return the result with displacements counted from its end on; all forces stay.
 
-        Contact has followed the bodies and comes back with them: a stage of the same load finds
-        equilibrium there.
+        Contact has followed the bodies and comes back with them: under the same load the end is an
+        equilibrium of the next stage.
 
         Raises
         ------
         ValueError
             A form without a ``rebased`` of its own changes its internal force.
         """
+        # Set the displacements to zero, but at supports that are not solved for.
         last = self[-1]
         x = np.zeros_like(last.x)
         if last.layout is not None:

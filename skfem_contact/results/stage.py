@@ -113,7 +113,7 @@ class StageResult(files.StageData):
         Warns
         -----
         AnalysisWarning
-            The body continues beside a cut that is not deep enough or off its middle.
+            The body continues next to a cut that is not deep enough or off its middle.
         """
         look_up(body, self.forms, f"form in stage '{self.name}'")
         along = self.outputs(body).lines
@@ -194,8 +194,10 @@ class StageResult(files.StageData):
         ``field("pore")`` has the pressure of :class:`PoreWater`.
         """
         form, state = self._solid(solid)
-        variables = [part for material in form.materials.values() for part in material.internal]
-        if EXCESS_PRESSURE not in [variable.name for variable in variables]:
+        names: list[str] = []
+        for material in form.materials.values():
+            names += [variable.name for variable in material.internal]
+        if EXCESS_PRESSURE not in names:
             raise ValueError(
                 f"'{solid}' has no Undrained soil: field('pore') has the pressure of PoreWater at "
                 f"nodes"

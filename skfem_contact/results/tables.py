@@ -55,10 +55,14 @@ class Envelope:
                 "results.Envelope.of({stage.name: stage.section_forces(...).towards((1, 0, 0)), "
                 "...})"
             )
+
+        # Find the stages of the extremes at every section.
         names = np.array(list(forces))
         first = next(iter(forces.values()))
         sections = np.arange(len(first.position))
-        smallest, largest, stages = {}, {}, {}
+        smallest = {}
+        largest = {}
+        stages = {}
         for key in first.names:
             values = np.array([getattr(part, key) for part in forces.values()])  # (n_stages, n)
             lowest = values.argmin(axis=0)
@@ -85,14 +89,14 @@ def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Ta
     form = look_up(name, stage.forms, f"form in stage '{stage.name}'")
     along = _along(stage, name, sections)
     if not along:
-        others = [
-            key for key, other in stage.forms.items() if key != name and _along(stage, key, None)
-        ]
+        others = [key for key in stage.forms if key != name and _along(stage, key, None)]
         raise ValueError(
             f"'{name}' is a {type(form).__name__}, which has no forces for a table; give "
             f"`sections` of a "
             f"solid, or one of {others}"
         )
+
+    # Give each component of a vector its column, but leave out the axis.
     columns = {}
     for key, values in along.items():
         if np.ndim(values) < 2:
@@ -179,7 +183,7 @@ def _row(
         for key in _FORCES:
             if key in along:
                 points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
-                title = name if key == "force" else f"{name} {key}"
+                title = f"{name} {key}".removesuffix(" force")
                 row[title], row[f"{title} at"] = _largest(along[key], points)
 
     # Add the factor of a search that starts from the stage.
@@ -220,7 +224,8 @@ def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
     if has_solids(stage):
         basis = basis_of(stage)
         return nodal_field(stage, "u"), basis.doflocs[:, :: basis.mesh.dim()].T
-    values, points = [], []
+    values = []
+    points = []
     for name in stage.states:
         line = stage.outputs(name).points
         if line is not None:
