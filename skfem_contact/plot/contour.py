@@ -62,7 +62,7 @@ def contour(
         Field of :meth:`~skfem_contact.results.StageResult.field`: ``"ux"``, ``"syy"``, ``"mises"``,
         ``"gamma"``, ...
     since
-        Earlier stage: draw the change from there on.
+        Earlier stage: draw the change since then.
     deformed
         Factor of the displacements, or ``"auto"``; the undeformed outline is drawn too.
     limits
@@ -199,9 +199,8 @@ def cutaway(
     >>> result = model.run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> picture = plot.cutaway(result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
-    picture = contours(
-        [stage], quantity, scene=partial(Cutaway, cuts=cuts, towards=towards), **style
-    )
+    scene = partial(Cutaway, cuts=cuts, towards=towards)
+    picture = contours([stage], quantity, scene=scene, **style)
     return picture.draw(None, mesh, file, show)
 
 
@@ -306,7 +305,9 @@ class Contours:
 
     def put_foot(self, plotter: Any, frame: Frame, note: str) -> None:
         """Put the colour bar and the legend of all marks below the views."""
-        legend = {label: style for view in self.views for label, style in view.marks.legend()}
+        legend: dict[str, dict[str, Any]] = {}
+        for view in self.views:
+            legend.update(view.marks.legend())
         frame.put_foot(plotter, self.scale, self.title, note, self.extremes, legend)
 
     def draw(self, window: Window | None, mesh: bool, file: Any, show: bool, **size: Any) -> Any:
@@ -366,7 +367,9 @@ def contours(
 
 def _with_bodies(steps: Sequence[StageResult], bodies: Collection[str]) -> list[StageResult]:
     """Return stages with some of their solids, each of which exists in one of them."""
-    existing = {name: form for stage in steps for name, form in solids(stage).items()}
+    existing: dict[str, Any] = {}
+    for stage in steps:
+        existing |= solids(stage)
     for name in bodies:
         look_up(name, existing, "solid")
     return [only(stage, bodies) for stage in steps]

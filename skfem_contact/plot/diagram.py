@@ -112,7 +112,7 @@ def diagram(
     >>> on_it = plot.diagram(forces["surcharge"], "M", on=result["surcharge"])
     """
     if on is not None:
-        return saved(_on_structure(values, quantity, on, scale, window), file)
+        return saved(_on_structure(values, quantity or "", on, scale, window), file)
     series = values if isinstance(values, Mapping) else {"": values}
     if len({type(part) for part in series.values()}) != 1:
         raise ValueError(
@@ -161,6 +161,7 @@ def history(
     >>> import skfem_contact.plot as plot
     >>> figure = plot.history(culvert().result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
+    # Compute the field of all stages.
     last = result[-1]
     basis = basis_of(last)
     field = look_up(quantity, quantities(last, water), "field")
@@ -168,13 +169,18 @@ def history(
 
     # Draw the values at the node nearest to each point.
     coordinates = basis.doflocs[:, :: basis.mesh.dim()].T
-    nodes = np.vstack([nodes_of(form.basis) for stage in result for form in solids(stage).values()])
+    elements = []
+    for stage in result:
+        elements += [nodes_of(form.basis) for form in solids(stage).values()]
+    nodes = np.vstack(elements)
     times = [stage.time for stage in result] if time else list(range(len(result)))
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for style, (label, point) in zip(styles(len(points)), points.items()):
         at_point = _at_point(coordinates, nodes, values, point, label)
         style |= {"linestyle": "-", "marker": "o", "markersize": 5}
         ax.plot(times, at_point, label=label, **style)
+
+    # Write the titles of the axes.
     if time:
         ax.set_xlabel("time")
     else:
@@ -269,12 +275,12 @@ def _along(series: Mapping[str, Any], quantity: str | None, along: str, upright:
         slips = getattr(part, "status", np.zeros(0)) == Status.SLIP
         circles = {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"}
         for ax, name in zip(axes, names):
-            x, y = position, getattr(part, name)
+            curve = np.stack((position, getattr(part, name)))  # abscissa and ordinate
             if upright:
-                x, y = y, x
-            ax.plot(x, y, label=label, **style)
+                curve = curve[::-1]
+            ax.plot(*curve, label=label, **style)
             if slips.any():
-                ax.plot(x[slips], y[slips], color=style["color"], **circles)
+                ax.plot(*curve[:, slips], color=style["color"], **circles)
 
     # Write the title of each panel, and the coordinate once.
     for ax, title in zip(axes, titles):
@@ -283,21 +289,30 @@ def _along(series: Mapping[str, Any], quantity: str | None, along: str, upright:
     coordinate = _coordinate_title(first, along)
     if upright:
         axes[0].set_ylabel(coordinate)
+        if along == "arc":
+            axes[0].invert_yaxis()
     else:
         axes[-1].set_xlabel(coordinate)
     tidy(axes[0], len(series))
-    if upright and along == "arc":
-        axes[0].invert_yaxis()
     return figure
 
 
 def _panels(n: int, upright: bool) -> tuple[Figure, ndarray]:
     """Return n axes side by side over an upright coordinate, or below each other."""
-    options: dict[str, Any] = {"squeeze": False, "layout": "constrained"}
     if upright:
-        figure, axes = plt.subplots(1, n, figsize=(6.0 + n, 6.0), sharey=True, **options)
+        shape = (1, n)
+        size = (6.0 + n, 6.0)
     else:
-        figure, axes = plt.subplots(n, 1, figsize=(8.0, 3.0 + 1.5 * n), sharex=True, **options)
+        shape = (n, 1)
+        size = (8.0, 3.0 + 1.5 * n)
+    figure, axes = plt.subplots(
+        *shape,
+        figsize=size,
+        sharex=not upright,
+        sharey=upright,
+        squeeze=False,
+        layout="constrained",
+    )
     return figure, axes.ravel()
 
 
@@ -362,7 +377,7 @@ def _ring(series: Mapping[str, Any], quantity: str | None, angle: ndarray) -> Fi
 
 def _on_structure(
     values: Any,
-    quantity: str | None,
+    quantity: str,
     stage: StageResult,
     scale: float | None,
     window: Window | None,
@@ -373,14 +388,13 @@ def _on_structure(
     has_bodies = bool(having(stage.forms, Body))  # no frame alone
     if has_bodies:
         check_plane(basis_of(stage), "plot.diagram")
-    quantity = quantity or ""
     title = _title(members[0], quantity)
     lines = [_ordinates(part, quantity) for part in members]
     points = np.vstack([line.axis for line in lines])
     size = float(np.ptp(points, axis=0).max())
     if scale is None:
-        largest = np.abs(np.concatenate([line.ordinate for line in lines])).max()
-        scale = _LONGEST * size / (float(largest) or 1.0)
+        largest = max(float(np.abs(line.ordinate).max()) for line in lines)
+        scale = _LONGEST * size / (largest or 1.0)
 
     # Draw the ordinates.
     figure, ax = plt.subplots(figsize=(7.5, 6.5), layout="constrained")
@@ -416,16 +430,16 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     A node of a beam has one value of each of its elements. Their ordinates have one direction, but
     at a corner.
     """
+    # Check the kind of the values, and sort the points along the axis.
     _titles(values)
-    # Sort the points along the axis.
     order = np.argsort(_axis_of(values), kind="stable")
     axis = np.column_stack((values.x, values.y))[order]
 
     # An axis is closed where its ends are neighbours; two values at a node have no distance.
     steps = np.linalg.norm(np.diff(axis, axis=0), axis=1)
     steps = steps[steps > 0.0]
-    around = np.linalg.norm(axis[0] - axis[-1])
-    closed = bool(len(steps) > 2 and around < 2.5 * np.median(steps))
+    gap = np.linalg.norm(axis[0] - axis[-1])
+    closed = bool(len(steps) > 2 and gap < 2.5 * np.median(steps))
 
     # Find the directions to the left of the tangents.
     if closed:
@@ -445,8 +459,10 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     second = second[at_node]
     mean = left[first] + left[second]
     left[first] = left[second] = mean / np.linalg.norm(mean, axis=1)[:, None]
-    sign = 1.0 if isinstance(values, SectionForces) else -1.0
-    return _Ordinates(axis, getattr(values, quantity)[order], sign * left, closed)
+    if not isinstance(values, SectionForces):
+        left = -left
+    ordinate = getattr(values, quantity)[order]
+    return _Ordinates(axis, ordinate, left, closed)
 
 
 def _draw_bodies(ax: Axes, scene: Scene) -> None:
@@ -476,7 +492,8 @@ def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
     ring = np.arange(len(tips) + line.closed) % len(tips)
     first = ring[:-1]
     second = ring[1:]
-    corners = (line.axis[first], line.axis[second], tips[second], tips[first])
+    axis = line.axis
+    corners = (axis[first], axis[second], tips[second], tips[first])
     pieces = np.stack(corners, axis=1)  # (n, 4, 2)
     positive = line.ordinate[first] + line.ordinate[second] > 0.0
     for sign, color in ((positive, _POSITIVE), (~positive, _NEGATIVE)):
@@ -486,7 +503,7 @@ def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
 
     # Draw the axis and the line through the tips.
     ax.plot(*tips[ring].T, color="#222222", linewidth=1.4)
-    ax.plot(*line.axis[ring].T, color="#222222", linewidth=0.8)
+    ax.plot(*axis[ring].T, color="#222222", linewidth=0.8)
 
 
 def _write_extremes(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
@@ -526,7 +543,7 @@ def styles(n: int) -> list[dict[str, Any]]:
 
 
 def tidy(ax: Axes, n: int) -> None:
-    """Draw a grid, and a legend where there are several series."""
+    """Draw a grid, and a legend of several series."""
     ax.grid(color="#dddddd", linewidth=0.6)
     ax.spines[["top", "right"]].set_visible(False)
     if n > 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ _SMALL = 0.02
 
 @dataclass(frozen=True)
 class Marks:
-    """Marks on the picture of a stage; the arguments are those of :func:`contour`."""
+    """Marks on the picture of a stage, with the arguments of :func:`contour`."""
 
     stage: StageResult
     water: Shown | None = None
@@ -67,6 +68,7 @@ class Marks:
 
     def draw(self, plotter: Any, scene: Scene) -> None:
         """Draw all marks."""
+        # Draw water, supports, loads and displacements.
         if self.water is not None:
             waters = pressures_of(self.stage.water) if self.water is True else [self.water]
             for water in waters:
@@ -99,7 +101,9 @@ class Marks:
                 entries.append((label, _square(color)))
         if self.contact:
             pairs = interfaces(self.stage).values()
-            present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
+            present: set[int] = set()
+            for pair in pairs:
+                present.update(pair.tractions.status.tolist())
             for kind, (label, color) in _STATUS.items():
                 if kind in present:
                     entries.append((f"contact {label}", _square(color)))
@@ -155,7 +159,7 @@ def pressures_of(water: Any) -> list[Any]:
         return []
     if isinstance(water, Mapping):
         parts = [getattr(part, "pressure", part) for part in water.values()]
-        return [pressure for part in parts for pressure in pressures_of(part)]
+        return list(chain.from_iterable(map(pressures_of, parts)))
     pressure = getattr(water, "pressure_at", water)
     if callable(pressure):
         return [pressure]
@@ -262,7 +266,7 @@ def _scaled(vectors: ndarray, longest: float) -> tuple[ndarray, ndarray]:
 
 
 def _draw_contact(plotter: Any, scene: Scene, stage: StageResult) -> None:
-    """Draw the status of contact points, and tractions on the master as lines that end there."""
+    """Draw the status of contact points, and tractions as lines that end on the master."""
     pairs = list(interfaces(stage).values())
     sizes = [np.hypot(pair.tractions.pressure, pair.tractions.shear) for pair in pairs]
     largest = max((float(size.max(initial=0.0)) for size in sizes), default=0.0)

@@ -161,12 +161,15 @@ def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
     >>> result = sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False)
     >>> figure = plot.load_curve(result)
     """
+    # Draw the equilibria from the least displacement, where the search starts.
     _check_search(result)
     _, parameter, displacement = np.asarray(result.curve).T
-    begin = int(np.argmin(displacement))  # the search starts from the least displacement
+    begin = int(np.argmin(displacement))
     figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
     (style,) = styles(1)
     ax.plot(displacement[begin:], parameter[begin:], marker="o", markersize=4, **style)
+
+    # Draw and write the limit.
     ax.axhline(result.value, color="#888888", linewidth=1.0, linestyle=":")
     ax.annotate(
         f"{result.value:.4g}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -131,7 +132,7 @@ def drawn(stage: StageResult, colors: Mapping[str, Shade], window: Window | None
 def _bodies(ax: Axes, stage: StageResult, colors: Mapping[str, Shade]) -> list[Any]:
     """Draw the elements in the colours of their materials, with outlines; return the legend."""
     scene = Scene(stage)
-    regions = [region for form in solids(stage).values() for region in form.regions]
+    regions = list(chain.from_iterable(form.regions for form in solids(stage).values()))
     keys = [repr(region.material) for region in regions]
     fill_elements(ax, scene, [colors[keys[k]].color for k in scene.region], "#00000022")
     draw_sides(ax, scene, borders=0.6, outline=1.0)

@@ -124,6 +124,7 @@ def report(
     >>> result.report(os.path.join(tempfile.mkdtemp(), "beam.html"), title="A cantilever").name
     'beam.html'
     """
+    # Compute the table and the colours that several parts share.
     if not len(result):
         raise ValueError("a report needs a result with a stage")
     sections = sections or {}
@@ -131,6 +132,8 @@ def report(
     text = template_of(template)
     table = result.table(sections=sections, searches=searches)
     colors = shades(result)
+
+    # Fill the template; empty parts say so.
     parts = {
         "pictures": _figures((pictures or {}).items()),
         "title": escape(title),
@@ -273,7 +276,7 @@ def _value(value: Any) -> str:
 
 
 def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Iterator[str]:
-    """Yield each stage: what has changed, the model, and a field on the scale of all stages."""
+    """Yield each stage: its changes, the model, and a field on the scale of all stages."""
     # Choose the common scale of plane pictures.
     with_solids = [stage for stage in result if has_solids(stage)]
     space = bool(with_solids) and basis_of(with_solids[0]).mesh.dim() == 3
@@ -364,6 +367,8 @@ def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tupl
         forces = last.section_forces(name, cuts)
         if forces.axis is not None:  # in space
             continue
+
+        # Draw them around a ring, or along a line that may be upright.
         series = {"smallest": envelope.smallest, "largest": envelope.largest, last.name: forces}
         text = (
             f"{name}: smallest and largest section forces of all stages, and those of '{last.name}'"
@@ -443,6 +448,7 @@ def _embedded(caption: str, picture: Any) -> str:
 
 def _image(caption: str, picture: Any) -> tuple[str, bytes]:
     """Return the kind and the content of the image of a picture, which is closed."""
+    # Take pictures of bytes, figures of matplotlib and files.
     if isinstance(picture, bytes):
         return "png", picture
     if isinstance(picture, Figure):
@@ -458,6 +464,8 @@ def _image(caption: str, picture: Any) -> tuple[str, bytes]:
                 f"picture '{caption}': {picture} is no file with the end {', '.join(_KINDS)}"
             )
         return _KINDS[end], path.read_bytes()
+
+    # Take the picture that an object shows in a notebook.
     png = getattr(picture, "_repr_png_", None)
     if not callable(png):
         raise ValueError(

@@ -136,11 +136,13 @@ class Scene:
 
     def draw(self, plotter: Any, scale: Scale, mesh: bool) -> None:
         """Draw bands of the field, the mesh, borders of regions and outlines."""
-        # Draw the bands and the lines between them.
+        # Make a grid of the displaced elements with the field.
         points = self.in_space(self.coordinates[self.nodes], FIELD)
         displacement = np.pad(self.displacement[self.nodes], ((0, 0), (0, 1)))
         grid = _grid_of(points, *vtk_cells(self.cells, 2), displacement)
         grid["values"] = self.values
+
+        # Draw the bands and the lines between them.
         surface, lines = _banded(_surface_of(grid, self.factor), scale)
         plotter.add_mesh(surface, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
         if lines.n_cells:
@@ -155,8 +157,10 @@ class Scene:
             undeformed = self.lines(outline, self.coordinates, MESH)
             plotter.add_mesh(undeformed, color="#8a8a8a", line_width=2.5)
         if len(borders):
-            plotter.add_mesh(self.lines(borders, self.moved, BORDER), color="#222222", line_width=3)
-        plotter.add_mesh(self.lines(outline, self.moved, OUTLINE), color="black", line_width=4)
+            inner = self.lines(borders, self.moved, BORDER)
+            plotter.add_mesh(inner, color="#222222", line_width=3)
+        outer = self.lines(outline, self.moved, OUTLINE)
+        plotter.add_mesh(outer, color="black", line_width=4)
 
     def lines(self, sides: ndarray, points: ndarray, level: int) -> Any:
         """Return lines through points (n, 2) by the numbers of their ends and middles."""
@@ -248,8 +252,10 @@ class Cutaway(Scene):
         thick = {"color": "black", "line_width": 2.5}
         regions = np.unique(self.straight["region"])
         parts = [self.straight.extract_cells(self.straight["region"] == k) for k in regions]
-        surfaces = [_surface_of(part, 0.0, 0) for part in parts]
-        outsides = [surface.compute_normals(auto_orient_normals=True) for surface in surfaces]
+        outsides = []
+        for part in parts:
+            surface = _surface_of(part, 0.0, 0)
+            outsides.append(surface.compute_normals(auto_orient_normals=True))
 
         # Draw the surfaces where no plane cuts them away.
         for outside in outsides:
@@ -271,7 +277,7 @@ class Cutaway(Scene):
     def _kept_edges(
         self, lines: Any, planes: Sequence[_Plane], style: dict[str, Any]
     ) -> Iterator[tuple[Any, dict[str, Any]]]:
-        """Yield the lines behind the planes, displaced, with their style, if there are any."""
+        """Yield the lines behind the planes, displaced, with their style, if any."""
         kept = _without(lines, planes)
         if kept.n_cells:
             yield kept.warp_by_vector("displacement", factor=self.factor), style
@@ -310,12 +316,16 @@ def _banded(surface: Any, scale: Scale) -> tuple[Any, Any]:
     """Return coloured bands of the field "values" of a surface, and the lines between them."""
     # Contour the numbers of the bands in place of the values.
     n = len(scale.levels) - 1
-    numbers = np.interp(surface["values"], scale.levels, np.arange(n + 1.0))
+    bands = np.arange(n + 1.0)
+    numbers = np.interp(surface["values"], scale.levels, bands)
     surface["values"] = np.clip(numbers, _INSIDE, n - _INSIDE)
     result, lines = surface.contour_banded(
         n + 1, rng=(0.0, float(n)), scalars="values", scalar_mode="index"
     )
-    band = np.clip(np.asarray(result.cell_data["Scalars"]).astype(int), 0, n - 1)
+
+    # Take the colour of each band.
+    indices = np.asarray(result.cell_data["Scalars"]).astype(int)
+    band = np.clip(indices, 0, n - 1)
     colors = 255 * np.asarray(scale.colors(band))[:, :3]
     result.cell_data["colors"] = colors.round().astype(np.uint8)
     return result, lines
@@ -327,7 +337,8 @@ def _axes(towards: Sequence[float]) -> ndarray:
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     if ahead.shape != (3,) or not np.linalg.norm(right) > 1e-9 * np.linalg.norm(ahead):
         raise ValueError(f"towards is a direction (x, y, z) that is not upright, not {towards!r}")
-    axes = np.stack((right, np.cross(right, ahead), -ahead))
+    upwards = np.cross(right, ahead)
+    axes = np.stack((right, upwards, -ahead))
     return np.stack([axis / np.linalg.norm(axis) for axis in axes])
 
 

@@ -67,6 +67,7 @@ def make_scale(
     values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None
 ) -> Scale:
     """Return a scale of about n bands for values and their areas; given limits are not rounded."""
+    # Check the arguments, and leave out nodes without a value.
     known = np.isfinite(values)
     if not known.any():
         raise ValueError("there is nothing to draw: no material of these bodies defines this field")
@@ -137,7 +138,10 @@ def _round_levels(low: float, high: float, n: int) -> ndarray:
     levels = np.asarray(locator.tick_values(low, high))
     step = levels[1] - levels[0]
     slack = 1e-6 * (high - low)
-    levels = levels[(levels > low - step + slack) & (levels < high + step - slack)]
+
+    # Leave out levels a whole step beyond the values, and make zero exact.
+    room = step - slack
+    levels = levels[(levels > low - room) & (levels < high + room)]
     return np.where(np.abs(levels) < 1e-9 * step, 0.0, levels)
 
 
@@ -174,6 +178,7 @@ def bar_figure(
     marks: dict[str, dict[str, Any]],
 ) -> Figure:
     """Return the foot of a picture: colour bar, title, note, extremes and legend of marks."""
+    # Leave room for the legend below the colour bar.
     figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
     axes = figure.add_axes((0.06, 0.39 if marks else 0.32, 0.88, 0.14))
     width = 0.88 * size[0]
@@ -249,6 +254,7 @@ class Frame:
         margin: float,
         width: int = _WIDTH,
     ) -> None:
+        # Find the corners of the part to show, with a margin.
         low = points.min(axis=0)
         high = points.max(axis=0)
         if window is not None:
@@ -348,7 +354,8 @@ class Frame:
         plotter.subplot(last_row + 1, 0)
         figure = bar_figure(scale, title, note, extremes, (self.size[0], _FOOT), marks)
         chart = pyvista.ChartMPL(figure, redraw_on_render=False)
-        chart.border_color, chart.background_color = "white", "white"
+        chart.border_color = "white"
+        chart.background_color = "white"
         plotter.add_chart(chart)
         plotter.subplot(*self.cell(0))
 

@@ -47,7 +47,9 @@ def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> 
     <Figure size ...>
     """
     # Fit the figure to the points of all outlines.
-    points = [_corners(o) for outlines in section.outlines.values() for o in outlines]
+    points: list[ndarray] = []
+    for outlines in section.outlines.values():
+        points += map(_corners, outlines)
     x = np.vstack(points)
     low = x.min(axis=0)
     high = x.max(axis=0)
@@ -73,6 +75,7 @@ def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> 
             axes.plot(*_corners(outline).T, color=color, linewidth=2.5, label=label)
             label = None  # in the legend once
 
+    # Leave a margin, and write the titles and the legend.
     free = 0.02 * (high - low).max()
     axes.set(
         xlim=(low[0] - free, high[0] + free),
