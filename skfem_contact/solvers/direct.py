@@ -118,7 +118,8 @@ class DirectSolver:
     def __init__(
         self, locations: ndarray, free: ndarray, engine: str | None = None, single: bool = False
     ) -> None:
-        self._locations, self._free = locations, np.asarray(free)
+        self._locations = locations
+        self._free = np.asarray(free)
         self._engine = as_engine(engine)
         self._block: FreeBlock | None = None
         self._last: _Factor | None = None
@@ -148,6 +149,7 @@ class DirectSolver:
             )
         if len(self._free) == 0:
             return nothing_free
+
         # return the last factor if it belongs to K
         kept = self._kept(symmetric)
         if kept is not None and self._known(K):
@@ -163,13 +165,17 @@ class DirectSolver:
         if self._engine.outdated():
             self._block = self._ordered(K)
             A = self._block.gather(K)
-        if self._last is not None and not self._last.holds:
-            self._single = False
-        ways = WAYS if self._single else WAYS[1:]
+        ways = self._ways()
         self._last = kept = None  # its memory is free for the next one
         factor = _Factor(A, self._engine, symmetric, self._block.order, n, ways)
         self._last = factor
         return factor
+
+    def _ways(self) -> tuple[Way, ...]:
+        """Return the ways to factor, without single precision once it has failed."""
+        if self._last is not None and not self._last.holds:
+            self._single = False
+        return WAYS if self._single else WAYS[1:]
 
     def _kept(self, symmetric: bool) -> _Factor | None:
         """Return the last factor if it serves for matrices of this symmetry."""

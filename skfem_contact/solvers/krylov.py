@@ -37,6 +37,7 @@ def conjugate_gradients(
     direction = np.zeros_like(b)
     product = np.inf
     for count in range(most):
+        # make the direction conjugate to the last one, A d . d_last = 0
         preconditioned = cycle(residual)
         last = product
         product = float(residual @ preconditioned)
@@ -45,6 +46,8 @@ def conjugate_gradients(
         curvature = float(direction @ image)
         if not curvature > 0.0:
             return x, count
+
+        # minimise the energy along the direction
         length = product / curvature
         x += length * direction
         residual -= length * image
@@ -82,14 +85,19 @@ class Fgmres:
         target = tolerance * float(np.linalg.norm(b))
         count = 0
         while count < most and float(np.linalg.norm(residual)) > target:
+            # iterate in the space without the slow directions
             space = _Space.of(A, self._slow)
             first, residual = space.projected(residual)
             step, taken = space.arnoldi(A, residual, cycle, target, min(most - count, RESTART))
+
+            # keep the directions that have slowed the iterations
             if taken >= _FEW and not self.forgets:
                 self._slow = space.slowest()
             if taken == 0 or not np.isfinite(step).all():
                 x = x + first
                 break
+
+            # recompute the residual
             x = x + first + step
             count += taken
             residual = b - A @ x

@@ -114,16 +114,20 @@ class AmgSolver:
         """
         if len(self._dofs) == 0:
             return nothing_free
+
         A = self._without_fixed(self._block.gather(K))
         balanced = self._balance(A)
         blocks = A.tobsr(2 * (len(self._locations),))
+
+        # keep the levels of an earlier matrix as long as their iterations pay
         levels = self._levels
         fresh = self._spent > KEPT
         if levels is None or fresh:
             levels = self._renewed(A, blocks)
             fresh = True
         cycle = levels.cycle(A, blocks)
-        methods = (conjugate_gradients if symmetric else self._fgmres, self._fgmres)
+        first = conjugate_gradients if symmetric else self._fgmres
+        methods = (first, self._fgmres)
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
@@ -283,6 +287,7 @@ def _iterated(
     start: ndarray | None = None,
 ) -> _Result:
     """Solve A x = b to a relative residual, or to the residual that round-off leaves."""
+    # start from a balanced guess
     size = float(np.linalg.norm(b))
     if not np.isfinite(size):
         raise ValueError("the right-hand side has entries that are not finite")
@@ -295,6 +300,7 @@ def _iterated(
     def preconditioned(r: ndarray) -> ndarray:
         return balanced(cycle(r), r)
 
+    # improve the solution by one method after the other
     for method in methods:
         if error <= wanted or count >= most:
             continue

@@ -84,6 +84,7 @@ class SchurSolver:
 
     def _change(self, K: csr_matrix, old: csr_matrix) -> csr_matrix | None:
         """Return the change of the free block if it lies on the interface, else None."""
+        # collect the entries that differ
         if same_pattern(K, old):
             entries = np.flatnonzero(K.data != old.data)
             row = np.searchsorted(K.indptr, entries, side="right") - 1
@@ -94,6 +95,8 @@ class SchurSolver:
             row = change.row
             col = change.col
             data = change.data
+
+        # keep entries among free dofs, which must lie on the interface
         free = np.zeros(K.shape[0], bool)
         free[self._free] = True
         kept = (data != 0.0) & free[row] & free[col]
@@ -183,6 +186,7 @@ class _Base:
         if not np.diagonal(dense[0]).all():  # an exact zero among the pivots
             return other()
 
+        # eliminate the interior, solve on the interface, and insert
         def once(b: ndarray, inside: bool = True) -> ndarray:
             rhs = b[order]
             right = b[ends]

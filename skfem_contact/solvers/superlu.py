@@ -63,11 +63,14 @@ class SuperLU:
         pivot, whatever their values, it reads beyond its arrays: it prints errors of BLAS, or ends
         the process.
         """
+        # refuse matrices without a pivot in a row
         if not A.diagonal().all():
             entries = A.copy()
             entries.eliminate_zeros()
             if structural_rank(entries) < A.shape[0]:
                 raise RuntimeError("the matrix is singular by its pattern")
+
+        # factor the transpose, whose columns are the rows of A
         transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
         transposed.has_canonical_format = True
         lu = splu(
@@ -111,9 +114,12 @@ def _points(locations: ndarray) -> tuple[ndarray, ndarray]:
     """Return the number of each dof's point, and integer coordinates of the points, (dim, n)."""
     low = locations.min(axis=1, keepdims=True)
     extent = np.ptp(locations, axis=1).max() or 1.0
-    steps = np.round((locations - low) / (COINCIDENT * extent)).astype(np.int64)
+    grid = COINCIDENT * extent
+    steps = np.round((locations - low) / grid).astype(np.int64)
     order = np.lexsort(steps)
     steps = steps[:, order]
+
+    # number the points that differ from the one before.
     new = np.ones(len(order), dtype=bool)
     new[1:] = np.any(steps[:, 1:] != steps[:, :-1], axis=0)
     group = np.empty(len(order), dtype=np.int64)
@@ -142,16 +148,21 @@ def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -
     row, col = edges
     size = n
     while size > LEAF:
+        # cut each part in two, and find the points between its halves
         active = np.flatnonzero(inner)
         right = np.zeros(n, dtype=bool)
         near = np.zeros(n, dtype=bool)
         right[active], near[active] = _bisect(along[:, active], points[:, active], part[active])
         separator = _separator(row, col, right, near, weight, HOPS if size > SMALL else 0)
+
+        # write one digit of the keys
         key[active] = 3 * key[active] + right[active]
         key[~inner] *= 3
         key[separator] += 2 - right[separator]
         inner[separator] = False
         part = 2 * part + right
+
+        # drop edges that leave a part
         kept = inner[row] & inner[col] & (part[row] == part[col])
         row = row[kept]
         col = col[kept]
