@@ -227,6 +227,7 @@ class _System(NamedTuple):
 
 def returned(trial: Array, first: Array, share: Array, k: ADPConstants) -> _Returned:
     """Return trial stresses (ncomp, n) outside of the yield surface, from shares of failure w."""
+    # solve for stress and root of the share; the share is not negative
     ncomp, n = trial.shape
     size = np.maximum(np.abs(trial).max(axis=0) / k.radius, 1.0)
     least = np.r_[np.full(ncomp, -np.inf), 0.0][:, None]
@@ -242,6 +243,7 @@ def returned(trial: Array, first: Array, share: Array, k: ADPConstants) -> _Retu
     final = _system(z, trial, first, share, k)
 
     def tangent() -> Array:
+        # solve J dz = (D, 0) de
         none = np.zeros((n, 1, ncomp))
         right = np.concatenate((k.stiffness(ncomp), none), axis=1) / k.radius[:, None, None]
         return np.asarray(np.linalg.solve(final.jacobian(), right), dtype=float)[:, :ncomp]
@@ -366,12 +368,14 @@ def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants)
         to_s = np.matmul(C, changed)  # (n, ncomp, ncomp)
 
         # collect the derivatives by stress and root
-        moved = np.einsum("nij,jn->ni", project, _offset(first, k))
+        offset = _offset(first, k)
+        moved = np.einsum("nij,jn->ni", project, offset)
         moved = -rate[:, None] * moved
         by_root = np.einsum("nij,nj->ni", to_s, moved)
         by_root = by_root + (2 * root * failure * relaxed).T
         by_excess = np.einsum("in,ni->n", by_s, moved) - rate * k.radius
-        result = np.zeros((root.size, ncomp + 1, ncomp + 1))
+        size = ncomp + 1
+        result = np.zeros((root.size, size, size))
         result[:, :ncomp, :ncomp] = np.eye(ncomp) + np.matmul(to_s, project)
         result[:, :ncomp, ncomp] = by_root
         result[:, ncomp, :ncomp] = normal.T

@@ -384,6 +384,16 @@ def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
     raise ValueError(f"{name} must {demand}, got {actual}{where}")
 
 
+def check_shapes(strain_increment: Array, stress: Array) -> None:
+    """Refuse strain increments and stresses that are not both (4 or 6, n_elements, ...)."""
+    known = stress.ndim >= 2 and stress.shape[0] in (4, 6)
+    if not known or strain_increment.shape != stress.shape:
+        raise ValueError(
+            "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
+            f"got {strain_increment.shape} and {stress.shape}"
+        )
+
+
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     """Return a parameter at the points of a field (ncomp, n_elements, ...); a float stays one."""
     if not isinstance(value, np.ndarray):

@@ -223,11 +223,14 @@ class CamClay(Material):
         data: tuple[Array, ...] = (),
     ) -> Update:
         """Update points in blocks; ``rate`` returns their plastic strain from trial and data."""
+        # give all arrays one axis of points
         increment = strain_increment.reshape(len(strain_increment), -1)
         start = stress.reshape(len(stress), -1)
         before = internal.reshape(len(internal), -1)
         n = start.shape[1]
         points = increment, start, before, self._constants(stress.shape), data
+
+        # update block by block, which the cache holds
         new = np.empty_like(start)
         memory = np.empty((2, n))
         tangents = []

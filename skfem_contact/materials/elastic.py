@@ -20,6 +20,7 @@ from .base import (
     along_elements,
     as_parameter,
     as_parameters,
+    check_shapes,
     require,
 )
 
@@ -118,15 +119,11 @@ class Isotropic(Material):
 
     def elastic_stress(self, strain_increment: Array, stress: Array) -> Array:
         """Return the stress after an elastic strain increment, a new array (ncomp, ...)."""
-        known = stress.ndim >= 2 and stress.shape[0] in (4, 6)
-        if not known or strain_increment.shape != stress.shape:
-            raise ValueError(
-                "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
-                f"got {strain_increment.shape} and {stress.shape}"
-            )
+        check_shapes(strain_increment, stress)
         lam, mu = (along_elements(value, stress.shape) for value in self.lame)
         volume = strain_increment[0] + strain_increment[1]
         volume += strain_increment[2]
+
         # stress + 2 mu strain + lam volume, in place
         result = np.empty(stress.shape)
         np.multiply(strain_increment[:3], 2 * mu, out=result[:3])

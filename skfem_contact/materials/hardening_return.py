@@ -271,9 +271,11 @@ def _solve(A: Array, b: Array) -> Array:
             (m * f - e * n, d * n - a * f, a * e - d * m),
         )
     )
-    det = (A[0] * adjugate[:, 0]).sum(axis=0)
+    first = A[0] * adjugate[:, 0]
+    det = first.sum(axis=0)
     det = np.where(det == 0, np.nan, det)
-    return (adjugate * b[:, None]).sum(axis=2) / det
+    products = adjugate * b[:, None]  # (m, 3, 3, n)
+    return products.sum(axis=2) / det
 
 
 def _step(z: Array, trial: _Trial, state: _State, r: _Residual) -> Array:
@@ -432,6 +434,7 @@ def _checked(
     z: Array, t: Points, modes: _Modes, k: Constants
 ) -> tuple[Array, Array, NDArray[np.bool_], tuple[_State, _Residual]]:
     """Return stresses (3, n), memory (2, n), where they are admissible, state and residual."""
+    # evaluate the solution
     trial = modes.trial(t, z[3], k)
     state = _state(z, trial, modes, k)
     residual = _residual(z, t, trial, k, state)
@@ -448,6 +451,7 @@ def _checked(
     on_face = (c1 >= c2 - round_off) & (c2 >= c3 - round_off)
     ordered = np.choose(modes.number, (on_face, on_minor, on_major))
 
+    # collect stresses and memory, and accept solutions in the right order
     c2 = np.clip(c2, c3, np.maximum(c1, c3))
     rate = t.faster / scale
     cap = k.hardened(t.cap, 2 * state.p * C * rate)[0]

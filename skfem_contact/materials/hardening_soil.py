@@ -21,6 +21,7 @@ from .base import (
     Material,
     Parameter,
     Update,
+    check_shapes,
     require,
     warn_of_radians,
 )
@@ -112,6 +113,7 @@ class HardeningSoil(CohesiveFrictional):
     stress_dependent = True
 
     def __post_init__(self) -> None:
+        # keep the parameters as numbers, and check their ranges
         for field in fields(self):
             value = getattr(self, field.name)
             if value is not None or field.default is not None:
@@ -131,6 +133,8 @@ class HardeningSoil(CohesiveFrictional):
             ("POP", self.POP >= 0, "not be negative"),
         ):
             require(name, getattr(self, name), holds, demand)
+
+        # check the parameters that depend on each other
         initial = 2 * self.E50_ref / (2 - self.R_f)
         demand = f"exceed the initial modulus {initial:.6g} of E50_ref"
         require("Eur_ref", self.Eur_ref, self.Eur_ref > initial, demand)
@@ -164,6 +168,7 @@ class HardeningSoil(CohesiveFrictional):
         Normal consolidation goes along the K0 line; the two rates of its plastic strain give slope
         and modulus.
         """
+        # find the friction of constant volume by Rowe's rule, and the first slope of the hyperbola
         sin = float(np.sin(np.radians(self.phi)))
         sin_psi = float(np.sin(np.radians(self.psi)))
         shift = self.c / float(np.tan(np.radians(self.phi)))
@@ -275,6 +280,7 @@ class HardeningSoil(CohesiveFrictional):
 
     def _check_initial(self, c: Array) -> None:
         """Refuse stresses (3, n), compression positive, in tension or outside of the surface."""
+        # find the stress that lies outside most
         k = self.constants
         size = np.abs(c).max(axis=0)
         excess = c[0] - c[2] - k.failure * c[2]
@@ -291,6 +297,8 @@ class HardeningSoil(CohesiveFrictional):
                 f"c={self.c:g}, phi={self.phi:g}; change K0, or give more cohesion",
                 int(worst),
             )
+
+        # warn of points whose stiffness is bounded below
         bare = np.count_nonzero(c[2] < LEAST * k.reference)
         if bare and size.max() > 0:
             warn(
@@ -301,11 +309,7 @@ class HardeningSoil(CohesiveFrictional):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        if strain_increment.shape != stress.shape or stress.ndim < 2 or len(stress) not in (4, 6):
-            raise ValueError(
-                "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
-                f"got {strain_increment.shape} and {stress.shape}"
-            )
+        check_shapes(strain_increment, stress)
         increment = strain_increment.reshape(len(stress), -1)
         before = internal.reshape(len(internal), -1)
         new, memory, tangent = self._followed(

@@ -150,9 +150,12 @@ class HoekBrown(IsotropicPlasticity):
         """
         index = np.asarray(gsi, dtype=float)
         D = np.asarray(disturbance, dtype=float)
-        require("gsi", index, (index > 0) & (index <= 100), "be above 0 and at most 100")
+        known = (index > 0) & (index <= 100)
+        require("gsi", index, known, "be above 0 and at most 100")
         require("disturbance", D, (D >= 0) & (D <= 1), "lie between 0 and 1")
         require("m_i", m_i, np.greater(m_i, 0), "be positive")
+
+        # Equations 3 to 5 of Hoek, Carranza-Torres and Corkum (2002)
         fractured = index - 100
         m_b = np.asarray(m_i) * np.exp(fractured / (28 - 14 * D))
         s = np.exp(fractured / (9 - 3 * D))

@@ -47,14 +47,19 @@ def bracketed_root(
     for _ in range(iterations):
         if not active.size:
             break
+        # narrow the bounds by the sign of f
         value, slope, last = function(x, *data)
         low = np.where(value > 0, x, low)
         high = np.where(value > 0, high, x)
+
+        # take Newton's step where it is usable, otherwise bisect
         newton = x - value / slope
         inside = (newton > low) & (newton < high)
         usable = (slope < 0) & (inside | (newton == x))
         new = np.where(usable, newton, 0.5 * (low + high))
         result[active] = new
+
+        # continue with the points that have moved
         remaining = np.flatnonzero(np.abs(new - x) > last)
         x = new
         if remaining.size < active.size:
@@ -86,6 +91,7 @@ def damped_newton(
     for _ in range(iterations):
         if not active.size:
             break
+        # take Newton's step from a smaller residual, otherwise half of the last step
         newton, error = function(x, *data)
         falls = (error < smallest) | (halved >= halvings)
         step = np.where(falls, newton, 0.5 * step)
@@ -93,6 +99,8 @@ def damped_newton(
         halved = np.where(falls, 0, halved + 1)
         smallest = np.where(falls, error, smallest)
         x = np.maximum(base + step, least)
+
+        # continue with the points that are not solved
         remaining = np.flatnonzero(~(error < last))
         if remaining.size < active.size:
             result[:, active] = x

@@ -157,6 +157,7 @@ class NgiAdp(Isotropic):
     @override
     def _check(self) -> None:
         super()._check()
+        # check strengths and strains at failure
         for name in (*_STRENGTHS, *_GAMMAS):
             value = getattr(self, name)
             if value is not None:
@@ -168,6 +169,8 @@ class NgiAdp(Isotropic):
                 f"{' and '.join(missing)} missing: give the shear strains at failure of all three "
                 "strengths, or none of them"
             )
+
+        # bound the triaxial ratio, below which the surface has corners
         A, P = self.s_uA, self.s_uP
         least = (0.5 * (A - P) + np.sqrt(0.1875) * (A + P)) / A
         inside = np.less(self.triaxial, 1) & np.greater_equal(self.triaxial, least)

@@ -140,6 +140,7 @@ class _PlaneFrame(NamedTuple):
         The arguments are d principal stress / d principal strain, (3, 3, n), the principal stresses
         after the return, (3, n), and the elastic shear modulus.
         """
+        # rotate the points in groups by the rank of the stress out of the plane
         result = np.empty((self.cos.size, 4, 4))
         for rank, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
             chosen = self.rank == rank

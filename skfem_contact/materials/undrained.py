@@ -72,6 +72,8 @@ class Undrained(Material):
 
     def __post_init__(self) -> None:
         soil = self._effective_soil()
+
+        # add the excess pressure to the variables of the soil
         unnamed = (Internal(f"variable {k}") for k in range(len(soil.internal), soil.n_internal))
         derived = {
             "soil": soil,
@@ -79,6 +81,8 @@ class Undrained(Material):
             "time_dependent": soil.time_dependent,
             "stress_dependent": soil.stress_dependent,
         }
+
+        # convert and check the parameters of the water
         for name in ("bulk_modulus_water", "nu_undrained"):
             value = getattr(self, name)
             if value is not None:
