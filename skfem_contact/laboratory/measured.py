@@ -59,12 +59,15 @@ def read_csv(
     >>> sc.laboratory.read_csv(file, columns, factors={"axial": -0.01})
     {'axial': array([-0.  , -0.01, -0.02]), 'q': array([ 0., 80., 95.])}
     """
+    # read the head, then the numbers below it
     with open(file, encoding="utf-8-sig") as stream:
         names = [name.strip() for name in stream.readline().split(delimiter)]
         table = np.genfromtxt(stream, delimiter=delimiter, ndmin=2)
     factors = factors or {}
     for quantity in (*columns, *factors):
         look_up(quantity, dict.fromkeys(_QUANTITIES), "quantity of a test")
+
+    # convert the columns by their factors
     position = {name: k for k, name in enumerate(names)}
     read = {}
     for quantity, name in columns.items():
@@ -179,6 +182,7 @@ def fit(
     >>> {name: round(value) for name, value in fitted.parameters.items()}
     {'E': 10000, 'c': 60}
     """
+    # check names, values and limits
     measured = [tests] if isinstance(tests, Measured) else list(tests)
     limits = limits or {}
     for name in limits:

@@ -76,10 +76,13 @@ class PathStep:
 
     def conditions(self, ncomp: int) -> tuple[ndarray, ndarray]:
         """Return the rows of stresses and of strains, (n, ncomp) each, ncomp in all."""
+        # keep shear strains without a condition
         given = [*self.stress, *self.strain]
         kept = [name for name in COMPONENTS[3:ncomp] if name not in given]
         stresses = _rows(_STRESSES, self.stress)
         strains = _rows(_STRAINS, [*self.strain, *kept])
+
+        # check the number of conditions
         rows = np.concatenate((stresses, strains))
         if len(rows) != ncomp or rows[:, ncomp:].any():
             raise ValueError(
@@ -91,7 +94,8 @@ class PathStep:
     def targets(self, stress: ndarray, strain: ndarray) -> tuple[ndarray, ndarray]:
         """Return the values of the conditions at the end of the step, (n, n_samples) each."""
         S, E = self.conditions(len(stress))
-        stresses, strains = S @ stress, E @ strain
+        stresses = S @ stress
+        strains = E @ strain
         for row, value in zip(stresses, self.stress.values()):
             if value is not None:
                 row[...] = finite(value, "stress of a step")

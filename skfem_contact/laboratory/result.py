@@ -86,6 +86,8 @@ class ElementTest:
             import pandas
         except ImportError as error:
             raise ImportError("to_frame needs pandas: pip install pandas") from error
+
+        # collect all columns, (n_states, n_samples) each
         states, ncomp, samples = self.stress.shape
         columns = {name: getattr(self, name) for name in ("p", "q", "volume", "pore_pressure")}
         for i, name in enumerate(COMPONENTS[:ncomp]):
@@ -93,6 +95,8 @@ class ElementTest:
             columns[f"strain {name}"] = self.strain[:, i]
         for i, variable in enumerate(self.material.internal):
             columns[variable.name] = self.internal[:, i]
+
+        # put the states of each sample below each other
         data = {"step": np.tile(self.step, samples)}
         data |= {name: values.T.ravel() for name, values in columns.items()}
         index = pandas.MultiIndex.from_product(
@@ -123,9 +127,13 @@ class ElementTest:
             "volume": "volume strain",
             "pore_pressure": "excess pore pressure",
         }
+
+        # choose pore pressure or volume strain for the third diagram
         undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
         third = "pore_pressure" if undrained else "volume"
         diagrams = ("shear", "q"), ("p", "q"), ("shear", third), ("p", "volume")
+
+        # draw computed lines and measured points
         measured = beside or {}
         figure, panels = plt.subplots(2, 2, figsize=(8.0, 6.5), layout="constrained")
         for axes, (x, y) in zip(panels.flat, diagrams, strict=True):

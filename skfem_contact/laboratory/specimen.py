@@ -82,6 +82,7 @@ def element_test(
     """
     law = as_material(material)
     refuse_functions(law)
+    # start each sample at a stress that the material admits
     start = _components(stress)
     internal = law.initial_internal(start[:, :, None])[:, :, 0]
     state = _State(np.zeros_like(start), start, internal)
@@ -144,6 +145,8 @@ def _increment(
     except (_NoEquilibrium, IncrementTooLarge):
         if halvings == 0:
             raise
+
+    # go half of the way, then the whole
     S, E, stresses, strains = conditions
     middle = conditions._replace(
         stresses=(S @ state.stress + stresses) / 2, strains=(E @ state.strain + strains) / 2
@@ -189,6 +192,8 @@ def _newton(law: Material, state: _State, conditions: _Conditions, dt: float) ->
                 "material does not resist, so prescribe a strain instead"
             ) from failure
         increment = increment + change.T
+
+    # report the sample with the largest error
     worst = int(np.argmax(np.nan_to_num(error, nan=np.inf)))
     raise _NoEquilibrium(
         f"no equilibrium in {count + 1} iterations, {error[worst]:.1e} of the stress is out of "

@@ -73,10 +73,14 @@ def check_form(
             f"directions must be at least 1, and the state one of the form's, not "
             f"{type(state).__name__}"
         )
+
+    # Check that state and tangent are lazy.
     first = form.assemble(x, state)
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before its first access")
+
+    # Check force, candidate state, tangent and balance.
     force, K = _checked_arrays(form, x, state)
     _check_candidate(form, x, state, first.state, force)
     samples = np.random.default_rng(seed).standard_normal((directions, len(x)))
@@ -111,9 +115,12 @@ def _checked_arrays(form: Form, x: ndarray, state: Any) -> tuple[ndarray, Any]:
 
 def _check_candidate(form: Form, x: ndarray, state: Any, candidate: Any, force: ndarray) -> None:
     """Check the force of the candidate state, and the types that depend on it."""
+    # Check the force of the candidate.
     scale = max(float(np.abs(force).max()), 1e-300)
     drift = np.abs(_among_all(form, x, candidate).force - force).max()
     require(drift <= 1e-7 * scale, "the accepted candidate gives another force")
+
+    # Check the types of the outer loop and of the outputs.
     again = form.outer(x, state, candidate) if isinstance(form, Regularised) else None
     if again is not None:
         pair = isinstance(again, tuple) and len(again) == 2
@@ -182,6 +189,7 @@ def _form_tangent(
         def force(h: float, d: ndarray = d) -> ndarray:
             return _among_all(form, x + h * d, state).force
 
+        # Compare K d with the differences along d.
         slope, gap = differences(force, STEP * size)
         tangent = K @ d
         largest = max(float(np.abs(tangent).max()), float(np.abs(slope).max()), 1e-300)

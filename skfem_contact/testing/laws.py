@@ -132,6 +132,7 @@ def check_material(
     >>> sc.testing.check_material(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=30., psi=10.)) < 1e-6
     True
     """
+    # Check the elasticity, and start from the initial stress.
     rng = np.random.default_rng(seed)
     material = as_material(material)
     refuse_functions(material)
@@ -141,6 +142,7 @@ def check_material(
     internal = material.initial_internal(stress)
     worst = 0.0
     for _ in range(steps):
+        # Update twice by a random increment.
         increment = strain * rng.standard_normal((ncomp, *shape)) * rng.uniform(0, 1, shape)
         update = partial(updated, material, stress=stress, internal=internal, dt=0.0)
         new = same_twice(
@@ -300,11 +302,14 @@ def check_interface_law(
     for dim in dimensions:
         internal = np.zeros((law.n_internal, n))
         for _ in range(3):  # initial internal variables, and twice the returned ones
+            # Draw gaps and slips, some of them without slip.
             gap = rng.uniform(-1, 1, (1, n))
             slip = rng.standard_normal((dim - 1, n))
             slip[:, : n // 10] = 0.0
             jump = size * np.concatenate((gap, slip))
             reached = _check_reach(law, jump[0], internal, rng.random(n) < 0.5)
+
+            # Check traction and tangent of the points within reach.
             some = jump[:, reached], internal[:, reached]
             new = _check_traction(law, *some, penalties, size)
             worst = max(worst, _law_tangent(law, *some, penalties, size, tolerance))
@@ -316,9 +321,12 @@ def check_interface_law(
 def _check_reach(law: InterfaceLaw, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
     """Return the points within reach; points without internal variables must not stay open."""
     arguments = gap, internal, closed
+    # Check the type of the answer.
     reached = np.asarray(same_twice(partial(law.reaches, *arguments), arguments, "law.reaches"))
     booleans = reached.shape == gap.shape and reached.dtype == bool
     require(booleans, "`reaches` must return (n,) booleans")
+
+    # Refuse points that were open and still are.
     untouched = (internal == 0.0).all(axis=0)
     open_still = reached & ~closed & (gap > 0.0) & untouched
     require_all(~open_still, "`reaches` names points that were open and still are")
