@@ -155,9 +155,10 @@ def warn_of_motion(
     moved = np.maximum.accumulate(curve[1:, 2])
     if not len(moved) or not moved[-1] > near > 0.0:
         return
-    reached = max(
-        np.interp(near, moved, curve[1:, 1]), curve[curve[:, 2] <= near, 1].max(initial=-np.inf)
-    )
+    values = curve[:, 1]
+    is_near = curve[:, 2] <= near
+    at_end = np.interp(near, moved, values[1:])
+    reached = max(at_end, values[is_near].max(initial=-np.inf))
     if value - reached > tolerance:
         warn(
             f"the {what} {value:.4g} belongs to displacements of {moved[-1]:.3g}, and those up to "
@@ -208,7 +209,8 @@ def added_by_mesh(
         # int (sigma - sigma_projected) : strain
         at, _, smooth = projected(form, stress)
         excess = stress - (at @ smooth).T.reshape(stress.shape)
-        lost.append((form.weight * (excess * strain).sum(axis=0)).sum(axis=1))
+        power_density = (excess * strain).sum(axis=0)
+        lost.append((form.weight * power_density).sum(axis=1))
 
         # int tau (gamma^2 - eps_V^2) / gamma
         volume = strain[:3].sum(axis=0)

@@ -359,14 +359,16 @@ def _blocked(search: Search) -> str:
     shape = search.problem.geometry
     tags = triangles.tags
     facets = triangles.mesh.facets
-    held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
+    first, second = (facets[:, tags["held", k]] for k in (0, 1))
+    held = np.intersect1d(first, second)
     sides = [held[:0]]
     for contact in search.model.contacts:
         sides += [facets[:, tags[side]].ravel() for side in (contact.slave, contact.master)]
     blocked = np.intersect1d(held, np.concatenate(sides))
     if not len(blocked):
         return ""
-    where = format_point(shape.centre + shape.size * triangles.mesh.p[:, blocked[0]])
+    point = triangles.mesh.p[:, blocked[0]]
+    where = format_point(shape.centre + shape.size * point)
     return (
         f": contact ends at a support at {where}, where nothing can slide; hold one component there"
     )

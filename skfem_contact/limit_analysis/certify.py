@@ -133,7 +133,8 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     # scale the velocities to unit power
     fixed = program.dead @ velocity
     power = program.live @ velocity + (0.0 if live else fixed)
-    size = float((np.abs(program.live) + np.abs(program.dead)) @ np.abs(velocity))
+    forces = np.abs(program.live) + np.abs(program.dead)
+    size = float(forces @ np.abs(velocity))
     if not power > _ROUND_OFF * size:
         return Proof(np.inf, velocity, np.inf)
     strain = program.strains(velocity) / power
@@ -162,8 +163,10 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
 
     # measure the change of volume where it must vanish
     kept = program.incompressible
-    change = np.abs((strain[kept] * program.volume[kept]).sum(1)).max(initial=0.0)
-    return Proof(value, velocity, float(change / np.abs(strain).max(initial=1e-300)))
+    rates = (strain[kept] * program.volume[kept]).sum(1)
+    change = np.abs(rates).max(initial=0.0)
+    largest = np.abs(strain).max(initial=1e-300)
+    return Proof(value, velocity, float(change / largest))
 
 
 def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:
@@ -186,7 +189,8 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
             strain = program.strains(velocity)
             missing = _overlap(program, strain, found.factor)
             missing[kept] = -(strain[kept] * volume[kept]).sum(1)
-            if np.abs(missing).max(initial=0.0) <= _SHAPED * np.abs(strain).max(initial=0.0):
+            largest = np.abs(strain).max(initial=0.0)
+            if np.abs(missing).max(initial=0.0) <= _SHAPED * largest:
                 break
             stress = (stiffness * missing)[:, None] * volume
             velocity = velocity + inverse(program.forces(stress))

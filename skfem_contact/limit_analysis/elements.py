@@ -99,12 +99,14 @@ def stress_elements(mesh: MeshTri) -> Elements:
     these equations, two of a triangle and four of a facet: linear tractions do the work of a rigid
     motion on its velocities (2 v_a + v_b) / 3 and (v_a + 2 v_b) / 3.
     """
-    ne, nf = mesh.nelements, mesh.nfacets
+    ne = mesh.nelements
+    nf = mesh.nfacets
     gradient, area = gradients(mesh)
     B = np.zeros((ne, 3, 3, 14))  # (n_elements, 3 corners, 3, n_local)
 
     # -div sigma in triangles
-    B[..., :2] = -_strain(gradient[:, :, None] * area[:, None, None, None])
+    scaled = gradient[:, :, None] * area[:, None, None, None]
+    B[..., :2] = -_strain(scaled)
 
     # sigma n at the ends of facets
     for m, ends in enumerate(_ENDS):
@@ -117,9 +119,11 @@ def stress_elements(mesh: MeshTri) -> Elements:
     # number the velocities of facets, then of triangles
     facets = np.arange(4 * nf).reshape(nf, 2, 2)  # (n_facets, 2 ends, 2 components)
     inside = 4 * nf + np.arange(2 * ne).reshape(ne, 1, 2)  # (n_elements, 1, 2 components)
-    dofs = np.hstack([inside[:, 0], facets[mesh.t2f.T].reshape(ne, 12)])
+    around = facets[mesh.t2f.T].reshape(ne, 12)
+    dofs = np.hstack([inside[:, 0], around])
     a, b = mesh.p[:, mesh.facets].transpose(1, 0, 2)
-    thirds = np.stack([2 * a + b, a + 2 * b], axis=2).reshape(2, -1) / 3
+    thirds = np.stack([2 * a + b, a + 2 * b], axis=2)  # three times, (2, n_facets, 2 ends)
+    thirds = thirds.reshape(2, -1) / 3
     middles = mesh.p[:, mesh.t].mean(axis=1)
     return Elements(
         mesh,
@@ -162,7 +166,8 @@ def velocity_elements(mesh: MeshTri) -> Elements:
 
 def _strain(gradient: ndarray) -> ndarray:
     """Return strain operators (..., 3, 2 n) from gradients (..., n, 2) of n shape functions."""
-    B = np.zeros((*gradient.shape[:-2], 3, gradient.shape[-2], 2))
+    *points, n, _ = gradient.shape
+    B = np.zeros((*points, 3, n, 2))
     B[..., 0, :, 0] = B[..., 2, :, 1] = gradient[..., 0]
     B[..., 1, :, 1] = B[..., 2, :, 0] = gradient[..., 1]
     return B.reshape(*B.shape[:-2], -1)
@@ -178,8 +183,9 @@ class Block(NamedTuple):
     def stiffness(self, D: ndarray) -> ndarray:
         """Return B^T D B summed over points, (n, n_local, n_local), for D (n_points, 3, 3)."""
         n, width = self.dofs.shape
+        B = self.B.reshape(n, -1, width)
         DB = np.matmul(D[self.points], self.B).reshape(n, -1, width)
-        return np.matmul(self.B.reshape(n, -1, width).transpose(0, 2, 1), DB)
+        return np.matmul(B.transpose(0, 2, 1), DB)
 
 
 class Reduction(NamedTuple):
@@ -203,7 +209,8 @@ class Reduction(NamedTuple):
         # number tied velocities alike, and assign velocities to supports and bodies
         n = elements.n
         n_bodies = rigid.max() + 1
-        links = coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n))
+        ones = np.ones(tied.shape[1])
+        links = coo_matrix((ones, tuple(tied)), shape=(n, n))
         same = connected_components(links, directed=False)[1]
         fixed = np.isin(same, same[held])
         body = np.full(n, -1)
@@ -242,7 +249,8 @@ class Reduction(NamedTuple):
         """Matrix of all velocities by the free dofs, (n, m)."""
         plain = np.flatnonzero(self.number >= 0)
         shape = len(self.number), self.size - self.motions.shape[1]
-        single = csr_matrix((np.ones(len(plain)), (plain, self.number[plain])), shape=shape)
+        columns = self.number[plain]
+        single = csr_matrix((np.ones(len(plain)), (plain, columns)), shape=shape)
         return csr_matrix(hstack([single, csr_matrix(self.motions)]))
 
     def reduced(self, B: ndarray, points: ndarray, dofs: ndarray) -> list[Block]:

@@ -186,8 +186,9 @@ class _Path:
         self.residuals()
         size = 1.0 if self.moving else max(self.theta, 1e-9)
         round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
-        within = _depth(self.s - self.rc) > -_FEASIBLE[1] * np.minimum(self.h, 1.0) - round_off
         normal, strong = _FEASIBLE
+        slack = -strong * np.minimum(self.h, 1.0) - round_off
+        within = _depth(self.s - self.rc) > slack
         feasible = abs(self.rt) < normal and np.abs(self.rc).max() < strong and within.all()
         if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
             return True
@@ -216,14 +217,16 @@ class _Path:
         a = min(1.0, _longest_step(self.s, first.s), _longest_step(self.z, first.z))
 
         # corrector: Mehrotra's second order, and the share of the gap that remains
-        ds, dz = _times(scaled.inverse, first.s), _times(scaled.W, first.z)
+        ds = _times(scaled.inverse, first.s)
+        dz = _times(scaled.W, first.z)
         right = -_product(point, point) - _product(ds, dz)
         centring = max((1 - a) ** 3, 1e-8) * mu
         right[:, 0] += max(centring, min(mu, _CENTRED * self.away / n_cones))
         d = self._direction(_quotient(right, point))
 
         # step, then restore the flow rule
-        a = min(1.0, _STEP * min(_longest_step(self.s, d.s), _longest_step(self.z, d.z)))
+        longest = min(_longest_step(self.s, d.s), _longest_step(self.z, d.z))
+        a = min(1.0, _STEP * longest)
         self.sigma = self.sigma + a * d.sigma
         self.y = self.y + a * d.y
         self.theta = self.theta + a * d.theta
@@ -295,10 +298,12 @@ class _Path:
         self, u: ndarray, rd: ndarray, rp: ndarray | float, rt: float
     ) -> tuple[ndarray, ndarray, float]:
         """Return changes of stress, velocity and objective that remove some residuals."""
-        r = _times(self.metric, -rd - self.gathered(_by(self.G, u)))
+        flow = self.gathered(_by(self.G, u))
+        r = _times(self.metric, -rd - flow)
         y = self._solve(self.program.forces(r) + rp)
         s = r - _times(self.metric, self.program.strains(y))
-        theta = (-rt - self.e @ u[:, 0] - (self._pull * s).sum() + self.f1 @ y) / self._pivot
+        pull = (self._pull * s).sum()
+        theta = (-rt - self.e @ u[:, 0] - pull + self.f1 @ y) / self._pivot
         return s - theta * self._s2, y - theta * self._y2, theta
 
     def _direction(self, q: ndarray) -> _Direction:
@@ -314,7 +319,8 @@ class _Path:
         by = self._by_factor
         if by is not None:
             most = _CHANGE * self.F
-            factor = float(np.clip((self.goal.aim - self.theta - theta) / by.theta, -most, most))
+            missing = self.goal.aim - self.theta - theta
+            factor = float(np.clip(missing / by.theta, -most, most))
             sigma = sigma + factor * by.sigma
             y = y + factor * by.y
             theta = theta + factor * by.theta
@@ -424,13 +430,15 @@ def _determinant(x: ndarray) -> ndarray:
 
 def _product(x: ndarray, y: ndarray) -> ndarray:
     """Return the product of Jordan's algebra."""
-    return np.column_stack([(x * y).sum(1), x[:, :1] * y[:, 1:] + y[:, :1] * x[:, 1:]])
+    others = x[:, :1] * y[:, 1:] + y[:, :1] * x[:, 1:]
+    return np.column_stack([(x * y).sum(1), others])
 
 
 def _quotient(y: ndarray, x: ndarray) -> ndarray:
     """Return the vectors whose product with `x` is `y`."""
     first = (_SIGNS * x * y).sum(1) / _determinant(x)
-    return np.column_stack([first, (y[:, 1:] - first[:, None] * x[:, 1:]) / x[:, :1]])
+    others = (y[:, 1:] - first[:, None] * x[:, 1:]) / x[:, :1]
+    return np.column_stack([first, others])
 
 
 def _longest_step(x: ndarray, d: ndarray) -> float:
@@ -473,7 +481,8 @@ def _scaling(s: ndarray, z: ndarray) -> _Scaling:
     V = np.empty((len(s), 3, 3))
     V[:, 0] = w
     V[:, 1:, 0] = last
-    V[:, 1:, 1:] = np.eye(2) + last[:, :, None] * last[:, None] / below
+    dyads = last[:, :, None] * last[:, None]  # (n, 2, 2)
+    V[:, 1:, 1:] = np.eye(2) + dyads / below
 
     # W = V sqrt(|s| / |z|), whose inverse has other signs
     ratio = np.sqrt(size_s / size_z)[:, None, None]

@@ -447,7 +447,10 @@ def discretise(model: LimitModel, triangles: Triangles, elements: Elements) -> P
         parts.append((joint.B, joint.dofs))
 
     # reduce velocities to the motions of rigid bodies and free nodes
-    held = [elements.facets[triangles.tags["held", k], :, k].ravel() for k in (0, 1)]
+    held = []
+    for k in (0, 1):
+        facets = triangles.tags["held", k]
+        held.append(elements.facets[facets, :, k].ravel())
     used = np.concatenate([dofs.ravel() for _, dofs in parts])
     reduction = Reduction.of(elements, used, np.concatenate(held), tied, rigid)
     blocks: list[Block] = []

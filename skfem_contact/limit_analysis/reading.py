@@ -213,7 +213,8 @@ def _strengths(
     Lines inside or outside of a curved strength replace it, for compression up to about a stress.
     """
     n = next(iter(solids.values())).basis.mesh.nelements
-    soil = Strength(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    unlimited = np.full(n, np.inf)
+    soil = Strength(unlimited, np.zeros(n), unlimited.copy(), np.zeros(n, bool))
     for name, form in solids.items():
         for region in form.regions:
             where = form.elements[region.elements]

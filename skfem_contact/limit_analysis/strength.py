@@ -328,9 +328,8 @@ class Strength:
 
 def _ratio(above: ndarray, below: ndarray) -> ndarray:
     """Return a quotient, inf where the divisor is zero."""
-    return np.divide(
-        above, below, out=np.full(np.broadcast(above, below).shape, np.inf), where=below != 0
-    )
+    result = np.full(np.broadcast(above, below).shape, np.inf)
+    return np.divide(above, below, out=result, where=below != 0)
 
 
 class Profile(NamedTuple):

@@ -103,9 +103,10 @@ class Triangles:
             a, b = mesh.facets[:, named]
             middle = new[named]
             cut = middle >= 0
+            whole = np.stack([a, b])[:, ~cut]
             first = np.stack([a, middle])[:, cut]
             second = np.stack([middle, b])[:, cut]
-            ends[name] = np.hstack([np.stack([a, b])[:, ~cut], first, second])
+            ends[name] = np.hstack([whole, first, second])
         return Triangles.of(p, children, self.origin[parents], ends, self.parent[parents])
 
 
@@ -152,7 +153,8 @@ def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]
 
 def facet_lengths(mesh: MeshTri) -> ndarray:
     """Return lengths of all facets."""
-    return np.linalg.norm(np.diff(mesh.p[:, mesh.facets], axis=1)[:, 0], axis=0)
+    a, b = mesh.p[:, mesh.facets].transpose(1, 0, 2)
+    return np.linalg.norm(b - a, axis=0)
 
 
 def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarray:
@@ -365,10 +367,14 @@ def check_closed(contacts: tuple[Contact, ...], triangles: Triangles) -> None:
         # middles of the slave's facets, along and off the master's, (n_master, n_slave)
         a, b = mesh.p[:, mesh.facets[:, master]].transpose(1, 0, 2)
         d = b - a
-        x = mesh.p[:, mesh.facets[:, slave]].mean(axis=1)[:, None] - a[:, :, None]
-        along = (x * d[:, :, None]).sum(axis=0) / (d**2).sum(axis=0)[:, None]
-        away = np.abs((x * normal[:, :, None]).sum(axis=0)) / facet_lengths(mesh)[slave]
-        near = (along > 0) & (along < 1) & (away < _GAP) & (normal.T @ of_slave < -_FACING)
+        middles = mesh.p[:, mesh.facets[:, slave]].mean(axis=1)
+        x = middles[:, None] - a[:, :, None]  # (2, n_master, n_slave)
+        square = (d**2).sum(axis=0)
+        along = (x * d[:, :, None]).sum(axis=0) / square[:, None]
+        off = (x * normal[:, :, None]).sum(axis=0)
+        away = np.abs(off) / facet_lengths(mesh)[slave]
+        facing = normal.T @ of_slave < -_FACING
+        near = (along > 0) & (along < 1) & (away < _GAP) & facing
         if near.any():
             raise ValueError(
                 f"the sides of the contact between '{contact.slave}' and '{contact.master}' are "

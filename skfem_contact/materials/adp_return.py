@@ -88,7 +88,8 @@ def modified(stress: Array, first: Array, kappa: Array, k: ADPConstants) -> Arra
 def mobilised_by(root: Array) -> tuple[Array, Array]:
     """Return the mobilisation kappa of the root of w, and its derivative."""
     u = np.minimum(root, 1.0)
-    return 2 * u / (1 + u * u), 2 * (1 - u * u) / (1 + u * u) ** 2
+    square = u * u
+    return 2 * u / (1 + square), 2 * (1 - square) / (1 + square) ** 2
 
 
 class _Measure(NamedTuple):
@@ -123,7 +124,8 @@ def measure(s: Array, k: ADPConstants) -> _Measure:
         d33 = _third_hessian(unit)
         dy = -13.5 * k.rounding * (2 * J3 * d3 - 3 * J3 * J3 * d2)
         mixed = _dyad(d3, d2)
-        ddy = 2 * _dyad(d3, d3) + 2 * J3 * d33 - 6 * J3 * (mixed + mixed.swapaxes(0, 1))
+        mixed = mixed + mixed.swapaxes(0, 1)
+        ddy = 2 * _dyad(d3, d3) + 2 * J3 * d33 - 6 * J3 * mixed
         ddy = ddy - 3 * J3 * J3 * d22 + 12 * J3 * J3 * _dyad(d2, d2)
         ddy = -13.5 * k.rounding * ddy
 
@@ -132,12 +134,14 @@ def measure(s: Array, k: ADPConstants) -> _Measure:
         ddh = 0.5 * bend
         first = h * d2 + dh * dy
         cross = _dyad(d2, dy)
-        second = h * d22 + dh * (cross + cross.swapaxes(0, 1) + ddy) + ddh * _dyad(dy, dy)
+        bent = cross + cross.swapaxes(0, 1) + ddy
+        second = h * d22 + dh * bent + ddh * _dyad(dy, dy)
 
         # differentiate F
         F = np.sqrt(h)
         gradient = first / (2 * F)
-        return gradient, (second / (2 * F) - _dyad(gradient, gradient) / F) / np.sqrt(safe)
+        hessian = second / (2 * F) - _dyad(gradient, gradient) / F
+        return gradient, hessian / np.sqrt(safe)
 
     return _Measure(np.sqrt(J2 * h), slopes)
 
@@ -157,7 +161,8 @@ def _cosine(y: Array) -> tuple[Array, Array, Array]:
     value = np.cos(angle / 3)
     series = 1 / 9 - 8 / 243 * gap + 28 / 2187 * gap**2
     slope = np.where(near, series, np.sin(angle / 3) / (3 * sine))
-    bend = np.where(near, -8 / 243 + 56 / 2187 * gap, (y * slope - value / 9) / sine**2)
+    bend_series = -8 / 243 + 56 / 2187 * gap
+    bend = np.where(near, bend_series, (y * slope - value / 9) / sine**2)
     return value, slope, bend
 
 
@@ -245,8 +250,10 @@ def returned(trial: Array, first: Array, share: Array, k: ADPConstants) -> _Retu
     def tangent() -> Array:
         # solve J dz = (D, 0) de
         none = np.zeros((n, 1, ncomp))
-        right = np.concatenate((k.stiffness(ncomp), none), axis=1) / k.radius[:, None, None]
-        return np.asarray(np.linalg.solve(final.jacobian(), right), dtype=float)[:, :ncomp]
+        right = np.concatenate((k.stiffness(ncomp), none), axis=1)
+        right /= k.radius[:, None, None]
+        change = np.linalg.solve(final.jacobian(), right)
+        return np.asarray(change, dtype=float)[:, :ncomp]
 
     return _Returned(z[:ncomp], final.strain, z[ncomp] ** 2, failed, tangent)
 
@@ -258,8 +265,8 @@ def _newton(
     system = _system(z, trial, first, share, k)
     residual = system.residual
     error = np.abs(residual).max(axis=0) / size
-    step = -np.linalg.solve(system.jacobian(), residual.T[:, :, None])[:, :, 0].T
-    return np.where(error < _SOLVED, 0.0, step), error
+    step = np.linalg.solve(system.jacobian(), residual.T[:, :, None])[:, :, 0]
+    return np.where(error < _SOLVED, 0.0, -step.T), error
 
 
 def _start(trial: Array, first: Array, share: Array, k: ADPConstants) -> Array:

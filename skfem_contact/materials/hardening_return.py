@@ -75,8 +75,11 @@ class _Modes(NamedTuple):
 
     def averaged(self, c: Array) -> tuple[Array, Array, Array]:
         """Return averages of c1, c3 and c2, q and p of principal stresses, or derivatives."""
-        meeting = np.array((c[2], c[2], np.where(self.number == 2, c[0], c[1])))
-        return c + self.share * (meeting - c), (self.w * c).sum(axis=0), c.sum(axis=0) / 3
+        of_middle = np.where(self.number == 2, c[0], c[1])
+        meeting = np.array((c[2], c[2], of_middle))
+        q = (self.w * c).sum(axis=0)
+        p = c.sum(axis=0) / 3
+        return c + self.share * (meeting - c), q, p
 
 
 class _Trial(NamedTuple):
@@ -146,7 +149,8 @@ def _state(z: Array, trial: _Trial, modes: _Modes, k: Constants) -> _State:
     def by_trial(dc: Array, dq: Array, dp: Array) -> _Slopes:
         dq = dq / alpha
         dp = dp * compressed
-        return _Slopes(dc - C * (across * dq[..., None, :] + 2 * K * dp[..., None, :]), dq, dp)
+        crushed = across * dq[..., None, :] + 2 * K * dp[..., None, :]
+        return _Slopes(dc - C * crushed, dq, dp)
 
     return _State(c - L * pull - C * crush, q, p, _Slopes(dc, dq, dp), by_trial)
 
@@ -211,8 +215,9 @@ def _residual(
     )
     active = (values[:2] > 0) | (z[:2] > 0)
     active[1] &= with_cap
+    bulk = k.lam + 2 * k.mu / 3
     shear_error = np.abs(np.where(active[0], values[0], k.mu * L)) / trial.size
-    cap_error = np.abs(np.where(active[1], values[1], (k.lam + 2 * k.mu / 3) * C))
+    cap_error = np.abs(np.where(active[1], values[1], bulk * C))
     error = np.maximum(shear_error, np.maximum(cap_error, np.abs(values[2])))
     error = np.maximum(error, np.abs(values[3]) / scale)
 

@@ -403,8 +403,10 @@ class HardeningSoil(CohesiveFrictional):
 
         # find the points outside of the yield surface
         c = k.shift - t.trial(scale).values[::-1]
-        size = np.maximum(np.maximum(np.abs(c[0]), np.abs(c[2])), LEAST * k.reference)
-        sheared = c[0] - c[2] - k.shear_strength(c[2], own[1], k.scale(c[2]))[0]
+        largest = np.maximum(np.abs(c[0]), np.abs(c[2]))
+        size = np.maximum(largest, LEAST * k.reference)
+        strength, _, _ = k.shear_strength(c[2], own[1], k.scale(c[2]))
+        sheared = c[0] - c[2] - strength
         crushed = np.where(c.sum(axis=0) > 0, k.cap_stress(c) - own[2], 0.0)
         points = np.flatnonzero(~(np.maximum(sheared, crushed) <= ROUND_OFF * size))
 

@@ -193,7 +193,9 @@ def _rotate_plane(
     q_row = (moduli[major] - moduli[minor]) / 2
 
     def columns(row: Array) -> tuple[Array, Array, Array]:
-        return (row[major] + row[minor]) / 2, (row[major] - row[minor]) / 2, row[third]
+        by_p = (row[major] + row[minor]) / 2
+        by_q = (row[major] - row[minor]) / 2
+        return by_p, by_q, row[third]
 
     pp, pq, pz = columns(p_row)
     qp, qq, qz = columns(q_row)

@@ -399,7 +399,9 @@ def _on_structure(
     # Draw the ordinates.
     figure, ax = plt.subplots(figsize=(7.5, 6.5), layout="constrained")
     if has_bodies:
-        _draw_bodies(ax, Scene(stage))
+        scene = Scene(stage)
+        fill_elements(ax, scene, "#ece9e2", "#ece9e2")
+        draw_sides(ax, scene, borders=0.8, outline=1.2)
     for line in lines:
         tips = line.axis + scale * line.ordinate[:, None] * line.left
         points = np.vstack((points, tips))
@@ -463,12 +465,6 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
         left = -left
     ordinate = getattr(values, quantity)[order]
     return _Ordinates(axis, ordinate, left, closed)
-
-
-def _draw_bodies(ax: Axes, scene: Scene) -> None:
-    """Draw the bodies in light grey with their outlines and the borders of regions."""
-    fill_elements(ax, scene, "#ece9e2", "#ece9e2")
-    draw_sides(ax, scene, borders=0.8, outline=1.2)
 
 
 def fill_elements(ax: Axes, scene: Scene, face: Any, edge: str) -> None:

@@ -339,13 +339,15 @@ def _axes(towards: Sequence[float]) -> ndarray:
         raise ValueError(f"towards is a direction (x, y, z) that is not upright, not {towards!r}")
     upwards = np.cross(right, ahead)
     axes = np.stack((right, upwards, -ahead))
-    return np.stack([axis / np.linalg.norm(axis) for axis in axes])
+    lengths = [np.linalg.norm(axis) for axis in axes]
+    return axes / np.reshape(lengths, (3, 1))
 
 
 def _plane(normal: Sequence[float], origin: Sequence[float]) -> _Plane:
     n = np.asarray(normal, float)
     o = np.asarray(origin, float)
-    if n.shape != (3,) or o.shape != (3,) or not np.isfinite((n, o)).all() or not n.any():
+    both_vectors = n.shape == o.shape == (3,)
+    if not both_vectors or not np.isfinite((n, o)).all() or not n.any():
         raise ValueError(f"a cut is a normal and a point, (x, y, z) each, not {(normal, origin)!r}")
     return _Plane(n / np.linalg.norm(n), o)
 

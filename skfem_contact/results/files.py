@@ -415,7 +415,10 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
 def _warn_of_other_settings(head: Mapping[str, Any], forms: Mapping[str, Form]) -> None:
     """Report given forms that have other materials or laws than the saved ones."""
     saved = head.get("settings", {})
-    others = [name for name, form in forms.items() if not _alike(saved.get(name), _settings(form))]
+    others = []
+    for name, form in forms.items():
+        if not _alike(saved.get(name), _settings(form)):
+            others.append(name)
     if others:
         warn(
             f"stage '{head['name']}' was computed with other materials or laws of "

@@ -210,7 +210,8 @@ def _incidence(cells: ndarray, n: int) -> csr_matrix:
     """Return the incidence of nodes and elements, (n, n_elements)."""
     rows = cells.ravel()
     columns = np.repeat(np.arange(len(cells)), cells.shape[1])
-    return coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, len(cells))).tocsr()
+    shape = (n, len(cells))
+    return coo_matrix((np.ones(len(rows)), (rows, columns)), shape=shape).tocsr()
 
 
 def _balance(
@@ -245,8 +246,10 @@ def _balance(
 
 def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:
     """Return sums over the elements of each patch."""
-    pick = csr_matrix((np.ones(len(patch)), (patch, np.arange(len(patch)))), shape=(n, len(patch)))
-    return np.asarray(pick @ values.reshape(len(patch), -1)).reshape(n, *values.shape[1:])
+    pairs = len(patch)
+    pick = csr_matrix((np.ones(pairs), (patch, np.arange(pairs))), shape=(n, pairs))
+    sums = np.asarray(pick @ values.reshape(pairs, -1))
+    return sums.reshape(n, *values.shape[1:])
 
 
 def _inverse(A: ndarray) -> ndarray:

@@ -37,6 +37,7 @@ _ROUND_OFF = 1e-9
 
 def section_forces(form: SolidForm, state: SolidState, sections: Sections | None) -> SectionForces:
     """Return normal force, shear force and moment at sections of a body."""
+    # Check the sections.
     if sections is None:
         raise ValueError(
             "a solid needs `sections`, such as Sections.line(...); only a beam has its own"
@@ -87,7 +88,8 @@ def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces
     forces, turned, straight, around = (_resultants(sections, cut, part) for part in parts)
 
     # A pile on the axis of revolution has its normal force per radian, and no bending.
-    across_axis = np.column_stack((sections.center[:, 0] / r.max(), sections.axis[:, 0]))
+    off_axis = sections.center[:, 0] / r.max()
+    across_axis = np.column_stack((off_axis, sections.axis[:, 0]))
     on_axis = np.abs(across_axis).max(axis=1) < _ROUND_OFF
     radius = straight.N / turned.N
     across = np.where(on_axis, 0.0, radius)
@@ -108,16 +110,20 @@ def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
     distance of both. The distances of a cut on a line are zero.
     """
     layers = _layers(form, sections)
+    # Select elements between whose lines of nodes a cut lies.
     section = layers.section[layers.inside]
     s = layers.s[layers.inside]
     lowest = s.min(axis=1)
     highest = s.max(axis=1)
     off_lines = np.minimum(np.abs(lowest), np.abs(highest)) > _ROUND_OFF * (highest - lowest)
     between = off_lines & (lowest < 0.0) & (highest > 0.0)
+
+    # Take means over the elements of each cut.
     n = len(sections.position)
-    count = np.maximum(np.bincount(section[between], minlength=n), 1)
-    back = np.bincount(section[between], lowest[between], minlength=n) / count
-    front = np.bincount(section[between], highest[between], minlength=n) / count
+    section = section[between]
+    count = np.maximum(np.bincount(section, minlength=n), 1)
+    back = np.bincount(section, lowest[between], minlength=n) / count
+    front = np.bincount(section, highest[between], minlength=n) / count
     return back, front
 
 
@@ -133,7 +139,8 @@ class _Layers(NamedTuple):
     @property
     def keys(self) -> ndarray:
         """One number for each node of each section, (pairs, nodes)."""
-        return np.asarray(self.section[:, None] * (self.nodes.max() + 1) + self.nodes)
+        n_nodes = self.nodes.max() + 1
+        return np.asarray(self.section[:, None] * n_nodes + self.nodes)
 
 
 class _Cut(NamedTuple):
@@ -151,6 +158,8 @@ def _layers(form: SolidForm, sections: Sections) -> _Layers:
     centroid = points.mean(axis=2).T
     largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
     near = sections.half_depth + 1.5 * largest
+
+    # Pair each section with the elements around its centre.
     hits = cKDTree(centroid).query_ball_point(sections.center, near)
     section = np.repeat(np.arange(len(hits)), [len(hit) for hit in hits])
     element = np.concatenate([np.asarray(hit, dtype=int) for hit in hits])
@@ -159,6 +168,8 @@ def _layers(form: SolidForm, sections: Sections) -> _Layers:
             f"the sections cut no element of the solid: it is not at "
             f"{format_point(sections.center[0])}"
         )
+
+    # Find the positions of their nodes along the axis, and the elements within the depth.
     section_of_nodes = np.repeat(section, nodes.shape[1])
     s, _ = sections.local(section_of_nodes, points[:, element].reshape(dim, -1).T)
     _, offset = sections.local(section, centroid[element])
@@ -259,7 +270,8 @@ def _report_continued(
     region = element_regions(form)[layers.element]
     keys = layers.keys
     keys = region[:, None] * (keys.max() + 1) + keys
-    continues = layers.section[outside][np.isin(keys[outside], keys[body]).any(axis=1)]
+    joined = np.isin(keys[outside], keys[body]).any(axis=1)
+    continues = layers.section[outside][joined]
     if len(continues):
         first = continues.min()
         warn(

@@ -76,6 +76,7 @@ class Tractions:
 
 def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     """Return tractions, gaps and slips of a state."""
+    # Take the points, their coordinates and their pressure.
     points = pair.points(state)
     slave = pair.slave
     coordinates = points.positions(slave.nodes)
@@ -94,6 +95,8 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
         tangents = frame(normal, points.direction(slave, slave.nodes))
         shear = np.einsum("in,nic->nc", traction[1:], tangents)
         slip = np.einsum("in,nic->nc", state.slip, tangents)
+
+    # Project the tractions on the shape functions.
     x, y, z = coordinates.T
     return Tractions(
         arc,
@@ -192,6 +195,8 @@ def _interface(pair: ContactPair, state: ContactState) -> ContactFacets:
     points = pair.points(state)
     slave = pair.slave
     node = slave.dofs[:, 0] // slave.dim
+
+    # Pair the facets with their points.
     if points.nodes.shape[1] > 1:
         members = np.stack((points.facet, np.arange(len(points.facet))))
     else:

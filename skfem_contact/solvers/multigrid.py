@@ -319,7 +319,8 @@ def _iterated(
 
 def _round_off(A: csr_matrix, x: ndarray) -> float:
     """Estimate the residual of round-off: 7e-9 of the load of a beam 30 times as long as high."""
-    return float(np.finfo(float).eps * np.linalg.norm(with_data(A, np.abs(A.data)) @ np.abs(x)))
+    magnitudes = with_data(A, np.abs(A.data)) @ np.abs(x)
+    return float(np.finfo(float).eps * np.linalg.norm(magnitudes))
 
 
 class AmgOrDirect:

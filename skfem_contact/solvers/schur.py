@@ -158,7 +158,9 @@ class _Base:
         too_large = m**3 > 3.0 * _SHARE * (columns**2).sum()
         if too_large or not _unpivoted(lu, block):
             return None
-        schur = (lu.L.tocsc()[-m:, -m:] @ lu.U.tocsc()[-m:, -m:]).toarray()
+        lower = lu.L.tocsc()[-m:, -m:]
+        upper = lu.U.tocsc()[-m:, -m:]
+        schur = (lower @ upper).toarray()
         logger.info("elastic bodies in contact: factored once, %d dofs on the interface", m)
         return cls(K, order, apart, m, lu, schur)
 
@@ -173,7 +175,9 @@ class _Base:
         delta = self._added + change[ends][:, ends].toarray()
 
         # leave multipliers of open nodes out of the dense system
-        single = (np.count_nonzero(delta, axis=0) == 1) & (np.count_nonzero(delta, axis=1) == 1)
+        in_columns = np.count_nonzero(delta, axis=0)
+        in_rows = np.count_nonzero(delta, axis=1)
+        single = (in_columns == 1) & (in_rows == 1)
         single &= np.diagonal(delta) != 0.0
         single[:m] = False
         live = np.flatnonzero(~single)
@@ -207,7 +211,8 @@ class _Base:
             return residual, float(np.linalg.norm(residual)) / size
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
-            inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[ends]))
+            in_bodies = np.linalg.norm(b[order[:-m]])
+            inside = bool(in_bodies > _NOTHING * np.linalg.norm(b[ends]))
             x = once(b, inside)
             residual, error = unbalanced(x, b)
             if error > (REFINE if inside else 10.0 * _NOTHING):

@@ -231,12 +231,11 @@ def _separator(
 
     # cut the network
     within = band[col]
-    tails = np.concatenate(
-        [np.arange(m), m + number[row[within]], np.full(len(sources), 2 * m), m + sinks]
-    )
-    heads = np.concatenate(
-        [m + np.arange(m), number[col[within]], sources, np.full(len(sinks), 2 * m + 1)]
-    )
+    arcs = np.arange(m)
+    source = np.full(len(sources), 2 * m)
+    sink = np.full(len(sinks), 2 * m + 1)
+    tails = np.concatenate([arcs, m + number[row[within]], source, m + sinks])
+    heads = np.concatenate([m + arcs, number[col[within]], sources, sink])
     capacity = np.full(len(tails), WALL, dtype=np.int32)
     capacity[:m] = weight[points]
     network = csr_array((capacity, (tails, heads)), shape=(2 * m + 2, 2 * m + 2))
