@@ -391,10 +391,10 @@ def _next(
 
 def _plateau(points: list[Point], margin: float) -> SearchResult:
     """Return the end of a curve that may rise by less than a margin."""
-    remaining = remainder(points)
+    rise = max(remainder(points), 0.0)
+    stop = Stop("plateau", f"the curve may rise by {rise:.2g} more")
     best = max(point.parameter for point in points)
-    stop = Stop("plateau", f"the curve may rise by {max(remaining, 0.0):.2g} more")
-    return SearchResult(points, stop, best + (remaining if remaining > 0.0 else margin))
+    return SearchResult(points, stop, best + (rise or margin))
 
 
 def _as_collapse(

@@ -405,13 +405,13 @@ def _continued(
     # no work could be prescribed: the steps themselves enclose the factor
     collapsed = [step.parameter for step in log.steps if step.outcome == "collapse"]
     above = min(collapsed, default=np.inf)
+    reason = "the bodies are elastic up to there"
     if any(step.yielding > 0.0 for step in log.steps):
         reason = "the first equilibrium is at its limit"
-    else:
-        reason = "the bodies are elastic up to there"
-    shown = above - last.parameter <= tolerance
-    stop = Stop("collapse" if shown else "stall", reason)
-    return SearchResult(points, stop, above, motion(last, failed))
+    kind: Literal["collapse", "stall"] = "stall"
+    if above - last.parameter <= tolerance:
+        kind = "collapse"
+    return SearchResult(points, Stop(kind, reason), above, motion(last, failed))
 
 
 def _approach(

@@ -376,7 +376,9 @@ def _blocked(search: Search) -> str:
 
 def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:
     """Return the bounds in the user's units; an estimate replaces the lower bound."""
-    problem, low, high = search.problem, search.lower, search.upper
+    problem = search.problem
+    low = search.lower
+    high = search.upper
 
     # return velocities and stresses to the nodes and corners
     velocity = (high.program.reduction.matrix @ high.proof.field).reshape(-1, 2).T

@@ -115,7 +115,9 @@ def _largest_share(program: Program, stress: ndarray, round_off: float) -> float
 
 def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
     """Prove an upper bound: the factor or multiplier that the power of a flow refutes."""
-    inner = found.inner[len(found.inner) // 2] if found.inner else found.velocity
+    inner = found.velocity
+    if found.inner:
+        inner = found.inner[len(found.inner) // 2]
     last, inner = _shaped(program, found, [-found.velocity, -inner])
     best = Proof(np.inf, last, np.inf)
     for share in _MIXED:
@@ -132,7 +134,9 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     """Return the bound by velocities: the smallest factor of their flow at which the loads win."""
     # scale the velocities to unit power
     fixed = program.dead @ velocity
-    power = program.live @ velocity + (0.0 if live else fixed)
+    power = program.live @ velocity
+    if not live:
+        power = power + fixed
     forces = np.abs(program.live) + np.abs(program.dead)
     size = float(forces @ np.abs(velocity))
     if not power > _ROUND_OFF * size:

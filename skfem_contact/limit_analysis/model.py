@@ -229,6 +229,7 @@ def vector_loads(
                 "the search has its own water: leave `water` and `submerged` out of `certify`"
             )
         water = rest[0]
+        submerged = (SURFACE,)
         dead = dead - rest[1][: basis.N]
     elif water is not None:
         with warnings.catch_warnings():
@@ -247,7 +248,7 @@ def vector_loads(
         multiplied,
         tractions=tractions,
         water=_pressure(water, basis.mesh),
-        submerged=(SURFACE,) if rest is not None else tuple(submerged),
+        submerged=tuple(submerged),
     )
 
 

@@ -217,7 +217,9 @@ class Strength:
         result = np.full(len(p), np.inf)
         for c, t in zip(*self._all_lines):
             resistance = c - t * p
-            square = resistance**2 - (0.0 if self.joint else (t * r) ** 2)
+            square = resistance**2
+            if not self.joint:
+                square -= (t * r) ** 2
             root = np.sqrt(np.maximum(square, 0.0))
             factor = np.where(resistance > 0, _ratio(root, r), 0.0)
             unloaded = (r <= round_off) & (resistance >= -round_off)

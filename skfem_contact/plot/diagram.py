@@ -507,7 +507,9 @@ def _write_extremes(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
     extremes = (int(line.ordinate.argmax()), int(line.ordinate.argmin()))
     for i in dict.fromkeys(extremes):
         value = line.ordinate[i]
-        outward = line.left[i] if value >= 0.0 else -line.left[i]
+        outward = line.left[i]
+        if value < 0.0:
+            outward = -outward
         ax.annotate(
             f"{value:.4g}".replace("-", "−"),
             tips[i],

@@ -80,8 +80,10 @@ def flow_diagram(
     # Draw contours in wet triangles, or in all if none is wet.
     x, y = mesh.p[:, : len(water.head)]
     wet = (water.head >= y)[corners].any(axis=1)
-    triangles = Triangulation(x, y, corners[wet] if wet.any() else corners)
-    values = np.nan_to_num(water.head if quantity == "head" else water.pressure)
+    if wet.any():
+        corners = corners[wet]
+    triangles = Triangulation(x, y, corners)
+    values = np.nan_to_num(getattr(water, quantity))
     shown = values[triangles.triangles]
     levels = MaxNLocator(_LEVELS).tick_values(shown.min(), shown.max())
     filled = ax.tricontourf(triangles, values, levels, cmap="Blues")

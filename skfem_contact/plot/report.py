@@ -317,7 +317,8 @@ def _changes(stage: StageResult, before: list[str]) -> str:
     removed = [name for name in before if name not in stage.states]
     words = []
     if new:
-        words.append(f"{'new' if before else 'active'}: {', '.join(new)}")
+        kind = "new" if before else "active"
+        words.append(f"{kind}: {', '.join(new)}")
     if removed:
         words.append(f"removed: {', '.join(removed)}")
     load = "" if stage.fraction == 1.0 else f"stopped at {stage.fraction:.1%} of its load; "
@@ -338,9 +339,11 @@ def _by_stages(table: Table) -> str:
     text = dict(zip(table.head, columns, strict=True))
 
     def cell(name: str, k: int) -> str:
-        coordinates = text[f"{name} at"][k] if f"{name} at" in text else ""
-        small = f"<small>{escape(coordinates)}</small>" if coordinates else ""
-        return f"<td>{escape(text[name][k])}{small}</td>"
+        content = escape(text[name][k])
+        coordinates = text.get(f"{name} at")
+        if coordinates is not None and coordinates[k]:
+            content += f"<small>{escape(coordinates[k])}</small>"
+        return f"<td>{content}</td>"
 
     # Put some stages into each table.
     tables = []

@@ -137,7 +137,9 @@ class AmgSolver:
             most = min(self._most, self._early) if far else self._most
 
             # iterate with the present coarse matrices as long as they pay, then with new ones
-            patience = most if fresh else min(most, self._patience(rtol))
+            patience = most
+            if not fresh:
+                patience = min(most, self._patience(rtol))
             result = _iterated(A, cycle, balanced, right, methods, patience, rtol)
             self.iterations = result.count
             remaining = most - result.count if far else most
@@ -291,8 +293,12 @@ def _iterated(
     size = float(np.linalg.norm(b))
     if not np.isfinite(size):
         raise ValueError("the right-hand side has entries that are not finite")
-    x = balanced(np.zeros_like(b) if start is None else start, b)
-    error = float(np.linalg.norm(b - A @ x)) / size if size > 0.0 else 0.0
+    if start is None:
+        start = np.zeros_like(b)
+    x = balanced(start, b)
+    error = 0.0
+    if size > 0.0:
+        error = float(np.linalg.norm(b - A @ x)) / size
     first = error
     count = 0
     wanted = rtol

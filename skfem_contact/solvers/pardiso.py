@@ -83,7 +83,8 @@ class Pardiso:
             pattern = _ones(A) + eye(A.shape[0], format="csr")  # PARDISO wants every diagonal entry
             if analysis is not None:
                 both = pattern + analysis.pattern
-                pattern = both if both.nnz < SPARE * A.nnz else pattern
+                if both.nnz < SPARE * A.nnz:
+                    pattern = both
             self._analysis = analysis = None  # its memory is free for the next one
             analysis = _Analysis(self._library, pattern, A, symmetric)
             self._analysis = analysis

@@ -215,7 +215,8 @@ class _Base:
             inside = bool(in_bodies > _NOTHING * np.linalg.norm(b[ends]))
             x = once(b, inside)
             residual, error = unbalanced(x, b)
-            if error > (REFINE if inside else 10.0 * _NOTHING):
+            accepted = REFINE if inside else 10.0 * _NOTHING
+            if error > accepted:
                 x = x + once(residual)
                 error = unbalanced(x, b)[1]
             return x if error <= _WRONG else other()(b, rtol)
