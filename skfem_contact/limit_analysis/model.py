@@ -229,7 +229,6 @@ def vector_loads(
                 "the search has its own water: leave `water` and `submerged` out of `certify`"
             )
         water = rest[0]
-        submerged = (SURFACE,)
         dead = dead - rest[1][: basis.N]
     elif water is not None:
         with warnings.catch_warnings():
@@ -248,7 +247,7 @@ def vector_loads(
         multiplied,
         tractions=tractions,
         water=_pressure(water, basis.mesh),
-        submerged=tuple(submerged),
+        submerged=(SURFACE,) if rest is not None else tuple(submerged),
     )
 
 
