@@ -390,7 +390,7 @@ class CollapseResult:
 
     def beside(self, proven: Bounds | None, tolerance: float) -> CollapseResult:
         """Add bounds; warn of a search without limit, instability, and a value outside bounds."""
-        # warn of a value that is no limit, or no answer to the question
+        # warn of a value that is no limit, or below one
         if not self.stop.shows_limit:
             warn(
                 f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, "

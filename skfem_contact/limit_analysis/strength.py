@@ -315,7 +315,7 @@ class Strength:
         c1, t1, a1 = (values[:-1] for values in (c, t, a))
         c2, t2, a2 = (values[1:] for values in (c, t, a))
         with np.errstate(invalid="ignore", divide="ignore"):
-            # the apex of a line, p = c / t, bears no shear
+            # the apex of a line, p = c / t, has no shear
             steeper = volume * a >= t * shear
             apex = np.where(steeper, c / t * volume, np.inf)
 

@@ -321,7 +321,7 @@ def check_interface_law(
 def _check_reach(law: InterfaceLaw, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
     """Return the points within reach; points without internal variables must not stay open."""
     arguments = gap, internal, closed
-    # Check the type of the answer.
+    # Check the type of the return value.
     reached = np.asarray(same_twice(partial(law.reaches, *arguments), arguments, "law.reaches"))
     booleans = reached.shape == gap.shape and reached.dtype == bool
     require(booleans, "`reaches` must return (n,) booleans")
