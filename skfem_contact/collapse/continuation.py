@@ -159,8 +159,7 @@ def loaded_start(
     """
     last = last_stage(start)
     setup = setup.after(last)
-    if last is not None:
-        _warn_of_unreleased(last)
+    _warn_of_unreleased(last)
 
     # number the active forms and hold the dofs of the others
     active = _active_forms(setup, last)
@@ -168,11 +167,8 @@ def loaded_start(
     if undrained:
         active, fixed = without_drainage(active, fixed, flow)
     system = setup.checked_system(active, fixed)
-    if last is None:  # else the stages have reported them
-        for name, form in having(active, Staged).items():
-            for remark in form.check_stage(setup.fixed, setup.inactive(active), 0.0):
-                warn(f"{name}: {remark.text}")
-
+    if last is None:  # otherwise the stages have reported their forms
+        _report_forms(setup, active)
     system, origin = _fixed_geometry(system, last)
 
     # put the load on top of the weights
@@ -201,9 +197,16 @@ def loaded_start(
     )
 
 
-def _warn_of_unreleased(last: StageResult) -> None:
+def _report_forms(setup: Setup, active: Mapping[str, Form]) -> None:
+    """Raise warnings of active forms that do not fit to their supports."""
+    for name, form in having(active, Staged).items():
+        for remark in form.check_stage(setup.fixed, setup.inactive(active), 0.0):
+            warn(f"{name}: {remark.text}")
+
+
+def _warn_of_unreleased(last: StageResult | None) -> None:
     """Raise a warning where a stage holds back forces of deactivated bodies."""
-    if last.unreleased is None:
+    if last is None or last.unreleased is None:
         return
     share = np.linalg.norm(last.unreleased) / np.linalg.norm(last.load)
     warn(
