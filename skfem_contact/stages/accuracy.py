@@ -213,7 +213,7 @@ def _solve(
 ) -> tuple[_Point, ndarray]:
     """Return the state after a part of an increment, and where it is in equilibrium.
 
-    The unknowns z are the strains of some rows and the share a of the change of stress, with
+    The dofs z are the strains of some rows and the share a of the change of stress, with
     sigma(z) = sigma_goal + a dsigma. Newton's method halves its step where the residual has not
     fallen.
     """

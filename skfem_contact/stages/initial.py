@@ -425,10 +425,11 @@ def _warn_of_returned(name: str, points: ndarray, given: ndarray, borne: ndarray
     returned = change > _RETURNED * largest
     if returned.any():
         worst = np.unravel_index(change.argmax(), change.shape)
+        point = format_point(points[(slice(None), *worst)])
         warn(
             f"the stresses of '{name}' are beyond its strength at {returned.mean():.0%} of its "
             f"points: they are returned to the yield surface, and change by up to "
-            f"{change[worst] / largest:.2g} of the largest, at {format_point(points[(slice(None), *worst)])}"
+            f"{change[worst] / largest:.2g} of the largest, at {point}"
         )
 
 

@@ -345,7 +345,7 @@ def _check_different(forms: Mapping[str, Form]) -> None:
 
 
 def _check_bases(forms: Mapping[str, Form]) -> None:
-    """Refuse bad meshes, forms of different bases, and an unknown number of dofs."""
+    """Refuse bad meshes, forms of different bases, and forms without a number of dofs."""
     if not forms:
         raise ValueError("there is no SolidForm among the forms: nothing resists load")
     sizes = {name: form.size for name, form in forms.items() if form.size is not None}

@@ -259,7 +259,14 @@ def doors():
             "coordinates": "plane",
         },
     )
-    yield "Conditions", sc.water.Conditions, {"head": head, "seepage_face": ()}
+    flow = sc.water.Flow(basis, 1e-4)
+    yield (
+        "Conditions",
+        lambda head, seepage_face: flow.steady(
+            sc.water.Conditions(head, seepage_face=seepage_face)
+        ),
+        {"head": head, "seepage_face": ()},
+    )
     flow = sc.water.Flow(basis, 1e-4, unit_weight=10.0)
     yield (
         "Flow.steady",
