@@ -259,7 +259,7 @@ def doors():
             "coordinates": "plane",
         },
     )
-    flow = sc.water.Flow(basis, 1e-4)
+    flow = sc.water.Flow(basis, 1e-4, unit_weight=10.0)
     yield (
         "Conditions",
         lambda head, seepage_face: flow.steady(
