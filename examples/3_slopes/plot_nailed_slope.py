@@ -170,9 +170,8 @@ for name, (T_max, spacing) in cases.items():
     )
     print(
         f"{name:10} {force:5.1f} kN/m: factor {search.factor:.3f}, spiral {spirals[force]:.3f}, "
-        f"ended by "
-        f"{search.stop.kind} at {search.curve[-1, 2]:.2f} m, {search.iterations} iterations, "
-        f"{seconds:.1f} s"
+        f"ended by {search.stop.kind} at {search.curve[-1, 2]:.2f} m, {search.iterations} "
+        f"iterations, {seconds:.1f} s"
     )
     assert search.stop.kind in ("plateau", "collapse") and search.bracket[1] < search.factor + 0.005
     assert search.curve[-1, 2] < 2.0  # small beside the slope

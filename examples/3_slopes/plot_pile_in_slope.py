@@ -415,10 +415,8 @@ if FULL:
     for k, (name, forces) in enumerate(bent.items()):
         print(
             f"{name}: factor {factors[k][0]:.3f} at {width:g} m and {factors[k][1]:.3f}, moments "
-            f"{moments[k][0]:.1f} "
-            f"and {moments[k][1]:.1f} kNm/m, thrust {-forces.N.min():.1f} kN/m, slip along "
-            f"{lengths[k]:.1f} m, "
-            f"friction {friction[k]:.1f} kN/m"
+            f"{moments[k][0]:.1f} and {moments[k][1]:.1f} kNm/m, thrust {-forces.N.min():.1f} "
+            f"kN/m, slip along {lengths[k]:.1f} m, friction {friction[k]:.1f} kN/m"
         )
     assert np.allclose(*factors, rtol=0.03)
     assert np.allclose(*moments, rtol=0.03) and abs(abs(bent["beam"].M).max() / moment - 1) < 1e-6
@@ -450,8 +448,7 @@ near = abs(points.y - interface) < 1.5
 jump = points.pressure[near].max() / points.pressure[near].min()
 print(
     f"right side: {slipping:.0%} of the points slip above the interface, with {mobilised:.0%} of "
-    f"the friction "
-    f"mobilised; {sticking:.0%} stick below it"
+    f"the friction mobilised; {sticking:.0%} stick below it"
 )
 print(f"largest over smallest pressure within 1.5 m of the interface: {jump:.1f}")
 

@@ -192,11 +192,10 @@ for name in chosen:
         factors.append(result)
     found[name] = associated, free = factors
     print(
-        f"{name:27}{len(free.x):8d}  {low:5.3f}-{high:5.3f}  "
-        f"{associated.factor:.3f} ({associated.iterations:3d} it.)  "
-        f"{free.factor:.3f} ({free.iterations:3d} it.) [{free.bracket[0]:.3f}, "
-        f"{free.bracket[1]:.3f}]  "
-        f"{free.davis.factor:.3f} ({free.davis.iterations:3d} it.)"
+        f"{name:27}{len(free.x):8d}  {low:5.3f}-{high:5.3f}  {associated.factor:.3f} "
+        f"({associated.iterations:3d} it.)  {free.factor:.3f} ({free.iterations:3d} it.) "
+        f"[{free.bracket[0]:.3f}, {free.bracket[1]:.3f}]  {free.davis.factor:.3f} "
+        f"({free.davis.iterations:3d} it.)"
     )
 
 # %%

@@ -246,10 +246,8 @@ x = np.unique(mesh.p[0, mesh.p[1] < BASE + 1e-9])
 uplift = np.trapezoid(flow.pressure_at(np.array([x, np.full(len(x), BASE)])), x)
 carried = (last.reactions()[fixed[fixed % 2 == 1]].sum() + uplift) / weight - 1
 print(
-    f"water pushes with {-pushed:.1f} kN/m, "
-    f"{outside:.1f} - {inside:.1f} from the pressures; "
-    f"strut {strutted:.1f} kN/m; "
-    f"out of balance: wall {balance:.1e}, ground {abs(carried):.1e}"
+    f"water pushes with {-pushed:.1f} kN/m, {outside:.1f} - {inside:.1f} from the pressures; strut "
+    f"{strutted:.1f} kN/m; out of balance: wall {balance:.1e}, ground {abs(carried):.1e}"
 )
 assert abs((outside - inside) / -pushed - 1) < 1e-4
 assert balance < 1e-5 and abs(carried) < 1e-6

@@ -172,9 +172,8 @@ for n in sizes:
         iterations = sum(stage.iterations)
         print(
             f"{kind}, n = {n}: max |M| {found[kind, n][2]:.2f} kNm/m, head "
-            f"{1e3 * stage.x[dofs[0]]:.4f} mm, "
-            f"{sum(result['rest'].iterations)} and {iterations} iterations, "
-            f"{process_time() - begin:.1f} s"
+            f"{1e3 * stage.x[dofs[0]]:.4f} mm, {sum(result['rest'].iterations)} and {iterations} "
+            f"iterations, {process_time() - begin:.1f} s"
         )
         assert result["rest"].iterations == (0,)
         assert (kind, n) != ("beam", 1) or iterations <= 30

@@ -142,10 +142,8 @@ for psi in (0.0, 8.0):
     at = result[f"{PRESSURES[-1]:g}"]
     print(
         f"psi {psi:g}: p_cr {critical(law):.2f} kPa; at {PRESSURES[-1]:g} kPa R {R[-1]:.5f}, found "
-        f"{edge[-1]:.4f} m; "
-        f"wall {1e3 * exact[-1]:.4f}, found {1e3 * moved[-1]:.4f} mm; largest error "
-        f"{error.max():.1e}; "
-        f"iterations {at.iterations}"
+        f"{edge[-1]:.4f} m; wall {1e3 * exact[-1]:.4f}, found {1e3 * moved[-1]:.4f} mm; largest "
+        f"error {error.max():.1e}; iterations {at.iterations}"
     )
     assert error.max() < 1e-3
     size = np.diff(radii)[np.maximum(np.searchsorted(radii, R) - 1, 0)]

@@ -278,8 +278,7 @@ for psi in (0.0, 15.0, 30.0):
     more = wall_displacement(basis, isotropic.x) / exact_displacement(rock, 0.0) - 1
     print(
         f"psi = {psi:2g}: displacement {error:+.3%}, plastic radius {front:+.2%}, stresses "
-        f"{stress_error:.2%} of p0; "
-        f"with p0 along the tunnel the wall moves by {more:.2%} more"
+        f"{stress_error:.2%} of p0; with p0 along the tunnel the wall moves by {more:.2%} more"
     )
     rows.append(
         {

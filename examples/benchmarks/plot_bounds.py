@@ -57,8 +57,7 @@ for name in names:
     )
     print(
         f"{name:30} [{found.lower:.6g}, {found.upper:.6g}], gap {found.gap:.3%}, "
-        f"{found.mesh.nelements} triangles, "
-        f"{seconds:.1f} s"
+        f"{found.mesh.nelements} triangles, {seconds:.1f} s"
     )
     assert found.gap <= gap
     assert found.lower <= high * (1 + 1e-6) and found.upper >= low * (1 - 1e-6)

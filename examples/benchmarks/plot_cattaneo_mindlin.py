@@ -99,8 +99,7 @@ for n in SIZES if PEERS and peers.available() else ():
 for row in rows:
     print(
         "{method:28} n = {n:2}  shear L2 {error:6.2%}  stick zone {stick_error:+6.2%}  Q/mu P "
-        "{ratio:.4f}  "
-        "{cpu_s:6.2f} s  {iterations:3} its".format(**row)
+        "{ratio:.4f}  {cpu_s:6.2f} s  {iterations:3} its".format(**row)
     )
 
 # %%

@@ -160,8 +160,7 @@ def table(method, n, options, cycle=True):
     for row in found:
         print(
             f"  Q/mu P = {row['ratio']:.3f}:  stick radius {row['stick_radius']:+.2%}  shear in "
-            f"the "
-            f"middle {row['shear']:+.2%}  all of it {row['error']:.2%} of the friction"
+            f"the middle {row['shear']:+.2%}  all of it {row['error']:.2%} of the friction"
         )
     if cycle:
         print(f"  energy of a cycle {own['loss']:+.2%}")

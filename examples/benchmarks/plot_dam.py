@@ -74,8 +74,7 @@ for name, (up, down, length) in CASES.items():
             )
             print(
                 f"{rows[-1]['method']:<18} n = {n:2d}  q = {q:.4f}, exact {exact:g} "
-                f"({q / exact - 1:+.3%}), "
-                f"{rows[-1]['iterations']} iterations"
+                f"({q / exact - 1:+.3%}), {rows[-1]['iterations']} iterations"
             )
             assert (
                 rows[-1]["error"] < 1.5e-3

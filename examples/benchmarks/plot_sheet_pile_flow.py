@@ -86,8 +86,7 @@ def flow(n: int, toe: float) -> sc.water.Seepage:
     )
     print(
         f"s/T = {toe:.1f}, {len(water.head):5d} unknowns: q / kh = {q:.5f}, exact "
-        f"{exact(toe)[0]:.5f}; "
-        f"exit gradient {gradient:.4f}, exact {exact(toe)[1]:.4f}"
+        f"{exact(toe)[0]:.5f}; exit gradient {gradient:.4f}, exact {exact(toe)[1]:.4f}"
     )
     assert abs(1 + water.discharge("right:top") / q) < 1e-8
     return water

@@ -230,8 +230,7 @@ for name, (scene, owner, attribute, value) in SKIPS.items():
     )
     print(
         f"{name:42} {scene.__name__:16} {len(x):6} unknowns  {min(times):6.2f} s, without "
-        f"{min(without):6.2f} s: "
-        f"x {rows[-1]['ratio']:5.2f}, difference {error:.0e}"
+        f"{min(without):6.2f} s: x {rows[-1]['ratio']:5.2f}, difference {error:.0e}"
     )
 
 # %%

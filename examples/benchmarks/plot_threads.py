@@ -149,8 +149,7 @@ with other_process("--busy" in sys.argv):
         )
         print(
             f"{kind} {unknowns:7} unknowns: {one:7.3f} s an iteration with one thread, {both:7.3f} "
-            f"s with {ALL}, "
-            f"ratio {one / both:.2f}",
+            f"s with {ALL}, ratio {one / both:.2f}",
             flush=True,
         )
 os.environ.pop("OMP_NUM_THREADS")

@@ -227,9 +227,8 @@ def of_a_line(
         yield Remark(
             "line",
             more,
-            f"in elements half as large the beam moves by {more:.1%} more or worse: it is "
-            "bonded to a line of a solid, which has no stiffness in space; take Embedded(..., "
-            "radius=...)",
+            f"in elements half as large the beam moves by {more:.1%} more or worse: it is bonded "
+            "to a line of a solid, which has no stiffness in space; take Embedded(..., radius=...)",
         )
 
 

@@ -118,9 +118,8 @@ def locking(
         yield Remark(
             "locking",
             yielded,
-            f"{yielded:.1%} of the points yield in elements of corner nodes alone, too "
-            f"stiff and too strong where soil flows (collapse loads are 10 to 20 % too high): "
-            f"{instead}",
+            f"{yielded:.1%} of the points yield in elements of corner nodes alone, too stiff and "
+            f"too strong where soil flows (collapse loads are 10 to 20 % too high): {instead}",
         )
     # nu = lambda / (2 (lambda + G))
     lame = D[:, 0, 1]

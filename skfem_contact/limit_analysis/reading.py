@@ -188,9 +188,8 @@ def _check_solids(solids: Mapping[str, SolidForm]) -> None:
             if material.cone() is None and material.lines(1.0) is None:
                 raise ValueError(
                     f"there are no bounds for {material.label}, the material of '{region}' in "
-                    f"'{name}', "
-                    "which has no cone(flow); MohrCoulomb, Tresca, VonMises, HoekBrown and, rigid, "
-                    "LinearElastic have bounds"
+                    f"'{name}', which has no cone(flow); MohrCoulomb, Tresca, VonMises, HoekBrown "
+                    "and, rigid, LinearElastic have bounds"
                 )
 
     # compare the elements of all solids

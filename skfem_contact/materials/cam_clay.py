@@ -191,10 +191,8 @@ class CamClay(Material):
             worst = int(np.argmin(np.where(wrong, p, np.inf)))
             raise InadmissibleStress(
                 f"{self.label} has neither stiffness nor strength without pressure, but p plus the "
-                f"attraction is "
-                f"{p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} points): begin with "
-                f"compressive initial "
-                "stresses, or give `attraction`",
+                f"attraction is {p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} "
+                "points): begin with compressive initial stresses, or give `attraction`",
                 worst,
             )
 

@@ -207,8 +207,7 @@ def _separate_parts(mesh: Mesh) -> Tags:
     if len(parts) == 1:
         raise ValueError(
             "the mesh is one connected body; name the subdomains of every body, bodies={'name': "
-            "[...]}; existing: "
-            f"{', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
+            f"[...]}}; existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
         )
     return parts
 

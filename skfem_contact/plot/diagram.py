@@ -230,8 +230,7 @@ def _at_point(
     if apart > _DIFFERENT * np.nanmax(np.abs(np.append(same, 0.0))):
         warn(
             f"at point '{label}' bodies touch whose values differ by up to {apart:.3g}: the value "
-            f"of one of them is "
-            "drawn; give the coordinates of a node within the body that is meant"
+            "of one of them is drawn; give the coordinates of a node within the body that is meant"
         )
     return values[:, node]
 

@@ -113,8 +113,7 @@ def _check_search(result: Any) -> None:
     if getattr(result, "curve", None) is None:
         raise ValueError(
             "a result of strength_reduction or limit_load is drawn, or by plot.mechanism of "
-            "bounds, not "
-            f"a {type(result).__name__}"
+            f"bounds, not a {type(result).__name__}"
         )
 
 

@@ -164,8 +164,7 @@ def template_of(file: str | Path | None) -> Template:
     except (KeyError, ValueError) as error:
         raise ValueError(
             f"the template is wrong: {error}; its names are "
-            f"{', '.join(f'${name}' for name in _NAMES)}, "
-            "and $$ is a dollar sign"
+            f"{', '.join(f'${name}' for name in _NAMES)}, and $$ is a dollar sign"
         ) from error
     return text
 

@@ -145,8 +145,7 @@ def _own(stage: StageData, bodies: Mapping[str, SolidForm]) -> ndarray:
     if stage.water is None or isinstance(stage.water, str):
         raise ValueError(
             f"the water of stage '{stage.name}' is {stage.water or 'not given'}: give water= a "
-            f"Seepage or "
-            "a function of coordinates such as hydrostatic(level)"
+            "Seepage or a function of coordinates such as hydrostatic(level)"
         )
     parts = []
     for name, form in bodies.items():

@@ -422,9 +422,8 @@ def _warn_of_other_settings(head: Mapping[str, Any], forms: Mapping[str, Form]) 
     if others:
         warn(
             f"stage '{head['name']}' was computed with other materials or laws of "
-            f"{', '.join(map(repr, others))} than "
-            "those given, with which mobilised strength is computed and runs continue: files hold "
-            "states alone"
+            f"{', '.join(map(repr, others))} than those given, with which mobilised strength is "
+            "computed and runs continue: files hold states alone"
         )
 
 

@@ -276,11 +276,10 @@ def _report_continued(
         first = continues.min()
         warn(
             f"at {len(np.unique(continues))} of {len(sections.position)} sections, first at the "
-            f"position "
-            f"{sections.position[first]:.4g}, the body continues beside the cut, whose depth is "
-            f"{2.0 * sections.half_depth[first]:.4g}: forces are those of the elements within. "
-            f"Give the depth of the "
-            "whole body and an axis in its middle, unless bodies cross there"
+            f"position {sections.position[first]:.4g}, the body continues beside the cut, whose "
+            f"depth is {2.0 * sections.half_depth[first]:.4g}: forces are those of the elements "
+            "within. Give the depth of the whole body and an axis in its middle, unless bodies "
+            "cross there"
         )
 
 

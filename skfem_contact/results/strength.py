@@ -152,10 +152,8 @@ def undrained_friction(
         total = -float(normal[normal < 0.0].mean())
         if abs(excess) > _IN_FRICTION * total:
             text = (
-                f"the ground beside it is undrained, with an excess pressure of "
-                f"{excess:.3g} on "
-                f"average: friction counts the total stress, {total:.3g}, not the "
-                f"effective one"
+                f"the ground beside it is undrained, with an excess pressure of {excess:.3g} on "
+                f"average: friction counts the total stress, {total:.3g}, not the effective one"
             )
             yield name, Remark("undrained", abs(excess) / total, text)
 

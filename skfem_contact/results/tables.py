@@ -92,8 +92,7 @@ def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Ta
         others = [key for key in stage.forms if key != name and _along(stage, key, None)]
         raise ValueError(
             f"'{name}' is a {type(form).__name__}, which has no forces for a table; give "
-            f"`sections` of a "
-            f"solid, or one of {others}"
+            f"`sections` of a solid, or one of {others}"
         )
 
     # Give each component of a vector its column, but leave out the axis.

@@ -116,9 +116,8 @@ class Parts:
             yield Remark(
                 "increments",
                 error,
-                f"{what} are off by {size}, as estimated from parts of the {last} "
-                "increments: stiffness and strains change much within them; give the stage more "
-                "`increments`",
+                f"{what} are off by {size}, as estimated from parts of the {last} increments: "
+                "stiffness and strains change much within them; give the stage more `increments`",
             )
 
 

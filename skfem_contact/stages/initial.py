@@ -323,8 +323,7 @@ def _without_still_fields(setup: Setup) -> tuple[Setup, ndarray]:
     for key in set(having(setup.forms, Touching)).difference(names):
         raise ValueError(
             f"'{key}' has DualMultipliers: initial states of the ground are for the penalty method "
-            f"and "
-            "AugmentedLagrangian()"
+            "and AugmentedLagrangian()"
         )
     dry, kept = setup.restricted(names)
     dry.gravity = 0.0 * setup.gravity

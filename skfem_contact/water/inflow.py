@@ -140,9 +140,8 @@ class Inflow(AtNodes):
             yield Remark(
                 "ponds",
                 level.max(),
-                f"water that the ground does not take ponds, {level.max():.3g} "
-                f"deep at {format_point(highest)}: let it leave by a SeepageFace of the same "
-                "boundary",
+                f"water that the ground does not take ponds, {level.max():.3g} deep at "
+                f"{format_point(highest)}: let it leave by a SeepageFace of the same boundary",
             )
 
     def _surface(self) -> ndarray:

@@ -40,8 +40,7 @@ class Stack:
         )
         return (
             f"stack of {heights} on {self.width:.2f}, mu {friction}, slope "
-            f"{np.degrees(self.angle):.1f}, "
-            f"{self.quadrature}"
+            f"{np.degrees(self.angle):.1f}, {self.quadrature}"
         )
 
     @property

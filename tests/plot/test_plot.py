@@ -438,10 +438,9 @@ def test_missing_opengl_library_does_not_crash(tmp_path):
     draw.
     """
     code = (
-        "import skfem_contact.plot as plot; "
-        "from tests.plot.test_plot import block; _, step = block(); "
-        f"print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) else 'no "
-        f"picture')"
+        "import skfem_contact.plot as plot; from tests.plot.test_plot import block; _, step = "
+        f"block(); print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) "
+        "else 'no picture')"
     )
     environment = {
         **os.environ,

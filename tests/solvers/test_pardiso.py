@@ -109,8 +109,7 @@ def test_library_is_found_without_a_search_of_all_directories():
     """The installed package says where its library lies; a path of the user's own is kept."""
     script = (
         "import glob, os; glob.glob = None; from skfem_contact.solvers.pardiso import Pardiso; "
-        "Pardiso(); "
-        "print(os.environ['PYPARDISO_MKL_RT'])"
+        "Pardiso(); print(os.environ['PYPARDISO_MKL_RT'])"
     )
     given = dict(os.environ)
     given.pop("PYPARDISO_MKL_RT", None)
