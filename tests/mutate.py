@@ -229,6 +229,7 @@ class Copy:
         """Return the first test that fails, what else ended the run, or None if all pass."""
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-p", "no:cacheprovider"]
         environment = {**os.environ, "PYTHONPATH": str(self.folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        environment.pop("PYTEST_ADDOPTS", None)  # options of the tests of this project
         try:
             done = subprocess.run(
                 [*command, *options, *tests],

@@ -43,8 +43,12 @@ _ROUND_OFF = 1e-12
 #: A correction that has not become less by this factor so many times in a row will not do so.
 _PROGRESS, _PATIENCE = 0.7, 2
 _ACCURACY = 1e-14
-#: Bonds with this share of the largest overload break together with the one that has it.
-_TOGETHER = 0.9
+#: Error of the tractions, as a share of the largest one, with which bonds may break: an accurate
+#: equilibrium before each break takes 12 solutions, and 30 are allowed in an increment.
+_SETTLED = 1e-3
+#: Bonds with this share of the largest overload break together with the one that has it, and so do
+#: all bonds with this overload: the increment is too large for an order.
+_TOGETHER, _FAR = 0.9, 2.0
 _NONE = np.zeros((1, 1), bool)  # mask of no multipliers
 
 
@@ -166,11 +170,18 @@ class AugmentedLagrangian(Penalty):
             pair.progress,
             _kept(pair),
         )
-        if state is accepted:
+
+        # Break the most overloaded bonds once their tractions are known accurately enough
+        margin = _ROUND_OFF
+        settled = state is accepted
+        if not settled:
+            margin = 10.0 * _SETTLED
+            settled = progress.error <= _SETTLED * np.abs(found.traction[0]).max(initial=0.0)
+        if settled:
             overload = pair.law.take(pair.points(accepted)).overload(found.traction, found.internal)
             worst = overload.max(initial=0.0)
-            if worst > 1.0 + _ROUND_OFF:
-                broken = overload >= max(1.0, _TOGETHER * worst)
+            if worst > 1.0 + margin:
+                broken = overload >= max(1.0, min(_TOGETHER * worst, _FAR))
                 if pair.debonded is not None:
                     broken |= pair.debonded
                 return replace(accepted), {"progress": _AGAIN, "debonded": broken}

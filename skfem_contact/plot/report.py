@@ -247,9 +247,9 @@ def _weight(shade: Shade, weights: Mapping[str, Any]) -> str:
     return ", ".join(f"{weight:g}" for weight in found if weight is not None)
 
 
-def _parameters(law: Any) -> str:
+def _parameters(thing: Any) -> str:
     """Return the parameters of a material or interface law."""
-    own = getattr(law, "_law", law)  # a material that does not derive from Material
+    own = getattr(thing, "_law", thing)  # a material that does not derive from Material
     if not is_dataclass(own):
         return ""
     return _listed({part.name: getattr(own, part.name) for part in fields(own)})

@@ -403,8 +403,10 @@ def test_fields_belong_to_one_form():
     """A form under two names, or dofs of a field that no form brings, are refused."""
     basis, solid, _ = column()
     rod, other = Rod(basis, 1e3), Rod(basis, 1e3)
-    with pytest.raises(ValueError, match="'a' and 'b' bring the same field 'rotation'"):
+    with pytest.raises(ValueError, match="'a' and 'b' are the same form: it acts twice"):
         sc.Model({"column": solid, "a": rod, "b": rod})
+    with pytest.raises(ValueError, match="'a' and 'b' bring the same field 'rotation'"):
+        sc.Model({"column": solid, "a": rod, "b": copy(rod)})
     assert sc.Model({"column": solid, "a": rod, "b": other}).layout.size == basis.N + 2 * (
         1 + len(rod.top)
     )
