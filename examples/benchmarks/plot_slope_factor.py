@@ -262,14 +262,13 @@ if PEERS:
 # The curve of the factor over the work levels off; the displacement increment there is the
 # mechanism, and its shear strain the slip surface.
 
-best = results[20.0, "continuation", len(meshes) - 1]
+best = results[20.0, len(meshes) - 1]
 figure, axes = plt.subplot_mosaic(
     [["slip", "slip"], ["curve", "work"]], figsize=(9, 7), layout="constrained"
 )
-for (psi, method, _), result in results.items():
-    if method == "continuation":
-        work, factor, _ = result.curve.T
-        axes["curve"].plot(work, factor, ".-", label=f"psi = {psi:g}, {len(result.x)} unknowns")
+for (psi, _), result in results.items():
+    work, factors, _ = result.curve.T
+    axes["curve"].plot(work, factors, ".-", label=f"psi = {psi:g}, {len(result.x)} unknowns")
 axes["curve"].axhspan(*BRACKET, color="0.8", label="limit analysis")
 axes["curve"].set(xlabel="work of the weight (kNm/m)", ylabel="factor", xscale="symlog")
 axes["curve"].legend(fontsize="small")
@@ -278,11 +277,7 @@ axes["slip"].tripcolor(
 )
 axes["slip"].set(aspect="equal", title="shear strain of the mechanism")
 for psi, marker in ((20.0, "o"), (0.0, "s")):
-    done = [
-        r
-        for r in rows
-        if r["psi"] == psi and r["method"].startswith("P2, continuation, flow given")
-    ]
+    done = [r for r in rows if r["psi"] == psi and r["method"].startswith("P2, flow given")]
     cost, error = [r["cpu_s"] for r in done], [abs(r["error"]) for r in done]
     axes["work"].loglog(cost, error, marker + "-", label=f"psi = {psi:g}")
 axes["work"].set(xlabel="cpu time (s)", ylabel="difference from 1.380", title="work and precision")
