@@ -14,7 +14,7 @@ from ..checks import names_of
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, part_names, reduced_parts
-from ..forms.roles import Body, Reducible, Regularised, having, materials_of
+from ..forms.roles import Body, Reducible, having, materials_of
 from ..limit_analysis import Bounds, at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
@@ -74,8 +74,7 @@ class _Strength(Branch):
         self.flow = flow
         self.safe = 0.0
         self.above = np.inf
-        regularised = having(system.forms, Regularised).values()
-        self.with_contact = any(form.unilateral for form in regularised)
+        self.with_contact = system.unilateral
         self.search: Search = "either" if self.with_contact else "step"
 
     @property

@@ -91,7 +91,7 @@ def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Eq
     the rest.
     """
     given = step.system
-    step = replace(step, system=_begun(step))
+    step = replace(step, system=given.after(step.states, {}))
 
     # Choose line searches: multipliers make equilibrium no minimum of the energy along a step.
     minimum = not any(pair.saddle for pair in having(given.forms, Touching).values())
@@ -121,13 +121,6 @@ def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Eq
                 raise
             from_x = replace(from_x, system=system)
     return _solve(given, from_x, newton, Attempt(searches, leaves=False))
-
-
-def _begun(step: Step) -> System:
-    """Return the system with the forms that begin an increment."""
-    regularised = having(step.system.forms, Regularised)
-    begun = {name: form.begin(step.states[name]) for name, form in regularised.items()}
-    return step.system.with_forms({**step.system.forms, **begun})
 
 
 def _solve(given: System, step: Step, newton: Newton, attempt: Attempt) -> Equilibrium:

@@ -66,8 +66,12 @@ class System:
         """True if some material yields, and contact or other forms act in one direction only."""
         bodies = having(having(self.forms, Body), Reducible).values()
         yields = any(body.strengths for body in bodies)
-        regularised = having(self.forms, Regularised).values()
-        return yields and any(form.unilateral for form in regularised)
+        return yields and self.unilateral
+
+    @property
+    def unilateral(self) -> bool:
+        """True if contact or other forms act in one direction only."""
+        return any(form.unilateral for form in having(self.forms, Regularised).values())
 
     @cached_property
     def yields(self) -> bool:
@@ -157,10 +161,10 @@ class System:
         return start
 
     def after(self, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
-        """Return the system with the forms that begin an increment after failures."""
+        """Return the system with the forms that begin an increment, after failures or without."""
         begun = {}
         for name, form in having(self.forms, Regularised).items():
-            begun[name] = form.begin(states[name], failures[name])
+            begun[name] = form.begin(states[name], failures.get(name))
         return self.with_forms({**self.forms, **begun})
 
     def out_of(self, cycle: Sequence[ndarray], states: Mapping[str, Any], load: ndarray) -> System:
