@@ -11,9 +11,9 @@ from itertools import combinations
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
 
 from .checks import finite, format_point, look_up
@@ -330,7 +330,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
         )
     numbers = _first_components(basis, part)
     nodes = basis.doflocs[:, numbers]
-    tree = cKDTree(nodes.T)
+    tree = scipy.spatial.cKDTree(nodes.T)
     nearest = np.asarray(tree.query(x)[1])
     for point, node, found in zip(x, nearest, tree.query_ball_point(x, _near(basis))):
         if len(found) == 1:

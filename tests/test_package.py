@@ -45,16 +45,24 @@ def test_data_are_part_of_the_package() -> None:
     assert (resources.files("skfem_contact") / "data" / "culvert.msh").is_file()
 
 
-def test_import_needs_no_graphics() -> None:
-    """Only skfem_contact.plot may import a graphics library: a solver runs on machines without
-    one.
+def test_import_is_light() -> None:
+    """The import needs no graphics, for a solver runs on machines without, and no library that few
+    analyses use; it loads at most 450 modules besides scikit-fem.
     """
-    heavy = {"pyvista", "vtk", "matplotlib.pyplot"}
-    code = f"import sys, skfem_contact; print({heavy} & set(sys.modules))"
+    heavy = {"pyvista", "vtk", "matplotlib.pyplot", "pandas"}
+    heavy |= {"scipy.optimize", "scipy.signal", "scipy.spatial"}
+    code = f"""if True:
+        import sys, skfem
+        before = set(sys.modules)
+        import skfem_contact
+        print({heavy} & set(sys.modules), len(set(sys.modules) - before))
+        """
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )
-    assert done.stdout.strip() == "set()"
+    loaded, number = done.stdout.rsplit(maxsplit=1)
+    assert loaded == "set()"
+    assert int(number) <= 450
 
 
 def test_version_is_the_same_everywhere() -> None:

@@ -14,8 +14,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.optimize import nnls
 from typing_extensions import override
 
 from ..errors import Remark
@@ -400,7 +400,7 @@ class Hinges:
             far = (excess[e] / size).max()
             beyond = excess[e] / size / far
             A = np.vstack((way.T / size, beyond))
-            multiplier, _ = nnls(A, np.append(np.zeros(way.shape[1]), 1.0))
+            multiplier, _ = scipy.optimize.nnls(A, np.append(np.zeros(way.shape[1]), 1.0))
             multiplier *= far / size / (1.0 - beyond @ multiplier)
             yield Flow(int(e), faces.T @ multiplier, faces[multiplier > 0.0])
 

@@ -7,10 +7,10 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix, eye_array
 from scipy.sparse.linalg import splu
-from scipy.spatial import cKDTree
 
 from ..checks import format_point
 from ..errors import Remark
@@ -95,7 +95,7 @@ def taken_by(
 
 def _common(points: ndarray, others: ndarray) -> tuple[ndarray, ndarray]:
     """Return the numbers of points that lie on other ones, and the numbers of these, (n,) each."""
-    distance, nearest = map(np.asarray, cKDTree(others).query(points))
+    distance, nearest = map(np.asarray, scipy.spatial.cKDTree(others).query(points))
     size = max(np.ptp(points, axis=0).max(), np.ptp(others, axis=0).max())
     here = np.flatnonzero(distance <= AT * size)
     if not len(here):

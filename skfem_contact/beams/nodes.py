@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 from skfem import CellBasis
 
 from ..checks import finite, format_point, is_number, vector
@@ -114,7 +114,7 @@ class BeamNodes(Form, Couples, Loaded, Staged):
     def node(self, at: ArrayLike) -> int:
         """Return the number of the node at coordinates (dim,)."""
         point = vector(at, self.dim, "at")
-        distance, node = cKDTree(self.points).query(point)
+        distance, node = scipy.spatial.cKDTree(self.points).query(point)
         if distance > AT * np.ptp(self.points, axis=0).max():
             raise ValueError(
                 f"the beam has no node at {format_point(point)}; the nearest one is at "

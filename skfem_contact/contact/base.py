@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import CellBasis
 from typing_extensions import Self, override
 
@@ -349,7 +349,7 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
     # Compare each facet of the slave with the nearest one; a run refuses what is not finite
     slave_centres = np.nan_to_num(slave.centres.x[0])
     master_centres = np.nan_to_num(master.centres.x[0])
-    opposite = cKDTree(master_centres).query(slave_centres)[1]
+    opposite = scipy.spatial.cKDTree(master_centres).query(slave_centres)[1]
     cosine = dot(slave.centres.normal, master.centres.normal[opposite])
     if (cosine > _SAME_WAY).all():
         raise ValueError(

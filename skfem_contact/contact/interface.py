@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..surfaces.material_points import (
     MaterialPoints,
@@ -419,7 +419,7 @@ class Interface:
             before = along_chain(self.slave, old.facet, old.xi)
             after = along_chain(self.slave, new.facet, new.xi)
             return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
-        tree = cKDTree(self._positions_and_normals(old))
+        tree = scipy.spatial.cKDTree(self._positions_and_normals(old))
         return np.asarray(tree.query(self._positions_and_normals(new))[1])
 
     def _positions_and_normals(self, points: SlavePoints) -> ndarray:

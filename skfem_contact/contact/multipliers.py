@@ -20,9 +20,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array, vstack
-from scipy.spatial import cKDTree
 
 from ..forms.base import Response
 from ..surfaces.shape import Shape
@@ -138,7 +138,7 @@ class Symmetry:
             members = np.flatnonzero((master.dofs[:, i] >= 0) & np.isin(master.dofs[:, i], fixed))
             if len(members) == 0:
                 continue
-            distance, nearest = cKDTree(master.nodes[members]).query(slave.nodes)
+            distance, nearest = scipy.spatial.cKDTree(master.nodes[members]).query(slave.nodes)
             beside = members[nearest]
             apart = np.abs(master.nodes[beside, i] - slave.nodes[:, i])
             on_plane = (distance < reach) & (apart < _ON_PLANE * reach)

@@ -6,8 +6,8 @@ from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
@@ -326,7 +326,7 @@ def _nearest(
     samples: ndarray, points: ndarray, margin: ndarray
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return pairs (point, sample) within a margin of the nearest sample, and its distance."""
-    tree = cKDTree(samples)
+    tree = scipy.spatial.cKDTree(samples)
     nearest = np.asarray(tree.query(points)[0])
     rows = []
     found = []

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
@@ -325,7 +325,7 @@ def _pairs(
     facing = []
     for level in np.unique(levels):
         members = np.flatnonzero(levels == level)
-        tree = cKDTree(centre[members])
+        tree = scipy.spatial.cKDTree(centre[members])
         found = tree.query_ball_point(slave_centre, reach + radius[members].max())
         count = [len(row) for row in found]
         own.append(np.repeat(np.arange(len(slave_centre)), count))

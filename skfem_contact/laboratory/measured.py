@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.optimize import least_squares
 
 from ..checks import finite, look_up
 from ..materials import Material
@@ -201,7 +201,7 @@ def fit(
         return np.concatenate([test.differences(material) for test in measured])
 
     # Minimise the squares of the differences between the limits.
-    result = least_squares(
+    result = scipy.optimize.least_squares(
         differences,
         first,
         bounds=(low, high),

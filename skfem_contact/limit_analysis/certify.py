@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.optimize import brentq
 
 from .elements import Program
 from .interior_point import HIGHEST, Solution
@@ -163,7 +163,9 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     elif flow <= HIGHEST and excess(HIGHEST) <= 0:
         value = max(flow, 1.0 / HIGHEST)
         if excess(value) > 0:
-            value = (1 + _ROOT) * brentq(excess, value, HIGHEST, xtol=_ROOT, rtol=_ROOT)
+            value = (1 + _ROOT) * scipy.optimize.brentq(
+                excess, value, HIGHEST, xtol=_ROOT, rtol=_ROOT
+            )
 
     # measure the change of volume where it must vanish
     kept = program.incompressible

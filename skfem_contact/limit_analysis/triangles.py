@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import CellBasis, Mesh, MeshTri
 
 from ..checks import format_point
@@ -332,7 +332,7 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
 
 def _nearest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
     """Return distances and indices of the nearest of some points, (2, n), to others."""
-    distance, nearest = cKDTree(among.T).query(points.T)
+    distance, nearest = scipy.spatial.cKDTree(among.T).query(points.T)
     return np.asarray(distance), np.asarray(nearest)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import FacetBasis
 
 #: Number of near facets that are tried first as the one that another facet faces.
@@ -50,7 +50,7 @@ def facing(sides: Sides, porous: ndarray) -> ndarray:
     candidates = np.flatnonzero(porous)
     if len(candidates) == 0:
         return faced
-    tree = cKDTree(sides.middle[candidates])
+    tree = scipy.spatial.cKDTree(sides.middle[candidates])
     few = min(_NEAR, len(candidates))
     for facet in np.flatnonzero(~porous):
         # Try the nearest facets first, then all of them.

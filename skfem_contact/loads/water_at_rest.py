@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from skfem.generic_utils import OrientedBoundary
 
@@ -350,11 +350,12 @@ def _check_slits(outside: FacetBasis, porous: ndarray, pressing: ndarray, beams:
     sides = Sides(*(values[porous] for values in Sides.of(outside)))
     pressure = pressing[porous]
     distance = _SAME * sides.size.min(initial=np.inf)
-    first, second = cKDTree(sides.middle).query_pairs(distance, output_type="ndarray").T
+    tree = scipy.spatial.cKDTree(sides.middle)
+    first, second = tree.query_pairs(distance, output_type="ndarray").T
     if len(first) == 0:
         return
     if len(beams):
-        to_beam = np.asarray(cKDTree(beams).query(sides.middle[first])[0])
+        to_beam = np.asarray(scipy.spatial.cKDTree(beams).query(sides.middle[first])[0])
     else:
         to_beam = np.full(len(first), np.inf)
     cosine = np.einsum("nc,nc->n", sides.normal[first], sides.normal[second])

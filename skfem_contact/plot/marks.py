@@ -8,8 +8,8 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
@@ -231,7 +231,7 @@ def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
     """Return some of the nodes, no two closer to each other than a few pixels."""
     order = nodes[np.lexsort(scene.moved[nodes].T)]
     points = scene.moved[order]
-    neighbours = cKDTree(points).query_ball_point(points, _APART * scene.pixel)
+    neighbours = scipy.spatial.cKDTree(points).query_ball_point(points, _APART * scene.pixel)
     kept = np.ones(len(order), bool)
     for i, near in enumerate(neighbours):
         if kept[i]:

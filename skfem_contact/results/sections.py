@@ -19,8 +19,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..checks import format_point
 from ..errors import warn
@@ -160,7 +160,7 @@ def _layers(form: SolidForm, sections: Sections) -> _Layers:
     near = sections.half_depth + 1.5 * largest
 
     # Pair each section with the elements around its centre.
-    hits = cKDTree(centroid).query_ball_point(sections.center, near)
+    hits = scipy.spatial.cKDTree(centroid).query_ball_point(sections.center, near)
     section = np.repeat(np.arange(len(hits)), [len(hit) for hit in hits])
     element = np.concatenate([np.asarray(hit, dtype=int) for hit in hits])
     if not len(element):

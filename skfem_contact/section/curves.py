@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ..checks import format_point
 
@@ -151,7 +151,7 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
         return []
     counts = [len(chain.points) for chain in chains]
     x = np.vstack([chain.points for chain in chains])
-    pairs = cKDTree(x).query_pairs(near, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(x).query_pairs(near, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x)))
     label = connected_components(links, directed=False)[1]
     first = np.unique(label, return_index=True)[1]

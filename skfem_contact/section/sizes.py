@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..checks import format_point
 from .pieces import Pieces, Plan, sides_of
@@ -169,7 +169,7 @@ class Sizes:
         points = np.reshape(x, (-1, 3))[row[nodes.astype(int)], :2]
         ends = points.reshape(-1, 2, 2)  # (elements, ends, 2)
         length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        tree = cKDTree(ends.mean(axis=1))
+        tree = scipy.spatial.cKDTree(ends.mean(axis=1))
         count = min(_NEIGHBOURS, len(length))
 
         def callback(dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:

@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..checks import finite, format_point, look_up
 from ..contact.prestress import prestressed
@@ -455,7 +455,7 @@ def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any])
         coordinates = np.asarray(form.basis.global_coordinates())
         inside.append(coordinates.reshape(points.shape[1], -1).T)
         elements.append(np.broadcast_to(form.elements[:, None], form.weight.shape).ravel())
-    nearest = cKDTree(np.concatenate(inside)).query(points)[1]
+    nearest = scipy.spatial.cKDTree(np.concatenate(inside)).query(points)[1]
     here = np.concatenate(elements)[nearest]
     return np.asarray(stress(points.T[:, :, None], here[:, None]))[:, :, 0]
 

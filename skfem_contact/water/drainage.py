@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 from skfem import CellBasis, Mesh
 
 from ..errors import Remark
@@ -94,7 +94,7 @@ def _at_drains(
     permeable = np.isfinite(through) & (through >= _DRAINS * own.mobility)
     values = np.unique(own.mobility[permeable.any(axis=0)])
     if len(values):
-        distance = cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :n_nodes].T)[0]
+        distance = scipy.spatial.cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :n_nodes].T)[0]
     for value in values:
         drain = ground.mobility >= _DRAINS * value
         part = _parts(ground.corners[:, drain], n_nodes)
@@ -135,7 +135,7 @@ def pulled(
     points = pair.points(state)
     closed = state.status > 0
     positions = points.positions(pair.slave.nodes)[closed]
-    near = cKDTree(coordinates.T).query(positions)[1]
+    near = scipy.spatial.cKDTree(coordinates.T).query(positions)[1]
     total = -state.traction[0, closed]
     weight = pair.share * points.weight[closed]
     pull = np.clip(pressure[near] - total, 0.0, None)

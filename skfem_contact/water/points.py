@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import Mesh
 
 from ..checks import format_point
@@ -41,7 +41,7 @@ def interpolated(
     corners = simplices(mesh, elements)
     p = mesh.p[:, corners]  # (dim, dim + 1, m)
     inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
-    tree = cKDTree(p.mean(axis=1).T)
+    tree = scipy.spatial.cKDTree(p.mean(axis=1).T)
     n_simplices = len(inverse)
     last = min(_TRIED[-1], n_simplices)
     result = np.empty(points.shape[1])

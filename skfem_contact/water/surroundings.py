@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import CellBasis
 
 from ..beams import Beam
@@ -132,7 +132,7 @@ def _crossed(basis: CellBasis, forms: Mapping[str, Form]) -> Iterator[Remark]:
     mesh = basis.mesh
     count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
     inner = mesh.facets[:, count == 2]
-    middles = cKDTree(mesh.p[:, inner].mean(axis=1).T)
+    middles = scipy.spatial.cKDTree(mesh.p[:, inner].mean(axis=1).T)
     tolerance = _ROUND_OFF * np.ptp(mesh.p)
     for name, form in forms.items():
         if not isinstance(form, Beam) or form.coordinates == "space" or form.spacing != 1.0:
