@@ -39,6 +39,15 @@ def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
     return coo_matrix(entries, shape=(n, n)).tocsr()
 
 
+def float_bincount(numbers: ndarray, values: ndarray, n: int) -> ndarray:
+    """Sum values by their numbers, shape (n,).
+
+    :func:`numpy.bincount` returns integers where there are no values at all, which round whatever
+    is assigned to them.
+    """
+    return np.bincount(numbers, values, minlength=n).astype(float)
+
+
 class Gathering:
     """Forces and tangents of points among n dofs.
 
@@ -52,7 +61,7 @@ class Gathering:
     def force(self, dofs: ndarray, forces: ndarray) -> ndarray:
         """Sum the points' forces, (n_points, m), on their dofs, (n_points, m)."""
         moving = dofs >= 0
-        return np.bincount(dofs[moving], forces[moving], minlength=self._n)
+        return float_bincount(dofs[moving], forces[moving], self._n)
 
     def matrix(self, dofs: ndarray, matrices: ndarray) -> csr_matrix:
         """Sum the points' matrices, (n_points, m, m)."""

@@ -25,6 +25,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array, vstack
 
 from ..forms.base import Response
+from ..sparse import float_bincount
 from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame
@@ -311,8 +312,8 @@ def integrals(
     gaps = (gap - state.clearance)[at]
     nodes = facing.nodes.ravel()
     n = len(pair.slave.nodes)
-    area = np.bincount(nodes, weights.ravel(), n)
-    opened = np.bincount(nodes, (weights * gaps[:, None]).ravel(), n)
+    area = float_bincount(nodes, weights.ravel(), n)
+    opened = float_bincount(nodes, (weights * gaps[:, None]).ravel(), n)
     return facing, weights, area, opened
 
 
