@@ -36,6 +36,7 @@ from .nonlinear.newton import Newton
 from .results import Sections, load_result
 from .stages.stage import Stage
 from .surfaces import rigid
+from .units import set_units
 from .versions import show_versions
 from .water import PoreWater
 
@@ -95,6 +96,7 @@ __all__ = [
     "rigid",
     "roles",
     "section",
+    "set_units",
     "show_versions",
     "split_along",
     "testing",

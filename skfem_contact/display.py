@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from time import perf_counter
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
+
+from .units import unit_of
 
 with warnings.catch_warnings():  # a notebook without widgets has bars of text
     warnings.filterwarnings("ignore", message="IProgress not found")
@@ -109,6 +112,9 @@ class Table:
         Values of each row: names and figures, NaN for none.
     caption
         Title of the table.
+    units
+        Unit of each column, empty for none, which follows its name where the table is shown;
+        nothing if :func:`~skfem_contact.set_units` was not called.
 
     Examples
     --------
@@ -126,12 +132,31 @@ class Table:
     head: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
     caption: str = ""
+    units: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, columns: Mapping[str, Sequence[Any] | ndarray], caption: str = "") -> Table:
-        """Return a table of columns of one length by their names."""
+    def of(
+        cls,
+        columns: Mapping[str, Sequence[Any] | ndarray],
+        caption: str = "",
+        kinds: Mapping[str, str] = MappingProxyType({}),
+    ) -> Table:
+        """Return a table of columns of one length by their names.
+
+        Kinds of quantities by the names of columns, such as ``"length"`` or ``"stress"``, give the
+        units.
+        """
         values = (part.tolist() if isinstance(part, ndarray) else part for part in columns.values())
-        return cls(tuple(columns), tuple(zip(*values, strict=True)), caption)
+        units = tuple(unit_of(kinds.get(name, "")) for name in columns)
+        return cls(tuple(columns), tuple(zip(*values, strict=True)), caption, units)
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """Names of the columns with their units."""
+        if not self.units:
+            return self.head
+        pairs = zip(self.head, self.units, strict=True)
+        return tuple(f"{name} [{unit}]" if unit else name for name, unit in pairs)
 
     def __getitem__(self, column: str) -> ndarray:
         if column not in self.head:
@@ -142,7 +167,7 @@ class Table:
         return len(self.rows)
 
     def __str__(self) -> str:
-        texts = [list(self.head), *self.texts()]
+        texts = [list(self.titles), *self.texts()]
         columns = []
         for column, right in zip(zip(*texts, strict=True), self._right, strict=True):
             width = max(map(len, column))
@@ -163,7 +188,7 @@ class Table:
                 result += f'<{tag} style="text-align:{side}">{escape(text)}</{tag}>'
             return result
 
-        head = f"<thead><tr>{cells('th', self.head)}</tr></thead>"
+        head = f"<thead><tr>{cells('th', self.titles)}</tr></thead>"
         body = "".join(f"<tr>{cells('td', row)}</tr>" for row in self.texts())
         above = f"<caption>{escape(self.caption)}</caption>" if self.caption else ""
         return f"<table>{above}{head}<tbody>{body}</tbody></table>"
@@ -172,7 +197,7 @@ class Table:
         """Return the table in Markdown, figures with four digits and aligned on the right."""
         rule = "|" + "|".join("--:" if right else ":--" for right in self._right) + "|"
         lines = []
-        for row in (self.head, *self.texts()):
+        for row in (self.titles, *self.texts()):
             cells = " | ".join(text.replace("|", "\\|") for text in row)
             lines.append(f"| {cells} |")
         lines.insert(1, rule)
@@ -182,7 +207,7 @@ class Table:
         """Return comma-separated values with all digits, and write them to a given file."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(self.head)
+        writer.writerow(self.titles)
         for row in self.rows:
             writer.writerow([None if _missing(value) else value for value in row])
         if file is not None:
@@ -190,10 +215,15 @@ class Table:
         return text.getvalue()
 
     def to_frame(self) -> Any:
-        """Return the table as a data frame of pandas, which must be installed."""
+        """Return the table as a data frame of pandas, which must be installed.
+
+        Its columns have their names without units, which are in ``frame.attrs["units"]``.
+        """
         import pandas
 
-        return pandas.DataFrame.from_records(list(self.rows), columns=list(self.head))
+        frame = pandas.DataFrame.from_records(list(self.rows), columns=list(self.head))
+        frame.attrs["units"] = dict(zip(self.head, self.units))
+        return frame
 
     @property
     def _right(self) -> list[bool]:

@@ -15,6 +15,7 @@ PACKAGE = Path(skfem_contact.__file__).parent
 ROOMS = (
     {"checks"},
     {"errors"},
+    {"units"},
     {"display", "sparse", "versions"},
     {"layout"},
     {"materials", "mesh", "loads", "surfaces"},
@@ -37,7 +38,12 @@ ROOMS = (
 )
 #: Results and a section draw and report themselves: the only calls that go up, and at run time
 #: only.
-SHORTCUTS = {("results.stage", "plot"), ("results.result", "plot"), ("section.section", "plot")}
+SHORTCUTS = {
+    ("results.points", "plot"),
+    ("results.stage", "plot"),
+    ("results.result", "plot"),
+    ("section.section", "plot"),
+}
 #: What these rooms ask a form, a state or a law they ask by its calls.
 ASKING = ("solvers", "nonlinear", "stages", "collapse", "results")
 KINDS = {

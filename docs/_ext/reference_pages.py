@@ -32,7 +32,7 @@ ROOMS = {
     "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),
     "Water": ("water",),
-    "Results": ("results", "collapse", "limit_analysis"),
+    "Results": ("results", "collapse", "limit_analysis", "units"),
     "Pictures": ("plot",),
     "Equilibrium and errors": ("nonlinear", "errors", "versions"),
     "Checks of own laws and forms": ("testing",),

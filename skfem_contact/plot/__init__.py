@@ -5,15 +5,17 @@ Functions take a stage and a quantity, return the picture and write it to ``file
 """
 
 from ..checks import guard
+from ..units import labelled
+from ..units import set_units as set_units
 from .contour import animate, contour, cutaway, stages
 from .diagram import diagram, history
 from .flow import flow_diagram
 from .live import live
 from .mechanism import load_curve, mechanism
 from .model import model
+from .points import values
 from .report import report
 from .sketch import sketch
-from .units import labelled, set_units
 
 __all__ = [
     "animate",
@@ -28,9 +30,9 @@ __all__ = [
     "mechanism",
     "model",
     "report",
-    "set_units",
     "sketch",
     "stages",
+    "values",
 ]
 
 guard(__name__)

@@ -17,10 +17,10 @@ from ..results.fields import Shown, basis_of, quantities, region_field, solids
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.tables import located
+from ..units import labelled
 from .marks import Marks
 from .scene import Cut, Cutaway, Scene
 from .sheet import Frame, Scale, Window, can_draw, finish, make_scale
-from .units import labelled
 
 #: Pictures a second, and width in pixels, of films.
 _FRAMES_A_SECOND = 12

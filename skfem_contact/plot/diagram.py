@@ -25,9 +25,9 @@ from ..results.fields import Shown, basis_of, has_excess, nodal_field, quantitie
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.tractions import Tractions
+from ..units import labelled
 from .scene import Scene
 from .sheet import Window
-from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
 _POSITIVE = "#cf4b41"

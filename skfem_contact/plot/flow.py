@@ -15,11 +15,11 @@ from matplotlib.tri import Triangulation
 from numpy import ndarray
 
 from ..layout import elements_of
+from ..units import labelled
 from ..water import Seepage
 from ..water.points import simplices
 from .diagram import saved
 from .marks import WATER
-from .units import labelled
 
 #: Most bands of the head or pressure.
 _LEVELS = 14

@@ -19,12 +19,12 @@ from ..materials import LinearElastic
 from ..results.fields import Shown, basis_of, solids
 from ..results.patch_recovery import recovered
 from ..results.stage import StageResult
+from ..units import labelled
 from .contour import Contours, View, only
 from .diagram import saved, styles, tidy
 from .marks import Marks
 from .scene import Scene
 from .sheet import Window, make_scale, quantile
-from .units import labelled
 
 #: Largest displacement of bodies that are drawn deformed, as a share of their size.
 _MOVED = 0.05

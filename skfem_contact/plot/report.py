@@ -25,13 +25,13 @@ from ..results.cuts import Sections
 from ..results.fields import basis_of, has_solids, solids
 from ..results.result import COLUMNS, Result, rows_of
 from ..results.stage import StageResult
+from ..units import in_words
 from ..versions import own_version, versions
 from .contour import Contours, contours, cutaway
 from .diagram import diagram
 from .mechanism import load_curve, mechanism
 from .model import Shade, drawn, shades
 from .sheet import close
-from .units import in_words
 
 _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg": "svg+xml"}
 #: Stages side by side in a table: more of them continue below.

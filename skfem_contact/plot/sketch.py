@@ -13,8 +13,8 @@ from matplotlib.path import Path as Outlines
 from numpy import ndarray
 
 from ..section.outline import Outline
+from ..units import labelled
 from .diagram import saved
-from .units import labelled
 
 #: Colours of areas in their order, of lifts and of lines.
 _AREAS = ("#e8d8a8", "#c9b184", "#a8b89a", "#d9c3b0", "#b8a6a0", "#9fb3c2", "#8f8f8f", "#c6c6c6")

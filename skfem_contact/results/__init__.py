@@ -3,6 +3,7 @@
 from ..display import Table
 from .cuts import SectionForces, Sections
 from .files import Append
+from .points import PointValues
 from .result import Result, load_result, of
 from .stage import StageResult
 from .tables import Envelope
@@ -12,6 +13,7 @@ __all__ = [
     "Append",
     "ContactReport",
     "Envelope",
+    "PointValues",
     "Result",
     "SectionForces",
     "Sections",

@@ -103,9 +103,16 @@ def nodal_field(
 
 
 def region_field(
-    stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None
+    stage: StageData,
+    name: str,
+    since: StageData | None = None,
+    water: Shown | None = None,
+    elements: Mapping[str, ndarray] | None = None,
 ) -> ndarray:
-    """Return a field as :func:`nodal_field` does, at the nodes of the :func:`region_mesh`."""
+    """Return a field as :func:`nodal_field` does, at the nodes of the :func:`region_mesh`.
+
+    Where some elements of each solid are given by its name, only their nodes have values.
+    """
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError(
@@ -116,9 +123,11 @@ def region_field(
     bodies = solids(stage)
     if since is not None:
         _check_same_mesh(stage, since, bodies)
-    values = np.concatenate(
-        [_of_form(form, stage, key, quantity, since) for key, form in bodies.items()]
-    )
+    parts = []
+    for key, form in bodies.items():
+        own = None if elements is None else elements[key]
+        parts.append(_of_form(form, stage, key, quantity, since, own))
+    values = np.concatenate(parts)
     if name != "pore":
         return values
 
@@ -242,7 +251,12 @@ def _check_same_mesh(stage: StageData, since: StageData, bodies: Mapping[str, So
 
 
 def _of_form(
-    form: SolidForm, stage: StageData, name: str, quantity: Quantity, since: StageData | None
+    form: SolidForm,
+    stage: StageData,
+    name: str,
+    quantity: Quantity,
+    since: StageData | None,
+    elements: ndarray | None = None,
 ) -> ndarray:
     """Return the field of one solid, without pressures of flowing and of given water."""
     state = stage.states[name]
@@ -253,19 +267,20 @@ def _of_form(
         return quantity.value(u[:, region_mesh(form).nodes])
     if quantity.source == "strain":
         strain = state.strain if before is None else state.strain - before.strain
-        return quantity.value(recovered(form, strain))
-    values = _of_state(form, state, quantity)
-    return values if before is None else values - _of_state(form, before, quantity)
+        return quantity.value(recovered(form, strain, elements=elements))
+    values = _of_state(form, state, quantity, elements)
+    return values if before is None else values - _of_state(form, before, quantity, elements)
 
 
-def _of_state(form: SolidForm, state: Any, quantity: Quantity) -> ndarray:
+def _of_state(form: SolidForm, state: Any, quantity: Quantity, elements: ndarray | None) -> ndarray:
     """Return the field of one solid that follows from its stress or memory in a state."""
     if quantity.source == "stress":
-        return quantity.value(recovered(form, total_stress(form, state), balanced=True))
+        total = total_stress(form, state)
+        return quantity.value(recovered(form, total, balanced=True, elements=elements))
     values = quantity.value(form, state)
     if quantity.source == "nodes":
         return values
-    return recovered(form, values[None], limited=True)[0]
+    return recovered(form, values[None], limited=True, elements=elements)[0]
 
 
 def reference(stage: StageData, since: StageData | None, name: str) -> ndarray:

@@ -67,15 +67,21 @@ def region_mesh(*forms: SolidForm) -> RegionMesh:
 
 
 def recovered(
-    form: SolidForm, values: ndarray, *, balanced: bool = False, limited: bool = False
+    form: SolidForm,
+    values: ndarray,
+    *,
+    balanced: bool = False,
+    limited: bool = False,
+    elements: ndarray | None = None,
 ) -> ndarray:
     """Return values at the nodes of the :func:`region_mesh`, (n_components, n), from points.
 
     Balanced values are stresses, whose nodal forces count. Limited values stay within the range of
-    the elements nearby.
+    the elements nearby. Where some elements are given, (k,), only their nodes have values.
     """
     mesh = region_mesh(form)
-    nodal = _fitted(form, values, mesh, balanced)
+    wanted = None if elements is None else np.unique(mesh.cells[elements])
+    nodal = _fitted(form, values, mesh, balanced, wanted)
     return within_points(nodal, values, mesh) if limited else nodal
 
 
@@ -133,8 +139,16 @@ def within_points(nodal: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
     return np.clip(nodal, low, high)
 
 
-def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) -> ndarray:
+def _fitted(
+    form: SolidForm,
+    values: ndarray,
+    mesh: RegionMesh,
+    balanced: bool,
+    wanted: ndarray | None = None,
+) -> ndarray:
     """Fit polynomials around the vertices, and evaluate them at the nodes, (n_components, n).
+
+    Only the patches of wanted nodes are fitted.
 
     With the terms p of the polynomials, fits c of a patch minimise
 
@@ -149,6 +163,10 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
     corners = basis.mesh.t.shape[0]
     vertex = np.unique(cells[:, :corners])
     incidence = _incidence(cells, len(mesh.nodes))[vertex]
+    sources = _sources(form, mesh, vertex, incidence)
+    patches = np.arange(len(vertex))
+    if wanted is not None:
+        patches = np.unique(sources[wanted].indices)
     coordinates = np.asarray(basis.doflocs[:, dim * mesh.nodes])
     center = coordinates[:, vertex]
     volume = np.asarray(basis.dx).sum(axis=1)
@@ -164,16 +182,16 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
         forces = form.element_forces(values, np.arange(basis.nelems)).T
         B = strain_operator(form.basis, "full", str(form.coordinates)).B
 
-    fits = np.empty((len(vertex), nc, m))  # (n_patches, n_components, terms)
-    for start in range(0, len(vertex), _CHUNK):
+    fits = np.zeros((len(vertex), nc, m))  # (n_patches, n_components, terms)
+    for start in range(0, len(patches), _CHUNK):
         # Collect pairs of patches and elements, and weights relative to the patch.
-        stop = start + _CHUNK
-        chunk = incidence[start:stop]
+        part = patches[start : start + _CHUNK]
+        chunk = incidence[part]
         n = chunk.shape[0]
         patch = np.repeat(np.arange(n), np.diff(chunk.indptr))
         e = chunk.indices
-        scale = size[start + patch, None]
-        x = (points[:, e] - center[:, start + patch, None]) / scale
+        scale = size[part[patch], None]
+        x = (points[:, e] - center[:, part[patch], None]) / scale
         p = _powers(x, degree).transpose(1, 2, 0)  # (pairs, points, terms)
         total = np.bincount(patch, form.weight[e].sum(axis=1))
         w = form.weight[e] / total[patch][:, None]
@@ -182,7 +200,7 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
         M = _sum_of(patch, n, np.einsum("pqa,pqb,pq->pab", p, p, w))
         r = _sum_of(patch, n, np.einsum("cpq,pqa,pq->pca", values[:, e], p, w))
         if not balanced:
-            fits[start:stop] = r @ _inverse(M)
+            fits[part] = r @ _inverse(M)
             continue
 
         # Fit all components together with forces.
@@ -192,8 +210,7 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
         M = np.einsum("cd,pab->pcadb", np.eye(nc), M).reshape(n, nc * m, nc * m)
         A = H.transpose(0, 2, 1) @ H + beta * M
         b = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(n, -1)
-        fits[start:stop] = np.einsum("pab,pb->pa", _inverse(A), b).reshape(-1, nc, m)
-    sources = _sources(form, mesh, vertex, incidence)
+        fits[part] = np.einsum("pab,pb->pa", _inverse(A), b).reshape(-1, nc, m)
     return _evaluated(fits, coordinates, center, size, sources, degree)
 
 

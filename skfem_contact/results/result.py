@@ -9,13 +9,15 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
 
 from ..checks import finite, look_up
 from ..display import Table
 from ..forms.base import as_forms
 from ..forms.roles import Staged, fits, having
-from . import export, files, tables
+from . import export, fields, files, tables
 from .cuts import Sections
+from .points import PointValues, through_stages
 from .stage import StageResult
 
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than
@@ -148,6 +150,40 @@ class Result:
         | weight | 0.01265 | (1, 1) | 2 | (0, 1) |
         """
         return tables.of_stages(self.stages, names, sections or {}, searches or {})
+
+    def at(
+        self,
+        points: Mapping[str, ArrayLike] | ArrayLike,
+        *quantity: str,
+        water: fields.Shown | None = None,
+        of: str | None = None,
+        increments: bool = False,
+    ) -> PointValues:
+        """Return fields at points through all stages: histories.
+
+        Parameters
+        ----------
+        points, quantity, water, of
+            As of :meth:`StageResult.at`. The points must lie in active bodies in all stages.
+        increments
+            With all increments that the stages keep, ``Stage(keep="all")``.
+
+        Examples
+        --------
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
+        >>> model = sc.Model({"block": block}, basis.get_dofs("bottom").all())
+        >>> load = model.traction("top", (0., -10.))
+        >>> result = model.run([sc.Stage("weight"), sc.Stage("load", load)])
+        >>> print(result.at({"top": (.5, 1.)}, "uy"))
+        histories
+        stage   point    x  y     uy
+        weight  top    0.5  1  -0.01
+        load    top    0.5  1  -0.02
+        """
+        return through_stages(self.stages, points, quantity, water, of, increments)
 
     def report(self, file: str | Path, **options: Any) -> Path:
         """Write a report as one HTML file, see :func:`~skfem_contact.plot.report`."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from numpy import ndarray
+from numpy.typing import ArrayLike
 
 from ..checks import look_up
 from ..display import Table
@@ -15,7 +16,9 @@ from ..forms.base import internal_force, solids_of
 from ..forms.roles import Touching, having
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
+from . import points as points_
 from .cuts import SectionForces, Sections
+from .points import PointValues
 from .sections import section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
 
@@ -185,6 +188,82 @@ class StageResult(files.StageData):
             coordinates such as :func:`hydrostatic`, or True, the stage's own water.
         """
         return fields.nodal_field(self, name, since, water)
+
+    def at(
+        self,
+        points: Mapping[str, ArrayLike] | ArrayLike,
+        *quantity: str,
+        since: StageResult | None = None,
+        water: fields.Shown | None = None,
+        of: str | None = None,
+    ) -> PointValues:
+        """Return fields at points of the bodies as a table, also within elements.
+
+        Fields are interpolated between their values at the nodes of a region, see :meth:`field`.
+        Points that lie on a boundary between regions or bodies have the values of the first one.
+
+        Parameters
+        ----------
+        points
+            Coordinates of one point, of several, (n, dim), or of points by their labels.
+        quantity
+            Names of fields, as of :meth:`field`.
+        since, water
+            Earlier stage from which changes are returned, and further pore pressure, as of
+            :meth:`field`.
+        of
+            Solid or region to which the values belong; by default any.
+
+        Raises
+        ------
+        ValueError
+            Points outside of the active bodies: their number, and the distance of the first one.
+
+        Examples
+        --------
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
+        >>> fixed = basis.get_dofs("bottom").all()
+        >>> stage = sc.Model({"block": block}, fixed).run([sc.Stage("weight")])["weight"]
+        >>> print(stage.at({"top": (.3, 1.), "middle": (.3, .5)}, "uy", "syy"))
+        weight
+        point     x    y     uy  syy
+        top     0.3    1  -0.01  -10
+        middle  0.3  0.5 -0.005  -10
+        >>> stage.at((2., 1.), "uy")
+        Traceback (most recent call last):
+            ...
+        ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
+        """
+        return points_.at_points(self, points, quantity, since, water, of)
+
+    def along(
+        self,
+        line: ArrayLike,
+        *quantity: str,
+        n: int = points_.N_LINE,
+        since: StageResult | None = None,
+        water: fields.Shown | None = None,
+        of: str | None = None,
+    ) -> PointValues:
+        """Return fields along a line through the bodies: a settlement trough, stresses in a cut.
+
+        Parameters
+        ----------
+        line
+            Ends of the line, and corners between them, (m, dim).
+        quantity, since, water, of
+            As of :meth:`at`.
+        n
+            Number of points at equal distances; corners are added.
+
+        Examples
+        --------
+        See :class:`PointValues`.
+        """
+        return points_.along_line(self, line, quantity, n, since, water, of)
 
     def pore_pressure(self, solid: str) -> ndarray:
         """Return the excess pore pressure of :class:`Undrained` soil, (n_elements, n_points).

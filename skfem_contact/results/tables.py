@@ -14,6 +14,7 @@ from ..contact.laws import Status
 from ..display import Table
 from ..forms.base import Form
 from ..forms.roles import Touching, materials_of
+from ..units import kind_of
 from .cuts import SectionForces, Sections
 from .fields import basis_of, has_solids, nodal_field
 from .files import StageData
@@ -102,7 +103,7 @@ def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Ta
             columns[key] = values
         elif key != "axis":
             columns |= {f"{key} {axis}": part for axis, part in zip("xyz", values.T)}
-    return Table.of(columns, f"{name}, {stage.name}")
+    return Table.of(columns, f"{name}, {stage.name}", _kinds(columns))
 
 
 def of_stages(
@@ -120,7 +121,17 @@ def of_stages(
         names = [name for name, form in forms.items() if not isinstance(form, Touching)]
     chosen = dict.fromkeys((*names, *sections))
     rows = [_row(stage, chosen, sections, searches) for stage in stages]
-    return Table.of(_columns(rows))
+    columns = _columns(rows)
+    return Table.of(columns, kinds=_kinds(columns))
+
+
+def _kinds(columns: Iterable[str]) -> dict[str, str]:
+    """Return the kinds of the units of columns; components of vectors have those of the vector."""
+    kinds = {}
+    for name in columns:
+        vector, _, axis = name.rpartition(" ")
+        kinds[name] = kind_of(vector if vector and axis in ("x", "y", "z") else name)
+    return kinds
 
 
 def _columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:

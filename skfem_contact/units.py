@@ -1,4 +1,4 @@
-"""Units of the labels in all pictures."""
+"""Units in the labels of pictures, in tables and in reports."""
 
 from __future__ import annotations
 
@@ -19,6 +19,14 @@ _KINDS = {
     "M_hoop": "moment",
     "pressure": "stress",
     "shear": "stress",
+    "gap": "length",
+    "slip": "length",
+    "x": "length",
+    "y": "length",
+    "z": "length",
+    "arc": "length",
+    "position": "length",
+    "skin": "line",
 }
 _chosen: dict[str, str] = {}
 
@@ -26,25 +34,37 @@ _chosen: dict[str, str] = {}
 def set_units(
     force: str | None = None, length: str | None = None, stress: str | None = None
 ) -> None:
-    """Choose the units in the labels of pictures; figures are not converted.
+    """Choose the units in pictures, tables and reports; figures are not converted.
 
     Parameters
     ----------
     force, length
-        Units of the analysis, such as ``"kN"`` and ``"m"``; without them pictures show no units.
+        Units of the analysis, such as ``"kN"`` and ``"m"``, both or none; without them no units
+        are shown.
     stress
         Unit of stress; by default kPa for kN and m, MPa for N and mm, and so on.
 
+    Raises
+    ------
+    ValueError
+        A unit that is empty, or a force without a length.
+
     Examples
     --------
+    >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
-    >>> plot.set_units("N", "mm")
+    >>> sc.set_units("N", "mm")
     >>> plot.labelled("von Mises stress", "stress")
     'von Mises stress [MPa]'
-    >>> plot.set_units()
+    >>> sc.set_units()
     >>> plot.labelled("von Mises stress", "stress")
     'von Mises stress'
     """
+    for unit in (force, length, stress):
+        if unit is not None and not unit.strip():
+            raise ValueError(f"a unit is a text such as 'kN' or 'm', not {unit!r}")
+    if force is not None and length is None:
+        raise ValueError(f"the force has the unit {force!r}: give that of the length as well")
     _chosen.clear()
     if force is not None and length is not None:
         pressure = _STRESSES.get((force, length), f"{force}/{length}²")
@@ -52,6 +72,7 @@ def set_units(
             force=force,
             length=length,
             stress=stress or pressure,
+            weight=f"{force}/{length}³",
             line=f"{force}/{length}",
             moment=f"{force}{length}/{length}",
         )
@@ -61,10 +82,19 @@ def set_units(
         _chosen.update(stress=stress)
 
 
+def unit_of(kind: str) -> str:
+    """Return the unit of a kind of quantities, empty if none was set."""
+    return _chosen.get(kind, "")
+
+
 def in_words(title: str, kind: str = "") -> str:
     """Return a title of a table with its unit, by its last word if no kind is given."""
-    last = title.split(" ")[-1]
-    return labelled(title, kind or _KINDS.get(last, ""))
+    return labelled(title, kind or kind_of(title))
+
+
+def kind_of(title: str) -> str:
+    """Return the kind of the unit of a title in a table, by its last word."""
+    return _KINDS.get(title.split(" ")[-1], "")
 
 
 def labelled(title: str, kind: str) -> str:

@@ -1,0 +1,292 @@
+"""Values at points and along lines, of one stage or through all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from ..checks import finite, look_up, names
+from ..display import Table
+from ..mesh.locate import locate, outside
+from .fields import Shown, basis_of, quantities, region_field, solids
+from .files import StageData
+from .patch_recovery import element_regions, region_mesh
+
+#: Points of a line by default.
+N_LINE = 101
+#: Points on a line closer than this share of its length are the same.
+_SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class PointValues:
+    """Values at points; printed as a table.
+
+    ``values["uy"]`` is one of them as an array.
+
+    Attributes
+    ----------
+    columns
+        Labels, coordinates and values by their names, (n,) each. Values along a line have their
+        ``position``, the distance along it; values through several stages have the ``stage`` and
+        the ``time``.
+    titles
+        Titles and kinds of units of the values by their names.
+    caption
+        Title of the table.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad().refined(2).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> stage = sc.Model({"block": block}, fixed).run([sc.Stage("weight")])["weight"]
+    >>> values = stage.along([(.5, 0.), (.5, .5)], "syy", n=3)
+    >>> values["syy"].round(9).tolist()
+    [-20.0, -15.0, -10.0]
+    >>> print(values)
+    weight
+    position    x     y  syy
+           0  0.5     0  -20
+        0.25  0.5  0.25  -15
+         0.5  0.5   0.5  -10
+    """
+
+    columns: Mapping[str, Any]
+    titles: Mapping[str, tuple[str, str]] = field(repr=False)
+    caption: str = ""
+
+    def __getitem__(self, name: str) -> ndarray:
+        return look_up(name, self.columns, "column of these values")
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+    @property
+    def table(self) -> Table:
+        """Table with the units of :func:`~skfem_contact.set_units`."""
+        kinds = {name: kind for name, (_, kind) in self.titles.items()}
+        kinds |= dict.fromkeys(("x", "y", "z", "position"), "length")
+        return Table.of(self.columns, self.caption, kinds)
+
+    def __str__(self) -> str:
+        return str(self.table)
+
+    __repr__ = __str__  # arrays would fill a notebook
+
+    def _repr_html_(self) -> str:
+        return self.table._repr_html_()
+
+    def to_markdown(self) -> str:
+        """Return the table in Markdown."""
+        return self.table.to_markdown()
+
+    def to_csv(self, file: str | Path | None = None) -> str:
+        """Return comma-separated values with all digits, and write them to a given file."""
+        return self.table.to_csv(file)
+
+    def to_frame(self) -> Any:
+        """Return the table as a data frame of pandas, which must be installed."""
+        return self.table.to_frame()
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the values, see :func:`~skfem_contact.plot.values`."""
+        from ..plot import values
+
+        return values(self, **options)
+
+
+def at_points(
+    stage: StageData,
+    points: Mapping[str, ArrayLike] | ArrayLike,
+    quantity: Sequence[str],
+    since: StageData | None = None,
+    water: Shown | None = None,
+    of: str | None = None,
+) -> PointValues:
+    """Return values at points, see :meth:`~skfem_contact.results.StageResult.at`."""
+    titles = _titles(stage, quantity, water)
+    labels, coordinates = _points(stage, points)
+    columns: dict[str, ndarray] = {}
+    if labels:
+        columns["point"] = np.array(labels)
+    columns |= zip("xyz", coordinates.T)
+    columns |= _values(stage, coordinates, quantity, since, water, of)
+    return PointValues(columns, titles, stage.name)
+
+
+def along_line(
+    stage: StageData,
+    line: ArrayLike,
+    quantity: Sequence[str],
+    n: int = N_LINE,
+    since: StageData | None = None,
+    water: Shown | None = None,
+    of: str | None = None,
+) -> PointValues:
+    """Return values along a line, see :meth:`~skfem_contact.results.StageResult.along`."""
+    titles = _titles(stage, quantity, water)
+    position, coordinates = _line(stage, line, n)
+    columns = {"position": position} | dict(zip("xyz", coordinates.T))
+    columns |= _values(stage, coordinates, quantity, since, water, of)
+    return PointValues(columns, titles, stage.name)
+
+
+def through_stages(
+    stages: Iterable[StageData],
+    points: Mapping[str, ArrayLike] | ArrayLike,
+    quantity: Sequence[str],
+    water: Shown | None = None,
+    of: str | None = None,
+    increments: bool = False,
+) -> PointValues:
+    """Return values at points in all stages, see :meth:`~skfem_contact.results.Result.at`."""
+    parts: list[StageData] = []
+    for stage in stages:
+        parts += (increments and stage.increments) or (stage,)
+    found = [at_points(part, points, quantity, None, water, of) for part in parts]
+
+    # Put the stage and its time before the columns of every part.
+    columns: dict[str, list[Any]] = {"stage": [], "time": [], "load": []}
+    for part, values in zip(parts, found, strict=True):
+        n = len(values)
+        columns["stage"] += [part.name] * n
+        columns["time"] += [part.time] * n
+        columns["load"] += [part.fraction] * n
+        for name, column in values.columns.items():
+            columns.setdefault(name, []).extend(column)
+    if not any(columns["time"]):
+        columns.pop("time")
+    if all(fraction == 1.0 for fraction in columns["load"]):
+        columns.pop("load")
+    arrays = {name: np.array(column) for name, column in columns.items()}
+    return PointValues(arrays, found[0].titles, "histories")
+
+
+def _titles(
+    stage: StageData, quantity: Sequence[str], water: Shown | None
+) -> dict[str, tuple[str, str]]:
+    """Return titles and kinds of units of fields by their names, which must exist."""
+    if not quantity:
+        raise ValueError("name at least one field, such as 'uy'")
+    existing = quantities(stage, water)
+    names(quantity, existing, "field")
+    return {name: (existing[name].title, existing[name].unit) for name in quantity}
+
+
+def _points(
+    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike
+) -> tuple[list[str], ndarray]:
+    """Return labels, if there are any, and coordinates, (n, dim), of points."""
+    dim = basis_of(stage).mesh.dim()
+    labels: list[str] = []
+    given: Any = points
+    if isinstance(points, Mapping):
+        labels = list(points)
+        given = list(points.values())
+    coordinates = np.atleast_2d(finite(given, "points"))
+    if coordinates.ndim != 2 or coordinates.shape[1] != dim or not len(coordinates):
+        axes = "(x, y)" if dim == 2 else "(x, y, z)"
+        raise ValueError(
+            f"points are {axes} or several of them, (n, {dim}), not of the shape {np.shape(given)}"
+        )
+    return labels, coordinates
+
+
+def _line(stage: StageData, line: ArrayLike, n: int) -> tuple[ndarray, ndarray]:
+    """Return distances along a line, (m,), and coordinates, (m, dim), its corners among them."""
+    _, corners = _points(stage, line)
+    length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    if len(corners) < 2 or not (length > 0.0).all():
+        raise ValueError("a line has two or more corners, each different from the one before")
+    if n < 2:
+        raise ValueError(f"a line needs at least two points, not n={n}")
+    knots = np.concatenate(([0.0], np.cumsum(length)))
+    position = np.sort(np.concatenate((np.linspace(0.0, knots[-1], n), knots[1:-1])))
+    apart = np.diff(position, prepend=-1.0) > _SAME * knots[-1]
+    position = position[apart]
+    coordinates = [np.interp(position, knots, axis) for axis in corners.T]
+    return position, np.column_stack(coordinates)
+
+
+def _values(
+    stage: StageData,
+    points: ndarray,
+    quantity: Sequence[str],
+    since: StageData | None,
+    water: Shown | None,
+    of: str | None,
+) -> dict[str, ndarray]:
+    """Return fields at points by their names, (n,) each."""
+    # Collect the elements of all solids, or of one solid or region.
+    bodies = solids(stage)
+    forms = list(bodies.values())
+    mesh = region_mesh(*forms)
+    numbers = np.concatenate([form.elements for form in forms])
+    allowed = _allowed(stage, bodies, mesh.region, of)
+
+    # Find the elements of the points.
+    basis = basis_of(stage)
+    located = locate(basis.mesh, numbers[allowed], points, mesh.region[allowed])
+    missing = located.elements < 0
+    if missing.any():
+        where = f"'{of}'" if of is not None else f"the bodies of stage '{stage.name}'"
+        far = outside(basis.mesh, numbers[allowed], points[missing])
+        raise ValueError(
+            f"{missing.sum()} of {len(points)} points lie outside of {where}: the first is {far}"
+        )
+    cell = allowed[located.elements]
+
+    # Interpolate the values at the nodes of the elements.
+    shapes = _shape_functions(basis, located.local)
+    of_form = _by_form(bodies, np.unique(cell))
+    found = {}
+    for name in quantity:
+        nodal = region_field(stage, name, since, water, of_form)
+        found[name] = np.einsum("kn,nk->n", shapes, nodal[mesh.cells[cell]])
+    return found
+
+
+def _allowed(
+    stage: StageData, bodies: Mapping[str, Any], region: ndarray, of: str | None
+) -> ndarray:
+    """Return the positions of the elements of a solid or region among those of all solids."""
+    if of is None:
+        return np.arange(len(region))
+    owners: dict[str, list[int]] = {}
+    number = 0
+    for name, form in bodies.items():
+        for part in form.regions:
+            owners.setdefault(name, []).append(number)
+            if part.name != name:
+                owners.setdefault(part.name, []).append(number)
+            number += 1
+    chosen = look_up(of, owners, f"solid or region in stage '{stage.name}'")
+    return np.flatnonzero(np.isin(region, chosen))
+
+
+def _by_form(bodies: Mapping[str, Any], cells: ndarray) -> dict[str, ndarray]:
+    """Return the elements of each solid among some of all elements."""
+    result = {}
+    start = 0
+    for name, form in bodies.items():
+        stop = start + len(element_regions(form))
+        result[name] = cells[(cells >= start) & (cells < stop)] - start
+        start = stop
+    return result
+
+
+def _shape_functions(basis: Any, local: ndarray) -> ndarray:
+    """Return shape functions of the displacements at reference points (dim, n), (k, n)."""
+    element = basis.elem.elem
+    values = [element.lbasis(local, i)[0] for i in range(len(element.doflocs))]
+    return np.array([np.broadcast_to(value, local.shape[1:]) for value in values])
