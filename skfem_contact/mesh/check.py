@@ -6,12 +6,20 @@ from collections.abc import Mapping
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..checks import format_point
 from ..errors import warn
+from .connections import (
+    Outside,
+    doubled_elements,
+    hanging_nodes,
+    loose_links,
+    outside_of,
+    touching_sides,
+)
 
 Indices = NDArray[np.integer]
 
@@ -37,7 +45,7 @@ _SHOWN = 5
 _FAR = 2000.0
 
 
-def check_mesh(mesh: Mesh) -> None:
+def check_mesh(mesh: Mesh, joined: ArrayLike | None = None) -> None:
     """Raise a ValueError with the first wrong elements or nodes of a mesh unfit for an analysis.
 
     A mesh is fit if it consists of triangles, quadrilaterals, tetrahedra or hexahedra of first or
@@ -49,6 +57,30 @@ def check_mesh(mesh: Mesh) -> None:
     of first order.  An element is folded if a neighbour lies on the same side of the facet between
     the two.
 
+    A ``Model`` checks its mesh with the nodes of its contact pairs and of other forms that join
+    bodies.
+
+    Parameters
+    ----------
+    mesh
+        Mesh of scikit-fem.
+    joined
+        Nodes, by their numbers, that contact or other forms join to each other: outer sides on
+        which they lie may touch. By default the nodes of named boundaries, which contact pairs can
+        join.
+
+    Raises
+    ------
+    ValueError
+        The first of these faults.
+
+    Warns
+    -----
+    AnalysisWarning
+        The mesh is fit, but it holds together in another way than it seems: nodes lie inside of sides of
+        other elements, outer sides lie on each other without contact, elements lie on top of
+        others, or parts are connected by single nodes.
+
     Examples
     --------
     >>> import numpy as np
@@ -59,6 +91,15 @@ def check_mesh(mesh: Mesh) -> None:
     ...
     ValueError: inverted elements, 1 in all: element 0 at (0.3, 0.3)
     """
+    check_elements(mesh)
+    if joined is None:
+        named = [np.zeros(0, int), *own_tags(mesh.boundaries).values()]
+        joined = mesh.facets[:, np.concatenate(named)].ravel()
+    check_connections(mesh, np.asarray(joined, dtype=int))
+
+
+def check_elements(mesh: Mesh) -> None:
+    """Check nodes, and the shape of elements."""
     check_topology(mesh)
     nodes = np.arange(mesh.doflocs.shape[1])
     unused = np.setdiff1d(nodes, mesh.dofs.element_dofs)
@@ -93,6 +134,69 @@ def check_mesh(mesh: Mesh) -> None:
     folded = _folded(mesh, np.sign(jacobian[:, 0]))
     if len(folded):
         raise _error("elements folded over their neighbours", "element", folded, centres)
+
+
+def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = None) -> None:
+    """Warn of elements that are connected in another way than it seems.
+
+    Outer sides of the `elements`, by default of all, may lie on each other at nodes that are
+    joined.
+    """
+    doubled = doubled_elements(mesh)
+    if len(doubled):
+        middles = mesh.p[:, mesh.t].mean(axis=1)
+        _tell("elements on top of others, each of which is stiff", "element", doubled, middles)
+    outside = outside_of(mesh)
+    hanging = hanging_nodes(outside, mesh.p.T)
+    if len(hanging):
+        _tell(
+            "hanging nodes, inside of the side of another element, which does not follow them "
+            "(divide that element)",
+            "node",
+            hanging,
+            mesh.p,
+        )
+    if elements is not None:
+        solid = np.isin(mesh.f2t[0, outside.facets], elements)
+        outside = Outside(*(values[solid] for values in outside))
+    _check_touching(mesh, outside, np.concatenate((hanging, joined)))
+    links = loose_links(mesh)
+    if len(links) and not len(hanging):
+        _tell(
+            "parts of the mesh share no side but nodes, which act as hinges (join_bodies separates "
+            "them)",
+            "node",
+            links,
+            mesh.p,
+        )
+
+
+def _check_touching(mesh: Mesh, outside: Outside, known: Indices) -> None:
+    """Warn of outer sides on each other, none of whose nodes are known."""
+    first, second = touching_sides(outside)
+    is_known = np.zeros(mesh.nvertices, dtype=bool)
+    is_known[known[known < mesh.nvertices]] = True
+    unknown = ~is_known[outside.nodes]
+    free = unknown[first].all(axis=1) & unknown[second].all(axis=1)
+    if free.any():
+        sides = np.unique(np.concatenate((first[free], second[free])))
+        element = mesh.f2t[0, outside.facets[sides]]
+        names = [
+            name for name, part in own_tags(mesh.subdomains).items() if np.isin(element, part).any()
+        ]
+        of = f" of {', '.join(names)}" if names else ""
+        _tell(
+            f"outer sides{of} lie on each other without contact, and part or penetrate freely "
+            "(weld their nodes, or add a ContactPair)",
+            "side",
+            outside.facets[sides],
+            mesh.p[:, mesh.facets].mean(axis=1),
+        )
+
+
+def _tell(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> None:
+    """Warn of nodes or elements."""
+    warn(str(_error(problem, kind, numbers, x)))
 
 
 def check_topology(mesh: Mesh) -> None:

@@ -18,7 +18,7 @@ from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..checks import look_up, names_of
-from .check import check_mesh, check_topology, own_tags
+from .check import check_elements, check_topology, own_tags
 
 Indices = NDArray[np.integer]
 Tags = dict[str, Indices]
@@ -106,7 +106,7 @@ def join_bodies(
         joined = _side_by_side(mesh)
     else:
         joined = _taken_apart(mesh, bodies)
-    check_mesh(joined)
+    check_elements(joined)
     return joined
 
 

@@ -14,6 +14,7 @@ from skfem.io.meshio import HEX_MAPPING
 
 from ..forms.solid import SolidForm
 from ..mesh import bodies as joined_bodies
+from ..mesh.kinds import oriented
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
 from .patch_recovery import RegionMesh, recovered, region_mesh
@@ -63,7 +64,9 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     basis = basis_of(stage)
     dim = basis.mesh.dim()
     mesh = region_mesh(*bodies.values())
-    blocks = [vtk_cells(mesh.cells, dim)]
+    points = _in_space(basis.doflocs[:, dim * mesh.nodes].T, 3)
+    kind, cells = vtk_cells(mesh.cells, dim)
+    blocks = [(kind, oriented(points, cells, kind))]
     numbers = _numbers_of_regions(bodies, known or bodies)
     parts = [_of_elements(stage, bodies) | {"region": numbers[mesh.region]}]
 
@@ -75,7 +78,6 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
         parts.append(interface.on_facets())
 
     # Add the beams, and fill up missing data of cells.
-    points = _in_space(basis.doflocs[:, dim * mesh.nodes].T, 3)
     point_data = _at_nodes(stage, bodies, mesh)
     points, point_data = _with_beams(stage, points, point_data, blocks)
     parts += [{}] * (len(blocks) - len(parts))

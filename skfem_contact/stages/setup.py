@@ -16,10 +16,19 @@ from .. import loads
 from ..checks import is_number, unit_vector
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
-from ..forms.roles import Couples, Loaded, Staged, Wet, borrowed_by, continued, having
+from ..forms.roles import (
+    Couples,
+    Loaded,
+    Staged,
+    Wet,
+    borrowed_by,
+    continued,
+    having,
+    joined_by,
+)
 from ..layout import Field, FieldDofs, Layout, different, others
 from ..loads.water_at_rest import as_pressure, loads_at_rest
-from ..mesh import check_mesh
+from ..mesh.check import check_connections, check_elements
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..results.files import StageData
@@ -56,6 +65,7 @@ class Setup:
         self.forms = self.own = {
             name: self._numbered(form) for name, form in self._completed.items()
         }
+        _check_joints(self.forms)
         self.fixed = self.layout.dofs(fixed)
         self.water_unit_weight = water_unit_weight
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
@@ -360,7 +370,7 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     if not bases:
         return
     owner, basis = next(iter(bases.items()))
-    check_mesh(basis.mesh)
+    check_elements(basis.mesh)
 
     # Compare coordinates: different meshes may have as many dofs as each other.
     known = {name: (np.arange(other.N), other.doflocs) for name, other in bases.items()}
@@ -370,6 +380,24 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     for name, (numbers, coordinates) in known.items():
         if not np.array_equal(coordinates, basis.doflocs[:, numbers]):
             raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
+
+
+def _check_joints(forms: Mapping[str, Form]) -> None:
+    """Check how elements are connected, where no form joins the displacements of their corners."""
+    solids = solids_of(forms)
+    if not solids:
+        return
+    basis = next(iter(solids.values())).basis
+    joined = np.zeros(basis.N, dtype=bool)
+    for form in forms.values():
+        dofs = joined_by(form)
+        if dofs is None:  # it may join any of them
+            joined[:] = True
+        else:
+            joined[dofs[(dofs >= 0) & (dofs < basis.N)]] = True
+    nodes = np.flatnonzero(joined[basis.nodal_dofs].any(axis=0))
+    elements = np.concatenate([form.elements for form in solids.values()])
+    check_connections(basis.mesh, nodes, elements)
 
 
 def _layout_of(forms: Mapping[str, Form]) -> Layout:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementVector,
     MeshHex1,
     MeshHex2,
     MeshLine,
@@ -19,6 +24,7 @@ from skfem import (
 )
 from skfem.generic_utils import OrientedBoundary
 
+import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, join_bodies
 
 KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
@@ -236,3 +242,101 @@ def test_hexahedron_inverted_between_its_corners():
         ValueError, match=r"inverted elements, 1 in all: element 0 at \(-0.25, 0.125, 0.5\)"
     ):
         check_mesh(MeshHex1(mesh.p * top, mesh.t))
+
+
+HANGING = MeshQuad1(
+    np.array([[0, 1, 1, 0, 1, 2, 2, 2], [0, 0, 1, 1, 0.5, 0, 0.5, 1.0]]),
+    np.array([[0, 1, 2, 3], [1, 5, 6, 4], [4, 6, 7, 2]]).T,
+)
+
+
+def told(mesh, joined=None):
+    """Texts of the warnings of a check."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        check_mesh(mesh, joined)
+    return [str(warning.message) for warning in caught]
+
+
+def test_hanging_node_in_the_plane():
+    """[X] One square beside two rectangles: the node between these lies on the square's side."""
+    (text,) = told(HANGING)
+    assert text.startswith("hanging nodes")
+    assert text.endswith("1 in all: node 4 at (1, 0.5)")
+
+
+@pytest.mark.parametrize("tetrahedra", [False, True])
+def test_hanging_nodes_in_space(tetrahedra):
+    """[X] A cube beside eight small ones: four nodes on edges of the common side and one inside."""
+    line = np.array([0.0, 1.0])
+    fine = MeshHex1.init_tensor(np.linspace(1, 2, 3), np.linspace(0, 1, 3), np.linspace(0, 1, 3))
+    coarse = MeshHex1.init_tensor(line, line, line)
+    if tetrahedra:
+        fine = fine.to_meshtet()
+        coarse = coarse.to_meshtet()
+    welded = coarse + fine
+    (text,) = told(welded)
+    assert text.startswith("hanging nodes")
+    assert "5 in all" in text
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.25])
+def test_sides_on_each_other_are_told_where_nothing_joins_them(shift):
+    """[X] Two blocks above each other whose nodes are doubled, matching or not."""
+    upper = grid(MeshQuad1).translated((shift, 1.0))
+    lower = grid(MeshTri1) if shift else grid(MeshQuad1)
+    if shift:
+        upper = upper.to_meshtri()
+    both = type(lower)(
+        np.hstack((lower.p, upper.p)), np.hstack((lower.t, upper.t + lower.p.shape[1]))
+    )
+    count = 8 if shift == 0.0 else 6
+    (text,) = told(both)
+    assert text.startswith("outer sides lie on each other without contact")
+    assert f"{count} in all" in text
+    # Nodes that contact joins, and boundaries with names, which it can join
+    assert not told(both, np.flatnonzero(both.p[1] == 1.0))
+    assert not told(both.with_boundaries({"seam": lambda x: x[1] == 1.0}))
+
+
+def test_a_model_tells_sides_without_contact():
+    """[X] The same blocks in a model, without and with a contact pair."""
+    mesh = join_bodies(
+        {
+            "low": grid(MeshQuad1).with_defaults(),
+            "up": grid(MeshQuad1).translated((0, 1)).with_defaults(),
+        }
+    )
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2))}
+    with pytest.warns(sc.AnalysisWarning, match="sides of low, up lie on each other without"):
+        sc.Model(forms)
+    forms["joint"] = sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(0.3))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sc.Model(forms)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_element_on_top_of_another_with_nodes_of_its_own(kind):
+    """[X] Two copies of a square."""
+    mesh = join_bodies({"a": grid(kind), "b": grid(kind)})
+    assert any(text.startswith("elements on top of others") for text in told(mesh))
+
+
+def test_squares_that_share_a_corner():
+    """[X] Two squares with one common node."""
+    p = np.array([[0, 1, 1, 0, 2, 2, 1], [0, 0, 1, 1, 1, 2, 2.0]])
+    mesh = MeshQuad1(p, np.array([[0, 1, 2, 3], [2, 4, 5, 6]]).T)
+    (text,) = told(mesh)
+    assert "act as hinges" in text
+    assert text.endswith("1 in all: node 2 at (1, 1)")
+
+
+@pytest.mark.parametrize("kind", [*KINDS, MeshHex1, MeshTet1])
+def test_whole_meshes_are_told_nothing(kind):
+    """[X] No message for a conforming mesh, nor for two bodies side by side."""
+    line = np.linspace(0, 1, 4)
+    mesh = kind.init_tensor(line, line, line) if kind in (MeshHex1, MeshTet1) else grid(kind)
+    assert not told(mesh)
+    assert not told(join_bodies({"a": mesh, "b": mesh.translated(np.full(mesh.dim(), 1.1))}))
