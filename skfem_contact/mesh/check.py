@@ -77,9 +77,9 @@ def check_mesh(mesh: Mesh, joined: ArrayLike | None = None) -> None:
     Warns
     -----
     AnalysisWarning
-        The mesh is fit, but it holds together in another way than it seems: nodes lie inside of sides of
-        other elements, outer sides lie on each other without contact, elements lie on top of
-        others, or parts are connected by single nodes.
+        The mesh is fit, but it holds together in another way than it seems: nodes lie inside of
+        sides of other elements, outer sides lie on each other without contact, elements lie on top
+        of others, or parts are connected by single nodes.
 
     Examples
     --------

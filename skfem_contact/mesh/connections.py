@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 from skfem import Mesh
 
 Indices = NDArray[np.integer]
@@ -117,6 +116,8 @@ def hanging_nodes(outside: Outside, points: Floats) -> Indices:
 
 def _nodes_on_sides(outside: Outside, points: Floats) -> tuple[Indices, Indices]:
     """Return pairs of outer nodes and of the sides on which they lie without being its corners."""
+    from scipy.spatial import cKDTree
+
     nodes = np.unique(outside.nodes)
     tree = cKDTree(points[nodes])
     near = tree.query_ball_point(outside.middles, outside.size * (1.0 - _ON))
@@ -144,6 +145,8 @@ def touching_sides(outside: Outside) -> tuple[Indices, Indices]:
 
     The middle of the first lies on the second, and they have other nodes.
     """
+    from scipy.spatial import cKDTree
+
     dim = outside.corners.shape[2]
     middles = outside.middles
     count = min(_NEAREST[dim], len(middles))
