@@ -1,6 +1,6 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from . import laboratory, mesh, results, section, testing, water
+from . import design, laboratory, mesh, results, section, testing, water
 from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
@@ -85,6 +85,7 @@ __all__ = [
     "Undrained",
     "VonMises",
     "box_supports",
+    "design",
     "dofs_at",
     "element_test",
     "hydrostatic",
@@ -108,6 +109,7 @@ __all__ = [
 
 guard(
     __name__,
+    design.__name__,
     laboratory.__name__,
     mesh.__name__,
     results.__name__,

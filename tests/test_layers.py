@@ -31,6 +31,7 @@ ROOMS = (
     {"collapse"},
     {"water"},
     {"model"},
+    {"design"},
     {"testing"},
     {"plot"},
     {"demo", "data"},

@@ -33,6 +33,7 @@ ROOMS = {
     "Loads": ("loads",),
     "Water": ("water",),
     "Results": ("results", "collapse", "limit_analysis", "units"),
+    "Design": ("design",),
     "Pictures": ("plot",),
     "Equilibrium and errors": ("nonlinear", "errors", "versions"),
     "Checks of own laws and forms": ("testing",),

@@ -71,6 +71,19 @@ class Setup:
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
         self.gravity = self._acceleration(gravity, seismic)
+        self._change: Callable[[str, Form], Form] | None = None
+
+    def with_each(self, change: Callable[[str, Form], Form]) -> Self:
+        """Return the set-up with a change of all forms, those that stages will bring included.
+
+        The forms keep their dofs.
+        """
+        new = copy(self)
+        vars(new).pop("solids", None)
+        new._completed = {name: change(name, form) for name, form in self._completed.items()}
+        new.forms = new.own = {name: change(name, form) for name, form in self.forms.items()}
+        new._change = change
+        return new
 
     def weight(
         self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None
@@ -165,7 +178,10 @@ class Setup:
             return self
         new = copy(self)
         vars(new).pop("solids", None)
-        new.forms = {**self.forms, **start.changed}
+        changed = dict(start.changed)
+        if self._change is not None:
+            changed = {name: self._change(name, form) for name, form in changed.items()}
+        new.forms = {**self.forms, **changed}
         new.fixed = start.supports
         return new
 
@@ -174,6 +190,8 @@ class Setup:
         found = {}
         for name, form in as_forms(new).items():
             old = now[name]
+            if self._change is not None:
+                form = self._change(name, form)
             form = continued(form, old)
             if form is not old and (form.fields or borrowed_by(form)):
                 numbers = dict(self.layout.numbers(borrowed_by(form)))

@@ -1,0 +1,178 @@
+"""Models with design values of the strengths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from typing_extensions import TypeVar
+
+from ..checks import names, names_of
+from ..errors import warn
+from ..forms.base import Form
+from ..forms.roles import Body, Reducible, Touching, having
+from ..model import Model
+from .factors import PartialFactors
+
+#: Parameters of laws that are undrained strengths.
+_UNDRAINED = frozenset(("s_uA", "s_uDSS", "s_uP", "strength"))
+M = TypeVar("M", bound=Model)
+
+
+def factored(model: M, factors: PartialFactors, *, exclude: str | Collection[str] = ()) -> M:
+    r"""Return the model with design values of its strengths; the model itself stays as it is.
+
+    Cohesion and :math:`\tan\varphi` of materials, undrained strengths, and friction and adhesion of
+    contact pairs are divided by their factors. Forms that stages change are factored as well. Runs,
+    searches and bounds of the new model start from results of either one.
+
+    Parameters
+    ----------
+    model
+        The model with characteristic strengths.
+    factors
+        The set; its factors on actions belong to the loads, see :meth:`PartialFactors.load`.
+    exclude
+        Names of forms and regions that keep their strength.
+
+    Warns
+    -----
+    AnalysisWarning
+        A law whose strength cannot be divided keeps it.
+
+    Examples
+    --------
+    A bank of clay has the limit load 2 c, with design values 2 c / 1.4:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()))
+    >>> clay = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=.3, c=10.))
+    >>> fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    >>> model = sc.Model({"clay": clay}, fixed)
+    >>> load = model.traction("top", (0., -1.))
+    >>> design = sc.design.factored(model, sc.design.EC7["DA1-2"])
+    >>> f"{model.limit_load(load).multiplier:.0f} {design.limit_load(load).multiplier:.0f}"
+    '20 14'
+    """
+    regions: set[str] = set()
+    for body in having(model.forms, Body).values():
+        regions |= set(body.materials)
+    names(exclude, (*model.forms, *sorted(regions)), "form or region of the model")
+    return model.with_each(_Factoring(factors, frozenset(names_of(exclude))))
+
+
+class _Factoring:
+    """Division of the strengths of forms; what was divided once is not divided again."""
+
+    def __init__(self, factors: PartialFactors, exclude: frozenset[str]) -> None:
+        self.factors = factors
+        self.exclude = exclude
+        self._made: dict[int, tuple[Any, Any]] = {}
+        self._new: dict[int, Any] = {}
+
+    def __call__(self, name: str, form: Form) -> Form:
+        """Return a form with design values of its strengths."""
+        if name in self.exclude:
+            return form
+        if isinstance(form, Body):
+            return self._body(name, form)
+        if not isinstance(form, Reducible) or "" not in form.strengths:
+            return form
+        if isinstance(form, Touching):
+            law = self._once(form.law, lambda law: law.reduced(self.factors.phi))
+            return form if law is form.law else form.with_law(law)  # type: ignore[attr-defined]
+        return self._once(form, lambda one: one.reduced(self.factors.phi, "given", ("",)))
+
+    def _body(self, name: str, form: Any) -> Any:
+        """Return a body with design values of its materials."""
+        changed = {}
+        for region, material in form.materials.items():
+            if region not in self.exclude:
+                new = self._once(material, lambda law: divided(law, self.factors))
+                if new is not material:
+                    changed[region] = new
+                elif self._keeps(material):
+                    warn(f"{name}.{region}: {material.label} keeps its strength")
+        return form.with_materials(changed) if changed else form
+
+    def _keeps(self, material: Any) -> bool:
+        """Return True for a characteristic material with a memory: it may yield."""
+        return material.n_internal > 0 and id(material) not in self._new
+
+    def _once(self, old: Any, change: Callable[[Any], Any]) -> Any:
+        """Return the changed object, the same one for the same argument."""
+        if id(old) in self._new:
+            return old
+        if id(old) not in self._made:
+            new = change(old)
+            self._made[id(old)] = (old, new)
+            self._new[id(new)] = new
+        return self._made[id(old)][1]
+
+
+def divided(material: Any, factors: PartialFactors) -> Any:
+    """Return a material with design values of its strength, or itself if it has none."""
+    # Divide the soil of undrained ground.
+    own = getattr(material, "_law", material)  # a law that does not derive from Material
+    if not is_dataclass(own):
+        return material.reduced(factors.phi) if material.reducible else material
+    existing = [part.name for part in fields(own) if part.init]
+    if "soil" in existing:
+        return replace(own, soil=divided(own.soil, factors))  # type: ignore[type-var]
+
+    # Divide the parameters of Mohr and Coulomb, and undrained strengths.
+    changed: dict[str, Any] = {}
+    has_friction = "phi" in existing and _has_friction(getattr(own, "phi", 0.0))
+    for name in existing:
+        value = getattr(own, name)
+        if value is None:
+            continue
+        if name in ("c", "c_end"):
+            by = factors.cohesion if has_friction else factors.undrained
+            changed[name] = _over(value, by)
+        elif name in ("phi", "phi_end"):
+            changed[name] = _angle_over(value, factors.phi)
+        elif name in _UNDRAINED:
+            changed[name] = _over(value, factors.undrained)
+    if not changed:
+        return material.reduced(factors.phi) if material.reducible else material
+    if "psi" in existing and "phi" in changed:
+        changed["psi"] = _least(own.psi, changed["phi"])  # type: ignore[attr-defined]
+    return replace(own, **changed)  # type: ignore[type-var]
+
+
+def _has_friction(phi: Any) -> bool:
+    return callable(phi) or bool(np.any(np.greater(phi, 0.0)))
+
+
+def _over(value: Any, factor: float) -> Any:
+    """Return a number, an array or a function over a factor."""
+    if callable(value):
+        return lambda x: np.asarray(value(x)) / factor
+    return value / factor
+
+
+def _angle_over(value: Any, factor: float) -> Any:
+    """Return the angle in degrees whose tangent is divided by a factor."""
+    if callable(value):
+        return lambda x: _angle_over(np.asarray(value(x)), factor)
+    angle = np.degrees(np.arctan(np.tan(np.radians(value)) / factor))
+    return angle if isinstance(value, ndarray) else float(angle)
+
+
+def _least(psi: Any, phi: Any) -> Any:
+    """Return the dilatancy, at most the friction."""
+    if callable(psi) or callable(phi):
+
+        def least(x: ndarray) -> ndarray:
+            first = psi(x) if callable(psi) else psi
+            second = phi(x) if callable(phi) else phi
+            return np.minimum(first, second)
+
+        return least
+    smallest = np.minimum(psi, phi)
+    return smallest if np.ndim(smallest) else float(smallest)
