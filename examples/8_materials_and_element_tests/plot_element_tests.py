@@ -42,9 +42,9 @@ def timed(name, material, stress, path):
     return test
 
 
-def clay(OCR=1.0):
+def clay(OCR=1.0, **options):
     """Clay with an overconsolidation ratio."""
-    return sc.CamClay(KAPPA, LAMBDA, M, NU, p_ref=P, OCR=OCR)
+    return sc.CamClay(KAPPA, LAMBDA, M, NU, p_ref=P, OCR=OCR, **options)
 
 
 # %%
@@ -68,11 +68,13 @@ for increments in (1, 10):
 # Undrained triaxial compression
 # ------------------------------
 # On the yield surface the volume stays if
-# :math:`\lambda \ln(p / p_0) = \eta^2 / (6 g)
-# + (\lambda - \kappa) [\ln OCR - \ln(1 + \eta^2 / M^2)]`
-# with the stress ratio :math:`\eta = q / p` and :math:`g = G / p`. The path does not depend on the
-# increments. Overconsolidated clay goes to the right of its initial stress, and ends at the same
-# line.
+# :math:`\lambda \ln(p / p_0) = (\lambda - \kappa) [\ln OCR - \ln(1 + \eta^2 / M^2)]`
+# with the stress ratio :math:`\eta = q / p`. The path does not depend on the increments.
+# Overconsolidated clay goes to the right of its initial stress, and ends at the same line, with the
+# strength :math:`c_u = \tfrac12 M p_0 (OCR / 2)^{1 - \kappa / \lambda}` of the textbooks.
+# Poisson's ratio is constant. With ``conservative=True`` the stiffness has a free energy, and the term
+# :math:`\eta^2 / (6 g)` with :math:`g = G / p` is added on the right: the strength is larger by
+# :math:`\exp(M^2 / (6 g \lambda))`.
 
 undrained = {}
 for OCR in (1.0, 1.5, 4.0):
@@ -85,22 +87,26 @@ for OCR in (1.0, 1.5, 4.0):
         )
         on = test.variable("plastic strain")[:, 0] > 1e-6
         p, eta = test.p[on, 0], test.q[on, 0] / test.p[on, 0]
-        exact = P * np.exp(
-            (eta**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * np.log(OCR / (1 + eta**2 / M**2))) / LAMBDA
-        )
+        exact = P * np.exp((1 - KAPPA / LAMBDA) * np.log(OCR / (1 + eta**2 / M**2)))
         rows[-1]["error"] = float(np.abs(p / exact - 1).max())
         assert rows[-1]["error"] < 1e-7
-    strength = (
-        0.5 * M * P * np.exp((M**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * np.log(OCR / 2)) / LAMBDA)
-    )
+    strength = 0.5 * M * P * (OCR / 2) ** (1 - KAPPA / LAMBDA)
     print(f"OCR {OCR}: c_u = {test.q[-1, 0] / 2:.2f}, exact {strength:.2f} kPa")
     assert abs(test.q[-1, 0] / 2 / strength - 1) < 2e-3
     undrained[OCR] = test
 
+path = triaxial(-0.3, drained=False, increments=100)
+test = timed("undrained, conservative", clay(conservative=True), -P, path)
+factor = np.exp(M**2 / (6 * SHEAR * LAMBDA))
+ratio = test.q[-1, 0] / undrained[1.0].q[-1, 0]
+print(f"conservative elasticity: c_u larger by {ratio:.4f}, exact {factor:.4f}")
+rows[-1]["error"] = float(abs(ratio / factor - 1))
+assert rows[-1]["error"] < 2e-3
+
 # %%
 # Drained triaxial compression
 # ----------------------------
-# The stress path is the straight line :math:`p = 3 p_0 / (3 - \eta)`. The shear strain is a
+# The stress path is the straight line :math:`p = 3 p_0 / (3 - \eta)`. The plastic shear strain is a
 # quadrature over the stress ratio. The flow is taken at the end of an increment: the error halves
 # with the increments.
 
@@ -111,7 +117,7 @@ def shear_strain(eta):
     def rate(x):
         return (1 / (3 - x) + 2 * x / (M**2 + x**2)) * 2 * x / (M**2 - x**2)
 
-    return (LAMBDA - KAPPA) * quad(rate, 0, eta, epsabs=1e-12)[0] + eta / (3 * SHEAR)
+    return (LAMBDA - KAPPA) * quad(rate, 0, eta, epsabs=1e-12)[0] + np.log(3 / (3 - eta)) / SHEAR
 
 
 errors = []

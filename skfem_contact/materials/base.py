@@ -362,7 +362,8 @@ def as_parameters(material: Any) -> None:
     for field in fields(material):
         value = getattr(material, field.name)
         omitted = value is None and field.default is None
-        if omitted or callable(value):
+        choice = isinstance(field.default, bool)
+        if omitted or choice or callable(value):
             continue
         parameter = as_parameter(field.name, value)
         object.__setattr__(material, field.name, parameter)

@@ -20,20 +20,22 @@ order in the change of R_0.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from typing_extensions import override
 
 from .base import Array, Parameter, Update, along_elements, require
-from .cam_clay import (
-    CamClay,
+from .cam_clay import CamClay
+from .cam_clay_return import (
     CamClayConstants,
+    Plastic,
     Rate,
-    condition,
+    Search,
+    Trial,
+    course,
     critical,
     elastic_strain,
-    volume_strain,
+    isotropic,
 )
 from .local_newton import bracketed_root
 
@@ -111,57 +113,55 @@ class SoftSoilCreep(CamClay):
         return self._update(strain_increment, stress, internal, _creep, data)
 
 
-def _creep(
-    base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array, begin: Array
-) -> Rate:
+def _creep(trial: Trial, mu: Array, time: Array, begin: Array) -> Rate:
     """Return the plastic strain y after a time over tau, from ln(R) at its start."""
+    c = trial.c
     beta = 1 / (c.hardening * mu)
     passed = np.maximum(time, 1e-300)
     log_time = np.log(passed)
-    data = base, E, c, mu, beta, log_time, begin
+    search = Search(trial)
+    times = mu, beta, log_time, begin
 
-    def function(log_y: Array, *data: Any) -> tuple[Array, Array, float]:
-        return *_equation(log_y, *data)[:2], _LAST
+    def function(
+        log_y: Array, points: Array, trial: Trial, times: tuple[Array, ...]
+    ) -> tuple[Array, Array, float]:
+        at = search.at(np.exp(log_y), points, trial)
+        return *_equation(at, trial, *times)[:2], _LAST
 
+    base = trial.base + c.k * trial.volume
     start = np.clip(log_time + beta * base, _LEAST, 0.0)
-    low = np.full(E.shape, _LEAST)
-    high = np.full(E.shape, _MOST)
+    low = np.full(base.shape, _LEAST)
+    high = np.full(base.shape, _MOST)
+    data = *search.data, times
     log_y, _ = bracketed_root(function, start, low, high, data, _ITERATIONS)
     creeps = (time > 0) & (log_y > _LEAST + 1)
     y = np.where(creeps, np.exp(log_y), 0.0)
-    _, _, of_condition, of_volume = _equation(log_y, *data)
-    of_y = -1 / np.where(y > 0, y, 1.0)
-    return Rate(y, of_condition, of_volume, of_y, of_M=-2 / c.M)
+    at = search.at(np.exp(log_y), *search.data)
+    _, _, of_condition, of_volume = _equation(at, trial, *times)
+    return Rate(y, of_condition, of_volume, of_isotropic=-1.0)
 
 
 def _equation(
-    log_y: Array,
-    base: Array,
-    E: Array,
-    c: CamClayConstants,
-    mu: Array,
-    beta: Array,
-    log_time: Array,
-    begin: Array,
+    at: Plastic, trial: Trial, mu: Array, beta: Array, log_time: Array, begin: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Return the equation of ln(y), its slope, and the weights of F and D in its derivatives.
 
-    With D = y (M^2 - eta^2) / (6 g) the logarithm of the increment's equation is
+    With D = y (M^2 - eta^2) / (6 g r) the logarithm of the increment's equation is
 
-        ln(R^beta) + ln(mean(R_0^beta) / R^beta) + ln(dt / tau) - ln(y M^2 / (6 g mu)) -
+        ln(R^beta) + ln(mean(R_0^beta) / R^beta) + ln(dt / tau) - ln(y M^2 / (6 g r mu)) -
         ln((exp(D / mu) - 1) / (D / mu)) = 0
     """
-    y = np.exp(log_y)
-    F, F_y = condition(y, base, E, c)
-    D, D_y = volume_strain(y, E, c)
-    end = beta * (F + c.hardening * D)
+    c = trial.c
+    now = course(at, trial)
+    end = beta * (now.F + c.hardening * at.D)
     mean, share = _mean(end - beta * begin, beta, c)
-    isotropic = y * c.M**2 / (6 * c.g * mu)
-    grown, ratio = _growth(D / mu)
-    value = end + mean - np.log(isotropic) - grown + log_time
+    grown, ratio = _growth(at.D / mu)
+    rate, rate_y = isotropic(at, now)
+    value = end + mean - (rate - np.log(mu)) - grown + log_time
     of_condition = beta * share
     of_volume = (share - ratio) / mu
-    return value, y * (of_condition * F_y + of_volume * D_y) - 1, of_condition, of_volume
+    slope = of_condition * now.F_y + of_volume * now.D_y - rate_y
+    return value, at.y * slope, of_condition, of_volume
 
 
 def _mean(change: Array, beta: Array, c: CamClayConstants) -> tuple[Array, Array]:

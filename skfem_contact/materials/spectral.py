@@ -291,6 +291,11 @@ def square(e: Array) -> Array:
     return np.square(e[:3]).sum(axis=0) + 2 * np.square(e[3:]).sum(axis=0)
 
 
+def product(e: Array, f: Array) -> Array:
+    """Return e:f of two deviators with tensor shears."""
+    return (e[:3] * f[:3]).sum(axis=0) + 2 * (e[3:] * f[3:]).sum(axis=0)
+
+
 def deviator(ncomp: int) -> Array:
     """Return the matrix from engineering strains to their deviator with tensor shears."""
     unit = np.diag(np.r_[1.0, 1.0, 1.0, np.full(ncomp - 3, 0.5)])

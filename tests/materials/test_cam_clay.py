@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 import skfem_contact as sc
 from skfem_contact.errors import IncrementTooLarge
-from skfem_contact.laboratory import isotropic, oedometer, triaxial
+from skfem_contact.laboratory import PathStep, isotropic, oedometer, triaxial
 from skfem_contact.testing import check_material
 from tests.tools.helpers import grid, vector_basis
 
@@ -43,48 +43,88 @@ def test_isotropic(increments):
     np.testing.assert_allclose(test.variable("preconsolidation pressure")[-1], 4 * P, rtol=1e-9)
 
 
-def undrained_pressure(eta, OCR):
+def undrained_pressure(eta, OCR, conservative):
     """Mean stress on the yield surface of an undrained path from isotropic stress, in closed
     form.
     """
     plastic = np.log(OCR) - np.log(1 + eta**2 / M**2)
-    return P * np.exp((eta**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * plastic) / LAMBDA)
+    stored = eta**2 / (6 * SHEAR) if conservative else 0.0  # elastic volume strain of shear
+    return P * np.exp((stored + (LAMBDA - KAPPA) * plastic) / LAMBDA)
 
 
+@pytest.mark.parametrize("conservative", [False, True])
 @pytest.mark.parametrize("increments", [50, 400])
 @pytest.mark.parametrize("OCR", [1.0, 1.5])
-def test_undrained_path(OCR, increments):
+def test_undrained_path(OCR, increments, conservative):
     """[X] Undrained compression: the path in p and q does not depend on the increments."""
-    test = sc.element_test(clay(OCR), -P, triaxial(-0.3, drained=False, increments=increments))
+    law = clay(OCR, conservative=conservative)
+    test = sc.element_test(law, -P, triaxial(-0.3, drained=False, increments=increments))
     yielding = test.variable("plastic strain")[:, 0] > 1e-6
     p, eta = test.p[yielding, 0], test.q[yielding, 0] / test.p[yielding, 0]
-    np.testing.assert_allclose(p, undrained_pressure(eta, OCR), rtol=1e-7)
-    assert p[-1] / undrained_pressure(M, OCR) == pytest.approx(
+    np.testing.assert_allclose(p, undrained_pressure(eta, OCR, conservative), rtol=1e-7)
+    assert p[-1] / undrained_pressure(M, OCR, conservative) == pytest.approx(
         1.0, abs=2e-3
     )  # eta approaches M as exp(-strain)
     assert test.iterations.max() <= 6
 
 
-def strain_of_drained_path(eta):
-    """Shear strain of drained compression from isotropic normal consolidation, by quadrature."""
+@pytest.mark.parametrize("nu", [0.0, 0.2, 0.35])
+@pytest.mark.parametrize(("OCR", "strain"), [(1.0, 0.3), (2.0, 0.3), (10.0, 0.6)])
+def test_undrained_strength(OCR, strain, nu):
+    """[X] M p / 2 (OCR / 2)^(1 - kappa / lambda) for every Poisson's ratio; the conservative law is
+    stronger by the factor of its docstring.
+    """
+    strength = 0.5 * M * P * (OCR / 2) ** (1 - KAPPA / LAMBDA)
+    factor = np.exp(KAPPA * (1 + nu) * M**2 / (9 * (1 - 2 * nu) * LAMBDA))
+    for conservative, exact in ((False, strength), (True, factor * strength)):
+        law = sc.CamClay(KAPPA, LAMBDA, M, nu, P, OCR, conservative=conservative)
+        test = sc.element_test(law, -P, triaxial(-strain, drained=False, increments=100))
+        assert test.q[-1, 0] / 2 == pytest.approx(exact, rel=1e-3)  # eta is near M at the end
+
+
+def test_elastic_strain_in_one_increment():
+    """[X] Compression and shear inside the yield surface at once: ds = 2 G de with G = g p, whose
+    mean is known, in any number of increments.
+    """
+    law, volume = clay(50.0), 0.02
+    strain = {"xx": -volume / 3 + 0.01, "yy": -volume / 3 - 0.01, "zz": -volume / 3, "xy": 0.004}
+    mean = P * np.expm1(volume / KAPPA) / (volume / KAPPA)
+    for increments in (1, 7):
+        test = sc.element_test(law, -P, PathStep(strain=strain, increments=increments))
+        stress = test.stress[-1, :, 0]
+        assert test.p[-1, 0] == pytest.approx(P * np.exp(volume / KAPPA), rel=1e-9)
+        assert stress[0] - stress[1] == pytest.approx(2 * SHEAR * mean * 0.02, rel=1e-9)
+        assert stress[3] == pytest.approx(SHEAR * mean * 0.004, rel=1e-9)
+
+
+def strain_of_drained_path(eta, conservative):
+    """Shear strain of drained compression from isotropic normal consolidation, by quadrature.
+
+    The elastic part is the integral of dq / (3 G) with dq = p 3 deta / (3 - eta), or eta / (3 g).
+    """
 
     def rate(x):
         return (1 / (3 - x) + 2 * x / (M**2 + x**2)) * 2 * x / (M**2 - x**2)
 
-    return (LAMBDA - KAPPA) * quad(rate, 0, eta, epsabs=1e-12)[0] + eta / (3 * SHEAR)
+    elastic = eta / 3 if conservative else np.log(3 / (3 - eta))
+    return (LAMBDA - KAPPA) * quad(rate, 0, eta, epsabs=1e-12)[0] + elastic / SHEAR
 
 
-def test_drained_path():
+@pytest.mark.parametrize("conservative", [False, True])
+def test_drained_path(conservative):
     """[N] Drained compression: stress ratio by quadrature within 2e-3 at 400 increments, of first
     order.
     """
     errors = []
+    law = clay(conservative=conservative)
     for increments in (200, 400):
-        test = sc.element_test(clay(), -P, triaxial(-0.1, increments=increments))
+        test = sc.element_test(law, -P, triaxial(-0.1, increments=increments))
         eta = test.q[-1, 0] / test.p[-1, 0]
         np.testing.assert_allclose(test.p[-1], 3 * P / (3 - eta), rtol=1e-9)
         shear = -(test.axial[-1, 0] - test.volume[-1, 0] / 3)
-        exact = brentq(lambda x, s=shear: strain_of_drained_path(x) - s, 0.1, M - 1e-6)
+        exact = brentq(
+            lambda x, s=shear: strain_of_drained_path(x, conservative) - s, 0.1, M - 1e-6
+        )
         errors.append(abs(eta / exact - 1))
     assert errors[1] < 2e-3 and 1.8 < errors[0] / errors[1] < 2.2
 
@@ -106,9 +146,10 @@ def test_critical_state(OCR, sense):
 @pytest.mark.parametrize("ncomp", [4, 6])
 @pytest.mark.parametrize("extension", [1.0, 0.71])
 @pytest.mark.parametrize("strain", [1e-5, 1e-4, 1e-3])
-def test_contract(ncomp, extension, strain):
+@pytest.mark.parametrize("conservative", [False, True])
+def test_contract(ncomp, extension, strain, conservative):
     """Shapes, admissibility, and tangent within 1e-6 of the largest modulus at smooth points."""
-    law = clay(1.3, extension, attraction=1.0)
+    law = clay(1.3, extension, attraction=1.0, conservative=conservative)
     assert (
         check_material(
             law, strain, ncomp=ncomp, dissipation=False, initial_stress=-P, tolerance=1e-6
@@ -118,13 +159,13 @@ def test_contract(ncomp, extension, strain):
 
 
 @pytest.mark.parametrize("size", 10.0 ** np.arange(-6, 0))
-@pytest.mark.parametrize("extension", [1.0, 0.71])
-def test_yield_condition_and_dissipation_at_random_points(size, extension):
+@pytest.mark.parametrize(("extension", "conservative"), [(1.0, False), (0.71, False), (0.71, True)])
+def test_yield_condition_and_dissipation_at_random_points(size, extension, conservative):
     """20,000 points: a zero increment changes nothing, flow dissipates; points without a solution
     are told.
     """
     rng, n = np.random.default_rng(3), 20_000
-    law = clay(1.0 + 9.0 * rng.random(n) ** 2, extension)
+    law = clay(1.0 + 9.0 * rng.random(n) ** 2, extension, conservative=conservative)
     stress = np.zeros((6, n, 1))
     stress[:3] = -P * 10.0 ** rng.uniform(-1, 1, n)[:, None]
     stress += 0.2 * stress[0] * rng.standard_normal(stress.shape)
@@ -158,8 +199,10 @@ def test_yield_condition_and_dissipation_at_random_points(size, extension):
 
 
 def test_no_work_in_an_elastic_cycle():
-    """[X] Closed cycles of strain inside the yield surface: less than 1e-6 of the work is left."""
-    law, n = clay(50.0), 400
+    """[X] Closed cycles of strain inside the yield surface of the conservative law: less than 1e-5
+    of the work is left.
+    """
+    law, n = clay(50.0, conservative=True), 400
     angle = np.linspace(0, 2 * np.pi, n + 1)
     path = 1e-3 * np.stack((np.cos(angle) - 1, np.sin(2 * angle), np.sin(angle), np.sin(3 * angle)))
     stress = np.array([-P, -P, -P, 0.0])[:, None, None]
@@ -179,7 +222,8 @@ def test_units_and_overconsolidation(OCR):
     """[X] All stresses scale with the unit; every overconsolidation ratio reaches the end in 400
     increments.
     """
-    path = [triaxial(-0.2, drained=False, increments=400)]
+    strain = 0.2 if OCR < 50.0 else 0.4  # from dry of the critical state it is longer
+    path = [triaxial(-strain, drained=False, increments=400)]
     base = sc.element_test(clay(OCR), -P, path)
     assert base.q[-1, 0] / base.p[-1, 0] == pytest.approx(M, rel=0.02)
     for unit in (0.01, 1e3):
@@ -225,6 +269,7 @@ def test_bad_input():
         ("p_ref must be", {"p_ref": 0.0}),
         ("attraction must not be neg", {"attraction": -1.0}),
         ("POP must not be neg", {"POP": -1.0}),
+        ("conservative must be True or False, not 1.0", {"conservative": 1.0}),
     ]:
         given = {"kappa": KAPPA, "lambda_": LAMBDA, "M": M, "nu": NU, "p_ref": P} | changes
         with pytest.raises(ValueError, match=message):

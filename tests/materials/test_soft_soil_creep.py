@@ -212,10 +212,11 @@ def test_constant_rate_of_strain(rate: float) -> None:
 
 
 @pytest.mark.parametrize("dt", [0.0, 1e-3, 1.0, 1e4])
-@pytest.mark.parametrize("extension", [1.0, 0.75])
-def test_tangent(extension: float, dt: float) -> None:
+@pytest.mark.parametrize(("extension", "conservative"), [(1.0, False), (0.75, False), (0.75, True)])
+def test_tangent(extension: float, conservative: bool, dt: float) -> None:
     """[N] Differences of the stress at random points, wet and dry of the critical state."""
-    law, n, rng = clay(extension=extension, OCR=1.2), 200, np.random.default_rng(1)
+    law = clay(extension=extension, OCR=1.2, conservative=conservative)
+    n, rng = 200, np.random.default_rng(1)
     p = 10 ** rng.uniform(1, 3, n)
     stress = p * 0.25 * rng.standard_normal((4, n))
     stress[:3] -= stress[:3].mean(axis=0) + p

@@ -81,7 +81,7 @@ def drained_strain(law: Any) -> float:
 @pytest.mark.parametrize("increments", [1, 2, 4])
 @pytest.mark.parametrize("law", [sc.CamClay(**CLAY), CREEPING])
 def test_drained_compression_by_a_load(law: Any, increments: int, space: bool) -> None:
-    """[N] The axial strain beside 200 increments: 39 % and 32 % too much in one increment, without
+    """[N] The axial strain beside 200 increments: 37 % and 30 % too much in one increment, without
     a warning before.
     """
     exact = drained_strain(law)
@@ -179,7 +179,7 @@ def test_footing_in_one_increment() -> None:
     )
     surcharge, strip = model.traction("top", (0.0, -20.0)), basis.get_dofs("strip").all("u^2")
     start = model.k0_state(surcharge, K0=0.6, surcharge=20.0)
-    load = surcharge + model.traction("strip", (0.0, -50.0))
+    load = surcharge + model.traction("strip", (0.0, -70.0))
     with pytest.warns(sc.AnalysisWarning, match="displacements are off by about"):
         result = model.run([sc.Stage("load", load)], start=start, progress=False)
     with warnings.catch_warnings():
