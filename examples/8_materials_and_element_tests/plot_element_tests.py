@@ -72,9 +72,9 @@ for increments in (1, 10):
 # with the stress ratio :math:`\eta = q / p`. The path does not depend on the increments.
 # Overconsolidated clay goes to the right of its initial stress, and ends at the same line, with the
 # strength :math:`c_u = \tfrac12 M p_0 (OCR / 2)^{1 - \kappa / \lambda}` of the textbooks.
-# Poisson's ratio is constant. With ``conservative=True`` the stiffness has a free energy, and the term
-# :math:`\eta^2 / (6 g)` with :math:`g = G / p` is added on the right: the strength is larger by
-# :math:`\exp(M^2 / (6 g \lambda))`.
+# Poisson's ratio is constant. With ``conservative=True`` the stiffness has a free energy, and the
+# term :math:`\eta^2 / (6 g)` with :math:`g = G / p` is added on the right: the strength is
+# larger by :math:`\exp(M^2 / (6 g \lambda))`.
 
 undrained = {}
 for OCR in (1.0, 1.5, 4.0):
