@@ -174,7 +174,7 @@ def footing(
     fine: float | None = None,
     **more: Any,
 ) -> Section:
-    """Return a footing with its middle at x = 0, a body.
+    """Return a footing with its middle at x = 0, a body: loads act on ``"footing:top"``.
 
     Parameters
     ----------
@@ -194,8 +194,11 @@ def footing(
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> sc.section.footing(2., .5, {"clay": -6.}, size=2.)
+    >>> section = sc.section.footing(2., .5, {"clay": -6.}, size=2.)
+    >>> section
     <Section areas: clay, footing>
+    >>> [name for name in section.mesh().boundaries if name.startswith("footing:")]
+    ['footing:surface', 'footing:top', 'footing:sides']
     """
     half = 0.5 * positive(width, "width")
     right = half + chosen(beyond, "beyond", 3.0 * width)
