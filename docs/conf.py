@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pyvista
+from sphinx_gallery.sorting import ExplicitOrder
 
 import skfem_contact
 
@@ -73,11 +74,21 @@ os.environ |= {
     "PYVISTA_BUILDING_GALLERY": "true",
 }  # for the processes of the gallery
 
+#: Chapters of the gallery by their numbers.
+CHAPTERS = sorted(
+    (
+        f"../examples/{folder.name}"
+        for folder in (Path(__file__).parents[1] / "examples").glob("[0-9]*_*")
+    ),
+    key=lambda path: int(path.split("/")[-1].split("_")[0]),
+)
+
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"/plot_",
     "ignore_pattern": r"(^|/)(?!plot_)[^/]*\.py$",
+    "subsection_order": ExplicitOrder([*CHAPTERS, "../examples/benchmarks"]),
     "within_subsection_order": "NumberOfCodeLinesSortKey",
     "image_scrapers": ("pyvista", "matplotlib"),
     "capture_repr": ("__repr__",),

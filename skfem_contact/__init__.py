@@ -5,6 +5,7 @@ from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
+from .dynamics import Dynamic, Rayleigh
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import roles
 from .forms.base import Form, Outputs, Response
@@ -52,6 +53,7 @@ __all__ = [
     "Coulomb",
     "DruckerPrager",
     "DualMultipliers",
+    "Dynamic",
     "Embedded",
     "Field",
     "Form",
@@ -71,6 +73,7 @@ __all__ = [
     "NotConverged",
     "Outputs",
     "PoreWater",
+    "Rayleigh",
     "Reinforcement",
     "Response",
     "RigidBoundary",

@@ -40,6 +40,9 @@ class Model(Setup):
         horizontal axis.
     water_unit_weight
         Unit weight of water, for water levels.
+    gravity_acceleration
+        Acceleration of gravity in the units of the model, such as 9.81 for kN and m: unit weights
+        over it are the densities of stages with ``dynamic`` and of natural frequencies.
 
     Attributes
     ----------

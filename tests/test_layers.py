@@ -26,6 +26,7 @@ ROOMS = (
     {"results"},
     {"solvers"},
     {"nonlinear"},
+    {"dynamics"},
     {"stages"},
     {"limit_analysis"},
     {"collapse"},

@@ -32,6 +32,7 @@ ROOMS = {
     "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),
     "Water": ("water",),
+    "Inertia": ("dynamics",),
     "Results": ("results", "collapse", "limit_analysis", "units"),
     "Design": ("design",),
     "Pictures": ("plot",),

@@ -105,8 +105,20 @@ class Branch(ABC):
 
 
 def last_stage(start: Result | StageResult | None) -> StageResult | None:
-    """Return the stage that a search starts from: the last one of a result."""
-    return start[-1] if isinstance(start, Result) else start
+    """Return the stage that a search starts from: the last one of a result.
+
+    Raises
+    ------
+    ValueError
+        The stage moves: inertia balances a part of its load.
+    """
+    last = start[-1] if isinstance(start, Result) else start
+    if last is not None and last.inertial is not None:
+        raise ValueError(
+            f"the stage '{last.name}' moves, and a search starts from rest: add a Stage without "
+            "`dynamic`, in which the ground comes to rest"
+        )
+    return last
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import csr_matrix
 
 from ..errors import Failure, Remark
 from ..layout import Field, elements_of
@@ -92,6 +93,21 @@ class Loaded:
         (n,).
         """
 
+    def weight_matrix(
+        self, consistent: bool, factors: Mapping[str, float] | None = None
+    ) -> csr_matrix | None:
+        """Return the matrix of masses times the acceleration of gravity, or None.
+
+        None stands for the sums of :meth:`own_weight` at the nodes.
+
+        Parameters
+        ----------
+        consistent
+            False for a diagonal matrix.
+        factors
+            Factors by region; by default 1.
+        """
+
 
 class Body(Stiff, Loaded):
     """Elements of a mesh to which the form gives stiffness.
@@ -114,6 +130,13 @@ class Body(Stiff, Loaded):
 
     def shear_strain(self, x: ndarray) -> ndarray | None:
         """Return the largest shear strain of displacements, (n_elements, n_points), or None."""
+
+    def scaled_stiffness(self, factors: Mapping[str, float]) -> csr_matrix:
+        """Return the elastic stiffness with factors by region, zero for others, (N, N)."""
+        values = {factors.get(name, 0.0) for name in self.materials}
+        if len(values) > 1:
+            raise NotImplementedError("the regions of this body have one factor")
+        return csr_matrix(values.pop() * self.elastic_stiffness)
 
 
 def materials_of(form: Any) -> Mapping[str, Any]:

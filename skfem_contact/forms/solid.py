@@ -17,7 +17,7 @@ from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, check_size, names
 from ..errors import Remark
-from ..loads import weight, weightless
+from ..loads import weight, weight_matrix, weightless
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
@@ -215,6 +215,29 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         if size == 0.0:
             return np.zeros(self.basis.N)
         return size * weight(self, self.unit_weight, acceleration / size)
+
+    @override
+    def weight_matrix(
+        self, consistent: bool, factors: Mapping[str, float] | None = None
+    ) -> csr_matrix | None:
+        if self.unit_weight is None:
+            return None
+        return weight_matrix(self, self._by_region(factors), consistent)
+
+    @override
+    def scaled_stiffness(self, factors: Mapping[str, float]) -> csr_matrix:
+        scale = self.weight * self._by_region(factors)[:, None]
+        D = self._elasticity[:, None] * scale[..., None, None]
+        return self._pattern.matrix(self._pattern.scatter(element_stiffness(self._B, D)))
+
+    def _by_region(self, factors: Mapping[str, float] | None) -> ndarray:
+        """Return factors of all elements, zero in regions without one, (n_elements,)."""
+        if factors is None:
+            return np.ones(self.basis.nelems)
+        result = np.zeros(self.basis.nelems)
+        for region in self.regions:
+            result[region.elements] = factors.get(region.name, 0.0)
+        return result
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:

@@ -1,5 +1,6 @@
 """Loads: ordinary load vectors of scikit-fem, and water at rest."""
 
+from .masses import weight_matrix
 from .vectors import (
     Domain,
     by_element,
@@ -19,6 +20,7 @@ __all__ = [
     "traction",
     "water_load",
     "weight",
+    "weight_matrix",
     "weight_of_water",
     "weightless",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -32,12 +32,15 @@ class Equilibrium:
         History of the residual.
     equilibria
         Number of equilibria that the increment took.
+    forces
+        Internal forces by form, (N,).
     """
 
     x: ndarray
     states: dict[str, Any]
     residuals: tuple[float, ...]
     equilibria: int = 1
+    forces: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
 
     @property
     def iterations(self) -> int:
@@ -126,7 +129,9 @@ class Step:
                     raise
                 logger.info("no equilibrium by the %s: %s", search, error)
             else:
-                return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0 :])
+                residuals = spent + norms[1 if spent else 0 :]
+                forces = {name: response.force for name, response in now.responses.items()}
+                return Equilibrium(now.z, now.states, residuals, forces=forces)
         raise ValueError("there is no line search to try")
 
 

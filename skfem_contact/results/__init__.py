@@ -3,6 +3,7 @@
 from ..display import Table
 from .cuts import SectionForces, Sections
 from .files import Append
+from .motion import History
 from .points import PointValues
 from .result import Result, load_result, of
 from .stage import StageResult
@@ -13,6 +14,7 @@ __all__ = [
     "Append",
     "ContactReport",
     "Envelope",
+    "History",
     "PointValues",
     "Result",
     "SectionForces",

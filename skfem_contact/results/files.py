@@ -53,7 +53,7 @@ _TEXTS = {
     "next_step": "next_step",
 }
 #: Fields of a stage that are vectors, (N,), and the keys of the vectors of the increment before.
-_VECTORS = ("x", "load", "unreleased")
+_VECTORS = ("x", "load", "unreleased", "velocity", "acceleration", "inertial")
 _BEFORE = ("x before", "load before")
 #: Parts of states that may hold NaN: memory of own laws, and of points of a slave that face no
 #: facet.
@@ -90,6 +90,10 @@ class StageData:
     changed: Mapping[str, Form] = field(default_factory=dict, repr=False)
     supports: ndarray | None = field(default=None, repr=False)
     before: tuple[ndarray, ndarray, float] | None = field(default=None, repr=False)
+    velocity: ndarray | None = field(default=None, repr=False)
+    acceleration: ndarray | None = field(default=None, repr=False)
+    inertial: ndarray | None = field(default=None, repr=False)
+    series: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
 
     def outputs(self, name: str) -> Outputs:
         """Return values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""
@@ -290,6 +294,9 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     for name, form in stage.forms.items():
         head["meshes"][name] = _fingerprint(form)
         head["settings"][name] = _settings(form)
+    for name, values in stage.series.items():
+        arrays[f"{key}/series of {name}"] = values
+    head["series"] = list(stage.series)
     head["placed"] = list(stage.placed)
     head["time before"] = 0.0 if stage.before is None else stage.before[2]
     head["increments"] = []
@@ -354,6 +361,8 @@ def _stage(
     if _BEFORE[0] in vectors:
         before = (*(vectors.pop(name) for name in _BEFORE), head["time before"])
 
+    series = {name: arrays[f"{key}/series of {name}"] for name in head.get("series", ())}
+
     # Read the texts and the increments.
     texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
     texts["iterations"] = tuple(texts.get("iterations", ()))
@@ -366,6 +375,7 @@ def _stage(
         forms=forms,
         placed=placed,
         before=before,
+        series=series,
         increments=tuple(increments),
         **vectors,
         **texts,

@@ -18,6 +18,7 @@ from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
 from . import points as points_
 from .cuts import SectionForces, Sections
+from .motion import History, Quantity, energy_table, history
 from .points import PointValues
 from .sections import section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
@@ -61,6 +62,13 @@ class StageResult(files.StageData):
     before
         Displacements, load and time of the increment before: a run that continues from here
         extrapolates from both.
+    velocity, acceleration : ndarray, shape (N,), or None
+        Motion in a stage with ``dynamic``.
+    inertial : ndarray, shape (N,), or None
+        Forces of inertia and damping, which balance the load beside the internal forces; means of a
+        step, see :doc:`theory </theory/dynamics>`.
+    series
+        Records of all steps: energies and motions, see :attr:`energy` and :meth:`history`.
 
     Examples
     --------
@@ -83,7 +91,42 @@ class StageResult(files.StageData):
 
     def reactions(self) -> ndarray:
         """Return internal forces less the load, (N,): reactions of supports, else residuals."""
-        return internal_force(self.forms, self.x, self.states) - self.load
+        balance = internal_force(self.forms, self.x, self.states) - self.load
+        return balance if self.inertial is None else balance + self.inertial
+
+    @property
+    def energy(self) -> Table:
+        """Energies of a stage with ``dynamic``, a table with one row for each step.
+
+        Columns: ``time``; ``kinetic``; work since the start of the stage of ``internal`` forces,
+        elastic and plastic, of ``contact`` with friction, of ``damping``, and ``work`` of loads and
+        moved supports. ``missing``: kinetic energy at the start and work, less all others: the
+        damping of the scheme.
+
+        Raises
+        ------
+        ValueError
+            A stage without inertia.
+        """
+        return energy_table(self.series, self.name)
+
+    def history(self, point: ArrayLike, quantity: Quantity = "displacement") -> History:
+        """Return the motion of a node in a stage with ``dynamic``.
+
+        Parameters
+        ----------
+        point : array_like, shape (dim,)
+            Coordinates of the node in the mesh.
+        quantity
+            ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
+
+        Raises
+        ------
+        ValueError
+            No node at these coordinates, a stage without inertia, or a node that is not among
+            ``Dynamic(points=...)`` in a stage that keeps no steps.
+        """
+        return history(self, point, quantity)
 
     def tractions(self, pair: str) -> Tractions:
         """Return tractions, gaps and slips of a contact pair."""

@@ -58,6 +58,8 @@ def begin(
 
     # Find the forces that nothing balances.
     lost = last.load - internal_force(phase.forms, x, states)
+    if phase.in_time is not None and last.inertial is not None:
+        lost -= last.inertial  # inertia stays
     lost[phase.fixed] = 0.0
     x[phase.opened] = 0.0
     x[np.intersect1d(unmoved, phase.fixed)] = 0.0

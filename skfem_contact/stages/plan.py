@@ -17,6 +17,7 @@ from ..forms.roles import Couples, Staged, Wet, having, joined_by
 from ..layout import nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
+from .in_time import InTime, inertia_of
 from .setup import Setup
 from .stage import Stage
 from .supports import check_supports
@@ -59,13 +60,15 @@ class Phase:
         Forms that stages have changed so far, and the supported dofs.
     opened
         Pressures that are held from the stage on, and not prescribed.
+    in_time
+        Inertia of the stage; `on_top` and `prescribed` then are functions of the time.
     """
 
     before: dict[str, Form]
     forms: dict[str, Form]
     fixed: ndarray
     load: ndarray
-    prescribed: ndarray | None
+    prescribed: ndarray | Callable[[float], ndarray] | None
     changed: bool
     gone: ndarray
     on_top: Callable[[float], ndarray] | None = None
@@ -75,6 +78,7 @@ class Phase:
     replaced: Mapping[str, Form] = field(default_factory=dict)
     supports: ndarray | None = None
     opened: ndarray = field(default_factory=lambda: np.zeros(0, int))
+    in_time: InTime | None = None
 
 
 def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> list[Phase]:
@@ -99,6 +103,7 @@ class Planner:
         self._on_top = np.zeros(setup.layout.size)
         self._last_load: ndarray | None = None  # of the last stage that was planned
         self._unreleased = False
+        self._moves = False  # without supports, as inertia allows
         self._time = 0.0  # since the last change of the load
         if start is not None:
             load = setup.vector(start.load, "start")
@@ -120,6 +125,7 @@ class Planner:
         before = self._active
         on_top_before = self._on_top_before(stage)
         known_supports = self._known_supports()
+        moved = self._moves
         changes = _changes_forms(stage) or stage.fixed is not None
         same_supports = self._change(stage, changes)
         fixed = np.union1d(self._supports, self._inactive)
@@ -129,8 +135,13 @@ class Planner:
             self._water = own_arrays(stage.water)
         if changes or self._first or stage.water is not None:
             self._rest = self._at_rest(self._active)
+        in_time = None
+        if stage.dynamic is not None:
+            in_time = inertia_of(self._setup, stage, self._active)
         load, on_top = self._loads(stage)
-        jump = None if on_top is None else self._jump(on_top(0.0), on_top_before)
+        jump = None
+        if on_top is not None and in_time is None:
+            jump = self._jump(on_top(0.0), on_top_before)
         prescribed = self._prescribed(stage)
 
         # Compare with the stage before
@@ -138,16 +149,17 @@ class Planner:
         waits = same_load and on_top is None and not (changes or self._unreleased)
         self._time = self._time + stage.duration if waits else stage.duration
         remarks = (
-            *_of_idle_input(stage, same_load, same_supports, self._unreleased),
+            *_of_idle_input(stage, same_load, same_supports, self._unreleased or moved),
             *self._of_forms(stage),
             *self._of_water(stage),
             *self._of_pressures(stage, load, prescribed),
             *_of_jump(stage, load, jump),
+            *_of_removal(stage, on_top_before),
             *self._of_weights(stage, before, load - self._rest),
         )
 
         # Release forces of bodies that go
-        self._unreleased = (changes or self._unreleased) and stage.release < 1.0
+        self._unreleased = (changes or self._unreleased) and stage.released < 1.0
         gone = np.zeros(len(load))
         if self._unreleased and stage.deactivate:
             gone = self._at_rest(before) - self._rest
@@ -167,6 +179,7 @@ class Planner:
             replaced=self._all_replaced(),
             supports=self._supports,
             opened=self._opened(stage, known_supports),
+            in_time=in_time,
         )
         self._on_top = load - self._rest
         self._last_load = load
@@ -194,13 +207,15 @@ class Planner:
         try:
             if stage.fixed is not None:
                 self._supports = self._setup.layout.dofs(stage.fixed)
-            if changes or self._first:
+            if changes or self._first or self._moves:
                 self._names = _active_after(stage, self._known, self._names)
                 self._known.update(self._replaced(stage))
                 self._active = self._select()
                 self._inactive = self._setup.inactive(self._active)
                 check_contacts(self._active, self._inactive)
-                check_supports(self._active, np.union1d(self._supports, self._inactive))
+                if stage.dynamic is None:
+                    check_supports(self._active, np.union1d(self._supports, self._inactive))
+            self._moves = stage.dynamic is not None
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         return stage.fixed is None or np.array_equal(old, self._supports)
@@ -257,8 +272,10 @@ class Planner:
 
         function = stage.load
         if not callable(function):
-            return whole(function), None
-        return whole(function(1.0)), lambda share: whole(function(share))
+            constant = whole(function)
+            return constant, None if stage.dynamic is None else lambda time: constant
+        end = 1.0 if stage.dynamic is None else stage.duration
+        return whole(function(end)), lambda share: whole(function(share))
 
     def _on_top_before(self, stage: Stage) -> ndarray:
         """Return the load on top of weights and water before a stage whose load is a function."""
@@ -280,12 +297,16 @@ class Planner:
         largest = np.abs([first, on_top_before]).max(initial=0.0)
         return jump if np.abs(jump).max(initial=0.0) > _JUMP * largest else None
 
-    def _prescribed(self, stage: Stage) -> ndarray | None:
-        """Return the prescribed displacements of all dofs, (N,), or None."""
-        if stage.prescribed is None:
-            return None
+    def _prescribed(self, stage: Stage) -> ndarray | Callable[[float], ndarray] | None:
+        """Return the prescribed displacements of all dofs, (N,), as a function or None."""
+        given = stage.prescribed
         what = f"stage '{stage.name}': the prescribed displacement"
-        return self._setup.vector(stage.prescribed, what)
+        if given is None:
+            return None
+        if not callable(given):
+            return self._setup.vector(given, what)
+        self._setup.vector(given(0.0), what)
+        return lambda time: self._setup.vector(given(time), what)
 
     def _of_forms(self, stage: Stage) -> list[Remark]:
         """Return remarks of the forms on the stage."""
@@ -332,10 +353,15 @@ class Planner:
                 )
 
     def _of_pressures(
-        self, stage: Stage, load: ndarray, prescribed: ndarray | None
+        self,
+        stage: Stage,
+        load: ndarray,
+        prescribed: ndarray | Callable[[float], ndarray] | None,
     ) -> Iterator[Remark]:
         """Refuse loads on pressures; report prescribed pressures that are not held."""
         layout = self._setup.layout
+        if callable(prescribed):
+            prescribed = prescribed(stage.duration)
         given = np.zeros(0, int) if prescribed is None else np.flatnonzero(prescribed)
         loose = np.setdiff1d(given, self._supports)
         if len(loose) and loose[0] < layout.n_displacements:
@@ -466,13 +492,25 @@ def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Rema
     )
 
 
+def _of_removal(stage: Stage, before: ndarray) -> Iterator[Remark]:
+    """Yield a remark on a stage with inertia that lacks the load before."""
+    largest = float(np.abs(before).max(initial=0.0))
+    if stage.dynamic is not None and stage.load is None and largest > 0.0:
+        yield Remark(
+            "removal",
+            largest,
+            f"it has no load, and the load before, of up to {largest:.2g}, is removed at its "
+            "start: loads of stages are whole loads; give it again if it stays",
+        )
+
+
 def _changes_forms(stage: Stage) -> bool:
     """Return True if a stage activates, deactivates or changes forms."""
     return bool(stage.activate or stage.deactivate or stage.change)
 
 
 def _of_idle_input(
-    stage: Stage, same_load: bool, same_supports: bool, unreleased: bool
+    stage: Stage, same_load: bool, same_supports: bool, out_of_balance: bool
 ) -> Iterator[Remark]:
     """Yield remarks on supports that change nothing, and on a stage that changes nothing."""
     if stage.fixed is not None and same_supports:
@@ -481,7 +519,7 @@ def _of_idle_input(
             0.0,
             "`fixed` holds what is supported already: leave it out, or a boundary is empty",
         )
-    changes = _changes_forms(stage) or stage.duration or unreleased
+    changes = _changes_forms(stage) or stage.duration or out_of_balance
     if same_load and same_supports and not changes:
         yield Remark(
             "nothing",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -13,7 +13,7 @@ from numpy import ndarray
 
 from ..display import Bars
 from ..errors import NotConverged, Remarks, warn
-from ..forms.base import solids_of, summaries
+from ..forms.base import Form, solids_of, summaries
 from ..forms.roles import Wet
 from ..nonlinear.increment import Interval, Path, solve_step
 from ..nonlinear.newton import Newton
@@ -25,6 +25,7 @@ from ..results.stage import StageResult
 from ..results.strength import undrained_friction
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
+from .in_time import INERTIA, InTime, Log, first_motion, steps_of
 from .plan import Phase, plan, timeless
 from .setup import Setup
 from .stage import Stage, checked
@@ -34,6 +35,9 @@ logger = logging.getLogger("skfem_contact")
 #: Time of a jump at the start of a stage over the duration of the stage: nothing flows or creeps in
 #: it, and bodies with inertia stay.
 _SUDDEN = 1e-9
+
+#: Share of the largest kinetic energy with which a motion has not faded.
+_MOVING = 1e-2
 
 #: Function that is called with every accepted increment.
 Observer = Callable[[StageResult], Any]
@@ -169,13 +173,15 @@ class _Follower:
         self._on_increment = on_increment
         self._progress = progress
         self._system: System | None = None
+        self._first = True
         self._predictor = Predictor(np.zeros(0, int))
 
     def stage(self, stage: Stage, phase: Phase, last: StageResult) -> StageResult:
         """Return the end of a stage."""
         # Begin with other forms, bodies and supports.
         lost = np.zeros(len(last.x))
-        first = self._system is None
+        first = self._first
+        self._first = False
         if phase.changed or (first and state_changes(phase, last)):
             x, states, lost = begin(self._setup.layout, phase, last)
             last = replace(
@@ -186,6 +192,12 @@ class _Follower:
                 next_step=np.inf,
                 before=None,
             )
+        elif phase.in_time is None and last.inertial is not None:
+            self._remark_on_motion(stage, last)
+            lost = last.inertial.copy()
+            lost[phase.fixed] = 0.0
+        if phase.in_time is not None:
+            return self._in_time(stage, phase, phase.in_time, last, lost)
         if self._system is None or phase.changed:
             self._system = self._setup.system(phase.forms, phase.fixed)
             self._predictor = Predictor(self._system.fixed)
@@ -195,20 +207,9 @@ class _Follower:
         system = self._system
 
         # Release lost forces, but for the share that remains.
-        last = replace(
-            last,
-            name=stage.name,
-            iterations=(),
-            fraction=0.0,
-            forms=system.forms,
-            increments=(),
-            water=phase.water,
-            water_unit_weight=self._setup.water_unit_weight,
-            changed=phase.replaced,
-            supports=phase.supports,
-        )
+        last = self._begun(stage, phase, last, system.forms)
         unreleased = lost if last.unreleased is None else lost + last.unreleased
-        remaining = (1.0 - stage.release) * (unreleased - phase.gone)
+        remaining = (1.0 - stage.released) * (unreleased - phase.gone)
         path = _path(phase, last, system.fixed, lost, remaining)
 
         # Follow the increments.
@@ -223,6 +224,70 @@ class _Follower:
         last = self._followed(increments, stage, last)
         return replace(last, unreleased=remaining if remaining.any() else None)
 
+    def _begun(
+        self, stage: Stage, phase: Phase, last: StageResult, forms: Mapping[str, Form]
+    ) -> StageResult:
+        """Return the start of a stage, at rest."""
+        return replace(
+            last,
+            name=stage.name,
+            iterations=(),
+            fraction=0.0,
+            forms=forms,
+            increments=(),
+            water=phase.water,
+            water_unit_weight=self._setup.water_unit_weight,
+            changed=phase.replaced,
+            supports=phase.supports,
+            velocity=None,
+            acceleration=None,
+            inertial=None,
+            series={},
+        )
+
+    def _remark_on_motion(self, stage: Stage, last: StageResult) -> None:
+        """Warn of a stage without inertia that ends a motion."""
+        energy = last.series.get("energy")
+        if energy is None:
+            return
+        share = float(energy[-1, 1] / max(energy[:, 1].max(), 1e-300))
+        if share > _MOVING:
+            warn(
+                f"stage '{stage.name}' has no inertia and starts from rest: the kinetic energy of "
+                f"'{last.name}', {share:.1%} of its largest one, is dropped; let the motion fade "
+                "first"
+            )
+
+    def _in_time(
+        self, stage: Stage, phase: Phase, in_time: InTime, last: StageResult, lost: ndarray
+    ) -> StageResult:
+        """Return the end of a stage with inertia."""
+        forms = {**phase.forms, INERTIA: in_time.form()}
+        system = self._setup.system(forms, phase.fixed)
+        self._system = None
+        unreleased = lost if last.unreleased is None else lost + last.unreleased
+        remaining = (1.0 - stage.released) * (unreleased - phase.gone)
+        path = _path_in_time(stage, phase, last.x[system.fixed], system.fixed, remaining)
+
+        # Begin with the acceleration by the jump of the load
+        jump = path(0.0)[0] - (last.load - lost)
+        motion = first_motion(in_time, last, jump, system.fixed, system.layout)
+        plain = {name: form for name, form in system.forms.items() if name != INERTIA}
+        last = self._begun(stage, phase, last, plain)
+        log = Log(system, in_time)
+        newton = self._setup.newton or Newton()
+        self.parts = Parts(driven=False)
+        increments = steps_of(stage, in_time, system, (last, motion), path, newton, log)
+        try:
+            last = self._followed(increments, stage, last)
+        except BaseException:
+            if self._accepted.reached is not None:
+                self._accepted.reached = replace(self._accepted.reached, series=log.series())
+            raise
+        rest = remaining if remaining.any() else None
+        summary = {**last.summary, "motion": log.summary()}
+        return replace(last, unreleased=rest, series=log.series(), summary=summary)
+
     def _followed(
         self, increments: Iterator[StageResult], stage: Stage, last: StageResult
     ) -> StageResult:
@@ -234,7 +299,8 @@ class _Follower:
         with self._progress.stage(stage.name):
             for new in increments:
                 seconds = perf_counter() - began
-                self.parts.add(last, new)
+                if stage.dynamic is None:
+                    self.parts.add(last, new)
                 last = new
                 accepted.reached = replace(new, seconds=seconds)
                 if _keeps(stage, last):
@@ -450,7 +516,9 @@ def _path(
     """
     load = last.load
     held = last.x[fixed]
-    target = held if phase.prescribed is None else phase.prescribed[fixed]
+    target = held
+    if isinstance(phase.prescribed, ndarray):
+        target = phase.prescribed[fixed]
     end = phase.load - remaining
     on_top = phase.on_top
     start = 0.0 if on_top is None else on_top(0.0)
@@ -463,6 +531,26 @@ def _path(
             return load + fraction * (end - load) - (1.0 - fraction) * lost, values
         faded = (1.0 - fraction) * (load - lost - start)  # weights and water that change, too
         return on_top(fraction) - fraction * remaining + faded, values
+
+    return at
+
+
+def _path_in_time(
+    stage: Stage, phase: Phase, held: ndarray, fixed: ndarray, remaining: ndarray
+) -> Path:
+    """Return load and prescribed values at a time since the start of a stage with inertia."""
+    on_top = phase.on_top
+    target = phase.prescribed
+    assert on_top is not None
+
+    def at(time: float) -> tuple[ndarray, ndarray]:
+        if target is None:
+            values = held
+        elif callable(target):
+            values = target(time)[fixed]
+        else:
+            values = held + time / stage.duration * (target[fixed] - held)
+        return on_top(time) - remaining, values
 
     return at
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from typing_extensions import Self
 
 from .. import loads
-from ..checks import is_number, unit_vector
+from ..checks import is_number, positive, unit_vector
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
 from ..forms.roles import (
@@ -52,6 +52,7 @@ class Setup:
         gravity: Sequence[float] | None = None,
         seismic: float | Sequence[float] = 0.0,
         water_unit_weight: float | None = None,
+        gravity_acceleration: float | None = None,
     ) -> None:
         given = as_forms(forms)
         self.solver = solver
@@ -71,6 +72,9 @@ class Setup:
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
         self.gravity = self._acceleration(gravity, seismic)
+        self.gravity_acceleration = gravity_acceleration
+        if gravity_acceleration is not None:
+            positive(gravity_acceleration, "gravity_acceleration")
         self._change: Callable[[str, Form], Form] | None = None
 
     def with_each(self, change: Callable[[str, Form], Form]) -> Self:

@@ -11,6 +11,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..checks import is_number
+from ..dynamics.settings import Dynamic
 from ..forms.base import Form
 from ..results.fields import Water
 
@@ -36,9 +37,11 @@ class Stage:
         load on the way as well. Where its first load is not the load before, the difference is a
         jump at the start, with a warning. The jump takes increments of its own, in hardly any time,
         and `keep` leaves them out.
+        In a stage with `dynamic` a function is of the time since its start, and a vector acts from
+        its start on.
     prescribed
         Displacements at its end, (N,), of which the values at the fixed dofs count. By default they
-        stay as they are.
+        stay as they are. In a stage with `dynamic` also a function of the time since its start.
     increments
         Number of increments to begin with; they are cut where Newton fails and grow where it is
         easy.
@@ -69,10 +72,14 @@ class Stage:
         included. By default that of the stage before; ``False``: none.
     release
         Share of the forces of deactivated bodies and lost supports that is released in this stage,
-        0 to 1; a later stage releases the rest.
+        0 to 1; a later stage releases the rest. By default 1, in a stage with `dynamic` 0: supports
+        that waves are to pass are taken away, and their reactions stay as loads.
     keep
         Increments that the result keeps besides the end: ``"last"``: none; ``"all"``; n: every n-th
         one.
+    dynamic
+        Inertia and damping in the stage, and its step in time, see :class:`Dynamic`. It starts from
+        the state of any stage. A stage without it starts from rest.
 
     Notes
     -----
@@ -100,7 +107,7 @@ class Stage:
 
     name: str
     load: LoadLike = None
-    prescribed: ndarray | None = None
+    prescribed: ndarray | Callable[[float], ndarray] | None = None
     increments: int = 1
     activate: str | Sequence[str] = ()
     deactivate: str | Sequence[str] = ()
@@ -108,8 +115,16 @@ class Stage:
     fixed: ndarray | Sequence[Any] | None = None
     duration: float = 0.0
     water: AtRest = None
-    release: float = 1.0
+    release: float | None = None
     keep: Literal["last", "all"] | int = "last"
+    dynamic: Dynamic | None = None
+
+    @property
+    def released(self) -> float:
+        """Share of lost forces that is released in the stage."""
+        if self.release is None:
+            return 1.0 if self.dynamic is None else 0.0
+        return self.release
 
 
 def checked(stages: Sequence[Stage], before: Sequence[str]) -> Sequence[Stage]:
@@ -139,10 +154,30 @@ def _check_numbers(stage: Stage) -> None:
         raise ValueError(
             f"{where}: the duration must not be negative, but finite, unlike {stage.duration!r}"
         )
-    if stage.release not in (0.0, 1.0) and not is_number(stage.release, 0.0, 1.0):
+    if stage.release not in (None, 0.0, 1.0) and not is_number(stage.release, 0.0, 1.0):
         raise ValueError(f"{where}: release must be a share between 0 and 1, not {stage.release!r}")
     every = isinstance(stage.keep, (int, np.integer)) and stage.keep >= 1
     if stage.keep not in ("last", "all") and not every:
         raise ValueError(
             f"{where}: keep must be 'last', 'all' or a whole number, not {stage.keep!r}"
+        )
+    if stage.dynamic is not None:
+        _check_time(stage, stage.dynamic, where)
+    elif callable(stage.prescribed):
+        raise ValueError(f"{where}: prescribed may be a function in a stage with `dynamic` alone")
+
+
+def _check_time(stage: Stage, dynamic: Dynamic, where: str) -> None:
+    """Check the duration and the step of a stage with inertia."""
+    if not stage.duration > 0.0:
+        raise ValueError(f"{where}: a dynamic stage takes time: give it a duration")
+    if dynamic.step > stage.duration * (1.0 + 1e-9):
+        raise ValueError(
+            f"{where}: the step in time, {dynamic.step:g}, is longer than the stage, "
+            f"{stage.duration:g}"
+        )
+    if stage.increments != 1:
+        raise ValueError(
+            f"{where}: give no increments: a dynamic stage has {dynamic.steps(stage.duration)} "
+            f"steps of Dynamic(step={dynamic.step:g})"
         )

@@ -19,7 +19,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.slow
 
-SCRIPTS = sorted((ROOT / "examples").glob("[0-9]_*/plot_*.py"))
+SCRIPTS = sorted((ROOT / "examples").glob("[0-9]*_*/plot_*.py"))
 #: Folder of a built gallery, which has run the examples with their checks: its pages hold what they
 #: printed.
 GALLERY = os.environ.get("BUILT_GALLERY")

@@ -1,0 +1,206 @@
+"""Mass and damping of all forms of a stage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse.linalg import splu
+
+from ..checks import look_up
+from ..forms.base import Form, solids_of
+from ..forms.roles import Loaded, Touching, having
+from ..layout import Layout, nodes
+from ..sparse import padded
+from .settings import Dynamic, Rayleigh
+
+#: Neighbours take the mass of a contact node by their distances to this power: it moves along the
+#: normal, and hardly sideways.
+_NEAR = -4
+
+
+def mass_and_damping(
+    forms: Mapping[str, Form], layout: Layout, settings: Dynamic, acceleration: float
+) -> tuple[csr_matrix, csr_matrix]:
+    """Return the matrices of mass and of Rayleigh damping of active forms, (N, N).
+
+    Parameters
+    ----------
+    forms, layout
+        Active forms, and the numbers of all dofs.
+    settings
+        Settings of the stage.
+    acceleration
+        Acceleration of gravity: masses are weights over it.
+    """
+    consistent = settings.mass == "consistent"
+    M = weights(forms, layout, consistent)
+    C = csr_matrix(M.shape)
+    of_mass, of_stiffness = _damping(forms, settings.damping)
+    for name, form in solids_of(forms).items():
+        if of_mass.get(name):
+            part = form.weight_matrix(consistent, of_mass[name])
+            C = C + padded(part, layout.size) / acceleration
+    if settings.contact_mass == "moved":
+        M, C = moved_from_contact(forms, [M, C], consistent)
+    for name, form in solids_of(forms).items():
+        if of_stiffness.get(name):
+            C = C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size)
+    return _canonical(M / acceleration), _canonical(C)
+
+
+def _canonical(A: Any) -> csr_matrix:
+    """Return a matrix with sorted entries and without zeros."""
+    A = csr_matrix(A)
+    A.eliminate_zeros()
+    A.sort_indices()
+    return A
+
+
+def weights(forms: Mapping[str, Form], layout: Layout, consistent: bool) -> csr_matrix:
+    """Return the matrix of masses times the acceleration of gravity, (N, N).
+
+    Raises
+    ------
+    ValueError
+        A solid without a unit weight.
+    """
+    total = csr_matrix((layout.size, layout.size))
+    for name, form in having(forms, Loaded).items():
+        matrix = form.weight_matrix(consistent)
+        if matrix is None and name in solids_of(forms):
+            raise ValueError(
+                f"'{name}' has no unit_weight, from which its mass follows: give it, or 0 for a "
+                "body without mass"
+            )
+        if matrix is None:
+            matrix = _sums(form, layout)
+        total = total + padded(matrix, layout.size)
+    return csr_matrix(total)
+
+
+def _sums(form: Any, layout: Layout) -> csr_matrix:
+    """Return the weights of the nodes of a form on the diagonal; rotations have no mass."""
+    total = np.zeros(layout.size)
+    for direction in np.eye(len(layout.coordinates)):
+        weight = form.own_weight(direction)
+        if weight is not None:
+            total[: len(weight)] += weight
+    chosen = np.zeros(layout.size)
+    chosen[layout.displacements] = total[layout.displacements]
+    return csr_matrix(diags_array(chosen))
+
+
+def _damping(
+    forms: Mapping[str, Form], given: Rayleigh | Mapping[str, Rayleigh] | None
+) -> tuple[dict[str, dict[str, float]], dict[str, dict[str, float]]]:
+    """Return the factors of mass and of stiffness by solid and region."""
+    solids = solids_of(forms)
+    of_mass: dict[str, dict[str, float]] = {name: {} for name in solids}
+    of_stiffness: dict[str, dict[str, float]] = {name: {} for name in solids}
+    if given is None:
+        return of_mass, of_stiffness
+    known = dict.fromkeys(solids)
+    for form in solids.values():
+        known.update(dict.fromkeys(form.materials))
+    if isinstance(given, Mapping):
+        for name in given:
+            look_up(name, known, "region or solid to damp")
+    for name, form in solids.items():
+        for region in form.materials:
+            damping = given
+            if isinstance(given, Mapping):
+                damping = given.get(region, given.get(name))
+            if damping is not None:
+                of_mass[name][region] = damping.alpha
+                of_stiffness[name][region] = damping.beta
+    return of_mass, of_stiffness
+
+
+def moved_from_contact(
+    forms: Mapping[str, Form], matrices: list[csr_matrix], consistent: bool
+) -> list[csr_matrix]:
+    """Return matrices of masses with the mass of contact nodes moved to their neighbours.
+
+    Contact nodes move like a mean of their neighbours inside the body, u = P u: the mass is
+    P^T M P, a lumped one P^T m. The total stays.
+    """
+    P = _to_neighbours(forms, matrices[0].shape[0])
+    if P is None:
+        return matrices
+    found = []
+    for M in matrices:
+        if consistent:
+            found.append(csr_matrix(P.T @ M @ P))
+        else:
+            found.append(csr_matrix(diags_array(P.T @ M.diagonal())))
+    return found
+
+
+def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
+    """Return the matrix that gives contact nodes the motion of their neighbours, (N, N)."""
+    # Find the contact nodes
+    pairs = having(forms, Touching).values()
+    joined = [pair.joins for pair in pairs if pair.joins is not None]
+    solids = list(solids_of(forms).values())
+    if not joined or not solids:
+        return None
+    basis = solids[0].basis
+    dim = basis.mesh.dim()
+    dofs = np.concatenate(joined)
+    dofs = dofs[(dofs >= 0) & (dofs < basis.N)]
+    touching = np.zeros(basis.N // dim, bool)
+    touching[dofs // dim] = True
+
+    # Weigh their neighbours in the same elements by the distance
+    first, second = [], []
+    for solid in solids:
+        cells = nodes(solid.basis)
+        a = np.repeat(cells, cells.shape[1], axis=1).ravel()
+        b = np.tile(cells, cells.shape[1]).ravel()
+        chosen = touching[a] & ~touching[b]
+        first.append(a[chosen])
+        second.append(b[chosen])
+    both = np.unique(np.stack((np.concatenate(first), np.concatenate(second))), axis=1)
+    if both.size == 0:
+        return None
+    x = basis.doflocs[:, ::dim]
+    weight = np.linalg.norm(x[:, both[0]] - x[:, both[1]], axis=0) ** _NEAR
+    sums = np.bincount(both[0], weight, minlength=len(touching))
+    weight = weight / sums[both[0]]
+
+    # Nodes without a neighbour inside keep their mass
+    kept = np.ones(size)
+    moved = np.flatnonzero(sums > 0.0)
+    rows, columns, values = [], [], []
+    for c in range(dim):
+        kept[dim * moved + c] = 0.0
+        rows.append(dim * both[0] + c)
+        columns.append(dim * both[1] + c)
+        values.append(weight)
+    stays = np.flatnonzero(kept)
+    rows.append(stays)
+    columns.append(stays)
+    values.append(np.ones(len(stays)))
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return coo_matrix(entries, shape=(size, size)).tocsr()
+
+
+def accelerations(M: csr_matrix, force: ndarray, fixed: ndarray) -> ndarray:
+    """Return accelerations by forces, zero at supports and at nodes without mass, (N,)."""
+    diagonal = M.diagonal()
+    free = diagonal > 0.0
+    free[fixed] = False
+    dofs = np.flatnonzero(free)
+    a = np.zeros(len(force))
+    if not force[dofs].any():
+        return a
+    block = M[dofs][:, dofs].tocsc()
+    if block.nnz == len(dofs):
+        a[dofs] = force[dofs] / diagonal[dofs]
+    else:
+        a[dofs] = splu(block).solve(force[dofs])
+    return a

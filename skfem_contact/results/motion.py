@@ -1,0 +1,122 @@
+"""Motions and energies in time: histories at nodes, and the balance of energy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from ..checks import format_point
+from ..display import Table
+from ..forms.base import solids_of
+from ..layout import dofs_at
+
+#: Quantities of a history, in the order in which they are recorded.
+Quantity = Literal["displacement", "velocity", "acceleration"]
+_QUANTITIES = ("displacement", "velocity", "acceleration")
+#: Columns of the recorded energies.
+_ENERGIES = ("time", "kinetic", "internal", "contact", "damping", "work")
+
+
+@dataclass(frozen=True)
+class History:
+    """Motion of a node in time.
+
+    Attributes
+    ----------
+    quantity
+        ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
+    point : ndarray, shape (dim,)
+        Coordinates of the node.
+    time : ndarray, shape (n,)
+        Times, the start of the stage first.
+    values : ndarray, shape (n, dim)
+        Components of the motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact.results import History
+    >>> motion = History("velocity", np.zeros(2), np.arange(3.), np.array([[0, 0], [1, 0], [3, 4]]))
+    >>> motion.largest
+    5.0
+    """
+
+    quantity: Quantity
+    point: ndarray
+    time: ndarray
+    values: ndarray
+
+    @property
+    def largest(self) -> float:
+        """Largest length of the vector."""
+        return float(np.linalg.norm(self.values, axis=1).max())
+
+    def table(self) -> Table:
+        """Return the history as a table, with the time in its first column."""
+        names = "xyz"[: self.values.shape[1]]
+        columns = {"time": self.time}
+        columns |= {f"{self.quantity} {name}": v for name, v in zip(names, self.values.T)}
+        return Table.of(columns, f"{self.quantity} at {format_point(self.point)}")
+
+
+def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
+    """Return the energies of a stage and their balance as a table.
+
+    Raises
+    ------
+    ValueError
+        The stage has no inertia.
+    """
+    if "energy" not in series:
+        raise ValueError(f"stage '{name}' has no inertia: only stages with `dynamic` have energies")
+    values = series["energy"].T
+    columns = dict(zip(_ENERGIES, values, strict=True))
+    _, kinetic, internal, contact, damping, work = values
+    columns["missing"] = kinetic[0] + work - kinetic - internal - contact - damping
+    return Table.of(columns, f"energies, {name}")
+
+
+def history(stage: Any, point: ArrayLike, quantity: Quantity) -> History:
+    """Return the motion of a node in a stage, from its records or its kept steps.
+
+    Raises
+    ------
+    ValueError
+        No node at these coordinates, or neither records nor kept steps.
+    """
+    # Find the node
+    if quantity not in _QUANTITIES:
+        raise ValueError(f"quantity must be one of {', '.join(_QUANTITIES)}, not {quantity!r}")
+    if "energy" not in stage.series:
+        raise ValueError(
+            f"stage '{stage.name}' has no inertia: only stages with `dynamic` have histories"
+        )
+    basis = next(iter(solids_of(stage.forms).values())).basis
+    dofs = dofs_at(basis, point)[0]
+    where = np.asarray(basis.doflocs[:, dofs[0]])
+    k = _QUANTITIES.index(quantity)
+
+    # Take its records
+    points = stage.series.get("points", np.zeros((0, len(dofs)), int))
+    for row, recorded in enumerate(points):
+        if np.array_equal(recorded, dofs):
+            times = stage.series["energy"][:, 0]
+            return History(quantity, where, times, stage.series["motion"][:, k, row])
+
+    # Take kept steps
+    if not stage.increments:
+        raise ValueError(
+            f"the motion at {format_point(where)} was not recorded: give "
+            f"Dynamic(points=[{format_point(where)}]), or keep steps by Stage(keep=...)"
+        )
+    times = np.array([part.time for part in stage.increments])
+    values = []
+    for part in stage.increments:
+        vector = (part.x, part.velocity, part.acceleration)[k]
+        values.append(vector[dofs])
+    return History(quantity, where, times, np.array(values))

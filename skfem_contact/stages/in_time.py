@@ -1,0 +1,306 @@
+"""Stages in time: their masses and loads, and the steps that follow each other."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from ..dynamics.mass import accelerations, mass_and_damping
+from ..dynamics.scheme import Inertia, Motion, Scheme
+from ..dynamics.settings import Dynamic
+from ..errors import NotConverged
+from ..forms.base import Form, responses_of, solids_of, summaries
+from ..forms.roles import Touching, Wet, having
+from ..layout import Layout, dofs_at
+from ..nonlinear.increment import solve_increment
+from ..nonlinear.newton import Newton
+from ..nonlinear.step import Equilibrium, Step
+from ..nonlinear.system import System
+from ..results.stage import StageResult
+from .setup import Setup
+from .stage import Stage
+
+logger = logging.getLogger("skfem_contact")
+
+#: Name of the form of inertia in the system of a stage; results have its forces as `inertial`.
+INERTIA = "inertia"
+#: Parts of a step: it is cut to a quarter where no equilibrium is found, and steps grow again once
+#: they end where a longer one may begin.
+_PARTS = 1024
+_CUT, _GROWTH = 4, 2
+
+#: Vector at a time since the start of the stage.
+OfTime = Callable[[float], ndarray]
+
+
+@dataclass(frozen=True)
+class InTime:
+    """Inertia of a stage.
+
+    Attributes
+    ----------
+    settings
+        The settings as given.
+    M, C
+        Mass and damping, (N, N).
+    steps, step
+        Number of steps, and their length.
+    points
+        Dofs whose motion is recorded, (n, dim).
+    """
+
+    settings: Dynamic
+    M: csr_matrix
+    C: csr_matrix
+    steps: int
+    step: float
+    points: ndarray
+
+    def form(self) -> Inertia:
+        """Return the form of inertia and damping."""
+        return Inertia(self.M, self.C, Scheme.of(self.settings.rho_inf))
+
+
+def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form]) -> InTime:
+    """Return the inertia of a stage.
+
+    Raises
+    ------
+    ValueError
+        Forms that inertia is not supported for, or masses that are not known; the message names
+        the stage.
+    """
+    settings = stage.dynamic
+    assert settings is not None
+    try:
+        _check_forms(forms)
+        g = setup.gravity_acceleration
+        if g is None:
+            raise ValueError(
+                "masses are unit weights over the acceleration of gravity: give "
+                "Model(gravity_acceleration=9.81), in the units of the model (9.81 for kN and m)"
+            )
+        M, C = mass_and_damping(forms, setup.layout, settings, g)
+        if M.nnz == 0:
+            raise ValueError("no form has a mass: give the solids their unit_weight")
+        points = _points(forms, settings.points)
+    except ValueError as error:
+        raise ValueError(f"stage '{stage.name}': {error}") from None
+    if settings.velocity is not None:
+        setup.vector(settings.velocity, f"stage '{stage.name}': the velocity")
+    steps = settings.steps(stage.duration)
+    return InTime(settings, M, C, steps, stage.duration / steps, points)
+
+
+def _check_forms(forms: Mapping[str, Form]) -> None:
+    """Refuse water that flows, and materials that creep."""
+    wet = list(having(forms, Wet))
+    if wet:
+        raise ValueError(
+            f"inertia and water that flows are not supported together: deactivate {wet}; Undrained "
+            "soil stands for saturated ground that shakes quickly"
+        )
+    for name, form in solids_of(forms).items():
+        for region, material in form.materials.items():
+            if material.time_dependent:
+                raise ValueError(
+                    f"'{region}' of '{name}' creeps ({type(material).__name__}), which inertia is "
+                    "not supported with: change it to a material without creep for this stage"
+                )
+
+
+def _points(forms: Mapping[str, Form], given: Any) -> ndarray:
+    """Return the dofs of the nodes whose motion is recorded, (n, dim)."""
+    solids = list(solids_of(forms).values())
+    if np.size(given) == 0 or not solids:
+        return np.zeros((0, 0), int)
+    return dofs_at(solids[0].basis, given)
+
+
+class Log:
+    """Energies and motions of recorded nodes, step by step."""
+
+    def __init__(self, system: System, in_time: InTime) -> None:
+        self._pairs = set(having(system.forms, Touching))
+        self._fixed = system.fixed
+        self._M = in_time.M
+        self._points = in_time.points
+        self._rows: list[tuple[float, ...]] = []
+        self._motions: list[ndarray] = []
+        self._internal = self._contact = self._work = 0.0
+        self._last: tuple[ndarray, ndarray, dict[str, ndarray], ndarray] | None = None
+
+    def add(
+        self, time: float, motion: Motion, load: ndarray, forces: Mapping[str, ndarray]
+    ) -> None:
+        """Record the end of a step, with the forces of all forms."""
+        kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
+        bodies = np.zeros(len(load))
+        pairs = np.zeros(len(load))
+        for name, force in forces.items():
+            if name in self._pairs:
+                pairs += force
+            elif name != INERTIA:
+                bodies += force
+        reaction = np.zeros(len(load))
+        at = self._fixed
+        reaction[at] = bodies[at] + pairs[at] + motion.force[at] - load[at]
+        now = load + reaction, bodies, pairs
+        if self._last is not None:
+            # The work of a mean force, exact for forces that change in proportion
+            x, outer, inner, touching = self._last
+            moved = motion.x - x
+            self._work += 0.5 * float((outer + now[0]) @ moved)
+            self._internal += 0.5 * float((inner + bodies) @ moved)
+            self._contact += 0.5 * float((touching + pairs) @ moved)
+        self._last = (motion.x, *now)
+        self._rows.append((time, kinetic, self._internal, self._contact, motion.damped, self._work))
+        if self._points.size:
+            at_points = (motion.x, motion.velocity, motion.acceleration)
+            self._motions.append(np.array([values[self._points] for values in at_points]))
+
+    def series(self) -> dict[str, ndarray]:
+        """Return the records: energies, (n, 6), and motions, (n, 3, n_points, dim)."""
+        found = {"energy": np.array(self._rows)}
+        if self._motions:
+            found["motion"] = np.array(self._motions)
+            found["points"] = self._points
+        return found
+
+    def summary(self) -> str:
+        """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
+        _, kinetic, internal, contact, damped, work = np.array(self._rows).T
+        lost = kinetic[0] + work[-1] - kinetic[-1] - internal[-1] - contact[-1] - damped[-1]
+        largest = max(float(np.abs(each).max()) for each in (kinetic, internal, work))
+        share = lost / largest if largest > 0.0 else 0.0
+        return (
+            f"kinetic energy {kinetic[-1]:.4g}, {round(share, 4) + 0.0:.2%} of the energy missing"
+        )
+
+
+def first_motion(
+    in_time: InTime, last: StageResult, jump: ndarray, fixed: ndarray, layout: Layout
+) -> Motion:
+    """Return the motion at the start of a stage, with the acceleration by a jump of the load.
+
+    M a_0 = load - F - C v_0; a stage that continues a motion adds the acceleration by the jump.
+    """
+    n = layout.size
+    M = in_time.M
+    force = np.zeros(n) if last.inertial is None else last.inertial
+    given = in_time.settings.velocity
+    if last.velocity is not None and given is None:
+        more = accelerations(M, jump, fixed)
+        a = last.acceleration + more
+        return Motion(last.x, last.velocity, a, force + M @ more)
+    v = np.zeros(n)
+    if given is not None:
+        v[: len(given)] = given
+        v[fixed] = 0.0
+    viscous = in_time.C @ v
+    a = accelerations(M, force + jump - viscous, fixed)
+    return Motion(last.x, v, a, M @ a + viscous)
+
+
+def steps_of(
+    stage: Stage,
+    in_time: InTime,
+    system: System,
+    start: tuple[StageResult, Motion],
+    path: Callable[[float], tuple[ndarray, ndarray]],
+    newton: Newton,
+    log: Log,
+) -> Iterator[StageResult]:
+    """Yield the accepted steps of a stage.
+
+    Parameters
+    ----------
+    stage, in_time, system
+        The stage, its inertia, and the system with the form of inertia.
+    start
+        State and motion at the start.
+    path
+        Load and prescribed values at a time since the start.
+    newton
+        Settings of Newton's method.
+    log
+        Records of energies and motions.
+    """
+    last, motion = start
+    began = last.time
+    end = in_time.steps * _PARTS
+    done, size = 0, _PARTS
+    load, _ = path(0.0)
+    forces = {}
+    plain = {name: form for name, form in system.forms.items() if name != INERTIA}
+    for name, response in responses_of(plain, last.x, last.states).items():
+        forces[name] = response.force
+    log.add(began, motion, load, forces)
+
+    while done < end:
+        # Solve a step
+        h = in_time.step * size / _PARTS
+        time = in_time.step * ((done + size) / _PARTS)
+        load, prescribed = path(time)
+        states = {**last.states, INERTIA: motion}
+        ahead = motion.x + h * motion.velocity + 0.5 * h**2 * motion.acceleration
+        ahead[system.fixed] = prescribed
+        begin = ahead if size == _PARTS else None
+        step = Step(system.over(h), last.x, states, load, prescribed, begin)
+        try:
+            new = solve_increment(step, newton)
+        except NotConverged as error:
+            logger.info("stage '%s': step to time %.6g failed: %s", stage.name, time, error)
+            size //= _CUT
+            if size == 0:
+                raise NotConverged(
+                    f"stage '{stage.name}' stopped at the time {last.time:.6g}, "
+                    f"{done / end:.2%} of its duration, where steps of 1/{_PARTS} of "
+                    f"{in_time.step:g} find no equilibrium: {error}"
+                ) from error
+            continue
+
+        # Accept it
+        done += size
+        motion = new.states[INERTIA]
+        last = _accepted(last, plain, step, new, done / end, began + time)
+        log.add(last.time, motion, load, new.forces)
+        yield last
+        if size < _PARTS and done % (_GROWTH * size) == 0:
+            size *= _GROWTH
+
+
+def _accepted(
+    last: StageResult,
+    forms: Mapping[str, Form],
+    step: Step,
+    new: Equilibrium,
+    fraction: float,
+    time: float,
+) -> StageResult:
+    """Return the result of a step that follows the last one."""
+    states = {name: state for name, state in new.states.items() if name != INERTIA}
+    motion = new.states[INERTIA]
+    return replace(
+        last,
+        x=new.x,
+        load=step.load,
+        states=states,
+        iterations=(*last.iterations, new.iterations),
+        residual=new.residuals[-1],
+        fraction=fraction,
+        summary=summaries(forms, new.x, states),
+        forms=forms,
+        time=time,
+        layout=step.system.layout,
+        before=None,
+        velocity=motion.velocity,
+        acceleration=motion.acceleration,
+        inertial=motion.force,
+    )

@@ -1,0 +1,1 @@
+"""Tests of inertia, damping, records and modes."""

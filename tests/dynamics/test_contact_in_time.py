@@ -1,0 +1,146 @@
+"""Contact in time: impact of bars, a body that bounces, a block on a plane that shakes."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+
+import skfem_contact as sc
+from skfem_contact.contact import Penalty
+from tests.dynamics.cases import QUIET
+
+pytestmark = pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+METHODS = [Penalty(), sc.AugmentedLagrangian(), sc.DualMultipliers()]
+NAMES = ["penalty", "augmented", "multipliers"]
+
+
+@pytest.mark.parametrize("enforcement", METHODS, ids=NAMES)
+def test_impact_of_two_bars(enforcement):
+    """[X] Equal bars touch for 2 L / c with the force rho c v / 2 and exchange their velocities."""
+    # two bars of length 1, wave velocity 10, of which one moves with .1
+    n, c, v0 = 100, 10.0, 0.1
+    h = 1.0 / n
+    left = MeshQuad.init_tensor(np.linspace(-1.0, 0.0, n + 1), [0.0, h]).with_defaults()
+    right = MeshQuad.init_tensor(np.linspace(0.0, 1.0, n + 1), [0.0, h]).with_defaults()
+    basis = Basis(
+        sc.join_bodies({"a": left, "b": right}), ElementVector(ElementQuad1()), intorder=2
+    )
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.0), unit_weight=10.0)
+    pair = sc.ContactPair(basis, "a:right", "b:left", sc.Coulomb(), enforcement=enforcement)
+    model = sc.Model(
+        {"bars": solid, "pair": pair}, basis.get_dofs().all("u^2"), gravity_acceleration=10.0
+    )
+    along = {name: basis.get_dofs(elements=name).all("u^1") for name in "ab"}
+    v = basis.zeros()
+    v[along["a"]] = v0
+    rows = []
+
+    def watch(stage):
+        force = -stage.report("pair").force[0]
+        rows.append((stage.time, abs(force)))
+
+    stage = sc.Stage("fly", duration=0.3, dynamic=sc.Dynamic(h / c, rho_inf=1.0, velocity=v))
+    found = model.run([stage], on_increment=watch, **QUIET)["fly"]
+    time, force = np.array(rows).T
+    exact = 0.5 * c * v0 * h
+    touching = force > 0.02 * exact
+
+    # the last step of contact; waves pass one element more at each end
+    assert time[touching].max() == pytest.approx(0.2, rel=0.0101)
+    assert (np.diff(np.r_[0, touching]) == 1).sum() == 1
+    during = (time > 0.01) & (time < 0.19)
+    assert force[during].mean() == pytest.approx(exact, rel=0.01)
+    assert force[during].std() < 0.01 * exact
+    M = solid.weight_matrix(False).diagonal()
+    ends = {}
+    for name, dofs in along.items():
+        ends[name] = M[dofs] @ found.velocity[dofs] / M[dofs].sum() / v0
+    assert ends["a"] == pytest.approx(0.0, abs=0.01)
+    assert ends["b"] == pytest.approx(1.0, abs=0.01)
+    energy = found.energy
+    total = energy["kinetic"] + energy["internal"] + energy["contact"]
+    assert total.max() < total[0] * (1.0 + 1e-9)
+    assert total[-1] == pytest.approx(total[0], rel=1e-6)
+
+
+def test_bar_bounces_on_a_plate():
+    """[X] A bar that falls with g bounces to its height, and never enters the plate."""
+    n, g = 8, 10.0
+    mesh = MeshQuad.init_tensor([0.0, 0.125], np.linspace(0.0, 1.0, n + 1)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.0), unit_weight=10.0)
+    plate = sc.rigid.line((-1.0, -0.05), (1.0, -0.05))
+    pair = sc.ContactPair(basis, "bottom", plate, sc.Coulomb(), enforcement=sc.DualMultipliers())
+    model = sc.Model(
+        {"bar": solid, "pair": pair}, basis.get_dofs().all("u^1"), gravity_acceleration=g
+    )
+    fall = np.sqrt(2.0 * 0.05 / g)
+    rows = []
+
+    def watch(stage):
+        low = stage.x[basis.get_dofs("bottom").all("u^2")].min()
+        rows.append((stage.time, low, stage.x[basis.nodal_dofs[1]].mean()))
+
+    stage = sc.Stage("bounce", duration=2.2 * fall, dynamic=sc.Dynamic(1e-3, rho_inf=1.0))
+    model.run([stage], on_increment=watch, **QUIET)
+    time, low, mean = np.array(rows).T
+    assert low.min() > -0.05 - 1e-9
+    # waves in the bar keep a part of the energy, less than 40 %
+    assert mean[time < fall].min() == pytest.approx(-0.05, rel=0.05)
+    assert mean[-20:].max() > -0.02
+
+
+def slid(acceleration, step, slope, mu):
+    """Return the displacement of a rigid block down a plane (Newmark 1965), by small steps."""
+    limit = 9.81 * (mu * np.cos(slope) - np.sin(slope))
+    v = moved = 0.0
+    for a0, a1 in itertools.pairwise(acceleration):
+        for k in range(20):
+            a = a0 + (k + 0.5) / 20 * (a1 - a0) - limit
+            new = max(v + a * step / 20, 0.0) if v > 0.0 or a > 0.0 else 0.0
+            moved += 0.5 * (v + new) * step / 20
+            v = new
+    return moved
+
+
+@pytest.mark.parametrize(
+    "enforcement",
+    [METHODS[0], pytest.param(METHODS[2], marks=pytest.mark.slow)],
+    ids=["penalty", "multipliers"],
+)
+def test_block_on_a_plane_that_shakes(enforcement):
+    """[N] Newmark's block: the displacement is that of a rigid block within 0.5 %."""
+    slope, mu, step = np.radians(10.0), 0.4, 0.0025
+    time = np.arange(0.0, 0.8 + step / 2, step)
+    shaking = 5.0 * np.sin(4.0 * np.pi * time) * (time <= 0.5)
+    exact = slid(shaking, step, slope, mu)
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 0.5, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.LinearElastic(E=2e6, nu=0.2)
+    solid = sc.SolidForm(basis, soil, unit_weight=2.0 * 9.81)
+    plane = sc.rigid.line((-5.0, 0.0), (5.0, 0.0))
+    pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(mu=mu), enforcement=enforcement)
+    model = sc.Model(
+        {"block": solid, "pair": pair},
+        gravity=(-np.sin(slope), -np.cos(slope)),
+        gravity_acceleration=9.81,
+    )
+    # the ground moves up the plane with a: relative to it the block feels -a
+    per_acceleration = -2.0 * np.asarray(sc.weight(basis, 1.0, (1.0, 0.0)))
+
+    def load(t):
+        return per_acceleration * np.interp(t, time, shaking)
+
+    # damping of the stiffness alone: that of masses would brake the sliding block
+    settings = sc.Dynamic(step, rho_inf=0.8, damping=sc.Rayleigh(0.02, f=(1e-3, 32.0)))
+    stage = sc.Stage("shake", load, duration=time[-1], dynamic=settings)
+    result = model.run([sc.Stage("weight"), stage], **QUIET)
+    moved = (result["weight"].x - result["shake"].x)[basis.nodal_dofs[0]].mean()
+    assert moved == pytest.approx(exact, rel=0.005)
+    energy = result["shake"].energy
+    # friction takes mu N times the way
+    force = mu * 0.5 * 2.0 * 9.81 * np.cos(slope)
+    assert energy["contact"][-1] == pytest.approx(force * moved, rel=0.02)
