@@ -24,7 +24,9 @@ from ..sparse import constant, with_data
 from .base import Coordinates
 
 #: Strain measures.
-Measure = Literal["full", "b_bar"]
+Measure = Literal["full", "b_bar", "f_bar"]
+#: Kinematics of bodies.
+Kinematics = Literal["small", "finite"]
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less
 #: lets it stall.
 _DAMPING = 0.2
@@ -54,14 +56,19 @@ class StrainOperator(NamedTuple):
 
 
 def strain_of(
-    basis: CellBasis, strain: str | None, coordinates: str | None, flows: bool
+    basis: CellBasis,
+    strain: str | None,
+    coordinates: str | None,
+    flows: bool,
+    kinematics: str = "small",
 ) -> tuple[Measure, Coordinates]:
     """Return strain measure and coordinate system as given, or as suits mesh and material.
 
     Raises
     ------
     ValueError
-        Other words, axial symmetry of a mesh in space, or B-bar in axial symmetry.
+        Other words, axial symmetry of a mesh in space, B-bar in axial symmetry or with finite
+        kinematics, F-bar with small ones or of other elements than Quad1 and Hex1.
     """
     known = {2: ("plane", "axisymmetric"), 3: ("space",)}[basis.mesh.dim()]
     if coordinates is None:
@@ -71,24 +78,44 @@ def strain_of(
             f"coordinates of a {type(basis.mesh).__name__} must be "
             f"{' or '.join(map(repr, known))}, not {coordinates!r}"
         )
+    if kinematics not in ("small", "finite"):
+        raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
+    corners = isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
+    if kinematics == "finite":
+        return _finite_strain(strain, flows and corners, corners), cast(Coordinates, coordinates)
     if strain not in (None, "full", "b_bar"):
-        raise ValueError(f"strain must be 'full' or 'b_bar', not {strain!r}")
+        instead = ", which needs kinematics='finite'" if strain == "f_bar" else ""
+        raise ValueError(f"strain must be 'full' or 'b_bar', not {strain!r}{instead}")
     axial = coordinates == "axisymmetric"
     if axial and strain == "b_bar":
         raise ValueError(
             "there is no strain 'b_bar' in axial symmetry: take elements of second order"
         )
     if strain is None:
-        locks = flows and isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
-        strain = "b_bar" if locks and not axial else "full"
+        strain = "b_bar" if flows and corners and not axial else "full"
     return cast(Measure, strain), cast(Coordinates, coordinates)
+
+
+def _finite_strain(strain: str | None, locks: bool, corners: bool) -> Measure:
+    """Return the strain measure of finite kinematics, by default F-bar where elements lock."""
+    if strain is None:
+        return "f_bar" if locks else "full"
+    if strain == "b_bar":
+        raise ValueError("strain 'b_bar' is of small kinematics: take strain='f_bar'")
+    if strain not in ("full", "f_bar"):
+        raise ValueError(f"strain must be 'full' or 'f_bar', not {strain!r}")
+    if strain == "f_bar" and not corners:
+        raise ValueError(
+            "strain 'f_bar' is for ElementQuad1 and ElementHex1: other elements take 'full'"
+        )
+    return cast(Measure, strain)
 
 
 def strain_operator(basis: CellBasis, strain: str, coordinates: str) -> StrainOperator:
     """Return the operator of a strain measure in a coordinate system."""
     builders = {"plane": _plane_strain, "axisymmetric": _axisymmetric, "space": _in_space}
     full = builders[coordinates](basis)
-    return full if strain == "full" else _b_bar(*full)
+    return _b_bar(*full) if strain == "b_bar" else full
 
 
 def has_corners_only(basis: CellBasis) -> bool:
@@ -135,7 +162,7 @@ def locking(
         )
 
 
-def _gradients(basis: CellBasis) -> ndarray:
+def shape_gradients(basis: CellBasis) -> ndarray:
     """Return gradients of the scalar shape functions, (n_elements, n_points, n_functions, dim)."""
     functions = basis.basis[:: basis.mesh.dim()]
     gradients = [np.asarray(field.grad)[0] for (field,) in functions]  # (dim, elements, points)
@@ -144,7 +171,7 @@ def _gradients(basis: CellBasis) -> ndarray:
 
 def _plane_strain(basis: CellBasis) -> StrainOperator:
     """Return plane strains: the out-of-plane strain is zero, the out-of-plane stress is not."""
-    G = _gradients(basis)
+    G = shape_gradients(basis)
     B = np.zeros((*G.shape[:2], 4, 2 * G.shape[2]))
     B[:, :, 0, 0::2] = G[..., 0]  # xx
     B[:, :, 1, 1::2] = G[..., 1]  # yy
@@ -185,7 +212,7 @@ def _axisymmetric(basis: CellBasis) -> StrainOperator:
 
 def _in_space(basis: CellBasis) -> StrainOperator:
     """Return strains of tetrahedra and hexahedra: xx, yy, zz, xy, yz, zx (engineering shears)."""
-    G = _gradients(basis)
+    G = shape_gradients(basis)
     B = np.zeros((*G.shape[:2], 6, 3 * G.shape[2]))
     for i in range(3):
         B[:, :, i, i::3] = G[..., i]
@@ -244,11 +271,14 @@ class Pattern:
         CSR pattern with sorted columns; read-only, since all matrices share it.
     slots : ndarray, shape (n_elements, n_local_dofs, n_local_dofs)
         Positions in the CSR data.
+    dim
+        Number of displacement components of a node.
     """
 
     indptr: ndarray
     indices: ndarray
     slots: ndarray
+    dim: int
 
     @classmethod
     def of(cls, basis: CellBasis) -> Pattern:
@@ -284,12 +314,28 @@ class Pattern:
         start = np.repeat(d * ptr[:-1], d)
         within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], length)
         indices = dofs[np.repeat(start, length) + within]
-        return cls(_frozen(indptr), _frozen(indices), slots)
+        return cls(_frozen(indptr), _frozen(indices), slots, d)
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
         """Sum element matrices as CSR data."""
         slots = self.slots[elements].ravel()
         return np.bincount(slots, matrices.ravel(), minlength=len(self.indices))
+
+    def scatter_by_components(self, matrices: ndarray) -> ndarray:
+        """Sum element matrices of other axes as CSR data.
+
+        Their shape is (n_elements, n_nodes, d, d, n_nodes): node and component of the rows,
+        component and node of the columns.
+        """
+        return np.bincount(self._by_components, matrices.ravel(), minlength=len(self.indices))
+
+    @cached_property
+    def _by_components(self) -> ndarray:
+        """Slots of such matrices."""
+        n_elements, n_local, _ = self.slots.shape
+        d = self.dim
+        slots = self.slots.reshape(n_elements, n_local // d, d, n_local // d, d)
+        return np.ascontiguousarray(slots.transpose(0, 1, 2, 4, 3)).ravel()
 
     def matrix(self, data: ndarray) -> csr_matrix:
         """Return the ``csr_matrix`` of these data, read-only; the pattern is shared, not copied."""

@@ -168,6 +168,19 @@ def changed_moduli(
     return plastic, tangent
 
 
+def elastic_strain(material: Material, stress: ndarray, internal: ndarray) -> ndarray:
+    """Return elastic strains of stresses, (ncomp, n_elements, n_points), engineering shear."""
+    ncomp = len(stress)
+    if material.stress_dependent:
+        moduli = material.elasticity(ncomp, stress, internal)
+    else:
+        moduli = np.asarray(material.elasticity(ncomp))
+        if moduli.ndim == 3:
+            moduli = moduli[:, None]
+    strain = np.linalg.solve(moduli, np.moveaxis(stress, 0, -1)[..., None])[..., 0]
+    return np.moveaxis(strain, -1, 0)
+
+
 def inherited(old: Region, new: Region, stress: ndarray, internal: ndarray) -> bool:
     """Change stresses and memory where a region gets another material; return True if any changes.
 

@@ -22,6 +22,7 @@ from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
 from .assembly import (
+    Kinematics,
     Measure,
     Pattern,
     element_stiffness,
@@ -31,7 +32,15 @@ from .assembly import (
     strain_operator,
 )
 from .base import Coordinates, Form, Outputs, Response
-from .regions import Region, by_region, changed_moduli, check_materials, inherited
+from .finite import Deformation, FiniteKinematics
+from .regions import (
+    Region,
+    by_region,
+    changed_moduli,
+    check_materials,
+    elastic_strain,
+    inherited,
+)
 from .roles import Body, Reducible, Staged, Timed
 
 #: Round-off of forces relative to the forces of single displacements.
@@ -67,8 +76,25 @@ class SolidState:
     internal: ndarray
 
 
+@dataclass(frozen=True)
+class FiniteState(SolidState):
+    """State of a solid of finite kinematics at its points.
+
+    Attributes
+    ----------
+    strain
+        Sum of the increments of logarithmic strain that the law got, in the frame of the stretch.
+    stress
+        Kirchhoff stress in this frame, see :meth:`SolidForm.cauchy` for stresses in space axes.
+    gradient
+        Displacement gradient: xx, yy, zz, xy, yx, in space the nine components row by row.
+    """
+
+    gradient: ndarray
+
+
 class SolidForm(Form, Body, Staged, Timed, Reducible):
-    """Internal force and tangent of a body or of several, small strains.
+    """Internal force and tangent of a body or of several, of small or of finite strains.
 
     Parameters
     ----------
@@ -81,9 +107,9 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         Arrays of parameters have one value per element, in the order of
         ``mesh.subdomains[subdomain]``; functions count at the points.
     strain
-        ``"full"``, or ``"b_bar"``: volumetric strains averaged over each element. By default
-        ``"b_bar"`` for elements of four and eight corners with a material that yields, where full
-        strains lock.
+        ``"full"``, or ``"b_bar"``: volumetric strains averaged over each element; with finite
+        kinematics ``"f_bar"``, the volume of its centre. By default one of the latter for elements
+        of four and eight corners with a material that yields, where full strains lock.
     coordinates
         ``"axisymmetric"`` for axial symmetry about x = 0: forces are per radian, and the radial
         displacement on the axis must be fixed. By default ``"plane"`` or ``"space"``, as the mesh.
@@ -93,6 +119,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
     porous
         True if water at rest (``Stage(water=...)``) acts in its pores; False for concrete and
         steel.
+    kinematics
+        ``"small"``: rotations and strains are small. ``"finite"``: they may be large; loads and
+        weights count undeformed areas and volumes, laws get logarithmic strains, and their strength
+        limits Kirchhoff stresses, Cauchy stresses times the change of volume.
 
     Attributes
     ----------
@@ -129,6 +159,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         coordinates: Coordinates | None = None,
         unit_weight: float | Mapping[str, float] | None = None,
         porous: bool = True,
+        kinematics: Kinematics = "small",
     ) -> None:
         check_basis(basis)
         check_quadrature(basis)
@@ -138,7 +169,9 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         flows = any(region.material.n_internal for region in regions)
         self.size = int(self.basis.N)
         self._duration = 0.0
-        self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
+        self.kinematics = kinematics
+        measured = strain_of(self.basis, strain, coordinates, flows, kinematics)
+        self.strain, self.coordinates = measured
         self.unit_weight = unit_weight
         self.porous = porous
         missing = [] if unit_weight is None else weightless(self, unit_weight)
@@ -149,6 +182,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             )
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
+        self._finite: FiniteKinematics | None = None
+        if kinematics == "finite":
+            f_bar = self.strain == "f_bar"
+            self._finite = FiniteKinematics(self.basis, self.weight, self.coordinates, f_bar)
         check_materials(regions, self.weight.shape, self._ncomp)
         self._set(regions)
 
@@ -171,9 +208,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         self.regions = regions
         self.materials = {region.name: region.material for region in regions}
         laws = self.materials.values()
-        self.symmetric = all(law.symmetric for law in laws)
+        self.symmetric = all(law.symmetric for law in laws) and self.strain != "f_bar"
         self._n_internal = max(law.n_internal for law in laws)
         changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
+        changing |= self._finite is not None
+        self._accepted: tuple[SolidState, ndarray, ndarray] | None = None
         self.changing = None if changing else np.zeros(0, int)
         self.strengths = tuple(name for name, law in self.materials.items() if law.reducible)
 
@@ -276,8 +315,12 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         """Return the state without strain at the displacements x, (N,), stress-free or given."""
         if stress is None:
             stress = np.zeros((self._ncomp, *self.weight.shape))
+        internal = self._initial_internal(stress)
+        if self._finite is not None:
+            gradient = self._finite.gradient(np.zeros(self.basis.N) if x is None else x)
+            return FiniteState(np.zeros(stress.shape), stress, internal, gradient)
         strain = np.zeros(stress.shape) if x is None else self.strains(x)
-        return SolidState(strain, stress, self._initial_internal(stress))
+        return SolidState(strain, stress, internal)
 
     def _initial_internal(self, stress: ndarray) -> ndarray:
         """Return the internal variables with which the materials start under a stress."""
@@ -320,17 +363,12 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
     @override
     def assemble(self, x: ndarray, state: SolidState) -> Response:
         check_size(x, self.basis.N)
+        if isinstance(state, FiniteState):
+            return self._assemble_finite(x, state)
         # update the stresses region by region
         strain = self.strains(x)
-        increment = strain - state.strain
         given = self.at_regions(state)
-        updates = []
-        for region, old, internal in given:
-            part = increment[:, region.elements]
-            updates.append(updated(region.material, part, old, internal, self._duration))
-        stress = updates[0].stress  # the stress of a single region is not copied
-        if len(updates) > 1:
-            stress = np.concatenate([update.stress for update in updates], axis=1)
+        updates, stress = self._updates(given, strain - state.strain)
         force = self._force_matrix @ stress.ravel()
 
         # estimate round-off; stresses that vanish are differences of the last ones
@@ -344,6 +382,135 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             damped=lambda: self._tangent(given, updates, damping=True),
             round_off=_ROUND_OFF * summed,
         )
+
+    def _updates(self, given: _Given, increment: ndarray) -> tuple[list[Update], ndarray]:
+        """Return the responses of the materials to an increment of strain, and the stresses."""
+        updates = []
+        for region, old, internal in given:
+            part = increment[:, region.elements]
+            updates.append(updated(region.material, part, old, internal, self._duration))
+        stress = updates[0].stress  # the stress of a single region is not copied
+        if len(updates) > 1:
+            stress = np.concatenate([update.stress for update in updates], axis=1)
+        return updates, stress
+
+    def _assemble_finite(self, x: ndarray, state: FiniteState) -> Response:
+        """Return the response of finite kinematics, see :mod:`skfem_contact.forms.finite`."""
+        assert self._finite is not None
+        # update the stresses
+        elastic, plastic = self._elastic_part(state)
+        deformation = self._finite.at(x)
+        increment = deformation.strain(plastic) - elastic
+        given = self.at_regions(state)
+        updates, stress = self._updates(given, increment)
+        force = deformation.force(stress)
+
+        # estimate round-off as for small strains
+        summed = float(np.linalg.norm(self._diagonal * x))
+        if np.abs(stress).max(initial=0.0) < _UNLOADED * np.abs(state.stress).max(initial=0.0):
+            summed += float(np.linalg.norm(deformation.force(state.stress)))
+
+        def accepted() -> FiniteState:
+            internal = self._internal(state, given, updates)
+            return FiniteState(state.strain + increment, stress, internal, deformation.gradient)
+
+        def stiffness(damping: bool = False) -> csr_matrix:
+            return self._finite_tangent(deformation, stress, given, updates, damping)
+
+        return Response(
+            force,
+            accepted,
+            stiffness=stiffness,
+            damped=lambda: stiffness(damping=True),
+            round_off=_ROUND_OFF * summed,
+        )
+
+    def _elastic_part(self, state: FiniteState) -> tuple[ndarray, ndarray]:
+        """Return elastic strains of an accepted state and ``Cp^-1 - 1``, once a step."""
+        known = self._accepted
+        if known is None or known[0] is not state:
+            assert self._finite is not None
+            elastic = np.empty_like(state.stress)
+            for region, stress, internal in self.at_regions(state):
+                material = region.material
+                elastic[:, region.elements] = elastic_strain(material, stress, internal)
+            plastic = self._finite.inverse_plastic(state.gradient, elastic)
+            known = (state, elastic, plastic)
+            self._accepted = known
+        return known[1], known[2]
+
+    def _finite_tangent(
+        self,
+        deformation: Deformation,
+        stress: ndarray,
+        given: _Given,
+        updates: list[Update],
+        damping: bool,
+    ) -> csr_matrix:
+        """Return the tangent of finite kinematics."""
+        assert self._finite is not None
+        # find the points of other moduli than the elastic ones
+        n_points = self.weight.shape[1]
+        which = np.full(self.weight.size, -1)
+        tangents = [np.zeros((0, self._ncomp, self._ncomp))]
+        known = 0
+        for (region, old, internal), update in zip(given, updates, strict=True):
+            changed, tangent = changed_moduli(region.material, old, internal, update, damping)
+            if len(changed):
+                points = changed + n_points * (region.elements.start or 0)
+                which[points] = known + np.arange(len(points))
+                tangents.append(tangent)
+                known += len(points)
+        acting = np.asarray(self._finite.acting)
+        D = np.concatenate(tangents)
+        elastic = self._elasticity
+        if len(acting) < self._ncomp:
+            D = D[:, acting[:, None], acting]
+
+        def moduli(part: slice) -> ndarray:
+            found = np.repeat(elastic[part], n_points, axis=0)
+            own = which[part.start * n_points : part.stop * n_points]
+            others = np.flatnonzero(own >= 0)
+            found[others] = D[own[others]]
+            return found
+
+        return self._pattern.matrix(deformation.stiffness(stress, moduli, self._pattern))
+
+    def cauchy(self, state: SolidState) -> ndarray:
+        """Return Cauchy stresses in space axes, (n_components, n_elements, n_points).
+
+        With small kinematics they are the stresses of the state.
+
+        Examples
+        --------
+        A sheet under uniaxial tension that has turned by 90 degrees:
+
+        >>> import numpy as np
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+        >>> law = sc.LinearElastic(E=100., nu=0.)
+        >>> form = sc.SolidForm(basis, law, kinematics="finite")
+        >>> X, Y = basis.doflocs[:, 0::2]
+        >>> x = np.column_stack((-Y - X, 1.01 * X - Y)).ravel()
+        >>> state = form.assemble(x, form.initial_state()).state
+        >>> form.cauchy(state)[:, 0, 0].round(3) + 0.
+        array([0.   , 0.985, 0.   , 0.   ])
+        """
+        if isinstance(state, FiniteState):
+            assert self._finite is not None
+            return self._finite.cauchy(state.gradient, state.stress)
+        return state.stress
+
+    def total_strain(self, state: SolidState) -> ndarray:
+        """Return strains in space axes, (n_components, n_elements, n_points), engineering shear.
+
+        With finite kinematics they are logarithmic, ``ln V``.
+        """
+        if isinstance(state, FiniteState):
+            assert self._finite is not None
+            return self._finite.log_strain(state.gradient)
+        return state.strain
 
     def _internal(self, state: SolidState, given: _Given, updates: list[Update]) -> ndarray:
         """Return internal variables after the updates, copied only where one of them changes."""
@@ -376,6 +543,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             raise ValueError("its elements are others")
         if not np.array_equal(old.basis.element_dofs, self.basis.element_dofs):
             raise ValueError("its elements are others")
+        if old.kinematics != self.kinematics:
+            raise ValueError(f"its kinematics are {self.kinematics}, not {old.kinematics}")
         return self
 
     @override
@@ -389,19 +558,31 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         changed = False
         for region, successor in product(old.regions, self.regions):
             changed |= inherited(region, successor, stress, internal)
-        return SolidState(state.strain, stress, internal) if changed else state
+        return replace(state, stress=stress, internal=internal) if changed else state
 
     @override
     def fits(self, state: SolidState) -> bool:
         # internal variables may be others than at first
+        if isinstance(state, FiniteState) != (self._finite is not None):
+            return False
         return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
 
     @override
     def rebased(self, x: ndarray, state: SolidState) -> SolidState:
+        if isinstance(state, FiniteState):
+            return self.initial_state(stress=self.cauchy(state))
         return replace(state, strain=np.zeros_like(state.strain))
 
     def _remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Yield remarks on large rotations and strains, and on elements that lock."""
+        if self._finite is None:
+            yield from self._remarks_on_size(x, state)
+        if self.strain == "full" and state.strain.any():
+            yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
+            yield from locking(self.basis, self.coordinates, yielded, self._elasticity)
+
+    def _remarks_on_size(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
+        """Yield remarks on large rotations and strains that are taken for small."""
         moved = zip(x[self.basis.element_dofs], self.basis.basis)
         gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
         skew = np.abs(gradient - gradient.swapaxes(0, 1))
@@ -411,17 +592,18 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
                 "rotation",
                 turn,
                 f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
-                f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}",
+                f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}: take "
+                'kinematics="finite"',
             )
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
             units = "; are E and the loads in the same units?" if strain > 1.0 else ""
             yield Remark(
-                "strain", strain, f"strains of up to {strain:.0%} are taken for small{units}"
+                "strain",
+                strain,
+                f"strains of up to {strain:.0%} are taken for small: take "
+                f'kinematics="finite"{units}',
             )
-        if self.strain != "b_bar" and state.strain.any():
-            yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
-            yield from locking(self.basis, self.coordinates, yielded, self._elasticity)
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Return internal forces of the nodes on some elements, (n_local_dofs, n_elements)."""
