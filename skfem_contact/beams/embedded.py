@@ -121,6 +121,8 @@ class Embedded(Form, Couples, Staged, Regularised):
     '60.00'
     """
 
+    kinematics = "small"
+
     symmetric = unilateral = True
     _k: ndarray
     _across: ndarray

@@ -74,6 +74,8 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         Fields of nodes of their own, and of the rotations.
     """
 
+    kinematics = "small"
+
     _same = ("points", "cells", "_rows", "coordinates", "thickness")
     points: ndarray
     cells: ndarray

@@ -169,6 +169,9 @@ def loaded_start(
     the displacements is held as it is at the start: a limit belongs to one geometry, whatever the
     stiffness. Pore pressures stay; in ground that cannot drain they follow.
     """
+    setup.refuse_finite(
+        "a search for collapse is of small kinematics: a changing shape never yields"
+    )
     last = last_stage(start)
     setup = setup.after(last)
     _warn_of_unreleased(last)

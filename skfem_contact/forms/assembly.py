@@ -25,8 +25,6 @@ from .base import Coordinates
 
 #: Strain measures.
 Measure = Literal["full", "b_bar", "f_bar"]
-#: Kinematics of bodies.
-Kinematics = Literal["small", "finite"]
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less
 #: lets it stall.
 _DAMPING = 0.2

@@ -20,6 +20,8 @@ from .roles import Body, Reducible, having, materials_of, missing_roles
 Self = TypeVar("Self")
 #: Coordinate systems.
 Coordinates = Literal["plane", "axisymmetric", "space"]
+#: Kinematics of bodies.
+Kinematics = Literal["small", "finite"]
 #: Points, (n, dim), and values there by name, (n,) each.
 Points = tuple[ndarray, dict[str, ndarray]]
 
@@ -238,6 +240,9 @@ class Form:
     coordinates
         Coordinate system: ``"plane"``, ``"axisymmetric"`` (forces per radian about the axis x = 0)
         or ``"space"``; None where the form has no opinion.
+    kinematics
+        ``"finite"`` for a body whose rotations and strains may be large, ``"small"`` for a form
+        that is wrong beside such a body; None where the form suits both.
     symmetric
         True if the tangent is symmetric.
     changing
@@ -262,6 +267,7 @@ class Form:
     size: int | None = None
     fields: tuple[Field, ...] = ()
     coordinates: Coordinates | None = None
+    kinematics: Kinematics | None = None
     symmetric: bool = False
     changing: ndarray | None = None
 

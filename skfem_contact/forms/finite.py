@@ -35,6 +35,7 @@ from numpy import ndarray
 from skfem import Basis, CellBasis
 
 from ..errors import IncrementTooLarge
+from ..layout import elements_of
 from .assembly import Pattern, shape_gradients
 from .base import Coordinates
 from .stretch_plane import PlaneStretch
@@ -190,7 +191,8 @@ class FiniteKinematics:
         growth = self.stretch.growth(gradient.reshape(len(gradient), -1))
         if not (growth > _CRUSHED - 1.0).all():
             worst = int(np.argmin(growth)) // gradient.shape[2]
-            at = self.basis.mesh.p[:, self.basis.mesh.t[:, self.basis.tind[worst]]].mean(axis=1)
+            element = elements_of(self.basis)[worst]
+            at = self.basis.mesh.p[:, self.basis.mesh.t[:, element]].mean(axis=1)
             where = ", ".join(f"{value:.4g}" for value in at)
             raise IncrementTooLarge(f"the element at ({where}) turns inside out")
         return growth.reshape(gradient.shape[1:])
@@ -383,7 +385,7 @@ def _tangent(F: ndarray, S: ndarray, C: ndarray, dim: int, axial: bool) -> ndarr
     Phi = np.zeros((len(C), n, dim, n_axes))
     for k in range(dim):
         for L in range(dim):
-            for I in range(dim):  # noqa: E741
+            for I in range(dim):
                 Phi[:, at[I][L], k, L] = rows[k][I]
     if axial:
         Phi[:, 2, 0, 2] = 1.0 + F[2]

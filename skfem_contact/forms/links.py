@@ -216,6 +216,8 @@ class Bar(Form, Couples, Staged, Regularised):
     (array([20.]), array([0.04]))
     """
 
+    kinematics = "small"
+
     _same = ("_where",)
 
     def __init__(

@@ -63,6 +63,8 @@ class RigidBoundary(MatrixForm):
     ['-0.0197', '-0.0003']
     """
 
+    kinematics = "small"
+
     _multipliers: ndarray  # numbered by the model
 
     def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True) -> None:

@@ -22,7 +22,6 @@ from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
 from .assembly import (
-    Kinematics,
     Measure,
     Pattern,
     element_stiffness,
@@ -31,7 +30,7 @@ from .assembly import (
     strain_of,
     strain_operator,
 )
-from .base import Coordinates, Form, Outputs, Response
+from .base import Coordinates, Form, Kinematics, Outputs, Response
 from .finite import Deformation, FiniteKinematics
 from .regions import (
     Region,
@@ -169,7 +168,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         flows = any(region.material.n_internal for region in regions)
         self.size = int(self.basis.N)
         self._duration = 0.0
-        self.kinematics = kinematics
+        self.kinematics: Kinematics = kinematics
         measured = strain_of(self.basis, strain, coordinates, flows, kinematics)
         self.strain, self.coordinates = measured
         self.unit_weight = unit_weight
@@ -592,8 +591,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
                 "rotation",
                 turn,
                 f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
-                f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}: take "
-                'kinematics="finite"',
+                f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}: take finite "
+                "kinematics",
             )
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
@@ -601,8 +600,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             yield Remark(
                 "strain",
                 strain,
-                f"strains of up to {strain:.0%} are taken for small: take "
-                f'kinematics="finite"{units}',
+                f"strains of up to {strain:.0%} are taken for small: take finite kinematics{units}",
             )
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:

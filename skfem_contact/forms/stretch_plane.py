@@ -8,7 +8,7 @@ Tensors of two axes have closed forms: with :math:`J = \det F`, :math:`\tau = \s
     U = \frac{C + J 1}{\tau}, \qquad U^{-1} = \frac{\mathrm{adj}\,U}{J}, \qquad
     \ln X = \tfrac12 \ln\det X\, 1 + \frac{\mathrm{artanh}(r / m)}{r}\, \mathrm{dev} X
 
-with the mean m and the radius r of Mohr's circle of X. The axis zz stands alone. Tensors near one
+with the mean m and the radius r of Mohr's circle of X. The axis zz is apart. Tensors near one
 are stored as differences from one, so that small strains keep their relative precision.
 """
 

@@ -86,9 +86,7 @@ class SpaceStretch:
         """Return ``det F - 1``, (m,)."""
         xx, xy, xz, yx, yy, yz, zx, zy, zz = gradient
         minors = xx * yy - xy * yx + yy * zz - yz * zy + xx * zz - xz * zx
-        last = (
-            xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
-        )
+        last = xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
         return xx + yy + zz + minors + last
 
     def inverse_plastic(self, elastic: ndarray) -> ndarray:

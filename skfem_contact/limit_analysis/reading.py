@@ -181,6 +181,10 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
     """Refuse space, axial symmetry, materials without a cone and shared elements."""
     for name, form in solids.items():
+        if form.kinematics == "finite":
+            raise ValueError(
+                f"bounds are of the undeformed mesh, but '{name}' has finite kinematics"
+            )
         if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")

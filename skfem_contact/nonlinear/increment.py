@@ -97,6 +97,8 @@ def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Eq
     minimum = not any(pair.saddle for pair in having(given.forms, Touching).values())
     first: Search = "either" if minimum and given.yields_beside_contact else "residual"
     searches: tuple[Search, ...] = (first, "energy") if try_recovery and minimum else (first,)
+    if given.finite:
+        searches = ("full", *searches)
 
     # Try the extrapolated start.
     from_x = replace(step, start=None)

@@ -148,7 +148,7 @@ class _Balance(Problem):
 
     def choose_accuracy(self, search: Search) -> None:
         """Solve linear systems only as accurately as the search needs, where bodies yield."""
-        inexact = self._step.system.yields and search in ("residual", "either")
+        inexact = self._step.system.yields and search in ("residual", "either", "full")
         self._forcing = Forcing(self._settings.tolerance) if inexact else None
 
     def evaluate(self, z: ndarray) -> Evaluation:

@@ -69,6 +69,11 @@ class System:
         return yields and self.unilateral
 
     @property
+    def finite(self) -> bool:
+        """True if bodies may turn and strain much."""
+        return any(form.kinematics == "finite" for form in self.forms.values())
+
+    @property
     def unilateral(self) -> bool:
         """True if contact or other forms act in one direction only."""
         return any(form.unilateral for form in having(self.forms, Regularised).values())

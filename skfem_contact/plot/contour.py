@@ -32,7 +32,7 @@ def contour(
     quantity: str,
     *,
     since: StageResult | None = None,
-    deformed: float | Literal["auto"] = 0.0,
+    deformed: float | Literal["auto"] | None = None,
     limits: tuple[float, float] | None = None,
     window: Window | None = None,
     levels: int = 10,
@@ -64,7 +64,8 @@ def contour(
     since
         Earlier stage: draw the change since then.
     deformed
-        Factor of the displacements, or ``"auto"``; the undeformed outline is drawn too.
+        Factor of the displacements, or ``"auto"``; the undeformed outline is drawn too. By default
+        bodies of finite kinematics are drawn as they are, others undeformed.
     limits
         Values at the ends of the colour scale; by default the rounded extremes of the field.
     window
@@ -328,7 +329,7 @@ def contours(
     quantity: str,
     *,
     since: StageResult | None = None,
-    deformed: float | Literal["auto"] = 0.0,
+    deformed: float | Literal["auto"] | None = None,
     limits: tuple[float, float] | None = None,
     levels: int = 10,
     colors: str | None = None,

@@ -52,7 +52,7 @@ class Scene:
     def __init__(
         self,
         stage: StageResult,
-        deformed: float | Literal["auto"] = 0.0,
+        deformed: float | Literal["auto"] | None = None,
         since: StageResult | None = None,
         values: ndarray | None = None,
     ) -> None:
@@ -68,7 +68,10 @@ class Scene:
         if since is not None:
             moved = stage.x - _begun(stage, since)
         self.displacement = moved[: basis.N].reshape(-1, dim)
-        self.factor = self._round_factor() if deformed == "auto" else float(deformed)
+        finite = any(form.kinematics == "finite" for form in bodies)
+        if finite and deformed in (None, "auto"):
+            deformed = 1.0
+        self.factor = self._round_factor() if deformed == "auto" else float(deformed or 0.0)
 
         # Give each node equal shares of the areas of its elements.
         areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
@@ -189,7 +192,7 @@ class Cutaway(Scene):
     def __init__(
         self,
         stage: StageResult,
-        deformed: float | Literal["auto"],
+        deformed: float | Literal["auto"] | None,
         since: StageResult | None,
         values: ndarray,
         cuts: Sequence[Cut] = (),

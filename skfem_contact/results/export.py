@@ -96,8 +96,10 @@ def _at_nodes(
     plastic = []
     for name, form in bodies.items():
         state = stage.states[name]
-        stress.append(_in_space(recovered(form, total_stress(form, state), balanced=True).T, 6))
-        strain.append(_in_space(recovered(form, state.strain).T, 6))
+        balanced = form.kinematics != "finite"  # forces are of the undeformed body
+        values = recovered(form, total_stress(form, state), balanced=balanced)
+        stress.append(_in_space(values.T, 6))
+        strain.append(_in_space(recovered(form, form.total_strain(state)).T, 6))
         plastic.append(recovered(form, plastic_strain(form, state)[None], limited=True)[0])
     return {
         "displacement": _in_space(u[mesh.nodes], 3),

@@ -266,7 +266,9 @@ def _of_form(
         u = x.reshape(-1, form.basis.mesh.dim()).T
         return quantity.value(u[:, region_mesh(form).nodes])
     if quantity.source == "strain":
-        strain = state.strain if before is None else state.strain - before.strain
+        strain = form.total_strain(state)
+        if before is not None:
+            strain = strain - form.total_strain(before)
         return quantity.value(recovered(form, strain, elements=elements))
     values = _of_state(form, state, quantity, elements)
     return values if before is None else values - _of_state(form, before, quantity, elements)
@@ -275,8 +277,9 @@ def _of_form(
 def _of_state(form: SolidForm, state: Any, quantity: Quantity, elements: ndarray | None) -> ndarray:
     """Return the field of one solid that follows from its stress or memory in a state."""
     if quantity.source == "stress":
+        balanced = form.kinematics != "finite"  # forces are of the undeformed body
         total = total_stress(form, state)
-        return quantity.value(recovered(form, total, balanced=True, elements=elements))
+        return quantity.value(recovered(form, total, balanced=balanced, elements=elements))
     values = quantity.value(form, state)
     if quantity.source == "nodes":
         return values

@@ -410,7 +410,8 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
     for part in arrays_of(initial):
         if f"{key}/{part}" in arrays:
             parts[part] = arrays[f"{key}/{part}"]
-    is_complete = len(parts) == len(arrays_of(initial))
+    saved = [part for part in arrays if part.startswith(f"{key}/")]
+    is_complete = len(parts) == len(arrays_of(initial)) == len(saved)
     state = with_arrays(initial, parts) if is_complete else None
     if not is_complete or not fits(form, state):
         raise ValueError(

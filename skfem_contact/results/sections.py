@@ -37,6 +37,8 @@ _ROUND_OFF = 1e-9
 
 def section_forces(form: SolidForm, state: SolidState, sections: Sections | None) -> SectionForces:
     """Return normal force, shear force and moment at sections of a body."""
+    if form.kinematics == "finite":
+        raise ValueError("section forces are of small kinematics: this solid has finite ones")
     # Check the sections.
     if sections is None:
         raise ValueError(

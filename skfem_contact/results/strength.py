@@ -117,11 +117,12 @@ def _has_midside_nodes(form: SolidForm) -> bool:
 
 
 def total_stress(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the stress with the :func:`pore_pressure`, (n_components, n_elements, n_points)."""
+    """Return Cauchy stresses with the :func:`pore_pressure`, (n_components, n_elements, ...)."""
     at_points = form.variable(EXCESS_PRESSURE, state)
+    stress = form.cauchy(state)
     if not at_points.any():
-        return state.stress
-    stress = state.stress.copy()
+        return stress
+    stress = stress.copy()
     stress[:3] += at_points - pore_pressure(form, state)
     return stress
 

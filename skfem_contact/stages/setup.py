@@ -58,6 +58,7 @@ class Setup:
         self.solver = solver
         self.newton = newton
         self.coordinates = _coordinates_of(given)
+        self.finite = _is_finite(given)
         _check_different(given)
         _check_bases(given)
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
@@ -116,10 +117,16 @@ class Setup:
 
         See :func:`water_load`. ``Stage(water=...)`` finds these boundaries by itself.
         """
+        self.refuse_finite("water acts on undeformed boundaries: give total stresses and loads")
         porous = [form for form in self.solids.values() if form.porous]
         elements = np.concatenate([form.elements for form in porous])
         ground = loads.Domain(porous[0].basis.with_elements(elements), self.coordinates)
         return loads.water_load(ground, pressure, boundaries)
+
+    def refuse_finite(self, why: str) -> None:
+        """Refuse what is wrong for bodies of finite kinematics."""
+        if self.finite:
+            raise ValueError(f"{why} (kinematics='finite' here, 'small' would do)")
 
     def _acceleration(
         self, gravity: Sequence[float] | None, seismic: float | Sequence[float]
@@ -229,6 +236,7 @@ class Setup:
         total = np.zeros(self.layout.size)
         if water is None or water is False:
             return total
+        self.refuse_finite("water acts on undeformed boundaries: give total stresses and loads")
         is_level = not callable(water) and np.ndim(water) != 1
         if self.gravity[-1] != -1.0 and is_level:
             raise ValueError(
@@ -340,6 +348,20 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
             f"the forms have different coordinate systems, {given}: give all the same `coordinates`"
         )
     return next(iter(given.values()), None)
+
+
+def _is_finite(forms: Mapping[str, Form]) -> bool:
+    """Return True if bodies have finite kinematics, beside which small ones are refused."""
+    kinds = {name: form.kinematics for name, form in forms.items() if form.kinematics}
+    finite = [name for name, kind in kinds.items() if kind == "finite"]
+    small = [name for name, kind in kinds.items() if kind == "small"]
+    if finite and small:
+        label = type(forms[small[0]]).__name__
+        raise ValueError(
+            f"'{small[0]}', a {label}, is of small rotations and strains, but '{finite[0]}' has "
+            "kinematics='finite': give all solids the same, without water and structural elements"
+        )
+    return bool(finite)
 
 
 def _check_fields(forms: Mapping[str, Form]) -> None:

@@ -17,6 +17,8 @@ from .pore_water import PoreWater
 class AtNodes(Form, Couples, Staged, Timed):
     """Water that enters or leaves consolidating ground at nodes."""
 
+    kinematics = "small"
+
     symmetric = True
     second_order = True
     #: Water of the ground, and dofs of its pressures at the nodes.

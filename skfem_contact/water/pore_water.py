@@ -146,6 +146,8 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
     -0.049
     """
 
+    kinematics = "small"
+
     second_order = True
     size: int
     carries: ndarray
