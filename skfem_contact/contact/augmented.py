@@ -280,13 +280,16 @@ class AugmentedLagrangian(Penalty):
         # largest one, which is zero where nothing pulls
         pressure = found.traction[0]
         largest = pressure.max(initial=0.0)
-        none = largest - _ROUND_OFF * np.abs(pressure).max(initial=0.0)
-        closed = before[0] + _excess(points, pressure, before[0]) < none
+        size = _nodal_mean(points, np.abs(pressure))
+        none = _ROUND_OFF * np.abs(pressure).max(initial=0.0)
+        closed = size > 0.0
+        if largest <= none:
+            closed = before[0] + _excess(points, pressure, before[0]) < largest - none
         after = _improved(points, found.traction, before, closed & moves)
         after[0] = np.minimum(after[0], largest)
 
         # Without tractions around a node its multiplier would vanish by halves
-        after[:, _nodal_mean(points, np.abs(pressure)) == 0.0] = 0.0
+        after[:, size == 0.0] = 0.0
 
         # A sliding point's traction follows from the normal one: only where a node sticks is its
         # elastic slip an error

@@ -88,3 +88,29 @@ def test_fewer_points_than_multipliers(quadrature: int) -> None:
     # ten times the tolerance; one point leaves the ends of the facets free to part, by less than
     # they are strained
     assert short == pytest.approx(2 * (1 - 0.3**2) / 1e3, rel=1e-5 if quadrature > 1 else 0.1)
+
+
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+@pytest.mark.parametrize("element", ["Q1", "P2"])
+@pytest.mark.parametrize("enforcement", [sc.AugmentedLagrangian(), sc.DualMultipliers()])
+def test_pull_on_a_rigid_side(enforcement, element: str) -> None:
+    """[X] A tied block whose own side of the joint is rigid is pressed and then pulled evenly, in
+    ten increments: some tractions there move nothing, and may not build up.
+    """
+    bodies = {
+        "low": grid(element, np.linspace(0, 1, 3), [-1, 0]),
+        "up": grid(element, np.linspace(0, 1, 4), [0, 1]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), element, intorder=4)
+    forms = {
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Tied(), enforcement=enforcement),
+        "cap": sc.RigidBoundary(basis, "up:bottom"),
+    }
+    model = sc.Model(forms, basis.get_dofs("low:bottom").all())
+    press = model.traction("up:top", (0.0, -10.0))
+    stages = [sc.Stage("press", press), sc.Stage("pull", -0.4 * press, increments=10)]
+    result = model.run(stages, progress=False)
+    for name, pressure in (("press", 10.0), ("pull", -4.0)):
+        # Combinations of multipliers beyond the motions of a flat side follow round-off alone
+        np.testing.assert_allclose(result[name].tractions("joint").pressure, pressure, rtol=1e-4)
