@@ -10,6 +10,7 @@ from .limit_analysis import Bounds, bounds
 from .solvers import single_threaded
 from .stages import initial
 from .stages import run as running
+from .stages import vibrations
 from .stages.setup import Setup
 
 
@@ -82,6 +83,8 @@ class Model(Setup):
     k0_state = initial.k0_state
     gravity_state = single_threaded(initial.gravity_state)
     run = single_threaded(running.run)
+    modes = single_threaded(vibrations.modes)
+    frequencies = single_threaded(vibrations.frequencies)
     strength_reduction = single_threaded(strength.strength_reduction)
     limit_load = single_threaded(limits.limit_load)
     is_stable = single_threaded(limits.is_stable)

@@ -3,6 +3,7 @@
 from ..display import Table
 from .cuts import SectionForces, Sections
 from .files import Append
+from .modes import Modes
 from .motion import History
 from .points import PointValues
 from .result import Result, load_result, of
@@ -15,6 +16,7 @@ __all__ = [
     "ContactReport",
     "Envelope",
     "History",
+    "Modes",
     "PointValues",
     "Result",
     "SectionForces",

@@ -79,13 +79,8 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form]) -> InTime:
     settings = stage.dynamic
     assert settings is not None
     try:
-        _check_forms(forms)
-        g = setup.gravity_acceleration
-        if g is None:
-            raise ValueError(
-                "masses are unit weights over the acceleration of gravity: give "
-                "Model(gravity_acceleration=9.81), in the units of the model (9.81 for kN and m)"
-            )
+        check_forms(forms)
+        g = setup.acceleration_of_gravity()
         M, C = mass_and_damping(forms, setup.layout, settings, g)
         if M.nnz == 0:
             raise ValueError("no form has a mass: give the solids their unit_weight")
@@ -98,7 +93,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form]) -> InTime:
     return InTime(settings, M, C, steps, stage.duration / steps, points)
 
 
-def _check_forms(forms: Mapping[str, Form]) -> None:
+def check_forms(forms: Mapping[str, Form]) -> None:
     """Refuse water that flows, and materials that creep."""
     wet = list(having(forms, Wet))
     if wet:

@@ -78,6 +78,15 @@ class Setup:
             positive(gravity_acceleration, "gravity_acceleration")
         self._change: Callable[[str, Form], Form] | None = None
 
+    def acceleration_of_gravity(self) -> float:
+        """Return the acceleration of gravity; a ``ValueError`` where it was not given."""
+        if self.gravity_acceleration is None:
+            raise ValueError(
+                "masses are unit weights over the acceleration of gravity: give "
+                "Model(gravity_acceleration=9.81), in the units of the model (9.81 for kN and m)"
+            )
+        return self.gravity_acceleration
+
     def with_each(self, change: Callable[[str, Form], Form]) -> Self:
         """Return the set-up with a change of all forms, those that stages will bring included.
 

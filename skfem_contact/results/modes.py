@@ -1,0 +1,120 @@
+"""Natural frequencies and modes of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from ..display import Table
+from .stage import StageResult
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Natural frequencies and modes, the lowest first.
+
+    Attributes
+    ----------
+    frequencies : ndarray, shape (n,)
+        Frequencies in cycles per time (Hz); zero for bodies that move freely.
+    shapes : ndarray, shape (N, n)
+        Displacements of the modes, the largest component 1.
+    masses : ndarray, shape (n,)
+        Generalised masses ``x @ M @ x``.
+    participation : ndarray, shape (n, dim)
+        Factors ``x @ M @ r`` over the generalised mass, of a base that moves along each axis.
+    effective : ndarray, shape (n, dim)
+        Share of the mass that is free to move that each mode takes along each axis: they add up to
+        1.
+    start
+        Equilibrium of which these are the small vibrations.
+
+    Examples
+    --------
+    A layer on rock, whose frequencies are ``(2 k - 1) c / 4 H``:
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad.init_tensor([0., 1.], np.linspace(0., 20., 11)).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    >>> soil = sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=.25), unit_weight=20.)
+    >>> fixed = [basis.get_dofs("bottom").all(), np.arange(1, basis.N, 2)]
+    >>> model = sc.Model({"soil": soil}, fixed, gravity_acceleration=10.)
+    >>> model.frequencies(3).round(2)                                  # c = 200
+    array([ 2.5,  7.5, 12.5])
+    """
+
+    frequencies: ndarray
+    shapes: ndarray = field(repr=False)
+    masses: ndarray = field(repr=False)
+    participation: ndarray = field(repr=False)
+    effective: ndarray = field(repr=False)
+    start: StageResult = field(repr=False)
+
+    def __len__(self) -> int:
+        return len(self.frequencies)
+
+    def stage(self, number: int) -> StageResult:
+        """Return a mode, counted from 0, as a stage to draw: its displacements alone.
+
+        Raises
+        ------
+        ValueError
+            The mode was not computed.
+        """
+        if not 0 <= number < len(self):
+            raise ValueError(f"there are {len(self)} modes, numbers 0 to {len(self) - 1}")
+        name = f"mode {number + 1}, {self.frequencies[number]:.4g} Hz"
+        return replace(self.start, name=name, x=self.shapes[:, number].copy())
+
+    def table(self) -> Table:
+        """Return frequencies, periods and shares of the mass as a table."""
+        n = len(self)
+        with np.errstate(divide="ignore"):
+            periods = 1.0 / self.frequencies
+        columns: dict[str, Any] = {"mode": np.arange(1, n + 1)}
+        columns |= {"frequency": self.frequencies, "period": periods}
+        axes = "xyz"[: self.effective.shape[1]]
+        for axis, share in zip(axes, self.effective.T, strict=True):
+            columns[f"mass {axis}"] = share
+        return Table.of(columns, "natural frequencies")
+
+    def __str__(self) -> str:
+        return str(self.table())
+
+
+def modes(
+    squares: ndarray, shapes: ndarray, M: Any, moves: Mapping[int, ndarray], start: StageResult
+) -> Modes:
+    """Return modes from squares of angular frequencies and shapes with unit generalised mass.
+
+    Parameters
+    ----------
+    squares, shapes
+        As of the dynamics room, (n,) and (N, n).
+    M
+        Mass that is free to move, (N, N).
+    moves
+        Rigid translations by axis, (N,) each.
+    start
+        The equilibrium.
+    """
+    # x^T M r / x^T M x, and the share (x^T M r)^2 / (x^T M x r^T M r)
+    along = np.array([shapes.T @ (M @ r) for r in moves.values()]).T
+    total = np.array([r @ (M @ r) for r in moves.values()])
+    effective = along**2 / np.where(total > 0.0, total, 1.0)
+    largest = np.abs(shapes).argmax(axis=0)
+    size = shapes[largest, np.arange(shapes.shape[1])]
+    return Modes(
+        frequencies=np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi),
+        shapes=shapes / size,
+        masses=1.0 / size**2,
+        participation=along * size[:, None],
+        effective=effective,
+        start=start,
+    )

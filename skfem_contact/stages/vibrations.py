@@ -1,0 +1,131 @@
+"""Small vibrations of a model about an equilibrium."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy import ndarray
+
+from ..dynamics.mass import mass_and_damping
+from ..dynamics.modes import modes_of
+from ..dynamics.settings import Dynamic
+from ..forms.base import responses_of
+from ..results import modes as results
+from ..results.result import Result
+from ..results.stage import StageResult
+from ..sparse import Total
+from .in_time import check_forms
+from .setup import Setup
+
+#: Kinds of masses.
+Masses = Literal["lumped", "consistent"]
+
+
+def modes(
+    setup: Setup,
+    n: int,
+    *,
+    start: Result | StageResult | None = None,
+    mass: Masses = "lumped",
+) -> results.Modes:
+    """Return natural frequencies and modes of small vibrations.
+
+    Masses are unit weights over ``gravity_acceleration``. The stiffness is the tangent of all
+    forms at the start: closed contact and bars hold, open contact does not.
+
+    Parameters
+    ----------
+    n
+        Number of modes.
+    start
+        Result, or one of its stages, about which the model vibrates; by default the undeformed
+        bodies.
+    mass
+        ``"lumped"`` or ``"consistent"``, as of :class:`Dynamic`.
+
+    Raises
+    ------
+    ValueError
+        No acceleration of gravity or no unit weight, more modes than masses, water that flows, or a
+        tangent that is not symmetric, as of sliding friction.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad2()))
+    >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=.3), unit_weight=20.)
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> model = sc.Model({"block": block}, fixed, gravity_acceleration=9.81)
+    >>> print(model.modes(2))
+    natural frequencies
+    mode  frequency  period  mass x  mass y
+    ...
+    """
+    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
+        raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
+    last = start[-1] if isinstance(start, Result) else start
+    setup = setup.after(last)
+    if last is None:
+        last = _undeformed(setup)
+    forms = {name: setup.forms[name] for name in last.states}
+    check_forms(forms)
+    settings = Dynamic(1.0, mass=mass, contact_mass="kept")
+    M, _ = mass_and_damping(forms, setup.layout, settings, setup.acceleration_of_gravity())
+    if M.nnz == 0:
+        raise ValueError("no form has a mass: give the solids their unit_weight")
+
+    # Assemble the tangent of the start
+    fixed = np.union1d(setup.fixed, setup.inactive(forms))
+    system = setup.system(forms, fixed)
+    x = setup.vector(last.x, "start")
+    responses = responses_of(system.forms, x, last.states)
+    K = Total().of([response.stiffness for response in responses.values()])
+    free = system.free
+    if abs(K - K.T)[free][:, free].max() > 1e-9 * abs(K).max():
+        raise ValueError(
+            "the tangent is not symmetric: contact slides or soil flows at the start, about which "
+            "there are no modes of vibration"
+        )
+    squares, shapes = modes_of(K, M, system.fixed, system.factor, int(n))
+
+    # Find the mass that is free, and the rigid translations
+    moves: dict[int, ndarray] = {}
+    dim = len(setup.layout.coordinates)
+    displacements = setup.layout.n_displacements
+    for c in range(dim):
+        moves[c] = np.zeros(setup.layout.size)
+        moves[c][c:displacements:dim] = 1.0
+        moves[c][system.fixed] = 0.0
+    return results.modes(squares, shapes, M, moves, last)
+
+
+def frequencies(
+    setup: Setup,
+    n: int,
+    *,
+    start: Result | StageResult | None = None,
+    mass: Masses = "lumped",
+) -> ndarray:
+    """Return the lowest natural frequencies, (n,), in cycles per time (Hz).
+
+    See :meth:`modes`.
+    """
+    return modes(setup, n, start=start, mass=mass).frequencies
+
+
+def _undeformed(setup: Setup) -> StageResult:
+    """Return the undeformed bodies."""
+    states: dict[str, Any] = {name: form.initial_state() for name, form in setup.forms.items()}
+    nothing = np.zeros(setup.layout.size)
+    return StageResult(
+        "undeformed",
+        nothing,
+        nothing.copy(),
+        states,
+        (),
+        0.0,
+        forms=setup.forms,
+        layout=setup.layout,
+    )

@@ -1,0 +1,121 @@
+"""Natural frequencies and modes: layer, cantilever, free bodies, contact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementQuad2,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+    MeshTri,
+)
+
+import skfem_contact as sc
+from tests.dynamics.cases import QUIET, oscillator
+
+
+def layer(element=ElementQuad1, n=40):
+    """Return the model of a layer of height 20 in shear, with waves of velocity 200."""
+    mesh = MeshQuad.init_tensor([0.0, 1.0], np.linspace(0.0, 20.0, n + 1)).with_defaults()
+    basis = Basis(mesh, ElementVector(element()), intorder=4)
+    soil = sc.LinearElastic(E=2.0 * 8e4 * 1.3, nu=0.3)
+    solid = sc.SolidForm(basis, soil, "full", unit_weight=20.0)
+    fixed = [basis.get_dofs("bottom").all(), np.arange(1, basis.N, 2)]
+    return sc.Model({"soil": solid}, fixed, gravity_acceleration=10.0), basis
+
+
+@pytest.mark.parametrize("mass", ["lumped", "consistent"])
+def test_frequencies_of_a_layer(mass):
+    """[X] (2 k - 1) c / 4 H; quadratic elements err by less than 0.1 %."""
+    exact = 2.5 * np.array([1.0, 3.0, 5.0])
+    model, _ = layer()
+    np.testing.assert_allclose(model.frequencies(3, mass=mass), exact, rtol=2e-3)
+    model, _ = layer(ElementQuad2, 10)
+    np.testing.assert_allclose(model.frequencies(3, mass=mass), exact, rtol=5e-4)
+
+
+def test_participation_of_a_layer():
+    """[X] The share of mode k is 8 / (pi (2 k - 1))^2, and all shares add up to 1."""
+    model, basis = layer()
+    modes = model.modes(10)
+    number = 2.0 * np.arange(1, 11) - 1.0
+    share = 8.0 / (np.pi * number) ** 2
+    # the mass of the lowest nodes, 1/80, is fixed
+    np.testing.assert_allclose(modes.effective[:3, 0] * (1.0 - 1.0 / 80.0), share[:3], rtol=0.01)
+    assert 0.95 < modes.effective[:, 0].sum() < 1.0
+    np.testing.assert_allclose(np.abs(modes.shapes).max(axis=0), 1.0)
+    # sin(pi y / 2 H), largest at the top: the factor is 4 / pi
+    assert modes.participation[0, 0] == pytest.approx(4.0 / np.pi, rel=1e-3)
+    y = basis.doflocs[1, ::2]
+    np.testing.assert_allclose(modes.shapes[::2, 0], np.sin(np.pi * y / 40.0), atol=1e-6)
+    assert len(modes.table()) == 10
+    assert modes.stage(0).name == "mode 1, 2.5 Hz"
+
+
+def cantilever(fixed=True):
+    """Return a beam of quadratic triangles, L / h = 20, E = 1e6 and density 1."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 20, 41), np.linspace(0, 1, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0), unit_weight=10.0)
+    held = basis.get_dofs("left").all() if fixed else np.zeros(0, int)
+    return sc.Model({"beam": solid}, held, gravity_acceleration=10.0)
+
+
+def test_bending_of_a_cantilever():
+    """[X] Euler and Bernoulli, less shear and rotation: 0.2 % and 1.4 % (Timoshenko)."""
+    euler = np.array([3.5160, 22.034]) / (2 * np.pi) * np.sqrt(1e6 / 12.0 / 20.0**4)
+    found = cantilever().frequencies(2)
+    np.testing.assert_allclose(found / euler, [0.9982, 0.9875], atol=2e-3)
+
+
+def test_free_body_has_rigid_modes():
+    """[X] Three frequencies of a free plane body are zero; then 22.373 of a free beam."""
+    model = cantilever(fixed=False)
+    found = model.frequencies(5)
+    euler = np.array([22.373, 61.673]) / (2 * np.pi) * np.sqrt(1e6 / 12.0 / 20.0**4)
+    # round-off of the squares, 1e-13 of the largest one
+    assert found[:3].max() < 1e-3 * euler[0]
+    np.testing.assert_allclose(found[3:] / euler, [0.993, 0.98], atol=0.008)
+
+
+def test_few_masses():
+    """[X] One mass on a spring: w = sqrt(k / m); more modes than masses are refused."""
+    model, _, _ = oscillator()
+    assert model.frequencies(1)[0] == pytest.approx(100.0 / (2.0 * np.pi))
+    with pytest.raises(ValueError, match="2 masses that are free to move, not 3 modes"):
+        model.frequencies(3)
+    with pytest.raises(ValueError, match="at least 1 and whole"):
+        model.frequencies(0)
+    with pytest.raises(ValueError, match="there are 1 modes, numbers 0 to 0"):
+        model.modes(1).stage(1)
+
+
+def test_modes_about_a_state_with_contact():
+    """[X] A block on a frictionless rigid plane: the closed contact holds it like a support."""
+    mesh = MeshQuad.init_tensor([0.0, 1.0], np.linspace(0.0, 4.0, 17)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0), unit_weight=20.0)
+    plane = sc.rigid.line((-5.0, 0.0), (5.0, 0.0))
+    pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(), enforcement=sc.DualMultipliers())
+    along = basis.get_dofs().all("u^1")
+    given = {"gravity_acceleration": 10.0}
+    model = sc.Model({"solid": solid, "pair": pair}, along, **given)
+    start = model.run([sc.Stage("weight")], **QUIET)
+    held = sc.Model({"solid": solid}, [along, basis.get_dofs("bottom").all()], **given)
+    found = model.frequencies(3, start=start)
+    # the masses of the lowest nodes do not move either
+    np.testing.assert_allclose(found, held.frequencies(3), rtol=1e-6)
+
+
+def test_modes_need_masses():
+    """[X] One sentence each: no acceleration of gravity, no unit weight."""
+    model, basis = layer()
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0))
+    with pytest.raises(ValueError, match="give Model.gravity_acceleration=9.81"):
+        sc.Model(model.forms, model.fixed).frequencies(1)
+    with pytest.raises(ValueError, match="'soil' has no unit_weight"):
+        sc.Model({"soil": solid}, model.fixed, gravity_acceleration=10.0).frequencies(1)
