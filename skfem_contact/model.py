@@ -8,9 +8,8 @@ from .collapse import limit_load as limits
 from .collapse import strength
 from .limit_analysis import Bounds, bounds
 from .solvers import single_threaded
-from .stages import initial
+from .stages import initial, vibrations
 from .stages import run as running
-from .stages import vibrations
 from .stages.setup import Setup
 
 

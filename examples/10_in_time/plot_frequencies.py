@@ -5,8 +5,8 @@ Natural frequencies of an embankment dam
 A dam of triangular section, height H and shear wave velocity c vibrates across its axis. Taken as
 a beam that deforms in shear alone, with the same shear strain on every level, it has the
 frequencies :math:`f_k = \beta_k c / (2 \pi H)` with the zeros 2.405, 5.520, ... of the Bessel
-function :math:`J_0` (Mononobe, Takata and Matumura 1936). Plane finite elements also bend, and their
-levels do not stay plane: their first frequency is a tenth lower.
+function :math:`J_0` (Mononobe, Takata and Matumura 1936). Plane finite elements also bend, and
+their levels do not stay plane: their first frequency is a tenth lower.
 """
 
 # %%

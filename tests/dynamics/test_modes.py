@@ -115,7 +115,7 @@ def test_modes_need_masses():
     """[X] One sentence each: no acceleration of gravity, no unit weight."""
     model, basis = layer()
     solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0))
-    with pytest.raises(ValueError, match="give Model.gravity_acceleration=9.81"):
+    with pytest.raises(ValueError, match=r"give Model.gravity_acceleration=9.81"):
         sc.Model(model.forms, model.fixed).frequencies(1)
     with pytest.raises(ValueError, match="'soil' has no unit_weight"):
         sc.Model({"soil": solid}, model.fixed, gravity_acceleration=10.0).frequencies(1)
