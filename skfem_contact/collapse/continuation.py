@@ -137,6 +137,8 @@ class SearchStart:
         Attributes of the stage at the start that the end of the search keeps.
     at_rest
         Function that returns the pressure of the water at rest and its load, (N,), or None.
+    begins
+        The stage of the start, or unstrained bodies without load.
     """
 
     forms: dict[str, Form]
@@ -146,6 +148,7 @@ class SearchStart:
     load: ndarray
     kept: Mapping[str, Any]
     at_rest: Callable[[], tuple[Any, ndarray] | None]
+    begins: StageResult
 
     def ended(self, result: CollapseResult, water: Any = None) -> CollapseResult:
         """Return a result whose end keeps water, supports and changes of the start."""
@@ -201,6 +204,11 @@ def loaded_start(
     kept: dict[str, Any] = {"water_unit_weight": setup.water_unit_weight}
     if last is not None:
         kept.update((name, getattr(last, name)) for name in _KEPT)
+    begins = last
+    if begins is None:
+        states = {name: form.initial_state() for name, form in active.items()}
+        nothing = np.zeros(system.size)
+        begins = StageResult("start", nothing, nothing.copy(), states, (), 0.0)
     return SearchStart(
         forms=dict(active),
         system=system,
@@ -209,6 +217,7 @@ def loaded_start(
         load=on_top,
         kept=kept,
         at_rest=partial(setup.at_rest, active, water),
+        begins=begins,
     )
 
 

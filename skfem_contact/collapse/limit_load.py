@@ -21,6 +21,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..stages.setup import Setup
 from ..stages.stage import AtRest, Force
+from .accepted import Accepted, kept_in_errors
 from .continuation import GROWTH, Branch, Course, follow, last_stage, loaded_start
 from .mechanism import LOAD, as_collapse, warn_of_errors
 from .result import CollapseResult, Point, SearchLog, conclude
@@ -100,7 +101,8 @@ def limit_load(
     Raises
     ------
     NotConverged
-        No step was small enough to begin with.
+        No step was small enough to begin with. Like every error that ends the search, a
+        ``KeyboardInterrupt`` too, it has what was accepted as its attribute ``result``.
 
     Warns
     -----
@@ -134,21 +136,25 @@ def limit_load(
 
     # prove bounds that were asked for
     water = None if last is None else last.water
-    proven = beside(
-        certify,
-        begun.forms,
-        fixed=system.fixed,
-        dead=dead,
-        live=branch.reference,
-        flow=flow,
-        progress=progress,
-        at_rest=partial(setup.at_rest, begun.forms, water),
-    )
+    accepted = Accepted(LOAD, begun)
+    with accepted:
+        proven = beside(
+            certify,
+            begun.forms,
+            fixed=system.fixed,
+            dead=dead,
+            live=branch.reference,
+            flow=flow,
+            progress=progress,
+            at_rest=partial(setup.at_rest, begun.forms, water),
+        )
 
     # follow the curve from the first loaded equilibrium
     newton = setup.newton or Newton(tolerance=0.03 * tolerance, max_iterations=30)
-    with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
+    shown = progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}")
+    with accepted, shown as bar:
         log = SearchLog(system, bar, begun.origin)
+        accepted.follow(branch, log, flow)
         first = _first(branch, begun.origin, step, newton, log)
         course = Course(
             tolerance,
@@ -221,20 +227,21 @@ def is_stable(
     ------
     NotConverged
         Neither an equilibrium nor a collapse was found; :meth:`limit_load` proceeds by
-        steps.
+        steps. Every error has the stage that the search began with as its attribute ``result``.
     """
     begun = loaded_start(setup, load, start, water, undrained)
     system, origin = begun.system, begun.origin
     whole = begun.weight + begun.load
     newton = setup.newton or Newton(tolerance=3e-4, max_iterations=60)
-    try:
-        step = Step(system, origin.x, origin.states, whole, origin.x[system.fixed])
-        step.equilibrium(newton, Attempt(("energy", "residual"), at_least=1, damp=True))
-    except NotConverged as error:
-        failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
-        if not isinstance(failure, NoEquilibrium) or failure.x is None:
-            raise
-        states = system.evaluate(failure.x, origin.states, whole).states
-        warn_of_errors(system, failure.x, states)
-        return False
+    with kept_in_errors(begun.begins):
+        try:
+            step = Step(system, origin.x, origin.states, whole, origin.x[system.fixed])
+            step.equilibrium(newton, Attempt(("energy", "residual"), at_least=1, damp=True))
+        except NotConverged as error:
+            failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
+            if not isinstance(failure, NoEquilibrium) or failure.x is None:
+                raise
+            states = system.evaluate(failure.x, origin.states, whole).states
+            warn_of_errors(system, failure.x, states)
+            return False
     return True

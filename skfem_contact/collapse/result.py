@@ -89,6 +89,7 @@ class SearchLog:
 
     def __init__(self, system: System, bar: Any, origin: Point) -> None:
         self.steps: list[Step] = []
+        self.points: list[Point] = []  # all equilibria
         self._forms = system.forms
         self._bar = bar
         self._displacements = system.layout.displacements
@@ -101,6 +102,7 @@ class SearchLog:
 
     def accept(self, point: Point) -> None:
         """Add an equilibrium."""
+        self.points.append(point)
         self._add(
             Step(
                 point.parameter,
@@ -169,12 +171,13 @@ class Stop:
         Two kinds show the limit. ``"plateau"``: the curve has levelled off; ``"collapse"``: no
         equilibrium exists close above. Four do not. ``"peak"``: the curve falls, and another path
         may lead higher; ``"stall"``: neither equilibrium nor collapse was found; ``"max_value"``:
-        the parameter has exceeded `max_value`; ``"steps"``: the search took too many steps.
+        the parameter has exceeded `max_value`; ``"steps"``: the search took too many steps. The
+        ``result`` of an error that has ended a search has ``"interrupted"``.
     text
         Explanation for a message.
     """
 
-    kind: Literal["plateau", "collapse", "peak", "stall", "max_value", "steps"]
+    kind: Literal["plateau", "collapse", "peak", "stall", "max_value", "steps", "interrupted"]
     text: str
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -24,6 +24,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..stages.setup import Setup
 from ..stages.stage import AtRest, Force
+from .accepted import Accepted
 from .continuation import Branch, Course, follow, loaded_start, motion
 from .mechanism import FACTOR, as_collapse, is_singular
 from .result import (
@@ -213,7 +214,8 @@ def strength_reduction(
     Raises
     ------
     NotConverged
-        No equilibrium was found to start from.
+        No equilibrium was found to start from. Like every error that ends the search, a
+        ``KeyboardInterrupt`` too, it has what was accepted as its attribute ``result``.
 
     Warns
     -----
@@ -265,19 +267,33 @@ def strength_reduction(
         "flow": flow,
         "at_rest": begun.at_rest,
     }
-    proven = beside(certify, live=None, progress=progress, **structure)
+    accepted = Accepted(FACTOR, begun, water)
+    with accepted:
+        proven = beside(certify, live=None, progress=progress, **structure)
 
     # search, after Davis first where dilatancy is less than friction
     least = max(step, tolerance)
-    with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
-        found = _search(branch, begun.origin, newton, tolerance, least, max_value, bar, free)
-    result = begun.ended(found, water)
+    shown = progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}")
+    with accepted, shown as bar:
+        limits = _Limits(tolerance, least, max_value, bar)
+        found = _search(branch, begun.origin, newton, limits, accepted, free)
+    result = accepted.found = begun.ended(found, water)
 
     # prove bounds on the mesh of the search where they are cheap
     if certify == "auto" and not undrained:
-        proven, unproven = _cheap_bounds(result, free, tolerance, structure)
+        with accepted:
+            proven, unproven = _cheap_bounds(result, free, tolerance, structure)
         result = replace(result, unproven=unproven)
     return result.beside(proven, tolerance)
+
+
+class _Limits(NamedTuple):
+    """Tolerance, first step and largest value of a search, with its progress bar."""
+
+    tolerance: float
+    step: float
+    max_value: float
+    bar: Any
 
 
 def _cheap_bounds(
@@ -313,10 +329,8 @@ def _search(
     branch: _Strength,
     origin: Point,
     newton: Newton,
-    tolerance: float,
-    step: float,
-    max_value: float,
-    bar: Any,
+    limits: _Limits,
+    accepted: Accepted,
     with_davis: bool = False,
 ) -> CollapseResult:
     """Search for the factor of one flow rule, with the search after Davis in front of it or not."""
@@ -325,7 +339,7 @@ def _search(
     if with_davis:
         weaker = _Strength(branch.system, branch.load, branch.targets, "davis_b")
         try:
-            davis = _search(weaker, origin, newton, tolerance, step, max_value, bar)
+            davis = _search(weaker, origin, newton, limits, accepted)
         except (ValueError, NotConverged) as error:
             # a material has no such flow, or no equilibrium to begin with exists
             logger.info("no factor after Davis: %s", error)
@@ -334,9 +348,10 @@ def _search(
             branch.above = branch.bound(davis)
 
     # find the first equilibrium, then the end of the curve
-    log = SearchLog(branch.system, bar, origin)
+    log = SearchLog(branch.system, limits.bar, origin)
+    accepted.follow(branch, log, branch.flow, part_names(branch.targets), davis)
     first = _first(branch, origin, newton, log)
-    result = _continued(branch, first, newton, tolerance, step, max_value, log)
+    result = _continued(branch, first, newton, *limits[:3], log)
     if np.isfinite(branch.above) and result.stop.kind != "collapse":
         result = replace(result, above=max(result.best.parameter, branch.above))
     system, load = branch.at(result.best.parameter)

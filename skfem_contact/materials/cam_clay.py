@@ -142,7 +142,7 @@ class CamClay(Material):
         for value in (k, g, hardening, self.M, self.extension, self.attraction):
             spread = along_elements(value, shape)
             values.append(spread.ravel() if isinstance(spread, np.ndarray) else spread)
-        return CamClayConstants(*values, conservative=self.conservative)
+        return CamClayConstants(self.conservative, *values)
 
     @override
     def elasticity(

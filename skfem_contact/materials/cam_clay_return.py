@@ -54,13 +54,13 @@ _ROUND = 1e-24
 class CamClayConstants(NamedTuple):
     """Floats, or arrays over points: moduli over p, hardening, critical state and attraction."""
 
+    conservative: bool
     k: Parameter
     g: Parameter
     hardening: Parameter
     M: Parameter
     extension: Parameter
     attraction: Parameter
-    conservative: bool
 
 
 class Trial(NamedTuple):
@@ -83,13 +83,13 @@ class Plastic(NamedTuple):
     y: Array
     z: Array
     x: Array
-    r: Array
-    slope: Array  # d ln(r) / dz
-    stiff: Array  # 6 g r
+    r: Parameter
+    slope: Parameter  # d ln(r) / dz
+    stiff: Parameter  # 6 g r
     E: Array
     E_z: Array
-    M: Array
-    M_z: Array
+    M: Parameter
+    M_z: Parameter
     dM: Array | None  # dM / d strain at a given z, None where M is constant
     h: Array  # eta^2
     D: Array
@@ -107,7 +107,7 @@ class Course(NamedTuple):
     F_y: Array
     D_y: Array
     z_y: Array
-    M_y: Array
+    M_y: Parameter
 
 
 class Rate(NamedTuple):
@@ -224,11 +224,13 @@ def at_pressure(y: Array, z: Array, trial: Trial) -> Plastic:
     start, mixed, change = trial.products
     E = np.maximum(a * a * start + 2 * a * r * mixed + r * r * change, 0.0)
     E_z = 2 * (a * a_z * start + (a * r_z + a_z * r) * mixed + r * r_z * change)
-    M, dM = c.M, None
-    M_z = 0.0
+    M: Parameter = c.M
+    dM: Array | None = None
+    M_z: Parameter = 0.0
     if not np.all(c.extension == 1.0):
         e, e_z = deviators(z, trial)
-        M, dM = critical(e, E, c)
+        M, gradient = critical(e, E, c)
+        dM = np.asarray(gradient)
         M_z = (dM[:3] * e_z[:3]).sum(axis=0) + 2 * (dM[3:] * e_z[3:]).sum(axis=0)
 
     # compute D = y (M^2 - h) / (6 g r), h = 6 g^2 E x^2
@@ -343,7 +345,7 @@ def plastic(trial: Trial) -> Rate:
     # solve for it
     search = Search(trial)
 
-    def function(y: Array, points: Array, trial: Trial) -> tuple[Array, Array, Array]:
+    def function(y: Array, points: NDArray[np.intp], trial: Trial) -> tuple[Array, Array, Array]:
         now = course(search.at(y, points, trial), trial)
         return now.F, now.F_y, _LAST * (1 + y)
 

@@ -22,6 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from .base import Array, Parameter, Update, along_elements, require
@@ -123,7 +124,7 @@ def _creep(trial: Trial, mu: Array, time: Array, begin: Array) -> Rate:
     times = mu, beta, log_time, begin
 
     def function(
-        log_y: Array, points: Array, trial: Trial, times: tuple[Array, ...]
+        log_y: Array, points: NDArray[np.intp], trial: Trial, times: tuple[Array, ...]
     ) -> tuple[Array, Array, float]:
         at = search.at(np.exp(log_y), points, trial)
         return *_equation(at, trial, *times)[:2], _LAST
