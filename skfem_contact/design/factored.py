@@ -110,7 +110,8 @@ class _Factoring:
         if id(old) not in self._made:
             new = change(old)
             self._made[id(old)] = (old, new)
-            self._new[id(new)] = new
+            if new is not old:
+                self._new[id(new)] = new
         return self._made[id(old)][1]
 
 
