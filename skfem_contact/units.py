@@ -26,7 +26,38 @@ _KINDS = {
     "z": "length",
     "arc": "length",
     "position": "length",
+    "unit weight": "weight",
     "skin": "line",
+}
+#: Kinds of the units of parameters of laws and structures by their names.
+_PARAMETERS = {
+    **dict.fromkeys(
+        (
+            "E",
+            "c",
+            "c_end",
+            "tension",
+            "adhesion",
+            "strength",
+            "E50_ref",
+            "Eoed_ref",
+            "Eur_ref",
+            "G0_ref",
+            "p_ref",
+            "POP",
+            "s_uA",
+            "s_uDSS",
+            "s_uP",
+            "sigma_ci",
+            "bulk_modulus_water",
+        ),
+        "stress",
+    ),
+    **dict.fromkeys(("phi", "psi", "phi_end"), "angle"),
+    **dict.fromkeys(("yield_force", "jack", "F_base"), "force"),
+    **dict.fromkeys(("spacing", "diameter"), "length"),
+    "T_max": "line",
+    "unit_weight": "weight",
 }
 _chosen: dict[str, str] = {}
 
@@ -85,6 +116,12 @@ def set_units(
 def unit_of(kind: str) -> str:
     """Return the unit of a kind of quantities, empty if none was set."""
     return _chosen.get(kind, "")
+
+
+def unit_of_parameter(name: str) -> str:
+    """Return the unit of a parameter of a law or structure, empty where it has none."""
+    kind = _PARAMETERS.get(name, "")
+    return "°" if kind == "angle" else unit_of(kind)
 
 
 def in_words(title: str, kind: str = "") -> str:

@@ -133,7 +133,7 @@ def check(
     stage
         Stage of a run in the plane with the loads, and the strengths, of the set.
     body
-        Name of the solid, or of the region, that is the body. It touches the ground by contact
+        Name of the solid, region or subdomain that is the body. It touches the ground by contact
         pairs alone.
     base
         Toe and heel, the ends of the base: (x, y) each. Overturning is about the toe.
@@ -273,7 +273,12 @@ def _body(stage: StageResult, name: str) -> tuple[ndarray, Mapping[str, ndarray]
             if name in (key, region.name):
                 part = own[region.elements]
                 elements[key] = np.union1d(elements.get(key, part), part)
-    look_up(name, existing, f"solid or region in stage '{stage.name}'")
+        for tag, numbers in (form.basis.mesh.subdomains or {}).items():
+            existing[tag] = None
+            part = np.flatnonzero(np.isin(form.elements, numbers))
+            if tag == name and len(part) and key not in elements:
+                elements[key] = part
+    look_up(name, existing, f"solid, region or subdomain in stage '{stage.name}'")
 
     # Refuse nodes in common with the rest.
     inside: list[ndarray] = []

@@ -8,44 +8,36 @@ from dataclasses import fields, is_dataclass
 from datetime import datetime
 from html import escape
 from importlib.resources import files
-from io import BytesIO
 from pathlib import Path
 from string import Template
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 from numpy import ndarray
 
 from ..display import Table
 from ..forms.base import solids_of
 from ..forms.roles import materials_of
 from ..results.cuts import Sections
-from ..results.fields import basis_of, has_solids, solids
-from ..results.result import COLUMNS, Result, rows_of
-from ..results.stage import StageResult
+from ..results.result import Result
 from ..units import in_words
 from ..versions import own_version, versions
-from .contour import Contours, contours, cutaway
-from .diagram import diagram
-from .mechanism import load_curve, mechanism
-from .model import Shade, drawn, shades
-from .sheet import close
+from . import document, report_tables
+from .model import Shade, shades
+from .report_parts import diagrams_of, facts_of, image, run_of, searches_of, stages_of
 
-_KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg": "svg+xml"}
 #: Stages side by side in a table: more of them continue below.
 _COLUMNS = 8
-#: Dots per inch of figures.
-_DPI = 150
-#: Width of the picture of a field in pixels.
-_WIDE = 900
 #: Names of a template.
 _NAMES = (
     "title",
     "facts",
     "model",
+    "parameters",
+    "ground",
+    "supports",
     "stages",
+    "loads",
     "table",
     "diagrams",
     "searches",
@@ -57,6 +49,8 @@ _NAMES = (
 )
 #: Texts of empty parts.
 _NOTHING = {
+    "ground": "The first stage has no stresses at rest, and no stage has water.",
+    "supports": "The supports are not known.",
     "searches": "No strength reduction or limit load is part of this report.",
     "pictures": "There are no further pictures.",
     "remarks": "The forms have no remarks on the ends of the stages.",
@@ -74,11 +68,12 @@ def report(
     pictures: Mapping[str, Any] | None = None,
     template: str | Path | None = None,
 ) -> Path:
-    """Write a report: one HTML file that needs nothing else, and that a browser prints to PDF.
+    """Write a report: one HTML file that needs nothing else, or a Word document.
 
-    It holds the materials and other parts of the model, two pictures of each stage, the largest
-    displacements and forces, diagrams of section forces, the searches, remarks and warnings of the
-    run, versions and times.
+    It holds the materials and other parts of the model with all parameters, supports, stresses at
+    rest and water, two pictures of each stage, resultants of loads and reactions, the largest
+    displacements and forces, diagrams of section forces, the searches with the error of the mesh,
+    remarks and warnings of the run, versions and times. A browser prints the page to PDF.
 
     Parameters
     ----------
@@ -86,7 +81,7 @@ def report(
         Result of an analysis, also one that stopped early or was read by
         :func:`~skfem_contact.load_result`.
     file
-        Name of the file, ``.html``.
+        Name of the file, ``.html``, or ``.docx`` where python-docx is installed.
     title
         Title of the report.
     quantity
@@ -98,10 +93,11 @@ def report(
     pictures
         Further pictures by their captions: figures of matplotlib, plotters, or names of files.
     template
-        Template of your own: a text with ``$title``, ``$facts``, ``$model``, ``$stages``,
-        ``$table``, ``$diagrams``, ``$searches``, ``$pictures``, ``$remarks``, ``$run``,
-        ``$versions`` and ``$footer``, or some of them; ``$$`` is a dollar sign. By default
-        ``skfem_contact/data/report.html`` of the package.
+        Template of your own: a text with ``$title``, ``$facts``, ``$model``, ``$parameters``,
+        ``$ground``, ``$supports``, ``$stages``, ``$loads``, ``$table``, ``$diagrams``,
+        ``$searches``, ``$pictures``, ``$remarks``, ``$run``, ``$versions`` and ``$footer``, or some
+        of them; ``$$`` is a dollar sign. By default ``skfem_contact/data/report.html`` of the
+        package. A ``.docx`` file has none.
 
     Returns
     -------
@@ -129,6 +125,15 @@ def report(
         raise ValueError("a report needs a result with a stage")
     sections = sections or {}
     searches = searches or {}
+    kind = Path(file).suffix.lower()
+    if kind not in (".html", ".htm", ".docx") or (kind == ".docx" and template is not None):
+        raise ValueError(
+            f"a report is an .html file, or a .docx file without template, not '{file}'"
+        )
+    if kind == ".docx":
+        return document.write(
+            result, Path(file), title, quantity, sections, searches, pictures or {}
+        )
     text = template_of(template)
     table = result.table(sections=sections, searches=searches)
     colors = shades(result)
@@ -137,14 +142,18 @@ def report(
     parts = {
         "pictures": _figures((pictures or {}).items()),
         "title": escape(title),
-        "facts": _facts(result, table, searches),
+        "facts": _facts(facts_of(result, table, searches)),
         "model": _model(result, colors),
+        "parameters": _plain(report_tables.parameters(result, colors)),
+        "ground": _given(report_tables.at_rest(result), report_tables.water(result)),
+        "supports": _given(report_tables.supports(result)),
+        "loads": _given(report_tables.loads(result)),
         "stages": "\n".join(_stages(result, colors, quantity)),
         "table": _by_stages(table),
-        "diagrams": _figures(_diagrams(result, sections)),
+        "diagrams": _figures(diagrams_of(result, sections)),
         "searches": "\n".join(_searches(searches)),
         "remarks": _remarks(result),
-        "run": _run(result),
+        "run": _plain(run_of(result)),
         "versions": _pairs(versions()),
         "footer": escape(f"skfem_contact {own_version()}, {datetime.now():%Y-%m-%d %H:%M}"),
     }
@@ -169,26 +178,8 @@ def template_of(file: str | Path | None) -> Template:
     return text
 
 
-def _facts(result: Result, table: Table, searches: Mapping[str, Any]) -> str:
-    """Return the figures at the top: stages, size of the model, displacement, factors, time."""
-    # Collect sizes, and the extremes of displacements.
-    last = result[-1]
-    found = {"stages": f"{len(result)}", "degrees of freedom": f"{len(last.x)}"}
-    if last.fraction < 1.0:
-        found["stages"] = f"stopped at {last.fraction:.0%} of '{last.name}'"
-    if has_solids(last):
-        n_elements = sum(form.basis.nelems for form in solids(last).values())
-        found["elements"] = f"{n_elements}"
-    if "displacement" in table.head:
-        largest = np.nanmax(table["displacement"])
-        found[in_words("largest displacement", "length")] = f"{largest:.4g}"
-
-    # Collect factors and times.
-    for stage, search in searches.items():
-        bound = "" if search.stop.shows_limit else "at least "
-        found[f"{search.what}, {stage}"] = f"{bound}{search.value:.3f}"
-    seconds = sum(stage.seconds for stage in result)
-    found["time"] = f"{seconds:.1f} s"
+def _facts(found: Mapping[str, str]) -> str:
+    """Return the figures at the top of the page."""
     facts = [
         f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
         for name, value in found.items()
@@ -238,6 +229,11 @@ def _plain(table: Table) -> str:
     return table._repr_html_().replace("<table>", '<table class="text">')
 
 
+def _given(*tables: Table) -> str:
+    """Return the tables that have rows."""
+    return "".join(_plain(table) for table in tables if len(table))
+
+
 def _weight(shade: Shade, weights: Mapping[str, Any]) -> str:
     """Return the unit weights of the regions of a material."""
     found: dict[Any, None] = {}
@@ -276,59 +272,11 @@ def _value(value: Any) -> str:
 
 def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Iterator[str]:
     """Yield each stage: its changes, the model, and a field on the scale of all stages."""
-    # Choose the common scale of plane pictures.
-    with_solids = [stage for stage in result if has_solids(stage)]
-    space = bool(with_solids) and basis_of(with_solids[0]).mesh.dim() == 3
-    common: Contours | None = None
-    if with_solids and not space:
-        common = contours(with_solids, quantity)
-
-    # Draw the model and the field of each stage.
-    before: list[str] = []
-    for stage in result:
-        pictures = {} if space else {f"{stage.name}: model": drawn(stage, colors)}
-        if has_solids(stage):
-            pictures |= {f"{stage.name}: {quantity}": _field(stage, quantity, common)}
+    for name, changes, pictures in stages_of(result, colors, quantity):
         yield (
-            f'<section class="stage"><h3>{escape(stage.name)}</h3><p>{_changes(stage, before)}</p>'
+            f'<section class="stage"><h3>{escape(name)}</h3><p>{escape(changes)}</p>'
             f"{_figures(pictures.items())}</section>"
         )
-        before = list(stage.states)
-
-
-def _field(stage: StageResult, quantity: str, common: Contours | None) -> Any:
-    """Return the picture of a field, in the plane on the common scale of all stages."""
-    if common is None:
-        return cutaway(stage, quantity)
-    levels = common.scale.levels
-    ends = float(levels[0]), float(levels[-1])
-    image = BytesIO()
-    plotter = contours([stage], quantity, limits=ends).draw(None, False, image, False, width=_WIDE)
-    if plotter is None:
-        return None
-    close(plotter)
-    return image.getvalue()
-
-
-def _changes(stage: StageResult, before: list[str]) -> str:
-    """Return in words new and removed forms, and how the stage was found."""
-    new = [name for name in stage.states if name not in before]
-    removed = [name for name in before if name not in stage.states]
-    words = []
-    if new:
-        kind = "new" if before else "active"
-        words.append(f"{kind}: {', '.join(new)}")
-    if removed:
-        words.append(f"removed: {', '.join(removed)}")
-    load = "" if stage.fraction == 1.0 else f"stopped at {stage.fraction:.1%} of its load; "
-    increments = _counted(len(stage.iterations), "increment")
-    iterations = _counted(sum(stage.iterations), "iteration")
-    words.append(f"{load}{increments}, {iterations}, residual {stage.residual:.0e}")
-    return escape(". ".join(words) + ".")
-
-
-def _counted(n: int, noun: str) -> str:
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def _by_stages(table: Table) -> str:
@@ -360,50 +308,11 @@ def _by_stages(table: Table) -> str:
     return "\n".join(tables)
 
 
-def _diagrams(result: Result, sections: Mapping[str, Sections]) -> Iterator[tuple[str, Any]]:
-    """Yield section forces of plane beams and of cuts: their envelope, and the last stage's."""
-    for name in dict.fromkeys((*_bent_beams(result), *sections)):
-        cuts = sections.get(name)
-        last = next(stage for stage in reversed(result.stages) if name in stage.states)
-        envelope = result.envelope(name, cuts)
-        forces = last.section_forces(name, cuts)
-        if forces.axis is not None:  # in space
-            continue
-
-        # Draw them around a ring, or along a line that may be upright.
-        series = {"smallest": envelope.smallest, "largest": envelope.largest, last.name: forces}
-        text = (
-            f"{name}: smallest and largest section forces of all stages, and those of '{last.name}'"
-        )
-        is_ring = cuts is not None and cuts.curvature.all()
-        if is_ring:
-            for quantity in "NM":
-                yield text, diagram(series, quantity, angle=forces.position)
-        else:
-            upright = bool(np.ptp(forces.y) > 2.0 * np.ptp(forces.x))
-            yield text, diagram(series, upright=upright)
-
-
-def _bent_beams(result: Result) -> Iterator[str]:
-    """Yield the names of beams that have moments in the plane, once or more often."""
-    for stage in result:
-        for name in stage.states:
-            along = stage.outputs(name).lines
-            if along is not None:
-                moment = along[5]
-                if np.ndim(moment) == 1 and np.any(moment):
-                    yield name
-
-
 def _searches(searches: Mapping[str, Any]) -> Iterator[str]:
     """Yield the end of each search, its mechanism and its curve."""
-    for stage, search in searches.items():
-        lines = str(search).split("\n" + search._table())[0]
-        pictures = {f"Curve of the {search.what}": load_curve(search)}
-        if basis_of(search.end).mesh.dim() == 2:
-            pictures = {"Mechanism": mechanism(search)} | pictures
-        title = f"<h3>{escape(search.what)}, {escape(stage)}</h3>"
-        yield f"{title}<pre>{escape(lines)}</pre>{_figures(pictures.items())}"
+    for title, lines, pictures in searches_of(searches):
+        text = f"<h3>{escape(title)}</h3><pre>{escape(lines)}</pre>"
+        yield text + _figures(pictures.items())
 
 
 def _remarks(result: Result) -> str:
@@ -414,15 +323,6 @@ def _remarks(result: Result) -> str:
         if items:
             text += f"<h3>{escape(stage.name)}</h3><ul>{items}</ul>"
     return text
-
-
-def _run(result: Result) -> str:
-    """Return increments, iterations and times of the stages."""
-    *names, state = COLUMNS
-    rows = []
-    for stage, (*values, summary) in zip(result, rows_of(result), strict=True):
-        rows.append((*values, f"{stage.seconds:.2f}", summary))
-    return _plain(Table((*names, "seconds", state), tuple(rows)))
 
 
 def _pairs(values: Mapping[str, str]) -> str:
@@ -443,36 +343,6 @@ def _embedded(caption: str, picture: Any) -> str:
     """Return a picture as part of the page."""
     if picture is None:
         return '<p class="none">This machine could not draw it: VTK needs OpenGL.</p>'
-    kind, content = _image(caption, picture)
+    kind, content = image(caption, picture)
     data = b64encode(content).decode()
     return f'<img alt="{escape(caption)}" src="data:image/{kind};base64,{data}">'
-
-
-def _image(caption: str, picture: Any) -> tuple[str, bytes]:
-    """Return the kind and the content of the image of a picture, which is closed."""
-    # Take pictures of bytes, figures of matplotlib and files.
-    if isinstance(picture, bytes):
-        return "png", picture
-    if isinstance(picture, Figure):
-        data = BytesIO()
-        picture.savefig(data, dpi=_DPI, format="png")
-        plt.close(picture)
-        return "png", data.getvalue()
-    if isinstance(picture, (str, Path)):
-        path = Path(picture)
-        end = path.suffix.lower()
-        if end not in _KINDS or not path.is_file():
-            raise ValueError(
-                f"picture '{caption}': {picture} is no file with the end {', '.join(_KINDS)}"
-            )
-        return _KINDS[end], path.read_bytes()
-
-    # Take the picture that an object shows in a notebook.
-    png = getattr(picture, "_repr_png_", None)
-    if not callable(png):
-        raise ValueError(
-            f"picture '{caption}' is a {type(picture).__name__}: give a figure, a plotter or a file"
-        )
-    content = png()
-    close(picture)
-    return "png", content

@@ -51,6 +51,7 @@ _TEXTS = {
     "remarks": "remarks",
     "seconds": "seconds",
     "next_step": "next_step",
+    "gravity": "gravity",
 }
 #: Fields of a stage that are vectors, (N,), and the keys of the vectors of the increment before.
 _VECTORS = ("x", "load", "unreleased", "velocity", "acceleration", "inertial")
@@ -94,6 +95,7 @@ class StageData:
     acceleration: ndarray | None = field(default=None, repr=False)
     inertial: ndarray | None = field(default=None, repr=False)
     series: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
+    gravity: tuple[float, ...] | None = field(default=None, repr=False)
 
     def outputs(self, name: str) -> Outputs:
         """Return values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""
@@ -367,6 +369,8 @@ def _stage(
     texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
     texts["iterations"] = tuple(texts.get("iterations", ()))
     texts["remarks"] = tuple(texts.get("remarks", ()))
+    if texts.get("gravity") is not None:
+        texts["gravity"] = tuple(texts["gravity"])
     increments = []
     for k, part in enumerate(head.get("increments", ())):
         increments.append(_stage(arrays, f"{key}.{k}", part, given, make))

@@ -232,7 +232,9 @@ def _values(
     forms = list(bodies.values())
     mesh = region_mesh(*forms)
     numbers = np.concatenate([form.elements for form in forms])
-    allowed = _allowed(stage, bodies, mesh.region, of)
+    allowed = _allowed(stage, bodies, numbers, mesh.region, of)
+    if not len(allowed):
+        raise ValueError(f"'{of}' has no active elements in stage '{stage.name}'")
 
     # Find the elements of the points.
     basis = basis_of(stage)
@@ -257,21 +259,25 @@ def _values(
 
 
 def _allowed(
-    stage: StageData, bodies: Mapping[str, Any], region: ndarray, of: str | None
+    stage: StageData, bodies: Mapping[str, Any], numbers: ndarray, region: ndarray, of: str | None
 ) -> ndarray:
-    """Return the positions of the elements of a solid or region among those of all solids."""
+    """Return the positions of the elements of a solid, region or subdomain among all elements."""
     if of is None:
         return np.arange(len(region))
-    owners: dict[str, list[int]] = {}
-    number = 0
+    chosen: dict[str, ndarray] = {}
+    count = 0
     for name, form in bodies.items():
+        own = np.zeros(len(region), bool)
         for part in form.regions:
-            owners.setdefault(name, []).append(number)
-            if part.name != name:
-                owners.setdefault(part.name, []).append(number)
-            number += 1
-    chosen = look_up(of, owners, f"solid or region in stage '{stage.name}'")
-    return np.flatnonzero(np.isin(region, chosen))
+            inside = region == count
+            chosen[part.name] = chosen.get(part.name, False) | inside
+            own |= inside
+            count += 1
+        chosen[name] = own
+    for name, elements in (basis_of(stage).mesh.subdomains or {}).items():
+        chosen.setdefault(name, np.isin(numbers, elements))
+    mask = look_up(of, chosen, f"solid, region or subdomain in stage '{stage.name}'")
+    return np.flatnonzero(mask)
 
 
 def _by_form(bodies: Mapping[str, Any], cells: ndarray) -> dict[str, ndarray]:

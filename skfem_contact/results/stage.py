@@ -69,6 +69,8 @@ class StageResult(files.StageData):
         step, see :doc:`theory </theory/dynamics>`.
     series
         Records of all steps: energies and motions, see :attr:`energy` and :meth:`history`.
+    gravity
+        Acceleration of all weights over that of gravity, (dim,).
 
     Examples
     --------
@@ -255,7 +257,7 @@ class StageResult(files.StageData):
             Earlier stage from which changes are returned, and further pore pressure, as of
             :meth:`field`.
         of
-            Solid or region to which the values belong; by default any.
+            Solid, region or subdomain to which the values belong; by default any.
 
         Raises
         ------

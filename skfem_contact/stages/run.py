@@ -237,6 +237,7 @@ class _Follower:
             increments=(),
             water=phase.water,
             water_unit_weight=self._setup.water_unit_weight,
+            gravity=tuple(float(part) for part in self._setup.gravity),
             changed=phase.replaced,
             supports=phase.supports,
             velocity=None,

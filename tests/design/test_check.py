@@ -119,7 +119,7 @@ def test_wrong_calls():
     """One sentence each."""
     model = wall()
     stage = model.run([sc.Stage("weight")])["weight"]
-    with pytest.raises(ValueError, match="no solid or region in stage 'weight' 'pile'"):
+    with pytest.raises(ValueError, match="no solid, region or subdomain in stage 'weight' 'pile'"):
         check(stage, "pile", BASE)
     with pytest.raises(ValueError, match="no contact point of the body lies on the base"):
         check(stage, "wall", [(0.0, 1.0), (B, 1.0)])

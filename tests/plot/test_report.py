@@ -303,3 +303,68 @@ def test_browser_shows_and_prints_the_report(report, tmp_path) -> None:
         check=True,
     )
     assert pdf.read_bytes().startswith(b"%PDF")
+
+
+def test_report_has_loads_supports_and_parameters(result, report) -> None:
+    """[X] Weights, water and reactions hold each other; defaults are marked; units are written.
+
+    At rest: 18 kN/m3 on 8 x 4 and 22 on 8 x 2, by hand.
+    """
+    html = report.read_text(encoding="utf-8")
+    for text in ("other loads", "reactions", "Fy [kN/m]", "left", "level 1 m", "default"):
+        assert text in html, text
+    from skfem_contact.plot import report_tables
+
+    loads = report_tables.loads(result)
+    first = [row for row in loads.rows if row[0] == "at rest"]
+    weight, others, reactions = first
+    assert weight[1] == "weight" and np.isclose(weight[3], -(18.0 * 32 + 22.0 * 16))
+    assert others[3] == 0.0 and np.isclose(reactions[3], -weight[3])
+    assert weight[4] == "x = 4"
+    last = {row[1]: row for row in loads.rows if row[0] == "dig & pull"}
+    assert np.isclose(last["other loads"][2], -30.0)
+    total = sum(row[3] for row in last.values())
+    assert abs(total) < 1e-6 * abs(last["weight"][3])
+    rows = report_tables.parameters(result, shades(result)).rows
+    assert ("sand, lift", "psi", "0", "°", "default") in rows
+    assert ("sand, lift", "c", "20", "", "") in rows  # no units outside of the fixture
+    held = report_tables.supports(result).rows
+    assert ("at rest, wall, dig & pull", "bottom", "x, y") in held
+
+
+def test_stresses_at_rest_and_water_in_words() -> None:
+    """[X] K0 of a level ground is the given one; water is told as it was given."""
+    from skfem_contact.plot import report_tables
+
+    mesh = MeshQuad().refined(2).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0)
+    ground = sc.SolidForm(basis, soil, unit_weight=20.0)
+    model = sc.Model({"ground": ground}, sc.box_supports(basis), water_unit_weight=10.0)
+    table = report_tables.at_rest(model.k0_state(K0=0.45, water=0.5))
+    assert table.rows[0][0] == "ground" and np.allclose(table.rows[0][1:4], 0.45)
+    assert report_tables.in_words(2.5) == "level 2.5"
+    assert report_tables.in_words([(0.0, 1.0), (2.0, 3.0)]) == "through (0, 1), (2, 3)"
+    assert report_tables.in_words({"clay": 1.0}) == "clay: level 1"
+    assert report_tables.in_words(lambda x: x[1]) == "a function of the coordinates"
+    assert report_tables.in_words(np.zeros(4)) == "pressures at the vertices"
+
+
+def test_word_document(result, tmp_path) -> None:
+    """A .docx file has the same tables and pictures; other formats are refused."""
+    docx = pytest.importorskip("docx")
+    figure, _ = plt.subplots()
+    file = result.report(tmp_path / "pit.docx", title="Pit <A>", pictures={"own": figure})
+    text = docx.Document(str(file))
+    words = [paragraph.text for paragraph in text.paragraphs]
+    assert words[0] == "Pit <A>"
+    for heading in ("Model", "Supports", "dig & pull", "Loads and reactions", "Run"):
+        assert heading in words
+    cells = {cell.text for table in text.tables for row in table.rows for cell in row.cells}
+    for content in ("psi", "default", "reactions", "wall M"):
+        assert content in cells, content
+    assert len(text.inline_shapes) == 3 * 2 + 2 + 1
+    for wrong in ("pit.pdf", "pit"):
+        with pytest.raises(ValueError, match=r"an \.html file"):
+            result.report(tmp_path / wrong)
+        assert not (tmp_path / wrong).exists()
