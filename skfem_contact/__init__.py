@@ -10,6 +10,7 @@ from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import roles
 from .forms.base import Form, Outputs, Response
 from .forms.links import Bar, MatrixForm, Spring
+from .forms.pressure import Pressure
 from .forms.rigid_boundary import RigidBoundary
 from .forms.solid import SolidForm
 from .laboratory import element_test
@@ -25,6 +26,7 @@ from .materials import (
     LinearElastic,
     Material,
     MohrCoulomb,
+    NeoHooke,
     NgiAdp,
     SoftSoilCreep,
     Tresca,
@@ -67,12 +69,14 @@ __all__ = [
     "MatrixForm",
     "Model",
     "MohrCoulomb",
+    "NeoHooke",
     "Newton",
     "NgiAdp",
     "NoEquilibrium",
     "NotConverged",
     "Outputs",
     "PoreWater",
+    "Pressure",
     "Rayleigh",
     "Reinforcement",
     "Response",

@@ -122,7 +122,11 @@ def has_corners_only(basis: CellBasis) -> bool:
 
 
 def locking(
-    basis: CellBasis, coordinates: Coordinates | None, yielded: float, D: ndarray
+    basis: CellBasis,
+    coordinates: Coordinates | None,
+    yielded: float,
+    D: ndarray,
+    finite: bool = False,
 ) -> Iterator[Remark]:
     """Yield remarks on elements of corner nodes alone, with full strains, that may lock.
 
@@ -132,12 +136,16 @@ def locking(
         Share of the points that yield.
     D : ndarray, shape (n_elements, r, r)
         Moduli in the rows of the strain operator that act, shear last.
+    finite
+        True for finite kinematics.
     """
     if not has_corners_only(basis):
         return
     dim = basis.mesh.dim()
     instead = "take elements of second order"
-    if len(basis.mesh.t) == 2**dim and coordinates != "axisymmetric":
+    if len(basis.mesh.t) == 2**dim and finite:
+        instead = 'take strain="f_bar", or elements of second order'
+    elif len(basis.mesh.t) == 2**dim and coordinates != "axisymmetric":
         instead = 'take strain="b_bar", or elements of second order'
     if yielded:
         yield Remark(

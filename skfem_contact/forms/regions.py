@@ -170,6 +170,9 @@ def changed_moduli(
 
 def elastic_strain(material: Material, stress: ndarray, internal: ndarray) -> ndarray:
     """Return elastic strains of stresses, (ncomp, n_elements, n_points), engineering shear."""
+    known = material.elastic_strain(stress, internal)
+    if known is not None:
+        return known
     ncomp = len(stress)
     if material.stress_dependent:
         moduli = material.elasticity(ncomp, stress, internal)

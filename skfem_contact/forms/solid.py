@@ -578,7 +578,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             yield from self._remarks_on_size(x, state)
         if self.strain == "full" and state.strain.any():
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
-            yield from locking(self.basis, self.coordinates, yielded, self._elasticity)
+            finite = self._finite is not None
+            yield from locking(self.basis, self.coordinates, yielded, self._elasticity, finite)
 
     def _remarks_on_size(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Yield remarks on large rotations and strains that are taken for small."""

@@ -159,7 +159,9 @@ def weightless(body: Body, unit_weights: float | Mapping[str, float]) -> str:
 def traction(
     body: Body, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]
 ) -> Load:
-    """Return the load vector of forces per area on a boundary, (N,).
+    """Return the load vector of forces per undeformed area on a boundary, (N,).
+
+    Their direction stays, however much the body turns; :class:`~skfem_contact.Pressure` follows it.
 
     Parameters
     ----------

@@ -8,6 +8,7 @@ from .hardening import HardeningMohrCoulomb
 from .hardening_soil import HardeningSoil
 from .hoek_brown import HoekBrown
 from .mohr_coulomb import MohrCoulomb, Tresca
+from .neo_hooke import NeoHooke
 from .ngi_adp import NgiAdp
 from .soft_soil_creep import SoftSoilCreep
 from .undrained import Undrained
@@ -22,6 +23,7 @@ __all__ = [
     "LinearElastic",
     "Material",
     "MohrCoulomb",
+    "NeoHooke",
     "NgiAdp",
     "SoftSoilCreep",
     "Tresca",

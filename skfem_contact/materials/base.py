@@ -130,6 +130,13 @@ class Material:
         """
         raise NotImplementedError
 
+    def elastic_strain(self, stress: Array, internal: Array) -> Array | None:
+        """Return elastic strains of an accepted state, (ncomp, n_elements, ...).
+
+        Solids of finite kinematics ask for them. None stands for the strains that the elasticity of
+        the state gives; a law that is elastic, but not linear, overrides this method.
+        """
+
     @property
     def label(self) -> str:
         """Name of the law in messages."""

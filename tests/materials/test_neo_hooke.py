@@ -1,0 +1,56 @@
+"""Neo-Hookean rubber."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import skfem_contact as sc
+
+
+@pytest.mark.parametrize("ncomp", [4, 6])
+@pytest.mark.parametrize("nu", [-0.2, 0.0, 0.3, 0.499])
+def test_random_paths(nu: float, ncomp: int) -> None:
+    """[N] Shapes, repetition and tangent, by the check of laws."""
+    law = sc.NeoHooke(E=np.linspace(1.0, 2.0, 50), nu=nu)
+    error = sc.testing.check_material(
+        law,
+        strain=0.1,
+        dissipation=False,
+        ncomp=ncomp,  # type: ignore[arg-type]
+    )
+    # central differences
+    assert error < 1e-7
+
+
+@pytest.mark.parametrize("ncomp", [4, 6])
+def test_stresses_have_their_strains(ncomp: int) -> None:
+    """[X] Strains of stretches from 1/20 to 20 follow from the stress to round-off."""
+    rng = np.random.default_rng(0)
+    law = sc.NeoHooke(E=2.0, nu=0.45)
+    strain = 0.8 * rng.normal(size=(ncomp, 200))
+    none = np.zeros((0, 200))
+    stress = law.update(strain, np.zeros_like(strain), none).stress
+    again = law.elastic_strain(stress, none)
+    # stresses are a hundred moduli, which leaves 1e-13
+    assert np.abs(again - strain).max() < 1e-11
+
+
+def test_uniaxial_tension() -> None:
+    """[X] tau = mu (l^2 - 1) + lambda ln J along each axis."""
+    law = sc.NeoHooke(E=2.6, nu=0.3)
+    lam, mu = law.lame
+    strain = np.log([2.0, 0.8, 0.9])
+    given = np.array([*strain, 0.0])[:, None]
+    stress = law.update(given, np.zeros((4, 1)), np.zeros((0, 1))).stress[:, 0]
+    exact = mu * (np.exp(2.0 * strain) - 1.0) + lam * strain.sum()
+    assert stress[:3] == pytest.approx(exact, rel=1e-14)
+    assert stress[3] == 0.0
+
+
+def test_small_strains_are_linear() -> None:
+    """[X] The stiffness without stress is Hooke's."""
+    law, linear = sc.NeoHooke(E=3.0, nu=0.2), sc.LinearElastic(E=3.0, nu=0.2)
+    zero = np.zeros((6, 1))
+    D = law.elasticity(6, zero, np.zeros((0, 1)))[0]
+    assert np.abs(D - linear.elasticity(6)).max() < 1e-14
