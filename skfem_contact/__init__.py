@@ -33,7 +33,7 @@ from .materials import (
     Undrained,
     VonMises,
 )
-from .mesh import join_bodies, load_mesh
+from .mesh import join_bodies, load_mesh, save_mesh
 from .model import Model
 from .nonlinear.newton import Newton
 from .results import Sections, load_result
@@ -103,6 +103,7 @@ __all__ = [
     "results",
     "rigid",
     "roles",
+    "save_mesh",
     "section",
     "set_units",
     "show_versions",

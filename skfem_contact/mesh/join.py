@@ -61,8 +61,9 @@ def join_bodies(
     -------
     Mesh
         New mesh, with its nodes numbered body by body.  ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and
-        ``remove_duplicate_nodes`` would weld coincident nodes.  Store the mesh with ``save_npz``:
-        ``save`` and ``load`` cut names at their first colon.
+        ``remove_duplicate_nodes`` would weld coincident nodes.  Save it with :func:`save_mesh`, or
+        load scikit-fem's files with :func:`load_mesh`: ``Mesh.load`` cuts names at their first
+        colon.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def join_bodies(
 
     See Also
     --------
-    load_mesh : Read a Gmsh file.
+    load_mesh : Load the mesh of a file with all names.
 
     Examples
     --------

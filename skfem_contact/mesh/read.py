@@ -1,56 +1,97 @@
-"""Gmsh files with all their physical groups."""
+"""Meshes from the files of other programs, with all their names."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from os import PathLike, fspath
+from pathlib import Path
+from typing import Literal
 
-import meshio
-import numpy as np
-from numpy.typing import NDArray
 from skfem import Mesh
-from skfem.io.meshio import from_meshio
 
-#: Supported elements by meshio's names: number of corners, name of the lines along their sides.
-_ELEMENTS = {
-    "triangle": (3, "line"),
-    "triangle6": (3, "line3"),
-    "quad": (4, "line"),
-    "quad9": (4, "line3"),
+from ..checks import positive
+from .build import mesh_of
+from .content import Content
+from .formats import abaqus, flac, gmsh, kratos, med, nastran, vtk
+
+#: Readers by the ends of names.
+_READERS: dict[str, Callable[[str], Content]] = {
+    ".msh": gmsh.read,
+    ".inp": abaqus.read,
+    ".vtu": vtk.read,
+    ".vtk": vtk.read,
+    ".med": med.read,
+    ".mdpa": kratos.read,
+    ".f3grid": flac.read,
+    ".bdf": nastran.read,
+    ".nas": nastran.read,
+    ".dat": nastran.read,
 }
-#: Names of physical groups without a name, before their number, by dimension.
-_KINDS = {1: "curve", 2: "surface"}
-_LOWER = {"vertex", "line", "line3"}
-
-Integers = NDArray[np.integer]
-#: Largest height of a plane mesh, as a share of its size.
-_FLAT = 1e-9
 
 
-def load_mesh(path: str | PathLike[str]) -> Mesh:
-    """Load the plane mesh of a Gmsh file, with its physical surfaces and curves.
+def load_mesh(
+    path: str | PathLike[str],
+    *,
+    plane: Literal["xy", "xz", "yz"] = "xy",
+    factor: float = 1.0,
+    split: bool = False,
+) -> Mesh:
+    """Load the mesh of a file, plane or in space, of first or second order, with all names.
 
-    Physical surfaces become subdomains, and physical curves become boundaries. Groups without a
-    name are ``"surface 1"`` or ``"curve 3"``, by their numbers.
-    ``skfem.Mesh.load`` loses the curves of second-order meshes, the curves between two surfaces in
-    format 2.2, and the quadrilaterals of meshes that have triangles as well.
+    Groups of elements become subdomains, groups of their sides become boundaries, and so do groups
+    of nodes. Groups of Gmsh without a name are ``"surface 1"`` or ``"curve 3"``, by their numbers.
 
     Parameters
     ----------
     path
-        Gmsh file (MSH 2.2 or 4.1, text or binary) with triangles or quadrilaterals of first or
-        second order.  Curves and surfaces must have different names.
+        File of Gmsh (``.msh`` of format 2.2 or 4.1), Abaqus or CalculiX (``.inp``), VTK (``.vtu``,
+        ``.vtk``), Salome (``.med``, with h5py installed), Kratos (``.mdpa``), FLAC3D (``.f3grid``)
+        or Nastran (``.bdf``, ``.nas``, ``.dat``), also with names that scikit-fem saved.
+    plane
+        Plane in which a section was drawn; ``"xz"``: the upright coordinate is z.
+    factor
+        Number by which coordinates are multiplied: 0.001 from mm to m.
+    split
+        Divide elements into triangles or tetrahedra if they are of several kinds, or of a kind that
+        is not supported: wedges and pyramids. Sides conform.
 
     Returns
     -------
     Mesh
-        ``MeshTri``, ``MeshTri2``, ``MeshQuad`` or ``MeshQuad2`` without the nodes that belong to no
-        element.
+        ``MeshTri``, ``MeshQuad``, ``MeshTet`` or ``MeshHex``, or ``MeshTri2``, ``MeshQuad2``,
+        ``MeshTet2`` or ``MeshHex2``, without the nodes that belong to no element. Quadrilaterals of
+        8 and hexahedra of 20 nodes get nodes in the middle, and keep their shape.
 
     Raises
     ------
     ValueError
-        If the file is not a Gmsh mesh, has elements of several or unsupported types, or has a
-        physical curve that does not follow the sides of elements.
+        If the file is of no such format, damaged, of another version, or empty, has elements of
+        several or unsupported kinds, or names sides that no element has.
+    ImportError
+        If h5py is missing for a file of Salome.
+
+    Warns
+    -----
+    AnalysisWarning
+        Names of points and, in space, of lines are left out.
+
+    Notes
+    -----
+    **Abaqus, CalculiX**: ``*NSET``, ``*ELSET`` (also ``GENERATE``), ``*SURFACE``, ``*INCLUDE``,
+    parts and instances, which are moved; sets of instances also are ``"instance.set"``.
+    **Kratos**: sub-model parts, nested ones as ``"outer.inner"``; properties where no part has
+    elements.
+    **VTK**: data of cells with whole numbers: ones among zeros are the group of that name, other
+    values are ``"MaterialIDs 3"``.
+    **FLAC3D**: groups of zones and faces; slots with names precede theirs, ``"slot:name"``.
+    **Nastran**: properties, by number or by the names of HyperMesh.
+    **Sets of nodes** name the outer sides between their nodes, or inner ones where no outer side is
+    among them. A set of all nodes is no boundary.
+
+    See Also
+    --------
+    save_mesh : Save a mesh with its names.
+    join_bodies : Separate bodies that share the nodes of their interfaces.
 
     Examples
     --------
@@ -61,111 +102,23 @@ def load_mesh(path: str | PathLike[str]) -> Mesh:
     >>> sorted(mesh.boundaries)
     ['bottom', 'culvert_inner', 'left', 'right', 'skin', 'surface']
     """
+    name = fspath(path)
+    scale = positive(factor, "factor")
+    reader = _READERS.get(Path(name).suffix.lower())
+    if reader is None:
+        raise ValueError(
+            f"{name}: files that end with '{Path(name).suffix}' are not read; known ends are "
+            f"{', '.join(_READERS)}"
+        )
+    if not Path(name).is_file():
+        raise FileNotFoundError(f"there is no file {name}")
+    if Path(name).stat().st_size == 0:
+        raise ValueError(f"{name} is empty")
     try:
-        return _plane_mesh(meshio.gmsh.read(fspath(path)))
-    except FileNotFoundError:
-        raise
-    except meshio.ReadError as error:
-        raise ValueError(
-            f"{fspath(path)} is not a Gmsh mesh{f': {error}' if str(error) else ''}"
-        ) from error
-    except (ValueError, KeyError, IndexError) as error:  # the last two: a truncated file
-        raise ValueError(f"{fspath(path)}: {error}") from error
-
-
-def _plane_mesh(file: meshio.Mesh) -> Mesh:
-    """Return the mesh of a file."""
-    kind = _element_type(file)
-    n_corners, line = _ELEMENTS[kind]
-    elements, groups = _without_doubles(file.cells_dict[kind], _physical_groups(file, 2, kind))
-    lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
-
-    # Refuse points that are no plane mesh
-    if not np.isfinite(file.points).all():
-        raise ValueError("the mesh has coordinates that are not finite")
-    if np.ptp(file.points[:, 2:]) > _FLAT * np.ptp(file.points[:, :2]):
-        raise ValueError(
-            "the mesh does not lie in the x-y plane: rotate it, or export the coordinates x and y"
-        )
-    if elements.max(initial=0) >= len(file.points):
-        raise ValueError(
-            f"an element names node {elements.max() + 1}, but there are {len(file.points)}"
-        )
-    curves = _physical_groups(file, 1, line)
-    _check_curves(curves, lines, elements[:, :n_corners])
-
-    # Number the nodes of elements, corners first, as scikit-fem wants it
-    corners = np.unique(elements[:, :n_corners])
-    kept = np.concatenate((corners, np.setdiff1d(elements, corners)))
-    number = np.zeros(len(file.points), dtype=int)
-    number[kept] = np.arange(len(kept))
-    cell_sets = {name: [members, None] for name, members in curves.items()}
-    for name, members in groups.items():
-        cell_sets[name] = [None, members]
-    cells = [("line", number[lines]), (kind, number[elements])]
-    return from_meshio(meshio.Mesh(file.points[kept], cells, cell_sets=cell_sets))
-
-
-def _without_doubles(
-    elements: Integers, groups: dict[str, Integers]
-) -> tuple[Integers, dict[str, Integers]]:
-    """Return elements and groups, where format 2.2 repeats the elements of overlapping groups."""
-    first, same = np.unique(
-        np.sort(elements, axis=1), axis=0, return_index=True, return_inverse=True
-    )[1:]
-    kept = np.sort(first)
-    number = np.searchsorted(kept, first)[same.ravel()]
-    return elements[kept], {name: np.unique(number[part]) for name, part in groups.items()}
-
-
-def _element_type(file: meshio.Mesh) -> str:
-    """Return the only type of elements in the file."""
-    counts = {kind: len(cells) for kind, cells in file.cells_dict.items() if kind not in _LOWER}
-    if len(counts) == 1 and set(counts) <= set(_ELEMENTS):
-        return next(iter(counts))
-    found = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no elements"
-    remedy = ""
-    if len(counts) > 1:
-        remedy = (
-            "; in Gmsh, recombine all surfaces or none (Mesh.SubdivisionAlgorithm = 1 makes quads "
-            "only)"
-        )
-    elif "quad8" in counts:
-        remedy = "; in Gmsh, set Mesh.SecondOrderIncomplete = 0"
-    raise ValueError(
-        f"the mesh has {found}; supported is one type out of {', '.join(_ELEMENTS)}{remedy}"
-    )
-
-
-def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[str, Integers]:
-    """Return the cells of the physical groups of a dimension, by name or as ``"curve 1"``."""
-    names = {tag: name for name, (tag, dim) in file.field_data.items() if dim == dimension}
-    tags = file.cell_data_dict.get("gmsh:physical", {}).get(cell_type, np.empty(0, int))
-    tags = np.abs(tags)  # negative where a group lists a curve with a minus sign
-    groups: dict[str, Integers] = {}
-    for tag in dict.fromkeys((*names, *np.unique(tags[tags > 0]).tolist())):
-        members = np.flatnonzero(tags == tag)
-        if file.cell_sets and tag in names:  # format 4.1, whose cells may be in several groups
-            listed = file.cell_sets_dict[names[tag]].get(cell_type, np.empty(0, int))
-            members = np.union1d(members, listed).astype(int)
-        if len(members):
-            groups[names.get(tag, f"{_KINDS[dimension]} {tag}")] = members
-    return groups
-
-
-def _check_curves(curves: dict[str, Integers], lines: Integers, corners: Integers) -> None:
-    """Check that every line of a named curve is a side of an element."""
-    # Give every pair of nodes a number
-    size = 1 + max(corners.max(), lines.max(initial=0))
-
-    def keys(pairs: Integers) -> Integers:
-        return pairs.min(axis=-1) * size + pairs.max(axis=-1)
-
-    sides = np.stack((corners, np.roll(corners, -1, axis=1)), axis=-1)  # (elements, sides, 2)
-    is_side = np.isin(keys(lines), keys(sides))
-    for name, members in curves.items():
-        stray = np.sum(~is_side[members])
-        if stray:
-            raise ValueError(
-                f"{stray} of {len(members)} lines of curve '{name}' are not sides of elements"
-            )
+        return mesh_of(reader(name), plane, scale, split)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from error
+    except (KeyError, IndexError, UnicodeError, OverflowError) as error:  # a damaged file
+        raise ValueError(f"{name} is damaged or not complete ({error!r})") from error
+    except MemoryError as error:
+        raise ValueError(f"{name} needs more memory than there is") from error

@@ -109,7 +109,7 @@ def test_curve_that_is_no_side(write):
             "1 quad, 1 triangle; supported is one type.*recombine all surfaces",
         ),
         (WEST + EAST, "4 1 2 1 1 2 3\n5 1 2 1 1 3 4", "no elements; supported is"),
-        (WEST + EAST, "4 4 2 1 1 2 3 6 5\n5 4 2 1 1 3 4 7 6", "2 tetra; supported is"),
+        (WEST + EAST, "4 6 2 1 1 2 3 6 5 4 7\n5 6 2 1 1 3 4 7 6 5 2", "2 wedge; supported is"),
     ],
 )
 def test_elements_that_are_not_supported(write, old, new, message):
@@ -118,7 +118,7 @@ def test_elements_that_are_not_supported(write, old, new, message):
 
 
 def test_files_that_are_no_gmsh_files(write, tmp_path):
-    with pytest.raises(ValueError, match=r"mesh.msh is not a Gmsh mesh"):
+    with pytest.raises(ValueError, match=r"mesh.msh: it is not a Gmsh mesh"):
         load_mesh(write("solid\n"))
     with pytest.raises(FileNotFoundError):
         load_mesh(tmp_path / "missing.msh")
@@ -194,8 +194,20 @@ def test_gmsh_meshes_that_are_not_supported(tmp_path):
         ValueError, match=r"\d+ triangle, \d+ quad; .*recombine all surfaces or none"
     ):
         load_mesh(disc_in_plate(path, 4.1, mixed=True))
-    with pytest.raises(ValueError, match=r"\d+ quad8; .*SecondOrderIncomplete = 0"):
-        load_mesh(disc_in_plate(path, 4.1, 2, True, SecondOrderIncomplete=1))
+
+
+def test_quadrilaterals_without_a_node_in_the_middle_keep_their_shape(tmp_path):
+    """[X] Eight nodes give the same areas, and a node in the middle where the functions put it."""
+    path = tmp_path / "disc.msh"
+    whole = load_mesh(disc_in_plate(path, 4.1, 2, True))
+    mesh = load_mesh(disc_in_plate(path, 4.1, 2, True, SecondOrderIncomplete=1))
+    assert type(mesh) is MeshQuad2
+    assert mesh.nelements == whole.nelements
+    total = area(mesh, "disc") + area(mesh, "plate")
+    assert total == pytest.approx(4.0, rel=1e-12)  # round-off
+    x = mesh.doflocs[:, mesh.dofs.element_dofs]
+    middle = -0.25 * x[:, :4].sum(axis=1) + 0.5 * x[:, 4:8].sum(axis=1)
+    np.testing.assert_allclose(x[:, 8], middle, atol=1e-14)
 
 
 SQUARE = """$MeshFormat

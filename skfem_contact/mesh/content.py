@@ -1,0 +1,262 @@
+"""Content of a file of a mesh: points, elements of any kinds, and named groups of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .kinds import KINDS, Floats, Integers
+
+#: Random odd numbers, by which the nodes of an element are weighted in its key.
+_SEED = 9176
+#: Distance of a node in the middle from its regular position, over the size of the element, up to
+#: which the shape is the same: round-off of coordinates.
+_SAME = 1e-9
+#: Corners and edges around the nodes in the middle of the sides of a hexahedron, in their order.
+FACES_OF_27 = (
+    (0, 4, 7, 3, 16, 15, 19, 11),
+    (1, 2, 6, 5, 9, 18, 13, 17),
+    (0, 1, 5, 4, 8, 17, 12, 16),
+    (2, 3, 7, 6, 10, 19, 14, 18),
+    (0, 1, 2, 3, 8, 9, 10, 11),
+    (4, 5, 6, 7, 12, 13, 14, 15),
+)
+
+
+@dataclass
+class Content:
+    """Points, elements and names of a file.
+
+    Attributes
+    ----------
+    points
+        Coordinates, (n, 3).
+    cells
+        Nodes of the elements, (n, n_nodes), by meshio's kinds, in the order of VTK.
+    groups
+        Numbers of the elements of each group by kinds, by the names of the groups. A group with
+        elements of the highest dimension is a subdomain, with their sides a boundary.
+    node_groups
+        Numbers of the nodes of each group, by name.
+    left_out
+        Parts of the file that are not read, in words.
+    """
+
+    points: Floats
+    cells: dict[str, Integers]
+    groups: dict[str, dict[str, Integers]] = field(default_factory=dict)
+    node_groups: dict[str, Integers] = field(default_factory=dict)
+    left_out: list[str] = field(default_factory=list)
+
+    def add(self, name: str, kind: str, members: Integers) -> None:
+        """Add elements to a group."""
+        group = self.groups.setdefault(name, {})
+        known = group.get(kind, np.zeros(0, int))
+        group[kind] = np.union1d(known, members).astype(int)
+
+    def add_sides(self, name: str, kind: str, sides: Integers) -> None:
+        """Add sides, (n, corners), as elements of their own to a group."""
+        known = self.cells.get(kind)
+        first = 0
+        if known is not None:
+            first = len(known)
+            sides = np.vstack((known[:, : sides.shape[1]], sides))
+        self.cells[kind] = sides
+        self.add(name, kind, np.arange(first, len(sides)))
+
+    @property
+    def dim(self) -> int:
+        """Highest number of dimensions of elements."""
+        return max((KINDS[kind].dim for kind, cells in self.cells.items() if len(cells)), default=0)
+
+    def check(self) -> None:
+        """Refuse coordinates that are not finite, and nodes that do not exist."""
+        used = np.zeros(len(self.points), dtype=bool)
+        for kind, cells in self.cells.items():
+            if len(cells) == 0:
+                continue
+            if cells.min() < 0 or cells.max() >= len(self.points):
+                raise ValueError(
+                    f"a {kind} has the node {cells.max() + 1} of {len(self.points)}: the number is "
+                    "out of bounds"
+                )
+            used[cells] = True
+        if not np.isfinite(self.points[used]).all():
+            raise ValueError("the mesh has coordinates that are not finite")
+
+
+def side_kind(corners: int, dim: int) -> str:
+    """Return the kind of a side with so many corners, of an element of so many dimensions."""
+    if dim == 2:
+        return "line"
+    return "triangle" if corners == 3 else "quad"
+
+
+def without_doubles(content: Content, kind: str) -> None:
+    """Leave out elements of a kind that are repeated with the same nodes, as in Gmsh's 2.2.
+
+    Doubles have the same random combination of their nodes, without regard to their order.
+    """
+    cells = content.cells[kind]
+    weights = np.random.default_rng(_SEED).integers(1, 2**62, len(content.points), dtype=np.uint64)
+    keys = weights[cells].sum(axis=1, dtype=np.uint64)
+    _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+    if len(first) == len(cells):
+        return
+    kept = np.sort(first)
+    number = np.searchsorted(kept, first)[same.ravel()]
+    content.cells[kind] = cells[kept]
+    for group in content.groups.values():
+        if kind in group:
+            group[kind] = np.unique(number[group[kind]])
+
+
+def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
+    """Return the positions of wanted numbers among the ids of a file, in any shape."""
+    if len(ids) == 0:
+        raise ValueError(f"the file has no {what}")
+    # Numbers mostly count from a first one on
+    first = ids[0]
+    if ids[-1] - first == len(ids) - 1 and (np.diff(ids) == 1).all():
+        positions = wanted - first
+        wrong = (positions < 0) | (positions >= len(ids))
+    else:
+        order = np.argsort(ids, kind="stable")
+        found = np.searchsorted(ids, wanted, sorter=order)
+        positions = order[np.minimum(found, len(ids) - 1)]
+        wrong = ids[positions] != wanted
+    if np.any(wrong):
+        missing = np.unique(np.asarray(wanted)[wrong])
+        raise ValueError(
+            f"{what} {missing[0]} does not exist, {len(missing)} in all: it is out of bounds, or "
+            "the file is not complete"
+        )
+    return positions
+
+
+def rows(numbers: Floats | Integers, width: int, what: str) -> Floats | Integers:
+    """Return numbers as rows of so many columns."""
+    if numbers.size % width:
+        raise ValueError(f"the file ends within {what}, or a line of them has too few numbers")
+    return numbers.reshape(-1, width)
+
+
+def parsed(text: bytes, what: str, dtype: type = float) -> Floats | Integers:
+    """Return the numbers of a text between blanks, (n,)."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return np.fromstring(text, dtype=dtype, sep=" ")
+        except (DeprecationWarning, ValueError) as error:
+            raise ValueError(f"{what} are not all numbers") from error
+
+
+def check_count(count: int, size: int, what: str) -> int:
+    """Refuse a number of entries for which a file of so many bytes is too short."""
+    if count < 0 or count > size:
+        raise ValueError(f"the file announces {count} {what}, but has {size} bytes: not complete")
+    return int(count)
+
+
+def tagged(
+    content: Content, kind: str, tags: Integers, names: Mapping[int, str], word: str
+) -> None:
+    """Add groups of elements by their numbers; zero is no group."""
+    for tag in np.unique(tags[tags != 0]).tolist():
+        content.add(names.get(tag, f"{word} {tag}"), kind, np.flatnonzero(tags == tag))
+
+
+def middles_of(x: Floats, kind: str) -> Floats:
+    """Return the nodes in the middle, (n, 1 or 7, 3), of elements with nodes x, (n, n_nodes, 3).
+
+    The functions of corners are -1/4 in the middle of a side and of the body, those of edges 1/2
+    and 1/4.
+    """
+    if kind.startswith("quad"):
+        middle = -0.25 * x[:, :4].sum(axis=1) + 0.5 * x[:, 4:8].sum(axis=1)
+        return np.asarray(middle[:, None])
+    around = x[:, np.array(FACES_OF_27)]  # (n, faces, nodes, 3)
+    faces = -0.25 * around[:, :, :4].sum(axis=2) + 0.5 * around[:, :, 4:].sum(axis=2)
+    body = -0.25 * x[:, :8].sum(axis=1) + 0.25 * x[:, 8:20].sum(axis=1)
+    return np.concatenate((faces, body[:, None]), axis=1)
+
+
+def without_middles(content: Content, format_name: str) -> None:
+    """Leave out nodes in the middle, for formats without them, where the shape stays the same."""
+    for kind, other, count in (("quad9", "quad8", 8), ("hexahedron27", "hexahedron20", 20)):
+        cells = content.cells.pop(kind, None)
+        if cells is None:
+            continue
+        if len(cells):
+            x = content.points[cells]
+            off = np.abs(x[:, count:] - middles_of(x, kind)).max()
+            if (
+                KINDS[kind].dim == content_dim(content, kind)
+                and off > _SAME * np.ptp(x, axis=1).max()
+            ):
+                raise ValueError(
+                    f"{format_name} has no elements with nodes in the middle, and {off:.3g} is the "
+                    "distance of one from where elements without it have it"
+                )
+        content.cells[other] = cells[:, :count]
+        for group in content.groups.values():
+            if kind in group:
+                group[other] = group.pop(kind)
+    _drop_unused_points(content)
+
+
+def content_dim(content: Content, kind: str) -> int:
+    """Return the highest dimension of the elements and of a kind."""
+    return max(content.dim, KINDS[kind].dim)
+
+
+def _drop_unused_points(content: Content) -> None:
+    """Leave out points of no element."""
+    used = np.zeros(len(content.points), dtype=bool)
+    for cells in content.cells.values():
+        used[cells] = True
+    number = np.cumsum(used) - 1
+    content.points = content.points[used]
+    content.cells = {kind: number[cells] for kind, cells in content.cells.items()}
+
+
+def check_names(content: Content, wrong: str, format_name: str) -> None:
+    """Refuse names with characters that a format cannot have, and names without any."""
+    for name in content.groups:
+        found = [letter for letter in name if letter in wrong or not letter.isprintable()]
+        if found or not name.strip():
+            raise ValueError(
+                f"names in {format_name} have no {found[0] if found else 'blanks alone'!r}: rename "
+                f"'{name}'"
+            )
+
+
+def table_text(numbers: Integers, separator: str = " ") -> str:
+    """Return rows of whole numbers as lines."""
+    return "".join(f"{separator.join(map(str, row))}\n" for row in numbers.tolist())
+
+
+def point_text(points: Floats, separator: str = " ") -> str:
+    """Return numbered points as lines, with all digits."""
+    lines = []
+    for number, x in enumerate(points.tolist(), start=1):
+        lines.append(f"{number}{separator}{separator.join(map(repr, x))}\n")
+    return "".join(lines)
+
+
+def combinations(content: Content, kind: str) -> list[tuple[tuple[str, ...], Integers]]:
+    """Return the elements of every combination of groups, with the names of the groups."""
+    names = [name for name, group in content.groups.items() if kind in group]
+    inside = np.zeros((len(content.cells[kind]), len(names)), dtype=bool)
+    for column, name in enumerate(names):
+        inside[content.groups[name][kind], column] = True
+    rows_of, same = np.unique(inside, axis=0, return_inverse=True)
+    found = []
+    for number, row in enumerate(rows_of):
+        groups = tuple(name for name, chosen in zip(names, row) if chosen)
+        found.append((groups, np.flatnonzero(same.ravel() == number)))
+    return found

@@ -1,0 +1,1 @@
+"""Formats of files of meshes: each reads a file to its content."""

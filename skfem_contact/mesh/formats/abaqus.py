@@ -1,0 +1,511 @@
+"""Input files of Abaqus and CalculiX: nodes, elements, sets, surfaces, parts and instances."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..content import (
+    Content,
+    check_names,
+    numbers_of,
+    parsed,
+    point_text,
+    rows,
+    without_middles,
+)
+from ..kinds import KINDS, Floats, Integers
+
+#: Kinds by the dimension of the family and the number of nodes; families by the start of the type.
+_PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8", 9: "quad9"}
+_SPACE = {
+    4: "tetra",
+    10: "tetra10",
+    5: "pyramid",
+    6: "wedge",
+    15: "wedge15",
+    8: "hexahedron",
+    20: "hexahedron20",
+    27: "hexahedron27",
+}
+#: Nodes of bodies of 27 nodes in the order of VTK: the middle comes before the faces.
+_ORDER = {"hexahedron27": [*range(20), 26, 24, 23, 25, 21, 22, 20]}
+_LINES = {2: "line", 3: "line3"}
+_FAMILIES = (
+    (r"C3D|DC3D|AC3D|SC[68]", _SPACE),
+    (r"CP[ES]|CGAX|CAX|CPEG|AC2D|DC2D|DCAX|STRI|SFM3D|M3D|S[3468]|R3D[34]|WARP2D|DS", _PLANE),
+    (r"T[23]D|B[23]|R2D|RAX|SAX|MAX", _LINES),
+)
+#: Local nodes of the faces of elements, by kind, from face 1 on (corners only, counted from 0).
+_FACES = {
+    "triangle": ((0, 1), (1, 2), (2, 0)),
+    "quad": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "tetra": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    "pyramid": ((0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)),
+    "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+    "hexahedron": (
+        (0, 1, 2, 3),
+        (4, 7, 6, 5),
+        (0, 4, 5, 1),
+        (1, 5, 6, 2),
+        (2, 6, 7, 3),
+        (3, 7, 4, 0),
+    ),
+}
+#: Cards that make nodes or elements of others, or in other coordinates.
+_MAKERS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBSTRUCTURE")
+_DEEPEST = 8
+
+
+@dataclass
+class _Card:
+    """Keyword with its parameters, and its lines of data."""
+
+    keyword: str
+    options: Mapping[str, str]
+    data: bytes
+
+    def flag(self, name: str) -> bool:
+        """Return True if a parameter is given."""
+        return name in self.options
+
+
+@dataclass
+class _Part:
+    """Nodes, elements, sets and surfaces of a part or of the whole file."""
+
+    ids: list[Integers] = field(default_factory=list)
+    points: list[Floats] = field(default_factory=list)
+    elements: list[tuple[str, Integers, Integers]] = field(default_factory=list)
+    node_sets: dict[str, list[Integers]] = field(default_factory=dict)
+    element_sets: dict[str, list[Integers]] = field(default_factory=dict)
+    surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    spelled: dict[str, str] = field(default_factory=dict)
+
+    def key(self, name: str) -> str:
+        """Return a name without regard to capitals, and keep how it is spelled first."""
+        name = name.strip().strip('"')
+        self.spelled.setdefault(name.upper(), name)
+        return name.upper()
+
+    def coordinates(self) -> tuple[Integers, Floats]:
+        """Return the numbers of the nodes and their coordinates."""
+        if not self.ids:
+            return np.zeros(0, int), np.zeros((0, 3))
+        return np.concatenate(self.ids), np.concatenate(self.points)
+
+
+def read(path: str) -> Content:
+    """Read an input file."""
+    text = Path(path).read_bytes()
+    if not re.search(
+        rb"^\s*\*NODE\b(?!\s*(PRINT|FILE|OUTPUT))", text, re.MULTILINE | re.IGNORECASE
+    ):
+        raise ValueError("it is not an input file of Abaqus or CalculiX: it has no *NODE")
+    last = re.split(rb"^\s*\*", text, flags=re.MULTILINE)[-1]
+    if not text.endswith(b"\n") and re.match(rb"(?i)(NODE|ELEMENT|NSET|ELSET|SURFACE)\b", last):
+        raise ValueError(
+            "it ends within a line of the mesh: it is not complete, or needs an empty line"
+        )
+    whole = _assembled(_cards(text, Path(path).parent, 0))
+    return _content(whole)
+
+
+def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
+    """Yield the cards of a file, and of files that it includes."""
+    if depth > _DEEPEST:
+        raise ValueError(f"its *INCLUDE are nested more than {_DEEPEST} times")
+    text = re.sub(rb"^\*\*.*\n?", b"", text.replace(b"\r", b""), flags=re.MULTILINE)
+    for chunk in re.split(rb"^[ \t]*\*(?=[A-Za-z])", text, flags=re.MULTILINE)[1:]:
+        head, _, data = chunk.partition(b"\n")
+        while head.rstrip().endswith(b","):
+            more, _, data = data.partition(b"\n")
+            head += more
+        keyword, *parts = head.decode("utf-8", "replace").split(",")
+        options = {}
+        for part in parts:
+            name, _, value = part.partition("=")
+            options["".join(name.upper().split())] = value.strip()
+        keyword = " ".join(keyword.upper().split())
+        if keyword == "INCLUDE":
+            other = folder / options.get("INPUT", "").strip('"')
+            if not other.is_file():
+                raise ValueError(f"it includes the file {other}, which does not exist")
+            yield from _cards(other.read_bytes(), folder, depth + 1)
+        elif keyword in _MAKERS:
+            raise ValueError(
+                f"it makes nodes or elements by *{keyword}, which is not read: write the nodes and "
+                "elements themselves"
+            )
+        else:
+            yield _Card(keyword, options, data)
+
+
+def _assembled(cards: Iterator[_Card]) -> _Part:
+    """Return the nodes and elements of a file, with the instances of its parts, moved."""
+    whole = _Part()
+    parts: dict[str, _Part] = {}
+    instances: dict[str, tuple[int, _Part]] = {}
+    target = whole
+    shift = 0
+    for card in cards:
+        if card.keyword == "PART":
+            target = parts[card.options.get("NAME", "").strip('"').upper()] = _Part()
+        elif card.keyword in ("END PART", "END INSTANCE"):
+            target = whole
+        elif card.keyword == "INSTANCE":
+            name = card.options.get("NAME", "").strip('"')
+            part = parts.get(card.options.get("PART", "").strip('"').upper())
+            if part is None:
+                raise ValueError(f"the part of instance '{name}' does not exist")
+            moved = _moved(part, card.data)
+            shift = _append(whole, moved, name, shift)
+            instances[name.upper()] = (shift, moved)
+            shift += _span(moved)
+        else:
+            _read_card(target, card, instances)
+    return whole
+
+
+def _span(part: _Part) -> int:
+    """Return a number above all numbers of nodes and elements of a part."""
+    numbers = [*part.ids, *(ids for _, ids, _ in part.elements)]
+    return 1 + max((int(ids.max()) for ids in numbers if len(ids)), default=0)
+
+
+def _moved(part: _Part, data: bytes) -> _Part:
+    """Return a part moved by the lines of an instance: a translation, then a rotation.
+
+    The rotation is by an angle in degrees about the axis from one point to another.
+    """
+    lines = [line for line in data.split(b"\n") if line.strip()]
+    points = [np.array(x) for x in part.points]
+    if lines:
+        first = np.zeros(3)
+        values = parsed(lines[0].replace(b",", b" "), "the lines of an instance")
+        first[: len(values)] = values[:3]
+        points = [x + first for x in points]
+    if len(lines) > 1:
+        values = parsed(lines[1].replace(b",", b" "), "the lines of an instance")
+        if len(values) != 7:
+            raise ValueError("the rotation of an instance needs two points and an angle")
+        points = [_turned(x, values[:3], values[3:6], np.deg2rad(values[6])) for x in points]
+    return replace(part, points=points)
+
+
+def _turned(x: Floats, start: Floats, end: Floats, angle: float) -> Floats:
+    """Return points turned about an axis, by the formula of Rodrigues."""
+    axis = (end - start) / np.linalg.norm(end - start)
+    r = x - start
+    along = np.outer(r @ axis, axis)
+    return start + along + np.cos(angle) * (r - along) + np.sin(angle) * np.cross(axis, r)
+
+
+def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
+    """Append an instance with numbers above those of others; return what was added to them.
+
+    Its sets are known by their own names and by "instance.set".
+    """
+    shift = max(shift, _span(whole)) if whole.ids else shift
+    whole.ids += [ids + shift for ids in part.ids]
+    whole.points += part.points
+    whole.elements += [(kind, ids + shift, nodes + shift) for kind, ids, nodes in part.elements]
+    every = [ids + shift for _, ids, _ in part.elements]
+    whole.element_sets.setdefault(whole.key(name), []).extend(every)
+    for own, known in (
+        (part.node_sets, whole.node_sets),
+        (part.element_sets, whole.element_sets),
+    ):
+        for key, members in own.items():
+            moved = [numbers + shift for numbers in members]
+            known.setdefault(whole.key(part.spelled[key]), []).extend(moved)
+            known.setdefault(whole.key(f"{name}.{part.spelled[key]}"), []).extend(moved)
+    for key, lines in part.surfaces.items():
+        moved_lines = []
+        for entry, face in lines:
+            if entry.isdigit():
+                moved_lines.append((str(int(entry) + shift), face))
+            else:
+                moved_lines.append((f"{name}.{entry}", face))
+        whole.surfaces.setdefault(whole.key(part.spelled[key]), []).extend(moved_lines)
+    return shift
+
+
+def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Part]]) -> None:
+    """Read a card with nodes, elements, a set or a surface; others say nothing of the mesh."""
+    options = card.options
+    if card.keyword == "NODE":
+        _read_nodes(part, card)
+    elif card.keyword == "ELEMENT":
+        _read_elements(part, card)
+    elif card.keyword in ("NSET", "ELSET"):
+        sets = part.node_sets if card.keyword == "NSET" else part.element_sets
+        shift = instances.get(options.get("INSTANCE", "").strip('"').upper(), (0, part))[0]
+        members = _members(sets, part, card, shift)
+        sets.setdefault(part.key(options.get(card.keyword, "")), []).append(members)
+    elif card.keyword == "SURFACE":
+        _read_surface(part, card)
+
+
+def _read_nodes(part: _Part, card: _Card) -> None:
+    """Read numbers and coordinates, of which plane files have two."""
+    lines = card.data.split(b"\n", 1)[0]
+    width = len([word for word in lines.split(b",") if word.strip()])
+    if width < 3:
+        if not card.data.strip():
+            return
+        raise ValueError("a line of *NODE has fewer than a number and two coordinates")
+    numbers = parsed(card.data.replace(b",", b" "), "the lines of *NODE")
+    table = rows(numbers, width, "*NODE")
+    points = np.zeros((len(table), 3))
+    points[:, : min(width - 1, 3)] = table[:, 1:4]
+    ids = table[:, 0].astype(int)
+    part.ids.append(ids)
+    part.points.append(points)
+    if card.options.get("NSET"):
+        part.node_sets.setdefault(part.key(card.options["NSET"]), []).append(ids)
+
+
+def _read_elements(part: _Part, card: _Card) -> None:
+    """Read elements of one type, each with as many nodes as the type says."""
+    name = card.options.get("TYPE", "").upper()
+    numbers = parsed(card.data.replace(b",", b" "), f"the lines of *ELEMENT, TYPE={name}", np.int64)
+    if len(numbers) == 0:
+        return
+    kind, n_nodes = _kind_of(name)
+    if not kind:
+        return
+    table = rows(numbers, 1 + n_nodes, f"*ELEMENT, TYPE={name}")
+    ids = table[:, 0]
+    nodes = table[:, 1:]
+    if kind == "line3":
+        nodes = nodes[:, [0, 2, 1]]  # the second node lies in the middle
+    if kind in _ORDER:
+        nodes = nodes[:, _ORDER[kind]]
+    part.elements.append((kind, ids, nodes))
+    if card.options.get("ELSET"):
+        part.element_sets.setdefault(part.key(card.options["ELSET"]), []).append(ids)
+
+
+def _kind_of(name: str) -> tuple[str, int]:
+    """Return kind and number of nodes of a type such as "CPE8R"; none of springs and masses."""
+    digits = re.findall(r"\d+", re.sub(r"(2D|3D)(?=\d)|^B(?=\d{2})", "", name))
+    for pattern, kinds in _FAMILIES:
+        if re.match(pattern, name) and digits:
+            n_nodes = int(digits[0])
+            if name.startswith("B") and n_nodes > 9:
+                n_nodes = 2 + (n_nodes % 10 == 2)
+            if n_nodes in kinds:
+                return kinds[n_nodes], n_nodes
+            raise ValueError(f"elements of type {name} are not read")
+    if re.match(r"C|S\d|M\d", name):
+        raise ValueError(f"elements of type {name} are not read")
+    return "", 0
+
+
+def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift: int) -> Integers:
+    """Return the numbers of a set, which may name other sets, or steps of a sequence."""
+    words = [word.strip() for word in re.split(rb"[,\n]", card.data) if word.strip()]
+    if card.flag("GENERATE"):
+        found = []
+        for line in card.data.split(b"\n"):
+            bounds = [int(word) for word in line.replace(b",", b" ").split()]
+            if bounds:
+                first, last, *step = bounds
+                found.append(np.arange(first, last + 1, *step[:1]))
+        return shift + np.concatenate(found) if found else np.zeros(0, int)
+    numbers = [int(word) for word in words if word.lstrip(b"-").isdigit()]
+    parts = [np.array(numbers, dtype=int) + shift]
+    for word in words:
+        if not word.lstrip(b"-").isdigit():
+            other = part.key(word.decode("utf-8", "replace"))
+            if other not in sets:
+                raise ValueError(f"the set '{part.spelled[other]}' does not exist")
+            parts += sets[other]
+    return np.concatenate(parts)
+
+
+def _read_surface(part: _Part, card: _Card) -> None:
+    """Read the lines "set or element, face" of a surface, or the nodes of one."""
+    key = part.key(card.options.get("NAME", ""))
+    by_nodes = card.options.get("TYPE", "ELEMENT").upper() == "NODE"
+    for line in card.data.decode("utf-8", "replace").split("\n"):
+        words = [word.strip().strip('"') for word in line.split(",")]
+        if not words[0]:
+            continue
+        face = "NODE" if by_nodes else (words[1] if len(words) > 1 else "").upper()
+        part.surfaces.setdefault(key, []).append((words[0], face))
+
+
+def _content(whole: _Part) -> Content:
+    """Return the content of the whole file with its groups."""
+    ids, points = whole.coordinates()
+    content = Content(points, {})
+    place: dict[str, list[Integers]] = {}
+    for kind, numbers, nodes in whole.elements:
+        if kind not in content.cells:
+            content.cells[kind] = np.zeros((0, nodes.shape[1]), int)
+        known = content.cells[kind]
+        content.cells[kind] = np.concatenate((known, numbers_of(ids, nodes, "node")))
+        place.setdefault(kind, []).append(numbers)
+    numbers_by_kind = {kind: np.concatenate(parts) for kind, parts in place.items()}
+
+    # Name sets of elements and of nodes as they are spelled
+    for key, members in whole.element_sets.items():
+        wanted = np.unique(np.concatenate(members)) if members else np.zeros(0, int)
+        for kind, numbers in numbers_by_kind.items():
+            found = np.flatnonzero(np.isin(numbers, wanted))
+            if len(found):
+                content.add(whole.spelled[key], kind, found)
+    for key, members in whole.node_sets.items():
+        wanted = np.unique(np.concatenate(members)) if members else np.zeros(0, int)
+        if len(wanted):
+            content.node_groups[whole.spelled[key]] = numbers_of(ids, wanted, "node")
+    for key, lines in whole.surfaces.items():
+        for entry, face in lines:
+            _add_face(content, whole, numbers_by_kind, ids, whole.spelled[key], entry, face)
+    return content
+
+
+def _add_face(
+    content: Content,
+    whole: _Part,
+    numbers_by_kind: Mapping[str, Integers],
+    ids: Integers,
+    name: str,
+    entry: str,
+    face: str,
+) -> None:
+    """Add one face of an element, or of all elements of a set, to a surface."""
+    key = entry.upper()
+    sets = whole.node_sets if face == "NODE" else whole.element_sets
+    if entry.isdigit():
+        members = np.array([int(entry)])
+    elif key in sets:
+        members = np.concatenate(sets[key])
+    else:
+        raise ValueError(f"surface '{name}' names the set '{entry}', which does not exist")
+    if face == "NODE":
+        nodes = numbers_of(ids, np.unique(members), "node")
+        known = content.node_groups.get(name, np.zeros(0, int))
+        content.node_groups[name] = np.union1d(known, nodes).astype(int)
+        return
+    number = re.fullmatch(r"S(\d)", face)
+    if number is None:
+        content.left_out.append(f"face {face or 'of no number'} of surface '{name}'")
+        return
+    for kind, numbers in numbers_by_kind.items():
+        if KINDS[kind].dim < 2:
+            continue
+        corners = content.cells[kind][:, : KINDS[kind].corners]
+        faces = _FACES[_straight(kind)]
+        found = np.flatnonzero(np.isin(numbers, members))
+        position = int(number[1]) - 1
+        if len(found) and position < len(faces):
+            sides = corners[found][:, list(faces[position])]
+            side_kind = {2: "line", 3: "triangle", 4: "quad"}[sides.shape[1]]
+            content.add_sides(name, side_kind, sides)
+
+
+def _straight(kind: str) -> str:
+    """Return the kind of first order of the same shape."""
+    return re.sub(r"\d+$", "", kind)
+
+
+#: Types of elements that are written.
+_TYPES = {
+    "triangle": "CPE3",
+    "triangle6": "CPE6",
+    "quad": "CPE4",
+    "quad8": "CPE8",
+    "tetra": "C3D4",
+    "tetra10": "C3D10",
+    "hexahedron": "C3D8",
+    "hexahedron20": "C3D20",
+}
+#: Numbers of a set on one line, and characters of a line of an element.
+_ON_A_LINE = 12
+
+
+def write(content: Content, path: str) -> None:
+    """Write nodes, elements, element sets, and surfaces of elements and faces."""
+    check_names(content, ',=*\n"', "input files")
+    folded: dict[str, str] = {}
+    for name in content.groups:
+        other = folded.setdefault(name.upper(), name)
+        if other != name:
+            raise ValueError(f"'{other}' and '{name}' are one name in input files: rename one")
+    without_middles(content, "Abaqus")
+    kind = next(kind for kind in content.cells if KINDS[kind].dim == content.dim)
+    cells = content.cells[kind]
+    lines = ["*NODE", point_text(content.points, ", ").rstrip(), f"*ELEMENT, TYPE={_TYPES[kind]}"]
+    for number, nodes in enumerate((cells + 1).tolist(), start=1):
+        words = [str(number), *map(str, nodes)]
+        lines.append(", ".join(words[:_ON_A_LINE]) + ("," if len(words) > _ON_A_LINE else ""))
+        if len(words) > _ON_A_LINE:
+            lines.append(", ".join(words[_ON_A_LINE:]))
+    for name, group in content.groups.items():
+        members = group.get(kind, np.zeros(0, int)) + 1
+        if len(members):
+            lines.append(f"*ELSET, ELSET={name}")
+            for start in range(0, len(members), _ON_A_LINE):
+                lines.append(", ".join(map(str, members[start : start + _ON_A_LINE].tolist())))
+    lines += _surfaces(content, kind)
+    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _surfaces(content: Content, kind: str) -> list[str]:
+    """Return the cards of the groups of sides, as elements and numbers of faces."""
+    straight = _straight(kind)
+    cells = content.cells[kind][:, : KINDS[kind].corners]
+    faces = [np.sort(cells[:, list(face)], axis=1) for face in _FACES[straight]]
+    number = np.repeat(np.arange(1, len(faces) + 1), len(cells))
+    element = np.tile(np.arange(1, len(cells) + 1), len(faces))
+    every = np.concatenate(faces)
+    lines = []
+    for name, group in content.groups.items():
+        for side_kind, members in group.items():
+            if KINDS[side_kind].dim != content.dim - 1 or len(members) == 0:
+                continue
+            sides = content.cells[side_kind][members]
+            behind = _behind(content, cells, every, element, sides, KINDS[side_kind].corners)
+            lines.append(f"*SURFACE, NAME={name}, TYPE=ELEMENT")
+            lines += [f"{element[k]}, S{number[k]}" for k in behind]
+    return lines
+
+
+def _behind(
+    content: Content,
+    cells: Integers,
+    every: Integers,
+    element: Integers,
+    sides: Integers,
+    corners: int,
+) -> Integers:
+    """Return the faces, by their positions in `every`, of the elements behind sides."""
+    keys = _row_keys(np.concatenate((every, np.sort(sides[:, :corners], axis=1))))
+    own, wanted = keys[: len(every)], keys[len(every) :]
+    order = np.argsort(own, kind="stable")
+    first = np.searchsorted(own, wanted, sorter=order)
+    last = np.searchsorted(own, wanted, side="right", sorter=order) - 1
+    # Of two elements take the one from which the normal of the side points away
+    choice = order[first]
+    other = order[last]
+    x = content.points[sides[:, :corners]]
+    along = x[:, 1] - x[:, 0]
+    if content.dim == 2:
+        normal = np.column_stack((along[:, 1], -along[:, 0], 0.0 * along[:, 0]))
+    else:
+        normal = np.cross(along, x[:, -1] - x[:, 0])
+    middle = content.points[cells[element[choice] - 1]].mean(axis=1)
+    outward = ((x.mean(axis=1) - middle) * normal).sum(axis=1) > 0
+    return np.where(outward, choice, other)
+
+
+def _row_keys(table: Integers) -> Integers:
+    """Return equal numbers for equal rows."""
+    return np.unique(table, axis=0, return_inverse=True)[1].ravel()

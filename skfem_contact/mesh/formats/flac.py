@@ -1,0 +1,125 @@
+"""Grids of FLAC3D as text, .f3grid."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+
+from ..content import Content, check_names, numbers_of, parsed, point_text, rows
+from ..kinds import KINDS, Integers
+
+#: Kinds of zones and faces, and their nodes in the order of VTK (z upwards, right-handed).
+_ZONES = {
+    b"B8": ("hexahedron", [0, 1, 4, 2, 3, 6, 7, 5]),
+    b"W6": ("wedge", [0, 1, 3, 2, 4, 5]),
+    b"P5": ("pyramid", [0, 1, 4, 2, 3]),
+    b"T4": ("tetra", [0, 1, 2, 3]),
+    b"Q4": ("quad", [0, 1, 2, 3]),
+    b"T3": ("triangle", [0, 1, 2]),
+}
+
+
+def read(path: str) -> Content:
+    """Read grid points, zones, faces and their groups."""
+    data = Path(path).read_bytes()
+    if b"\0" in data[:4096]:
+        raise ValueError("it is a binary grid: export it from FLAC3D as text")
+    if not data.endswith(b"\n"):
+        raise ValueError("it ends within a line: it is not complete, or needs an empty line")
+    text = re.sub(rb"^[ \t]*[*;].*", b"", data.replace(b"\r", b""), flags=re.MULTILINE)
+    lines: dict[bytes, list[bytes]] = {}
+    groups: list[tuple[str, str, list[bytes]]] = []
+    for line in text.split(b"\n"):
+        line = line.strip()
+        key = line[:1]
+        if key in b"GZF" and line[:6] not in (b"ZGROUP", b"FGROUP") and line:
+            lines.setdefault(line[:4] if key != b"G" else b"G", []).append(line)
+        elif line[1:6] == b"GROUP":
+            kind, name = _group(line)
+            groups.append((kind, name, []))
+        elif line and line[:1].isdigit() and groups:
+            groups[-1][2].append(line)
+        elif line:
+            raise ValueError(
+                f"it is not a grid of FLAC3D: '{line[:40].decode('ascii', 'replace')}'"
+            )
+    if b"G" not in lines:
+        raise ValueError("it is not a grid of FLAC3D, or has no points")
+
+    points = b"\n".join(line[1:] for line in lines.pop(b"G"))
+    table = rows(parsed(points, "the lines of points"), 4, "the points")
+    ids = table[:, 0].astype(int)
+    content = Content(table[:, 1:], {})
+    numbers: dict[tuple[str, str], Integers] = {}
+    for head, same in lines.items():
+        letter, _, word = head.partition(b" ")
+        if word not in _ZONES:
+            raise ValueError(f"zones of type {head.decode('ascii', 'replace')} are not read")
+        kind, order = _ZONES[word]
+        body = b"\n".join(line[len(head) :] for line in same)
+        cells = rows(parsed(body, "the lines of zones", np.int64), 1 + len(order), "the zones")
+        content.cells[kind] = numbers_of(ids, cells[:, 1:][:, order], "grid point")
+        numbers[letter.decode(), kind] = cells[:, 0]
+    for letter, name, body in groups:
+        members = parsed(b" ".join(body), f"the members of group '{name}'", np.int64)
+        for (other, kind), known in numbers.items():
+            if other == letter:
+                found = np.flatnonzero(np.isin(known, members))
+                if len(found):
+                    content.add(name, kind, found)
+    return content
+
+
+def _group(line: bytes) -> tuple[str, str]:
+    """Return letter and name of a group; slots with names precede it, "slot:name"."""
+    words = shlex.split(line.decode("utf-8", "replace"))
+    if len(words) < 2:
+        raise ValueError("a group has no name")
+    slot = words[3] if len(words) > 3 and words[2].upper() == "SLOT" else "1"
+    plain = slot.isdigit() or slot == "Default"
+    return words[0][0], words[1] if plain else f"{slot}:{words[1]}"
+
+
+def write(content: Content, path: str) -> None:
+    """Write grid points, zones, named faces and groups, with a slot for groups that overlap."""
+    check_names(content, '"\n', "grids of FLAC3D")
+    words = {kind: (word.decode(), order) for word, (kind, order) in _ZONES.items()}
+    others = [kind for kind in content.cells if kind not in words]
+    if content.dim < 3 or others:
+        found = ", ".join(content.cells)
+        raise ValueError(f"grids of FLAC3D have zones of first order in space, not {found}")
+    lines = ["* GRIDPOINTS"]
+    lines += [f"G {line}" for line in point_text(content.points).rstrip().split("\n")]
+    first = {}
+    counts = {"Z": 1, "F": 1}
+    for kind, cells in content.cells.items():
+        letter = "Z" if KINDS[kind].dim == 3 else "F"
+        word, order = words[kind]
+        first[kind] = (letter, counts[letter])
+        lines.append("* ZONES" if letter == "Z" else "* FACES")
+        for nodes in (cells[:, np.argsort(order)] + 1).tolist():
+            lines.append(f"{letter} {word} {counts[letter]} {' '.join(map(str, nodes))}")
+            counts[letter] += 1
+    taken: dict[str, list[Integers]] = {"Z": [], "F": []}
+    for name, group in content.groups.items():
+        for kind, members in group.items():
+            letter, number = first[kind]
+            slot = _free_slot(taken[letter], members + number)
+            lines.append(f'{letter}GROUP "{name}" SLOT {slot}')
+            ids = (members + number).tolist()
+            for start in range(0, len(ids), 12):
+                lines.append(" ".join(map(str, ids[start : start + 12])))
+    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _free_slot(taken: list[Integers], members: Integers) -> int:
+    """Return the first slot whose groups have none of the members; a zone has one in each."""
+    for number, known in enumerate(taken):
+        if not np.isin(members, known).any():
+            taken[number] = np.concatenate((known, members))
+            return number + 1
+    taken.append(members)
+    return len(taken)

@@ -1,0 +1,428 @@
+"""Gmsh's files: MSH 2.2 and 4.1, text and binary."""
+
+from __future__ import annotations
+
+import mmap
+import re
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple
+
+import numpy as np
+
+from ..content import (
+    Content,
+    check_count,
+    check_names,
+    combinations,
+    numbers_of,
+    parsed,
+    table_text,
+)
+from ..kinds import KINDS, Floats, Integers
+from .scikit_fem import add_encoded
+
+#: Kinds of elements by their numbers in the file.
+_KINDS = {
+    1: "line",
+    2: "triangle",
+    3: "quad",
+    4: "tetra",
+    5: "hexahedron",
+    6: "wedge",
+    7: "pyramid",
+    8: "line3",
+    9: "triangle6",
+    10: "quad9",
+    11: "tetra10",
+    12: "hexahedron27",
+    13: "wedge18",
+    14: "pyramid14",
+    15: "vertex",
+    16: "quad8",
+    17: "hexahedron20",
+    18: "wedge15",
+    19: "pyramid13",
+}
+#: Numbers of nodes of these kinds.
+_NODES = {
+    "vertex": 1,
+    "line": 2,
+    "line3": 3,
+    "triangle": 3,
+    "triangle6": 6,
+    "quad": 4,
+    "quad8": 8,
+    "quad9": 9,
+    "tetra": 4,
+    "tetra10": 10,
+    "pyramid": 5,
+    "pyramid13": 13,
+    "pyramid14": 14,
+    "wedge": 6,
+    "wedge15": 15,
+    "wedge18": 18,
+    "hexahedron": 8,
+    "hexahedron20": 20,
+    "hexahedron27": 27,
+}
+#: Gmsh's nodes in the order of VTK, where the two differ (section "Node ordering" of the manual).
+_ORDER = {
+    "tetra10": [0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+    "hexahedron20": [*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
+    "hexahedron27": [
+        *[*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
+        *[22, 23, 21, 24, 20, 25, 26],
+    ],
+}
+#: Head of data of elements: one name, one real and three whole numbers.
+_DATA = re.compile(
+    rb'\$ElementData\s+1\s+"(skfem:[^"]*)"\s+1\s+\S+\s+3\s+\d+\s+(\d+)\s+(\d+)[ \t\r]*\n'
+)
+_WORDS = {0: "point", 1: "curve", 2: "surface", 3: "volume"}
+
+
+class _Blocks(NamedTuple):
+    """Elements of one kind of an entity, or with their own tags."""
+
+    kind: str
+    nodes: Integers
+    tags: tuple[Integers, ...]
+
+
+def read(path: str) -> Content:
+    """Read a file of format 2.2 or 4.1."""
+    with open(path, "rb") as file:
+        if not file.read(1):
+            raise ValueError("it is empty")
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            return _read(file, data)
+
+
+def _read(file: BinaryIO, data: mmap.mmap) -> Content:
+    """Read an open file, whose bytes are also in `data`."""
+    sections = _sections(data)
+    head = data[slice(*sections.get("MeshFormat", (0, 0)))].split(maxsplit=3)
+    if len(head) < 3:
+        raise ValueError("it is not a Gmsh mesh: it has no line with the format")
+    version = head[0].decode("ascii", "replace")
+    is_text = head[1] == b"0"
+    if version not in ("2.2", "4.1"):
+        raise ValueError(
+            f"it has the Gmsh format {version}; formats 2.2 and 4.1 are read: in Gmsh, set "
+            "Mesh.MshFileVersion"
+        )
+    if not is_text and head[3][:4] != b"\x01\x00\x00\x00":
+        raise ValueError("its numbers have the bytes of another machine: save it as text")
+    if "ParametricNodes" in sections:
+        raise ValueError("its nodes have parameters of curves: set Mesh.SaveParametric = 0")
+    if "Nodes" not in sections or "Elements" not in sections:
+        raise ValueError("it has no nodes or no elements, or is not complete")
+
+    # Read sections in the order of the file, so that one reader is at work at a time
+    def reader(name: str) -> _Numbers:
+        start, end = sections.get(name, (0, 0))
+        return _Numbers(file, start, end, is_text)
+
+    names = _names(data[slice(*sections.get("PhysicalNames", (0, 0)))])
+    if version == "2.2":
+        ids, points = _nodes_22(reader("Nodes"))
+        blocks = _elements_22(reader("Elements"), data)
+    else:
+        groups = _groups_of_entities(reader("Entities"))
+        groups |= _groups_of_partitions(reader("PartitionedEntities"))
+        ids, points = _nodes_41(reader("Nodes"))
+        blocks = _elements_41(reader("Elements"), groups)
+    content = _content(ids, points, blocks, names)
+    add_encoded(content, _element_data(data, is_text))
+    return content
+
+
+def _sections(data: mmap.mmap) -> dict[str, tuple[int, int]]:
+    """Return the first and the last byte of every section between $Name and $EndName."""
+    sections: dict[str, tuple[int, int]] = {}
+    position = 0
+    while (start := data.find(b"$", position)) >= 0:
+        line = data.find(b"\n", start)
+        name = data[start + 1 : min(max(line, start), start + 40)].strip()
+        end = data.find(b"$End" + name, max(line, start))
+        if line < 0 or end < 0:
+            text = name.decode("ascii", "replace")
+            raise ValueError(f"it is not a Gmsh mesh, or not complete: it ends within '{text}'")
+        sections.setdefault(name.decode("ascii", "replace"), (line + 1, end))
+        position = end + len(name) + 4
+    return sections
+
+
+def _names(section: bytes) -> dict[tuple[int, int], str]:
+    """Return the names of physical groups by dimension and number."""
+    found = re.findall(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', section, flags=re.MULTILINE)
+    return {(int(dim), int(tag)): name.decode("utf-8", "replace") for dim, tag, name in found}
+
+
+class _Numbers:
+    """Numbers of a section, as text or binary."""
+
+    def __init__(self, file: BinaryIO, start: int, end: int, is_text: bool) -> None:
+        self.file = file
+        self.start = start
+        self.end = end
+        self.size = end - start
+        self.is_text = is_text
+        file.seek(start)
+
+    def ints(self, count: int) -> Integers:
+        """Return the next whole numbers, which binary files have with 4 bytes."""
+        return self._next(count, np.int64 if self.is_text else np.dtype("<i4"))
+
+    def sizes(self, count: int) -> Integers:
+        """Return the next numbers of things, which binary files have with 8 bytes."""
+        return self._next(count, np.int64 if self.is_text else np.dtype("<u8")).astype(np.int64)
+
+    def floats(self, count: int) -> Floats:
+        """Return the next numbers."""
+        return self._next(count, np.float64)
+
+    def size_of(self, what: str) -> int:
+        """Return the next number of things, of which the section has room for so many."""
+        return check_count(int(self.sizes(1)[0]), self.size, what)
+
+    def count_of_22(self) -> int:
+        """Return the number at the head of a section of format 2.2, which is text."""
+        head = self.file.readline(32).split()
+        if len(head) != 1 or not head[0].isdigit():
+            raise ValueError("a section begins without its number of entries")
+        return check_count(int(head[0]), self.size, "entries")
+
+    def _next(self, count: int, dtype: Any) -> np.ndarray:
+        check_count(int(count), self.size, "numbers")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # a text that ends too early
+            sep = " " if self.is_text else ""
+            values = np.fromfile(self.file, dtype, int(count), sep)
+        if len(values) < count or self.file.tell() > self.end:
+            raise ValueError("it is not complete: a section has fewer numbers than it announces")
+        return values
+
+
+def _nodes_22(section: _Numbers) -> tuple[Integers, Floats]:
+    count = section.count_of_22()
+    if section.is_text:
+        table = section.floats(4 * count).reshape(count, 4)
+        return table[:, 0].astype(int), table[:, 1:]
+    table = section._next(count, np.dtype([("id", "<i4"), ("x", "<f8", (3,))]))
+    return table["id"].astype(int), table["x"]
+
+
+def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
+    count = section.count_of_22()
+    if section.is_text:
+        text = data[section.file.tell() : section.end]
+        return _lines_22(np.asarray(parsed(text, "elements", np.int64)), count)
+    blocks = []
+    done = 0
+    while done < count:
+        number, many, n_tags = section.ints(3).tolist()
+        kind = _kind(number)
+        check_count(many, section.size, "elements")
+        table = section.ints(many * (1 + n_tags + _NODES[kind])).reshape(many, -1)
+        tag = table[:, 1] if n_tags else np.zeros(many, int)
+        blocks.append(_Blocks(kind, table[:, 1 + n_tags :], (tag,)))
+        done += max(many, 1)
+    return blocks
+
+
+def _lines_22(numbers: Integers, count: int) -> list[_Blocks]:
+    """Return blocks of the lines "id kind n_tags tags nodes"; runs of one kind are read at once."""
+    blocks = []
+    position = 0
+    done = 0
+    while done < count:
+        if position + 3 > len(numbers):
+            raise ValueError("it is not complete: the section of elements ends too early")
+        kind = _kind(int(numbers[position + 1]))
+        n_tags = int(numbers[position + 2])
+        width = 3 + n_tags + _NODES[kind]
+        # Count the rows that follow with the same kind and number of tags
+        longest = min((len(numbers) - position) // width, count - done)
+        table = numbers[position : position + longest * width].reshape(-1, width)
+        same = (table[:, 1:3] == numbers[position + 1 : position + 3]).all(axis=1)
+        many = longest if same.all() else int(np.argmin(same))
+        if many == 0:
+            raise ValueError("it is not complete: an element has too few nodes")
+        table = table[:many]
+        tag = table[:, 3] if n_tags else np.zeros(many, int)
+        blocks.append(_Blocks(kind, table[:, 3 + n_tags :], (tag,)))
+        position += many * width
+        done += many
+    return blocks
+
+
+def _nodes_41(section: _Numbers) -> tuple[Integers, Floats]:
+    n_blocks = section.size_of("blocks")
+    section.sizes(3)
+    ids = []
+    points = []
+    for _ in range(n_blocks):
+        dim, _, parametric = section.ints(3).tolist()
+        many = section.size_of("nodes")
+        width = 3 + (dim if parametric else 0)
+        ids.append(section.sizes(many))
+        points.append(section.floats(many * width).reshape(many, width)[:, :3])
+    if not ids:
+        raise ValueError("it has no nodes")
+    return np.concatenate(ids), np.concatenate(points)
+
+
+def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) -> list[_Blocks]:
+    n_blocks = section.size_of("blocks")
+    section.sizes(3)
+    blocks = []
+    for _ in range(n_blocks):
+        dim, entity, number = section.ints(3).tolist()
+        many = section.size_of("elements")
+        kind = _kind(number)
+        table = section.sizes(many * (1 + _NODES[kind])).reshape(many, -1)
+        tags = groups.get((dim, entity), np.zeros(0, int))
+        blocks.append(_Blocks(kind, table[:, 1:], tuple(np.full(many, tag) for tag in tags)))
+    return blocks
+
+
+def _groups_of_entities(section: _Numbers) -> dict[tuple[int, int], Integers]:
+    """Return the numbers of the physical groups of every entity, by dimension and number."""
+    groups: dict[tuple[int, int], Integers] = {}
+    if section.size:
+        for dim, count in enumerate(section.sizes(4)):
+            for _ in range(check_count(int(count), section.size, "entities")):
+                tag = int(section.ints(1)[0])
+                groups[dim, tag] = _groups_of_entity(section, dim)
+    return groups
+
+
+def _groups_of_partitions(section: _Numbers) -> dict[tuple[int, int], Integers]:
+    """Return the numbers of the physical groups of the parts of entities."""
+    groups: dict[tuple[int, int], Integers] = {}
+    if section.size:
+        section.sizes(1)
+        section.ints(2 * section.size_of("ghosts"))
+        for dim, count in enumerate(section.sizes(4)):
+            for _ in range(check_count(int(count), section.size, "entities")):
+                tag = int(section.ints(3)[0])
+                section.ints(section.size_of("partitions"))
+                groups[dim, tag] = _groups_of_entity(section, dim)
+    return groups
+
+
+def _groups_of_entity(section: _Numbers, dim: int) -> Integers:
+    """Read the box, the groups and the boundary of an entity; return the groups."""
+    section.floats(3 if dim == 0 else 6)
+    groups = np.abs(section.ints(section.size_of("groups")))
+    if dim:
+        section.ints(section.size_of("parts of a boundary"))
+    return groups
+
+
+def _kind(number: int) -> str:
+    """Return the kind of elements with Gmsh's number."""
+    if number not in _KINDS:
+        raise ValueError(
+            f"it has elements of Gmsh's type {number}; first and second order are read: set "
+            "Mesh.ElementOrder to 1 or 2"
+        )
+    return _KINDS[number]
+
+
+def _content(
+    ids: Integers, points: Floats, blocks: list[_Blocks], names: Mapping[tuple[int, int], str]
+) -> Content:
+    """Join the blocks of every kind, and name the groups."""
+    content = Content(np.array(points), {})
+    parts: dict[str, list[_Blocks]] = {}
+    for block in blocks:
+        parts.setdefault(block.kind, []).append(block)
+    for kind, same in parts.items():
+        nodes = numbers_of(ids, np.concatenate([block.nodes for block in same]), "node")
+        content.cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
+        dim = KINDS[kind].dim
+        members = _members(same)
+        # Keep the order of the names in the file, then numbers without a name
+        named = [tag for d, tag in names if d == dim and tag in members]
+        for tag in dict.fromkeys((*named, *sorted(members))):
+            name = names.get((dim, tag), f"{_WORDS[dim]} {tag}")
+            content.add(name, kind, members[tag])
+    return content
+
+
+def _members(blocks: list[_Blocks]) -> dict[int, Integers]:
+    """Return the elements of every group of a kind by its number."""
+    found: dict[int, list[Integers]] = {}
+    first = 0
+    for block in blocks:
+        for tags in block.tags:
+            tags = np.abs(tags)
+            for tag in np.unique(tags[tags != 0]).tolist():
+                found.setdefault(tag, []).append(first + np.flatnonzero(tags == tag))
+        first += len(block.nodes)
+    return {tag: np.unique(np.concatenate(parts)) for tag, parts in found.items()}
+
+
+def _element_data(data: mmap.mmap, is_text: bool) -> dict[str, Integers]:
+    """Return the data of elements that scikit-fem wrote, by name."""
+    found = {}
+    for match in _DATA.finditer(data):
+        width, count = int(match[2]), int(match[3])
+        check_count(count * width, len(data), "values")
+        if is_text:
+            end = data.find(b"$EndElementData", match.end())
+            values = np.asarray(parsed(data[match.end() : end], "values"))
+            values = values.reshape(count, 1 + width)[:, 1]
+        else:
+            dtype = np.dtype([("id", "<i4"), ("value", "<f8", (width,))])
+            end = match.end() + count * dtype.itemsize
+            values = np.frombuffer(data[match.end() : end], dtype, count)["value"][:, 0]
+        found[match[1].decode("utf-8", "replace")] = values.astype(int)
+    return found
+
+
+def write(content: Content, path: str) -> None:
+    """Write a text of format 4.1, with an entity for every combination of groups."""
+    check_names(content, '"', "Gmsh's files")
+    names: dict[tuple[int, str], int] = {}
+    entities: dict[int, list[tuple[str, tuple[int, ...], Integers]]] = {0: [], 1: [], 2: [], 3: []}
+    for kind, cells in content.cells.items():
+        dim = KINDS[kind].dim
+        order = np.argsort(_ORDER[kind]) if kind in _ORDER else np.arange(cells.shape[1])
+        for groups, members in combinations(content, kind):
+            tags = tuple(names.setdefault((dim, name), len(names) + 1) for name in groups)
+            entities[dim].append((kind, tags, cells[members][:, order] + 1))
+
+    # Head, names, and entities with their box and groups
+    box = [*content.points.min(axis=0).tolist(), *content.points.max(axis=0).tolist()]
+    corners = " ".join(map(repr, box))
+    lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
+    lines += [f'{dim} {tag} "{name}"' for (dim, name), tag in names.items()]
+    lines += ["$EndPhysicalNames", "$Entities", " ".join(str(len(e)) for e in entities.values())]
+    for parts in entities.values():
+        for number, (_, tags, _) in enumerate(parts, start=1):
+            groups_of = " ".join(map(str, (len(tags), *tags)))
+            lines.append(f"{number} {corners} {groups_of} 0")
+
+    # Nodes belong to the first entity of the highest dimension
+    count = len(content.points)
+    lines += ["$EndEntities", "$Nodes", f"1 {count} 1 {count}", f"{content.dim} 1 0 {count}"]
+    lines += [*map(str, range(1, count + 1))]
+    lines += [" ".join(map(repr, x)) for x in content.points.tolist()]
+    total = sum(len(cells) for cells in content.cells.values())
+    n_blocks = sum(map(len, entities.values()))
+    lines += ["$EndNodes", "$Elements", f"{n_blocks} {total} 1 {total}"]
+    element = 1
+    numbers = {kind: number for number, kind in _KINDS.items()}
+    for dim, parts in entities.items():
+        for number, (kind, _, nodes) in enumerate(parts, start=1):
+            lines.append(f"{dim} {number} {numbers[kind]} {len(nodes)}")
+            ids = element + np.arange(len(nodes))
+            lines.append(table_text(np.column_stack((ids, nodes))).rstrip())
+            element += len(nodes)
+    lines += ["$EndElements", ""]
+    Path(path).write_text("\n".join(lines), encoding="utf-8")

@@ -1,0 +1,218 @@
+"""Kratos' mesh files, .mdpa."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..content import Content, check_names, numbers_of, parsed, point_text, rows, table_text
+from ..kinds import KINDS, Integers
+
+#: Kinds by the dimension of the element and its number of nodes.
+_KINDS = {
+    (1, 2): "line",
+    (1, 3): "line3",
+    (2, 3): "triangle",
+    (2, 6): "triangle6",
+    (2, 4): "quad",
+    (2, 8): "quad8",
+    (2, 9): "quad9",
+    (3, 4): "tetra",
+    (3, 10): "tetra10",
+    (3, 5): "pyramid",
+    (3, 13): "pyramid13",
+    (3, 6): "wedge",
+    (3, 15): "wedge15",
+    (3, 8): "hexahedron",
+    (3, 20): "hexahedron20",
+    (3, 27): "hexahedron27",
+}
+#: Kratos' nodes in the order of VTK, where the two differ: upright edges come before upper ones.
+_ORDER = {
+    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+    "hexahedron27": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26],
+}
+_BLOCK = re.compile(rb"^[ \t]*(Begin|End)[ \t]+(\w+)[ \t]*(.*)$", re.MULTILINE)
+
+
+def read(path: str) -> Content:
+    """Read nodes, elements, conditions, geometries and sub-model parts."""
+    text = re.sub(rb"//.*", b"", Path(path).read_bytes())
+    if not _BLOCK.search(text):
+        raise ValueError("it is not a file of Kratos: it has no block that begins")
+    ids = np.zeros(0, int)
+    content = Content(np.zeros((0, 3)), {})
+    numbers: dict[str, dict[str, list[Integers]]] = {}
+    properties: dict[str, list[Integers]] = {}
+    parts: list[tuple[str, str, Integers]] = []
+    open_parts: list[str] = []
+    position = 0
+    while match := _BLOCK.search(text, position):
+        position = match.end()
+        word, name = match[2].decode(), match[3].decode("utf-8", "replace").strip()
+        if match[1] == b"End":
+            if word == "SubModelPart" and open_parts:
+                open_parts.pop()
+            continue
+        if word == "SubModelPart":
+            open_parts.append(name)
+            continue
+        end = re.compile(rb"^[ \t]*End[ \t]+" + match[2] + rb"\b", re.MULTILINE).search(
+            text, position
+        )
+        if end is None:
+            raise ValueError(f"it is not complete: it ends within the block {word} {name}".rstrip())
+        body = text[position : end.start()]
+        position = end.end()
+        if word == "Nodes":
+            table = rows(parsed(body, "the lines of Nodes"), 4, "Nodes")
+            ids = np.concatenate((ids, table[:, 0].astype(int)))
+            content.points = np.concatenate((content.points, table[:, 1:]))
+        elif word in ("Elements", "Conditions", "Geometries"):
+            _read_elements(content, word, name, body, ids, numbers, properties)
+        elif word.startswith("SubModelPart") and open_parts:
+            what = word.removeprefix("SubModelPart")
+            if what in ("Nodes", "Elements", "Conditions", "Geometries"):
+                members = np.asarray(parsed(body, f"the lines of {word}", np.int64))
+                parts.append((".".join(open_parts), what, members))
+    if open_parts:
+        raise ValueError(f"it is not complete: it ends within the sub-model part {open_parts[-1]}")
+    _name_parts(content, ids, parts, numbers, properties)
+    return content
+
+
+def _read_elements(
+    content: Content,
+    word: str,
+    name: str,
+    body: bytes,
+    ids: Integers,
+    numbers: dict[str, dict[str, list[Integers]]],
+    properties: dict[str, list[Integers]],
+) -> None:
+    """Read one block, whose name ends with dimension and number of nodes, "Element2D3N"."""
+    lines = [line.split() for line in body.strip().split(b"\n")[:1]]
+    if not lines or not lines[0]:
+        return
+    head = 1 if word == "Geometries" else 2
+    table = rows(parsed(body, f"the lines of {name}", np.int64), len(lines[0]), name)
+    kind = _kind_of(word, name, table.shape[1] - head)
+    if not kind:
+        content.left_out.append(f"{len(table)} {word.lower()} {name}")
+        return
+    nodes = numbers_of(ids, table[:, head:], "node")
+    if kind in _ORDER:
+        nodes = nodes[:, _ORDER[kind]]
+    known = content.cells.get(kind)
+    content.cells[kind] = nodes if known is None else np.concatenate((known, nodes))
+    # Numbers of elements, conditions and geometries are counted apart
+    for other in ("Elements", "Conditions", "Geometries"):
+        own = table[:, 0] if other == word else np.full(len(table), -1)
+        numbers.setdefault(kind, {}).setdefault(other, []).append(own)
+    tags = table[:, 1] if head == 2 and word == "Elements" else np.zeros(len(table), int)
+    properties.setdefault(kind, []).append(tags)
+
+
+def _kind_of(word: str, name: str, n_nodes: int) -> str:
+    """Return the kind of elements of a name, or nothing for points and unknown shapes.
+
+    "2D" in the name of an element is the space; conditions have a dimension less than the space.
+    """
+    space = 3 if "3D" in name else 2
+    dim = space - (word == "Conditions")
+    if word == "Geometries":
+        flat = ("Triangle", "Quadrilateral")
+        dim = 1 if name.startswith("Line") else (2 if name.startswith(flat) else 3)
+    elif name.startswith(("Line", "Triangle", "Quadrilateral", "Tetra", "Hexa", "Prism", "Point")):
+        shapes = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2}
+        dim = next((d for start, d in shapes.items() if name.startswith(start)), 3)
+    elif re.search(r"Shell|Membrane|Surface|Face3D", name):
+        dim = 2
+    elif re.search(r"Line|Truss|Beam|Cable", name):
+        dim = 1
+    return _KINDS.get((dim, n_nodes), "")
+
+
+def _name_parts(
+    content: Content,
+    ids: Integers,
+    parts: list[tuple[str, str, Integers]],
+    numbers: dict[str, dict[str, list[Integers]]],
+    properties: dict[str, list[Integers]],
+) -> None:
+    """Name elements by their sub-model parts, or by their properties if no part has elements."""
+    joined = {}
+    for kind, kinds in numbers.items():
+        joined[kind] = {word: np.concatenate(found) for word, found in kinds.items()}
+    with_sides = {name for name, what, members in parts if what != "Nodes" and len(members)}
+    for name, what, members in parts:
+        if what == "Nodes":
+            if name not in with_sides and len(members):
+                content.node_groups[name] = numbers_of(ids, members, "node")
+            continue
+        for kind, words in joined.items():
+            found = np.flatnonzero(np.isin(words[what], members))
+            if len(found):
+                content.add(name, kind, found)
+    dim = content.dim
+    named = any(KINDS[kind].dim == dim for group in content.groups.values() for kind in group)
+    for kind, tags in properties.items():
+        if KINDS[kind].dim == dim and not named:
+            values = np.concatenate(tags)
+            for tag in np.unique(values[values > 0]).tolist():
+                content.add(f"property {tag}", kind, np.flatnonzero(values == tag))
+
+
+#: Names of elements and conditions that are written, without the number of nodes.
+_NAMES = {
+    ("triangle", 2): "Element2D",
+    ("quad", 2): "Element2D",
+    ("tetra", 3): "Element3D",
+    ("hexahedron", 3): "Element3D",
+    ("line", 2): "LineCondition2D",
+    ("triangle", 3): "SurfaceCondition3D",
+    ("quad", 3): "SurfaceCondition3D",
+}
+
+
+def write(content: Content, path: str) -> None:
+    """Write nodes, elements, named sides as conditions, and a sub-model part for each name."""
+    check_names(content, " .\n", "Kratos' files")
+    lines = [
+        "Begin ModelPartData",
+        "End ModelPartData",
+        "",
+        "Begin Properties 0",
+        "End Properties",
+        "",
+    ]
+    lines += ["Begin Nodes", point_text(content.points).rstrip(), "End Nodes", ""]
+    first = {"Elements": 1, "Conditions": 1}
+    start = {}
+    for kind, cells in content.cells.items():
+        word = "Elements" if KINDS[kind].dim == content.dim else "Conditions"
+        name = _NAMES[re.sub(r"\d+$", "", kind), content.dim]
+        nodes = cells[:, np.argsort(_ORDER[kind])] if kind in _ORDER else cells
+        start[kind] = (word, first[word])
+        ids = first[word] + np.arange(len(cells))
+        first[word] += len(cells)
+        table = np.column_stack((ids, np.zeros(len(cells), int), nodes + 1))
+        lines += [
+            f"Begin {word} {name}{cells.shape[1]}N",
+            table_text(table).rstrip(),
+            f"End {word}",
+            "",
+        ]
+    for name, group in content.groups.items():
+        nodes = [content.cells[kind][members] for kind, members in group.items()]
+        every = np.unique(np.concatenate([part.ravel() for part in nodes])) + 1
+        lines += [f"Begin SubModelPart {name}", "Begin SubModelPartNodes"]
+        lines += [*map(str, every.tolist()), "End SubModelPartNodes"]
+        for kind, members in group.items():
+            word, number = start[kind]
+            lines += [f"Begin SubModelPart{word}", *map(str, (members + number).tolist())]
+            lines.append(f"End SubModelPart{word}")
+        lines += ["End SubModelPart", ""]
+    Path(path).write_text("\n".join(lines), encoding="utf-8")

@@ -1,0 +1,216 @@
+"""Files of Salome and code_aster, .med, which are HDF5."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..content import Content, check_names, combinations
+from ..kinds import KINDS
+
+#: Kinds of elements by their names in the file.
+_KINDS = {
+    "PO1": "vertex",
+    "SE2": "line",
+    "SE3": "line3",
+    "TR3": "triangle",
+    "TR6": "triangle6",
+    "QU4": "quad",
+    "QU8": "quad8",
+    "QU9": "quad9",
+    "TE4": "tetra",
+    "T10": "tetra10",
+    "HE8": "hexahedron",
+    "H20": "hexahedron20",
+    "H27": "hexahedron27",
+    "PY5": "pyramid",
+    "P13": "pyramid13",
+    "PE6": "wedge",
+    "P15": "wedge15",
+}
+
+
+#: Nodes in the order of VTK, where the two differ but for their direction: middles of sides.
+_ORDER = {"hexahedron27": [*range(20), 24, 22, 21, 23, 20, 25, 26]}
+#: Numbers of the shapes in the file: of corners or nodes, and of dimensions.
+_SHAPES = {
+    "line": 102,
+    "line3": 103,
+    "triangle": 203,
+    "triangle6": 206,
+    "quad": 204,
+    "quad9": 209,
+    "tetra": 304,
+    "tetra10": 310,
+    "hexahedron": 308,
+    "hexahedron27": 327,
+}
+#: Steps of a mesh that does not move in time, and length of names.
+_NO_STEP = -1
+_LENGTH = 80
+
+
+def read(path: str) -> Content:
+    """Read the only mesh of a file, with the groups of its families."""
+    try:
+        import h5py
+    except ImportError as error:
+        raise ImportError("h5py reads files of MED: pip install h5py") from error
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise ValueError("it is not a file of MED, or not complete") from error
+    with file:
+        if "ENS_MAA" not in file:
+            raise ValueError("it is not a file of MED: it has no mesh")
+        meshes = list(file["ENS_MAA"])
+        if len(meshes) != 1:
+            raise ValueError(f"it has {len(meshes)} meshes, {', '.join(meshes)}; export one")
+        mesh = file["ENS_MAA"][meshes[0]]
+        dim = int(mesh.attrs["ESP"])
+        families = file["FAS"][meshes[0]] if meshes[0] in file.get("FAS", {}) else {}
+        step = mesh if "NOE" in mesh else mesh[next(iter(mesh))]
+        return _content(step, dim, families)
+
+
+def _content(step: Any, dim: int, families: Any) -> Content:
+    """Read nodes and elements, which are stored component by component."""
+    points = np.asarray(step["NOE"]["COO"]).reshape(dim, -1).T
+    content = Content(np.pad(points, ((0, 0), (0, 3 - dim))), {})
+    names = _names(families.get("ELEME", {}))
+    for word, block in step["MAI"].items():
+        if word not in _KINDS:
+            raise ValueError(f"it has elements of type {word}, which are not read")
+        kind = _KINDS[word]
+        count = int(block["NOD"].attrs["NBR"])
+        nodes = np.asarray(block["NOD"]).reshape(-1, count).T - 1
+        content.cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
+        if "FAM" in block:
+            family = np.asarray(block["FAM"])
+            for number in np.unique(family).tolist():
+                for name in names.get(number, ()):
+                    content.add(name, kind, np.flatnonzero(family == number))
+    if "FAM" in step["NOE"]:
+        family = np.asarray(step["NOE"]["FAM"])
+        for number, group in _names(families.get("NOEUD", {})).items():
+            for name in group:
+                known = content.node_groups.get(name, np.zeros(0, int))
+                found = np.flatnonzero(family == number)
+                content.node_groups[name] = np.union1d(known, found).astype(int)
+    content.node_groups = {name: part for name, part in content.node_groups.items() if len(part)}
+    _drop_repeated(content)
+    return content
+
+
+def _drop_repeated(content: Content) -> None:
+    """Drop node groups whose name elements have as well."""
+    for name in list(content.node_groups):
+        if any(KINDS[kind].dim for kind in content.groups.get(name, {})):
+            del content.node_groups[name]
+
+
+def _names(families: Any) -> dict[int, list[str]]:
+    """Return the names of the groups of every family by its number."""
+    found = {}
+    for family in families.values():
+        number = int(family.attrs["NUM"])
+        if "GRO" in family:
+            letters = family["GRO"]["NOM"][()]
+            texts = [row.astype(np.int8).tobytes().rstrip(b"\0 ") for row in letters]
+            found[number] = [text.decode("utf-8", "replace") for text in texts]
+    return found
+
+
+def write(content: Content, path: str) -> None:
+    """Write nodes and elements; every combination of names is a family."""
+    try:
+        import h5py
+    except ImportError as error:
+        raise ImportError("h5py writes files of MED: pip install h5py") from error
+    check_names(content, "\n", "files of MED")
+    long = [name for name in content.groups if len(name.encode()) > _LENGTH]
+    if long:
+        raise ValueError(f"names in files of MED have {_LENGTH} letters: shorten '{long[0]}'")
+    families: dict[tuple[str, ...], int] = {}
+    with h5py.File(path, "w") as file:
+        head = file.create_group("INFOS_GENERALES")
+        for name, value in (("MAJ", 4), ("MIN", 1), ("REL", 0)):
+            head.attrs[name] = np.int32(value)
+        step = _mesh_group(file, content.dim)
+        step.attrs["CGT"] = np.int32(1)
+        _write_points(step.create_group("NOE"), content)
+        cells = step.create_group("MAI")
+        cells.attrs["CGT"] = np.int32(1)
+        for kind in content.cells:
+            _write_cells(cells, content, kind, families)
+        _write_families(file, families)
+
+
+def _mesh_group(file: Any, dim: int) -> Any:
+    """Create the group of the mesh, and return the group of its only step."""
+    mesh = file.create_group("ENS_MAA/mesh")
+    texts = {"DES": b"mesh", "NOM": b"X".ljust(16) + b"Y".ljust(16) + b"Z".ljust(16), "UNI": b""}
+    for name, text in (*texts.items(), ("UNT", b"")):
+        mesh.attrs[name] = np.bytes_(text)
+    numbers = {"DIM": dim, "ESP": dim, "REP": 0, "SRT": 1, "TYP": 0, "NXI": -1, "NXT": -1}
+    for name, value in numbers.items():
+        mesh.attrs[name] = np.int32(value)
+    step = mesh.create_group(f"{_NO_STEP:020d}{_NO_STEP:020d}")
+    for name in ("NDT", "NOR", "NXI", "NXT", "PVI", "PVT"):
+        step.attrs[name] = np.int32(_NO_STEP)
+    step.attrs["PDT"] = 0.0
+    return step
+
+
+def _write_points(group: Any, content: Content) -> None:
+    group.attrs["CGT"] = np.int32(1)
+    group.attrs["CGS"] = np.int32(1)
+    group.attrs["PFL"] = np.bytes_(b"MED_NO_PROFILE_INTERNAL")
+    points = content.points[:, : content.dim]
+    data = group.create_dataset("COO", data=points.T.ravel())
+    data.attrs["CGT"] = np.int32(1)
+    data.attrs["NBR"] = np.int32(len(points))
+
+
+def _write_cells(
+    parent: Any, content: Content, kind: str, families: dict[tuple[str, ...], int]
+) -> None:
+    """Write elements of one kind, bodies in the direction of the format."""
+    cells = content.cells[kind]
+    if KINDS[kind].dim == 3:
+        cells = cells[:, list(KINDS[kind].mirrored)]
+    if kind in _ORDER:
+        cells = cells[:, np.argsort(_ORDER[kind])]
+    words = {known: word for word, known in _KINDS.items()}
+    group = parent.create_group(words[kind])
+    group.attrs["CGT"] = np.int32(1)
+    group.attrs["CGS"] = np.int32(1)
+    group.attrs["GEO"] = np.int32(_SHAPES[kind])
+    group.attrs["PFL"] = np.bytes_(b"MED_NO_PROFILE_INTERNAL")
+    family = np.zeros(len(cells), dtype=int)
+    for names, members in combinations(content, kind):
+        if names:
+            family[members] = families.setdefault(names, -len(families) - 1)
+    for name, values in (("NOD", (cells + 1).T.ravel()), ("FAM", family)):
+        data = group.create_dataset(name, data=values)
+        data.attrs["CGT"] = np.int32(1)
+        data.attrs["NBR"] = np.int32(len(cells))
+
+
+def _write_families(file: Any, families: dict[tuple[str, ...], int]) -> None:
+    """Write the names of the families, as rows of 80 bytes."""
+    parent = file.create_group("FAS/mesh")
+    parent.create_group("FAMILLE_ZERO").attrs["NUM"] = np.int32(0)
+    if not families:
+        return
+    elements = parent.create_group("ELEME")
+    for names, number in families.items():
+        family = elements.create_group(f"FAM_{number}")
+        family.attrs["NUM"] = np.int32(number)
+        groups = family.create_group("GRO")
+        groups.attrs["NBR"] = np.int32(len(names))
+        letters = [np.frombuffer(name.encode().ljust(_LENGTH, b"\0"), np.int8) for name in names]
+        kind = np.dtype((np.int8, (_LENGTH,)))
+        data = groups.create_dataset("NOM", (len(names),), dtype=kind)
+        data[...] = np.array(letters)

@@ -1,0 +1,148 @@
+"""Bulk data of Nastran: .bdf, .nas, .dat."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ..content import Content, numbers_of
+from ..kinds import Integers
+
+#: Kinds of elements by card and number of nodes.
+_CARDS = {
+    "CTRIA3": {3: "triangle"},
+    "CTRIA6": {6: "triangle6"},
+    "CTRIAR": {3: "triangle"},
+    "CPLSTN3": {3: "triangle"},
+    "CPLSTN4": {4: "quad"},
+    "CPLSTN6": {6: "triangle6"},
+    "CPLSTN8": {8: "quad8"},
+    "CQUAD4": {4: "quad"},
+    "CQUADR": {4: "quad"},
+    "CQUAD8": {8: "quad8"},
+    "CQUAD": {4: "quad", 8: "quad8", 9: "quad9"},
+    "CTETRA": {4: "tetra", 10: "tetra10"},
+    "CPYRAM": {5: "pyramid", 13: "pyramid13"},
+    "CPENTA": {6: "wedge", 15: "wedge15"},
+    "CHEXA": {8: "hexahedron", 20: "hexahedron20"},
+    "CBAR": {2: "line"},
+    "CBEAM": {2: "line"},
+    "CROD": {2: "line"},
+}
+_CORNERS = {"CTETRA": 4, "CPYRAM": 5, "CPENTA": 6, "CHEXA": 8}
+#: Nodes in the order of VTK, where the two differ: upright edges come before upper ones.
+_ORDER = {
+    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
+}
+
+
+def read(path: str) -> Content:
+    """Read grid points and elements; properties are groups."""
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    names = {}
+    for kind, number, name in re.findall(
+        r'^\$HMNAME\s+(COMP|PROP)\s+(\d+)\s*"([^"]+)"', text, re.M
+    ):
+        names[int(number)] = name if kind == "COMP" else names.get(int(number), name)
+    ids = []
+    points = []
+    cells: dict[str, list[list[int]]] = {}
+    properties: dict[str, list[int]] = {}
+    for card in _cards(text):
+        if card[0] == "GRID":
+            if card[2] not in ("", "0"):
+                raise ValueError(
+                    f"grid point {card[1]} has coordinates of the system {card[2]}; only the basic "
+                    "system is read"
+                )
+            ids.append(_integer(card[1]))
+            coordinates = [*card[3:6], "", "", ""][:3]
+            points.append([_number(word) for word in coordinates])
+        elif card[0] in _CARDS:
+            kind, nodes = _nodes(card)
+            cells.setdefault(kind, []).append(nodes)
+            properties.setdefault(kind, []).append(_integer(card[2] or card[1]))
+    if not ids or not cells:
+        raise ValueError("it is not bulk data of Nastran: it has no GRID or no elements")
+    content = Content(np.array(points), {})
+    for kind, rows_of in cells.items():
+        nodes = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
+        content.cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
+        tags: Integers = np.array(properties[kind])
+        for tag in np.unique(tags).tolist():
+            name = names.get(tag, f"property {tag}")
+            content.add(name, kind, np.flatnonzero(tags == tag))
+    return content
+
+
+def _cards(text: str) -> Iterator[list[str]]:
+    """Yield the fields of every card; a continuation begins with blanks, "+" or "*"."""
+    begin = re.search(r"^\s*BEGIN\s+(BULK|SUPER).*$", text, re.M | re.I)
+    lines = text[begin.end() :].split("\n") if begin else text.split("\n")
+    card: list[str] = []
+    for line in lines:
+        line = line.split("$", 1)[0].rstrip()
+        if not line.strip():
+            continue
+        if line.strip().upper().startswith("ENDDATA"):
+            break
+        fields = _fields(line)
+        if fields[0] in ("", "+", "*") or fields[0][0] in "+*":
+            card += fields[1:]
+            continue
+        if card:
+            yield card
+        card = [fields[0].upper().rstrip("*"), *fields[1:]]
+    if card:
+        yield card
+
+
+def _fields(line: str) -> list[str]:
+    """Return the name and the fields of a line: free, or in columns of 8 or 16."""
+    if "," in line:
+        words = [word.strip() for word in line.split(",")]
+        return [*words[:9], *[""] * (9 - len(words))]
+    line = line.expandtabs(8)
+    width = 16 if "*" in line[:8] else 8
+    count = 4 if width == 16 else 8
+    words = [line[8 + k * width : 8 + (k + 1) * width].strip() for k in range(count)]
+    return [line[:8].strip(), *words]
+
+
+def _nodes(card: list[str]) -> tuple[str, list[int]]:
+    """Return kind and nodes of an element; nodes in the middle of edges may be blank."""
+    name = card[0]
+    kinds = _CARDS[name]
+    most = max(kinds)
+    words = [*card[3:], *[""] * most][:most]
+    corners = _CORNERS.get(name, min(kinds))
+    given = [word for word in words if word]
+    count = most if len(given) == most else corners
+    if name == "CQUAD" and len(given) in kinds:
+        count = len(given)
+    if len(given) < count or not all(words[:count]):
+        raise ValueError(f"{name} {card[1]} has {len(given)} nodes, but needs {count}")
+    if len(given) not in (count, most) and name in _CORNERS:
+        raise ValueError(f"{name} {card[1]} has some, but not all of the nodes of its edges")
+    return kinds[count], [_integer(word) for word in words[:count]]
+
+
+def _integer(word: str) -> int:
+    if not word.lstrip("+-").isdigit():
+        raise ValueError(f"'{word}' is not a whole number")
+    return int(word)
+
+
+def _number(word: str) -> float:
+    """Return a number, whose exponent may have no letter: "1.5-3"."""
+    if not word:
+        return 0.0
+    text = re.sub(r"(?<=[\d.])([+-]\d+)$", r"e\1", word.lower().replace("d", "e"))
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"'{word}' is not a number") from None

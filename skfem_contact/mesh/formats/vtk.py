@@ -1,0 +1,109 @@
+"""Files of VTK, .vtu and .vtk, through meshio; names are data of cells."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+
+import meshio
+import numpy as np
+
+from ..content import Content, check_names
+from ..kinds import KINDS, Integers
+from .scikit_fem import add_encoded
+
+#: Names of data of cells that number regions.
+_REGIONS = (
+    "MaterialIDs",
+    "material",
+    "region",
+    "body",
+    "CellEntityIds",
+    "gmsh:physical",
+    "medit:ref",
+    "cell_tags",
+    "PartitionId",
+)
+#: Most values of data of cells by which they are taken for numbers of regions.
+_MOST = 256
+
+
+def read(path: str) -> Content:
+    """Read cells and their data."""
+    file = _meshio(path)
+    points = np.asarray(file.points, dtype=float)
+    content = Content(np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), {})
+    blocks = []
+    for block in file.cells:
+        if block.type not in KINDS:
+            raise ValueError(f"it has cells of type {block.type}, which are not read")
+        known = content.cells.get(block.type)
+        first = 0 if known is None else len(known)
+        cells = np.asarray(block.data, dtype=int)
+        content.cells[block.type] = cells if known is None else np.concatenate((known, cells))
+        blocks.append((block.type, first + np.arange(len(cells))))
+    encoded = {}
+    for key, parts in file.cell_data.items():
+        if key.startswith("skfem:"):
+            encoded[key] = np.concatenate(parts).astype(int)
+        elif all(part.ndim == 1 and part.dtype.kind in "iub" for part in parts):
+            _add_data(content, key, blocks, [part.astype(int) for part in parts])
+    add_encoded(content, encoded)
+    return content
+
+
+def _meshio(path: str) -> meshio.Mesh:
+    """Read a file with meshio, whose messages and exits become one error."""
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        try:
+            return meshio.read(path)
+        except (FileNotFoundError, MemoryError):
+            raise
+        except SystemExit as error:
+            raise ValueError("it is not a file of VTK that can be read") from error
+        except Exception as error:  # meshio passes errors of its parsers on
+            text = " ".join(str(error).split()) or type(error).__name__
+            raise ValueError(f"it is not a file of VTK that can be read: {text}") from error
+
+
+def _add_data(
+    content: Content,
+    key: str,
+    blocks: list[tuple[str, Integers]],
+    parts: list[Integers],
+) -> None:
+    """Add groups from whole numbers of cells.
+
+    Ones among zeros are the cells of the group of that name, else every value is a group.  meshio
+    joins the names of sets by "-", and numbers them from zero.
+    """
+    values = np.unique(np.concatenate(parts))
+    if len(values) > _MOST:
+        return
+    masks = set(values.tolist()) <= {0, 1} and 1 in values and key not in _REGIONS
+    joined = key.split("-")
+    numbered = len(joined) > 1 and set(values.tolist()) <= set(range(-1, len(joined)))
+    for (kind, members), part in zip(blocks, parts):
+        if masks:
+            chosen = {key: part == 1}
+        elif numbered:
+            chosen = {name: part == k for k, name in enumerate(joined)}
+        else:
+            chosen = {f"{key} {value}": part == value for value in values if value >= 0}
+        for name, where in chosen.items():
+            if where.any():
+                content.add(name, kind, members[where])
+
+
+def write(content: Content, path: str) -> None:
+    """Write cells, and for every name data of cells with ones among zeros."""
+    check_names(content, "", "files of VTK")
+    blocks = list(content.cells.items())
+    data = {}
+    for name, group in content.groups.items():
+        data[name] = []
+        for kind, cells in blocks:
+            mask = np.zeros(len(cells), dtype=np.int8)
+            mask[group.get(kind, np.zeros(0, int))] = 1
+            data[name].append(mask)
+    meshio.Mesh(content.points, blocks, cell_data=data).write(path, file_format="vtu")

@@ -1,0 +1,682 @@
+"""Every format, plane and in space, of both orders: names, areas, volumes and lengths arrive.
+
+The files are made by Gmsh, by meshio, or as text of the format's own manual.
+"""
+
+from __future__ import annotations
+
+import itertools
+from importlib.util import find_spec
+
+import meshio
+import numpy as np
+import pytest
+from skfem import Basis, FacetBasis
+
+import skfem_contact as sc
+from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
+from skfem_contact.mesh.kinds import KINDS
+
+gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
+
+FORMATS = ("msh 2.2", "msh 4.1", "inp", "vtu", "med", "mdpa", "f3grid")
+NAMES = ("areas", "sides", "overlapping", "unnamed")
+#: Two boxes, x from 0 to 1 and from 1 to 3, 1 high (and 1 deep): sizes of their groups.
+GROUPS = {
+    "areas": ({"west": 1.0, "east": 2.0}, {}),
+    "sides": ({"west": 1.0, "east": 2.0}, {"bottom": 3.0, "middle": 1.0}),
+    "overlapping": ({"west": 1.0, "east": 2.0, "all of it": 3.0}, {"bottom": 3.0, "rim": 4.0}),
+    "unnamed": ({}, {}),
+}
+WORDS = {2: ("surface", "curve"), 3: ("volume", "surface")}
+
+
+def size_of(mesh, name):
+    """Area or volume of a subdomain."""
+    return Basis(mesh, mesh.elem(), elements=name, intorder=4).dx.sum()
+
+
+def side_of(mesh, name):
+    """Length or area of a boundary with straight sides.
+
+    The diagonals of a quadrilateral, whose corners are in no order, have the largest product.
+    """
+    x = mesh.p[:, mesh.facets[:, mesh.boundaries[name]]].transpose(1, 2, 0)
+    if len(x) == 2:
+        return np.linalg.norm(x[1] - x[0], axis=1).sum()
+    if len(x) == 3:
+        return 0.5 * np.linalg.norm(np.cross(x[1] - x[0], x[2] - x[0]), axis=1).sum()
+    pairs = ((0, 1, 2, 3), (0, 2, 1, 3), (0, 3, 1, 2))
+    products = [np.linalg.norm(np.cross(x[b] - x[a], x[d] - x[c]), axis=1) for a, b, c, d in pairs]
+    return 0.5 * np.max(products, axis=0).sum()
+
+
+def boxes(dim, order, kind, hexahedra=False):
+    """Build the model in Gmsh; return the tags of its groups by dimension and name."""
+    cad = gmsh.model.occ
+    if dim == 2:
+        boxes = [cad.addRectangle(0, 0, 0, 1, 1), cad.addRectangle(1, 0, 0, 2, 1)]
+    else:
+        boxes = [cad.addBox(0, 0, 0, 1, 1, 1), cad.addBox(1, 0, 0, 2, 1, 1)]
+    (west, east), _ = cad.fragment([(dim, boxes[0])], [(dim, boxes[1])])[0], None
+    cad.synchronize()
+    sides = {"bottom": [], "middle": [], "rim": []}
+    for _, tag in gmsh.model.getEntities(dim - 1):
+        x, y, z = cad.getCenterOfMass(dim - 1, tag)
+        low = y if dim == 2 else z
+        if low < 1e-9:
+            sides["bottom"].append(tag)
+        if abs(x - 1.0) < 1e-9:
+            sides["middle"].append(tag)
+        if low < 1e-9 or abs(x - 3.0) < 1e-9:
+            sides["rim"].append(tag)
+    areas = {"west": [west[1]], "east": [east[1]], "all of it": [west[1], east[1]]}
+    wanted_areas, wanted_sides = GROUPS[kind]
+    for name in wanted_areas:
+        gmsh.model.addPhysicalGroup(dim, areas[name], name=name)
+    for name in wanted_sides:
+        gmsh.model.addPhysicalGroup(dim - 1, sides[name], name=name)
+    if kind == "unnamed":
+        gmsh.model.addPhysicalGroup(dim, areas["west"], 7)
+        gmsh.model.addPhysicalGroup(dim, areas["east"], 8)
+        gmsh.model.addPhysicalGroup(dim - 1, sides["bottom"], 9)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.9)
+    gmsh.option.setNumber("Mesh.ElementOrder", order)
+    if hexahedra:
+        for _, curve in gmsh.model.getEntities(1):
+            gmsh.model.mesh.setTransfiniteCurve(curve, 3)
+        for _, surface in gmsh.model.getEntities(2):
+            gmsh.model.mesh.setTransfiniteSurface(surface)
+            gmsh.model.mesh.setRecombine(2, surface)
+        for _, volume in gmsh.model.getEntities(3):
+            gmsh.model.mesh.setTransfiniteVolume(volume)
+    gmsh.model.mesh.generate(dim)
+
+
+@pytest.fixture
+def model():
+    """Run Gmsh for one test."""
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield gmsh
+    gmsh.finalize()
+
+
+def as_meshio(path, gmsh):
+    """The present mesh of Gmsh through its format 4.1, and its groups as masks of cells."""
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+    gmsh.write(str(path / "between.msh"))
+    file = meshio.read(path / "between.msh")
+    groups = {}
+    for name, parts in file.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            groups[name] = [
+                np.isin(np.arange(len(block.data)), [] if part is None else part).astype(np.int8)
+                for block, part in zip(file.cells, parts)
+            ]
+    return file.points, [(block.type, block.data) for block in file.cells], groups
+
+
+def write_vtu(path, points, cells, groups):
+    """Masks of cells as data."""
+    used = [k for k, (kind, _) in enumerate(cells) if kind != "vertex"]
+    data = {name: [masks[k] for k in used] for name, masks in groups.items()}
+    meshio.Mesh(points, [cells[k] for k in used], cell_data=data).write(path, file_format="vtu")
+
+
+def write_mdpa(path, points, cells, groups):
+    """Elements, conditions, and a sub-model part for every group, as Kratos' manual has them."""
+    dim = max(KINDS[kind].dim for kind, _ in cells)
+    text = "Begin ModelPartData\nEnd ModelPartData\nBegin Properties 1 // soil\nEnd Properties\n"
+    text += "Begin Nodes\n"
+    for number, x in enumerate(points.tolist(), start=1):
+        text += f"  {number} {x[0]!r} {x[1]!r} {x[2]!r}\n"
+    text += "End Nodes\n"
+    ids = []
+    counts = {"Elements": 0, "Conditions": 0}
+    for kind, nodes in cells:
+        word = "Elements" if KINDS[kind].dim == dim else "Conditions"
+        ids.append((word, counts[word] + 1 + np.arange(len(nodes))))
+        if KINDS[kind].dim < dim - 1:
+            continue
+        shape = "" if word == "Elements" else ("Line" if dim == 2 else "Surface")
+        text += f"Begin {word} {shape}{word[:-1]}{dim}D{nodes.shape[1]}N\n"
+        if kind == "hexahedron27":  # upright edges before upper ones; sides from below to above
+            upright = [16, 17, 18, 19]
+            faces = [24, 22, 21, 23, 20, 25]  # below, front, right, back, left, above
+            nodes = nodes[:, [*range(12), *upright, 12, 13, 14, 15, *faces, 26]]
+        for row in nodes.tolist():
+            counts[word] += 1
+            text += f"{counts[word]} 1 {' '.join(str(node + 1) for node in row)}\n"
+        text += f"End {word}\n"
+    text += "Begin SubModelPart everything\n"
+    for name, masks in groups.items():
+        text += f"  Begin SubModelPart {name.replace(' ', '_')}\n"
+        for (word, numbers), mask in zip(ids, masks):
+            members = numbers[mask == 1]
+            if len(members):
+                text += f"    Begin SubModelPart{word}\n"
+                text += "".join(f"      {number}\n" for number in members)
+                text += f"    End SubModelPart{word}\n"
+        text += "  End SubModelPart\n"
+    path.write_text(text + "End SubModelPart\n")
+
+
+def write_f3grid(path, points, cells, groups):
+    """Tetrahedra, faces and groups in slots, as FLAC3D exports them."""
+    text = "* FLAC3D grid produced by a test\n"
+    for number, x in enumerate(points.tolist(), start=1):
+        text += f"G {number} {x[0]!r} {x[1]!r} {x[2]!r}\n"
+    letters = {"tetra": ("Z", "T4"), "triangle": ("F", "T3")}
+    ids = []
+    counts = {"Z": 0, "F": 0}
+    for kind, nodes in cells:
+        letter, word = letters.get(kind, ("", ""))
+        first = counts.get(letter, 0) + 1
+        ids.append((letter, first + np.arange(len(nodes))))
+        for row in nodes.tolist() if letter else ():
+            counts[letter] += 1
+            text += f"{letter} {word} {counts[letter]} {' '.join(str(n + 1) for n in row)}\n"
+    for slot, (name, masks) in enumerate(groups.items(), start=1):
+        for (letter, numbers), mask in zip(ids, masks):
+            if letter and mask.any():
+                text += f'{letter}GROUP "{name}" SLOT {slot}\n'
+                text += " ".join(map(str, numbers[mask == 1])) + "\n"
+    path.write_text(text)
+
+
+def made(path, gmsh, form, dim):
+    """Write the present mesh of Gmsh in a format; None where the format has no such mesh."""
+    if form.startswith("msh"):
+        gmsh.option.setNumber("Mesh.MshFileVersion", float(form[4:]))
+        gmsh.write(str(path / "boxes.msh"))
+        return path / "boxes.msh"
+    if form == "med":
+        pytest.importorskip("h5py")
+    file = path / f"boxes.{form}"
+    if form in ("inp", "med"):
+        gmsh.option.setNumber("Mesh.SaveGroupsOfElements", 1)
+        gmsh.write(str(file))
+        return file
+    points, cells, groups = as_meshio(path, gmsh)
+    if form == "f3grid" and (dim == 2 or cells[-1][0] != "tetra"):
+        return None
+    {"vtu": write_vtu, "mdpa": write_mdpa, "f3grid": write_f3grid}[form](
+        file, points, cells, groups
+    )
+    return file
+
+
+@pytest.mark.parametrize("names", NAMES)
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("form", FORMATS)
+def test_names_and_sizes_of_every_format(tmp_path, model, form, dim, order, names):
+    """[X] Areas, volumes and lengths of two boxes, to round-off of coordinates of 17 digits."""
+    boxes(dim, order, names)
+    path = made(tmp_path, model, form, dim)
+    if path is None:
+        pytest.skip("FLAC3D has zones of first order in space alone")
+    mesh = load_mesh(path)
+    check_mesh(mesh)
+    total = Basis(mesh, mesh.elem(), intorder=4).dx.sum()
+    assert total == pytest.approx(3.0, rel=1e-12)
+    areas, sides = GROUPS[names]
+    if names == "unnamed":
+        # Formats without names have numbers; the others had no group to write
+        found = {name: size_of(mesh, name) for name in mesh.subdomains or {}}
+        if form.startswith("msh"):
+            assert found == {
+                f"{WORDS[dim][0]} 7": pytest.approx(1.0, rel=1e-12),
+                f"{WORDS[dim][0]} 8": pytest.approx(2.0, rel=1e-12),
+            }
+            assert side_of(mesh, f"{WORDS[dim][1]} 9") == pytest.approx(3.0, rel=1e-12)
+        return
+    known = own_names(mesh, form)
+    for name, size in areas.items():
+        assert size_of(mesh, known[name]) == pytest.approx(size, rel=1e-12)
+    for name, size in sides.items():
+        assert side_of(mesh, known[name]) == pytest.approx(size, rel=1e-12)
+
+
+def own_names(mesh, form):
+    """Names of the mesh by the names of the model."""
+    names = {*(mesh.subdomains or {}), *(mesh.boundaries or {})}
+    known = {name: name for name in names}
+    if form == "mdpa":  # parts of a part, without blanks
+        known = {name.rpartition(".")[2].replace("_", " "): name for name in names}
+    if form == "inp":  # Gmsh writes names without blanks
+        known |= {name.replace("_", " "): name for name in names}
+    return known
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("form", FORMATS)
+def test_quadrilaterals_and_hexahedra(tmp_path, model, form, dim, order):
+    """[X] The same boxes with four and eight corners."""
+    boxes(dim, order, "sides", hexahedra=True)
+    if form == "f3grid":
+        return
+    path = made(tmp_path, model, form, dim)
+    mesh = load_mesh(path)
+    assert len(mesh.t) == (4 if dim == 2 else 8)
+    known = own_names(mesh, form)
+    for name, size in GROUPS["sides"][0].items():
+        assert size_of(mesh, known[name]) == pytest.approx(size, rel=1e-12)
+    for name, size in GROUPS["sides"][1].items():
+        assert side_of(mesh, known[name]) == pytest.approx(size, rel=1e-12)
+
+
+ENDS = [".msh", ".inp", ".vtu", ".mdpa", ".f3grid"]
+if find_spec("h5py"):
+    ENDS.append(".med")
+
+
+@pytest.mark.parametrize("hexahedra", [False, True])
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_saved_meshes_come_back(tmp_path, model, dim, order, hexahedra):
+    """[X] The same nodes, names and directions of sides from every format that is written."""
+    boxes(dim, order, "overlapping", hexahedra)
+    model.option.setNumber("Mesh.MshFileVersion", 4.1)
+    model.write(str(tmp_path / "boxes.msh"))
+    mesh = load_mesh(tmp_path / "boxes.msh")
+    mesh = renamed(mesh, {"all of it": "all:of:it"})
+    for end in ENDS:
+        path = tmp_path / f"again{end}"
+        if end == ".f3grid" and (dim == 2 or order == 2):
+            with pytest.raises(ValueError, match="zones of first order in space"):
+                save_mesh(mesh, path)
+            continue
+        save_mesh(mesh, path)
+        again = load_mesh(path)
+        assert type(again) is type(mesh)
+        assert set(again.subdomains) == set(mesh.subdomains)
+        assert set(again.boundaries) == set(mesh.boundaries)
+        for name in mesh.subdomains:
+            assert size_of(again, name) == pytest.approx(size_of(mesh, name), rel=1e-12)
+        for name in mesh.boundaries:
+            assert side_of(again, name) == pytest.approx(side_of(mesh, name), rel=1e-12)
+            assert (again.boundaries[name].ori == 0).all()  # outer sides
+
+
+def renamed(mesh, names):
+    """A mesh whose subdomains have other names."""
+    mesh._subdomains = {names.get(name, name): part for name, part in mesh.subdomains.items()}
+    return mesh
+
+
+def test_gmsh_reads_what_is_saved(tmp_path, model):
+    """[N] Gmsh's own reader has the groups and volumes of a saved mesh of second order."""
+    boxes(3, 2, "overlapping", hexahedra=True)
+    model.option.setNumber("Mesh.MshFileVersion", 4.1)
+    model.write(str(tmp_path / "boxes.msh"))
+    save_mesh(load_mesh(tmp_path / "boxes.msh"), tmp_path / "saved.msh")
+    model.clear()
+    model.merge(str(tmp_path / "saved.msh"))
+    groups = {}
+    for dim, tag in model.model.getPhysicalGroups():
+        name = model.model.getPhysicalName(dim, tag)
+        measure = 0.0
+        for entity in model.model.getEntitiesForPhysicalGroup(dim, tag):
+            kinds, numbers, _ = model.model.mesh.getElements(dim, entity)
+            for kind, of_kind in zip(kinds, numbers):
+                points, weights = model.model.mesh.getIntegrationPoints(kind, "Gauss4")
+                determinants = model.model.mesh.getJacobians(kind, points, entity)[1]
+                by_element = determinants.reshape(len(of_kind), -1)
+                assert dim < 3 or by_element.min() > 0.0
+                measure += (np.abs(by_element) @ weights).sum()
+        groups[name] = measure
+    areas, sides = GROUPS["overlapping"]
+    assert groups == {
+        name: pytest.approx(size, rel=1e-9) for name, size in {**areas, **sides}.items()
+    }
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_names_of_joined_bodies(tmp_path, end):
+    """[X] Both sides of an interface, with colons and bars in their names."""
+    line = np.linspace(0, 1, 4)
+    from skfem import MeshHex1
+
+    cube = MeshHex1.init_tensor(line, line, line).with_defaults()
+    cube = cube.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
+    mesh = sc.join_bodies(cube, {"low": "low", "high": "high"})
+    if end == ".mdpa":
+        with pytest.raises(ValueError, match="names in Kratos"):
+            save_mesh(renamed(mesh, {"low": "soft clay"}), tmp_path / "cubes.mdpa")
+        return
+    save_mesh(mesh, tmp_path / f"cubes{end}")
+    again = load_mesh(tmp_path / f"cubes{end}")
+    assert set(again.boundaries) == set(mesh.boundaries)
+    sizes = {name: side_of(again, name) for name in again.boundaries}
+    assert sizes == {name: pytest.approx(side_of(mesh, name)) for name in mesh.boundaries}
+    assert again.nvertices == mesh.nvertices  # not welded
+
+
+SPLIT = {
+    "wedge": [[0, 1, 2, 6, 7, 8], [0, 2, 3, 6, 8, 9]],
+    "pyramid": [[6, 7, 8, 9, 10]],
+    "hexahedron": [[1, 4, 5, 2, 7, 11, 12, 8]],
+}
+
+
+def test_wedges_pyramids_and_hexahedra_are_split(tmp_path):
+    """[X] A cube of two wedges, a pyramid above and a cube beside it: tetrahedra that conform."""
+    p = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]]
+    p += [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1], [0.5, 0.5, 2], [2, 0, 1], [2, 1, 1]]
+    cells = [*SPLIT.items(), ("quad", [[0, 1, 2, 3], [1, 4, 5, 2]]), ("triangle", [[6, 7, 10]])]
+    data = {
+        "tip": [[0, 0], [1], [0], [0, 0], [0]],
+        "block": [[0, 0], [0], [1], [0, 0], [0]],
+        "floor": [[0, 0], [0], [0], [1, 1], [0]],
+        "roof": [[0, 0], [0], [0], [0, 0], [1]],
+    }
+    data = {name: [np.array(part, dtype=np.int8) for part in parts] for name, parts in data.items()}
+    file = tmp_path / "mixed.vtu"
+    cells = [(kind, np.array(nodes)) for kind, nodes in cells]
+    meshio.Mesh(np.array(p, float), cells, cell_data=data).write(file)
+    with pytest.raises(ValueError, match=r"2 wedge, 1 pyramid, 1 hexahedron; .*split=True divides"):
+        load_mesh(file)
+    mesh = load_mesh(file, split=True)
+    assert mesh.nelements == 3 + 3 + 2 + 6
+    check_mesh(mesh)
+    total = Basis(mesh, mesh.elem()).dx.sum()
+    assert total == pytest.approx(2.0 + 1 / 3, rel=1e-12)
+    assert size_of(mesh, "tip") == pytest.approx(1 / 3, rel=1e-12)
+    assert size_of(mesh, "block") == pytest.approx(1.0, rel=1e-12)
+    assert side_of(mesh, "floor") == pytest.approx(2.0, rel=1e-12)
+    assert side_of(mesh, "roof") == pytest.approx(np.sqrt(5) / 4, rel=1e-12)
+    # Every inner side has two tetrahedra: the outside has the area of the shape
+    outside = FacetBasis(mesh, mesh.elem()).dx.sum()
+    assert outside == pytest.approx(9.0 + 4 * np.sqrt(5) / 4, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_mixed_triangles_and_quadrilaterals_are_split(tmp_path, model, order):
+    """[X] A plate with a quadrilateral part: sizes and names stay."""
+    boxes(2, order, "sides")
+    model.mesh = model.model.mesh
+    model.model.mesh.clear()
+    model.model.mesh.setRecombine(2, model.model.getEntities(2)[0][1])
+    model.model.mesh.generate(2)
+    model.option.setNumber("Mesh.MshFileVersion", 4.1)
+    model.write(str(tmp_path / "mixed.msh"))
+    with pytest.raises(ValueError, match="split=True"):
+        load_mesh(tmp_path / "mixed.msh")
+    mesh = load_mesh(tmp_path / "mixed.msh", split=True)
+    check_mesh(mesh)
+    for name, size in GROUPS["sides"][0].items():
+        assert size_of(mesh, name) == pytest.approx(size, rel=1e-12)
+    for name, size in GROUPS["sides"][1].items():
+        assert side_of(mesh, name) == pytest.approx(size, rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_random_grids_are_split_into_conforming_tetrahedra(tmp_path, order):
+    """[X] A grid of hexahedra numbered at random: volume, and the area of the outside."""
+    if order == 2:
+        return
+    line = np.linspace(0, 1, 4)
+    from skfem import MeshHex1
+
+    cube = MeshHex1.init_tensor(line, line, line)
+    order_of = np.random.default_rng(5).permutation(cube.nvertices)
+    points = np.empty((cube.nvertices, 3))
+    points[order_of] = cube.p.T
+    from skfem.io.meshio import HEX_MAPPING
+
+    nodes = order_of[cube.t[HEX_MAPPING[:8]].T]
+    wedges = np.concatenate((nodes[:5, [0, 1, 2, 4, 5, 6]], nodes[:5, [0, 2, 3, 4, 6, 7]]))
+    file = tmp_path / "grid.vtu"
+    meshio.Mesh(points, [("hexahedron", nodes[5:]), ("wedge", wedges)]).write(file)
+    mesh = load_mesh(file, split=True)
+    check_mesh(mesh)
+    assert Basis(mesh, mesh.elem()).dx.sum() == pytest.approx(1.0, rel=1e-12)
+    assert FacetBasis(mesh, mesh.elem()).dx.sum() == pytest.approx(6.0, rel=1e-12)
+
+
+def test_sections_in_other_planes_and_units(tmp_path):
+    """[X] A section drawn in x-z in millimetres."""
+    p = np.array([[0, 0, 0], [2000, 0, 0], [2000, 0, 1000], [0, 0, 1000.0]])
+    file = tmp_path / "section.vtu"
+    meshio.Mesh(p, [("quad", np.array([[0, 1, 2, 3]]))]).write(file)
+    with pytest.raises(ValueError, match=r"section.vtu: .*x-y plane: pass plane='xz'"):
+        load_mesh(file)
+    mesh = load_mesh(file, plane="xz", factor=1e-3)
+    assert Basis(mesh, mesh.elem()).dx.sum() == pytest.approx(2.0, rel=1e-12)
+    np.testing.assert_allclose(mesh.p.max(axis=1), [2.0, 1.0])
+    with pytest.raises(ValueError, match="plane must be one of 'xy'"):
+        load_mesh(file, plane="zx")
+    with pytest.raises(ValueError, match="factor must be"):
+        load_mesh(file, factor=0.0)
+
+
+DECK = """** a deck of two instances
+*Part, name=Block
+*Node
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+*Element, type=CPE4R, elset=Soil
+7, 1, 2, 3, 4
+*Nset, nset=Base
+1, 2
+*Elset, elset=All, generate
+1, 9, 2
+*Surface, name=Top, type=ELEMENT
+Soil, S3
+*End Part
+*Assembly, name=Assembly
+*Instance, name=Left, part=Block
+*End Instance
+*Instance, name=Right, part=Block
+3., 0., 0.
+3., 0., 0., 3., 0., 1., 90.
+*End Instance
+*Nset, nset=Foot, instance=Left
+1,
+2
+*Elset, elset=Pair
+LEFT.Soil, right.soil
+*End Assembly
+*Material, name=Sand
+*Elastic
+1e4, 0.3
+*Step
+*Node print, nset=Foot
+U
+*End Step
+"""
+
+
+def test_instances_of_a_deck(tmp_path):
+    """[X] The second of two instances is moved by 3, then turned by 90 degrees about (3, 0)."""
+    file = tmp_path / "deck.inp"
+    file.write_text(DECK)
+    mesh = load_mesh(file)
+    assert mesh.nelements == 2
+    assert set(mesh.subdomains) >= {"Left", "Right", "Soil", "All", "Pair", "Left.Soil"}
+    assert size_of(mesh, "Soil") == pytest.approx(2.0)
+    assert size_of(mesh, "Right") == pytest.approx(1.0)
+    assert size_of(mesh, "Pair") == pytest.approx(2.0)
+    assert side_of(mesh, "Foot") == pytest.approx(1.0)
+    # The top of the second is its left side, at x = 2
+    middles = mesh.p[:, mesh.facets[:, mesh.boundaries["Top"]]].mean(axis=1)
+    np.testing.assert_allclose(np.sort(middles, axis=1), [[0.5, 2.0], [0.5, 1.0]], atol=1e-12)
+
+
+PIECES = """*NODE, NSET=NALL
+1, 0, 0, 0
+2, 1, 0, 0
+3, 0, 1, 0
+4, 0, 0, 1
+5, 1, 1, 1
+*ELEMENT, TYPE=C3D4, ELSET=EALL
+1, 1, 2, 3, 4
+2, 5, 2, 3, 4
+*SURFACE, NAME=S
+1, S1
+EALL, S3
+"""
+
+
+def test_faces_of_tetrahedra_in_a_deck(tmp_path):
+    """[X] Face 1 is 1-2-3, face 3 is 2-4-3 (of both elements one side); NALL is no boundary."""
+    file = tmp_path / "deck.inp"
+    file.write_text(PIECES)
+    mesh = load_mesh(file)
+    assert side_of(mesh, "S") == pytest.approx(0.5 + 2 * np.sqrt(3) / 2)
+    assert list(mesh.boundaries) == ["S"]
+    file.write_text(PIECES.replace("*SURFACE", "*NGEN\n1,2\n*SURFACE"))
+    with pytest.raises(ValueError, match=r"deck.inp: it makes nodes or elements by \*NGEN"):
+        load_mesh(file)
+    file.write_text(PIECES.replace("EALL, S3", "OTHER, S3"))
+    with pytest.raises(ValueError, match="names the set 'OTHER', which does not exist"):
+        load_mesh(file)
+
+
+def test_included_files(tmp_path):
+    """[X] A deck that includes the file of its mesh."""
+    (tmp_path / "mesh.inc").write_text(PIECES)
+    (tmp_path / "deck.inp").write_text("*HEADING\n*INCLUDE, INPUT=mesh.inc\n*NODE PRINT\n*NODE\n")
+    assert load_mesh(tmp_path / "deck.inp").nelements == 2
+    (tmp_path / "mesh.inc").write_text("*INCLUDE, INPUT=mesh.inc\n*NODE\n")
+    with pytest.raises(ValueError, match="nested more than"):
+        load_mesh(tmp_path / "deck.inp")
+
+
+def small(*fields):
+    """A line with fields of eight columns."""
+    return "".join(f"{field:<8}" for field in fields).rstrip() + "\n"
+
+
+BULK = (
+    '$HMNAME COMP                   3"clay"\nBEGIN BULK\n'
+    + small("GRID", 1, "", "0.0", "0.0", "0.0")
+    + "GRID,2,,1.0,0.0,0.0\n"
+    + f"{'GRID*':<8}{3:<16}{'':<16}{'1.0':<16}{'1.0':<16}\n{'*':<8}{'0.0':<16}\n"
+    + small("GRID", 4, "", "0.", "1.+0", "0.")
+    + small("GRID", 5, "", "2.", "0.", "0.")
+    + small("GRID", 6, "", "20.-1", "1.0E0", "0.")
+    + small("CQUAD4", 1, 3, 1, 2, 3, 4)
+    + "CQUAD4,2,4,2,5,6,3\nENDDATA\n"
+)
+
+
+def test_bulk_data_of_nastran(tmp_path):
+    """[X] Free, small and large fields; properties with and without names."""
+    file = tmp_path / "bulk.bdf"
+    file.write_text(BULK)
+    mesh = load_mesh(file)
+    assert {name: size_of(mesh, name) for name in mesh.subdomains} == {
+        "clay": pytest.approx(1.0),
+        "property 4": pytest.approx(1.0),
+    }
+    file.write_text(BULK.replace("GRID,2,,", "GRID,2,5,"))
+    with pytest.raises(ValueError, match="coordinates of the system 5"):
+        load_mesh(file)
+
+
+@pytest.mark.parametrize("corners", [True, False])
+def test_hexahedra_of_nastran_with_a_blank_continuation(tmp_path, corners):
+    """[X] Eight nodes over two lines, the second of which begins with blanks."""
+    line = "".join(
+        f"GRID    {n:>8}        {x:8.1f}{y:8.1f}{z:8.1f}\n"
+        for n, (z, y, x) in enumerate(itertools.product((0, 1), repeat=3), start=1)
+    )
+    line += "CHEXA          1       1       1       2       4       3       5       6\n"
+    line += "               8       7\n"
+    file = tmp_path / "bulk.nas"
+    file.write_text("BEGIN BULK\n" + line + "ENDDATA\n")
+    mesh = load_mesh(file)
+    assert size_of(mesh, "property 1") == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("kind", ["partitions", "save all", "parametric", "binary", "centre"])
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_settings_of_gmsh(tmp_path, model, kind, version):
+    """[X] Partitions, all elements, parametric nodes, binary numbers and nodes of no element."""
+    boxes(2, 1, "sides")
+    if kind == "partitions":
+        model.model.mesh.partition(3)
+    if kind == "centre":
+        model.model.mesh.addNodes(0, model.model.addDiscreteEntity(0, 999), [9999], [5, 5, 5])
+    model.option.setNumber("Mesh.SaveAll", kind == "save all")
+    model.option.setNumber("Mesh.SaveParametric", kind == "parametric")
+    model.option.setNumber("Mesh.Binary", kind == "binary")
+    model.option.setNumber("Mesh.MshFileVersion", version)
+    model.write(str(tmp_path / "boxes.msh"))
+    if (kind, version) == ("parametric", 2.2):
+        with pytest.raises(ValueError, match="SaveParametric = 0"):
+            load_mesh(tmp_path / "boxes.msh")
+        return
+    mesh = load_mesh(tmp_path / "boxes.msh")
+    assert Basis(mesh, mesh.elem()).dx.sum() == pytest.approx(3.0, rel=1e-12)
+    check_mesh(mesh)
+    if (kind, version) != ("save all", 2.2):  # where every tag is zero
+        assert size_of(mesh, "west") == pytest.approx(1.0, rel=1e-12)
+        assert side_of(mesh, "bottom") == pytest.approx(3.0, rel=1e-12)
+
+
+def test_a_curve_and_a_surface_of_one_name(tmp_path, model):
+    """[X] Both are kept: subdomains and boundaries have names of their own."""
+    boxes(2, 1, "unnamed")
+    for dim in (1, 2):
+        for _, tag in model.model.getPhysicalGroups(dim):
+            model.model.setPhysicalName(dim, tag, f"part {tag % 7}")
+    model.write(str(tmp_path / "boxes.msh"))
+    mesh = load_mesh(tmp_path / "boxes.msh")
+    assert set(mesh.subdomains) == {"part 0", "part 1"}
+    assert set(mesh.boundaries) == {"part 2"}
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_damaged_files(tmp_path, end):
+    """[X] Cut anywhere, empty, or of another kind: one sentence with the name of the file."""
+    from skfem import MeshTet1
+
+    line = np.linspace(0, 1, 3)
+    mesh = MeshTet1.init_tensor(line, line, line).with_boundaries({"base": lambda x: x[2] == 0})
+    file = tmp_path / f"whole{end}"
+    save_mesh(mesh.with_subdomains({"soil": lambda x: x[0] < 2}), file)
+    data = file.read_bytes()
+    broken = tmp_path / f"broken{end}"
+    for share in (0.0, 0.02, 0.2, 0.5, 0.7, 0.9):
+        broken.write_bytes(data[: int(share * len(data))])
+        try:
+            got = load_mesh(broken)
+        except ValueError as error:
+            assert f"broken{end}" in str(error)
+            assert len(str(error)) < 500
+        else:  # cut within the names: elements are complete
+            assert got.nelements == mesh.nelements
+    broken.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20)
+    with pytest.raises(ValueError, match=f"broken{end}"):
+        load_mesh(broken)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted((file.name, broken.name))
+
+
+def test_other_versions_and_lies(tmp_path):
+    """[X] Gmsh's 4.0, and a file that announces more than it has."""
+    file = tmp_path / "old.msh"
+    file.write_text("$MeshFormat\n4.0 0 8\n$EndMeshFormat\n")
+    with pytest.raises(ValueError, match=r"old.msh: it has the Gmsh format 4.0; .*MshFileVersion"):
+        load_mesh(file)
+    text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n1 0 0 0\n$EndNodes\n"
+    file.write_text(text.format(10**15) + "$Elements\n1\n1 15 0 1\n$EndElements\n")
+    with pytest.raises(ValueError, match=r"old.msh: .*announces 10+ entries"):
+        load_mesh(file)
+    with pytest.raises(ValueError, match=r"files that end with '.xyz' are not read"):
+        load_mesh(tmp_path / "mesh.xyz")
+
+
+def test_points_and_lines_that_are_left_out_are_told(tmp_path, model):
+    """[X] A physical point has no side."""
+    boxes(2, 1, "sides")
+    model.model.addPhysicalGroup(0, [1], name="corner")
+    model.write(str(tmp_path / "boxes.msh"))
+    with pytest.warns(sc.AnalysisWarning, match=r"left out of the mesh.*'corner' \(vertex\)"):
+        load_mesh(tmp_path / "boxes.msh")
