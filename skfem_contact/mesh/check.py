@@ -158,7 +158,7 @@ def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = No
         )
     if elements is not None:
         solid = np.isin(mesh.f2t[0, outside.facets], elements)
-        outside = Outside(*(values[solid] for values in outside))
+        outside = outside.part(solid)
     _check_touching(mesh, outside, np.concatenate((hanging, joined)))
     links = loose_links(mesh)
     if len(links) and not len(hanging):

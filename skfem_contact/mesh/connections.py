@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,12 @@ class Outside(NamedTuple):
     nodes: Indices
     corners: Floats
     size: Floats
+
+    def part(self, chosen: NDArray[np.bool_]) -> Outside:
+        """Return some of the sides."""
+        return Outside(
+            self.facets[chosen], self.nodes[chosen], self.corners[chosen], self.size[chosen]
+        )
 
     @property
     def middles(self) -> Floats:
@@ -105,7 +111,7 @@ def hanging_nodes(outside: Outside, points: Floats) -> Indices:
 
     # Find smaller sides around each node all of whose corners are among these nodes
     link = _incidence(outside, count)
-    pair, smaller = link[node].nonzero()
+    pair, smaller = link[node].nonzero()  # link: (nodes, sides)
     other = side[pair]
     within = np.isin(other[:, None] * count + outside.nodes[smaller], of_side).all(axis=1)
     within &= smaller != other
@@ -133,7 +139,7 @@ def _nodes_on_sides(outside: Outside, points: Floats) -> tuple[Indices, Indices]
     return node[on], side[on]
 
 
-def _incidence(outside: Outside, count: int) -> coo_matrix:
+def _incidence(outside: Outside, count: int) -> Any:
     """Return the sides at every node, (count, n)."""
     side = np.repeat(np.arange(len(outside.nodes)), outside.nodes.shape[1])
     entries = (np.ones(side.size, dtype=bool), (outside.nodes.ravel(), side))

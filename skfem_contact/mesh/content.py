@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -136,14 +137,14 @@ def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
     return positions
 
 
-def rows(numbers: Floats | Integers, width: int, what: str) -> Floats | Integers:
+def rows(numbers: Any, width: int, what: str) -> Any:
     """Return numbers as rows of so many columns."""
     if numbers.size % width:
         raise ValueError(f"the file ends within {what}, or a line of them has too few numbers")
     return numbers.reshape(-1, width)
 
 
-def parsed(text: bytes, what: str, dtype: type = float) -> Floats | Integers:
+def parsed(text: bytes, what: str, dtype: type = float) -> Any:
     """Return the numbers of a text between blanks, (n,)."""
     import warnings
 
@@ -255,7 +256,7 @@ def combinations(content: Content, kind: str) -> list[tuple[tuple[str, ...], Int
     for column, name in enumerate(names):
         inside[content.groups[name][kind], column] = True
     rows_of, same = np.unique(inside, axis=0, return_inverse=True)
-    found = []
+    found: list[tuple[tuple[str, ...], Integers]] = []
     for number, row in enumerate(rows_of):
         groups = tuple(name for name, chosen in zip(names, row) if chosen)
         found.append((groups, np.flatnonzero(same.ravel() == number)))

@@ -63,10 +63,10 @@ def read(path: str) -> Content:
         cells = rows(parsed(body, "the lines of zones", np.int64), 1 + len(order), "the zones")
         content.cells[kind] = numbers_of(ids, cells[:, 1:][:, order], "grid point")
         numbers[letter.decode(), kind] = cells[:, 0]
-    for letter, name, body in groups:
-        members = parsed(b" ".join(body), f"the members of group '{name}'", np.int64)
+    for own, name, ids_of in groups:
+        members = parsed(b" ".join(ids_of), f"the members of group '{name}'", np.int64)
         for (other, kind), known in numbers.items():
-            if other == letter:
+            if other == own:
                 found = np.flatnonzero(np.isin(known, members))
                 if len(found):
                     content.add(name, kind, found)

@@ -184,6 +184,10 @@ class _Numbers:
         """Return the next numbers."""
         return self._next(count, np.float64)
 
+    def records(self, count: int) -> Any:
+        """Return the next records of a number and three coordinates, of binary files."""
+        return self._next(count, np.dtype([("id", "<i4"), ("x", "<f8", (3,))]))
+
     def size_of(self, what: str) -> int:
         """Return the next number of things, of which the section has room for so many."""
         return check_count(int(self.sizes(1)[0]), self.size, what)
@@ -211,7 +215,7 @@ def _nodes_22(section: _Numbers) -> tuple[Integers, Floats]:
     if section.is_text:
         table = section.floats(4 * count).reshape(count, 4)
         return table[:, 0].astype(int), table[:, 1:]
-    table = section._next(count, np.dtype([("id", "<i4"), ("x", "<f8", (3,))]))
+    table = section.records(count)
     return table["id"].astype(int), table["x"]
 
 

@@ -206,8 +206,8 @@ def write(content: Content, path: str) -> None:
             "",
         ]
     for name, group in content.groups.items():
-        nodes = [content.cells[kind][members] for kind, members in group.items()]
-        every = np.unique(np.concatenate([part.ravel() for part in nodes])) + 1
+        parts = [content.cells[kind][members].ravel() for kind, members in group.items()]
+        every = np.unique(np.concatenate(parts)) + 1
         lines += [f"Begin SubModelPart {name}", "Begin SubModelPartNodes"]
         lines += [*map(str, every.tolist()), "End SubModelPartNodes"]
         for kind, members in group.items():

@@ -43,7 +43,7 @@ _ORDER = {
 def read(path: str) -> Content:
     """Read grid points and elements; properties are groups."""
     text = Path(path).read_text(encoding="utf-8", errors="replace")
-    names = {}
+    names: dict[int, str] = {}
     for kind, number, name in re.findall(
         r'^\$HMNAME\s+(COMP|PROP)\s+(\d+)\s*"([^"]+)"', text, re.M
     ):
@@ -70,8 +70,8 @@ def read(path: str) -> Content:
         raise ValueError("it is not bulk data of Nastran: it has no GRID or no elements")
     content = Content(np.array(points), {})
     for kind, rows_of in cells.items():
-        nodes = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
-        content.cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
+        numbers = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
+        content.cells[kind] = numbers[:, _ORDER[kind]] if kind in _ORDER else numbers
         tags: Integers = np.array(properties[kind])
         for tag in np.unique(tags).tolist():
             name = names.get(tag, f"property {tag}")

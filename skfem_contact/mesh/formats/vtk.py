@@ -33,7 +33,7 @@ def read(path: str) -> Content:
     file = _meshio(path)
     points = np.asarray(file.points, dtype=float)
     content = Content(np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), {})
-    blocks = []
+    blocks: list[tuple[str, Integers]] = []
     for block in file.cells:
         if block.type not in KINDS:
             raise ValueError(f"it has cells of type {block.type}, which are not read")
@@ -99,7 +99,7 @@ def write(content: Content, path: str) -> None:
     """Write cells, and for every name data of cells with ones among zeros."""
     check_names(content, "", "files of VTK")
     blocks = list(content.cells.items())
-    data = {}
+    data: dict[str, list[Integers]] = {}
     for name, group in content.groups.items():
         data[name] = []
         for kind, cells in blocks:
