@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 from numpy import ndarray
@@ -58,7 +59,7 @@ class Stepping:
         self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
         #: True if the last attempt failed.
         self.cut = False
-        self._growth = np.inf
+        self._growth = self._lasting_growth = np.inf
         self._last = 0.0
         self._compared: dict[str, float] = {}
         self._same: int | None = None
@@ -78,7 +79,7 @@ class Stepping:
     @property
     def allowed(self) -> float:
         """Share that the error of the last step allows for the next one, or infinity."""
-        return self._growth * self._last
+        return self._lasting_growth * self._last
 
     @property
     def try_recovery(self) -> bool:
@@ -101,12 +102,26 @@ class Stepping:
         """True if an equilibrium and a collapse lie close together."""
         return self._collapsed - self._reached <= _NARROW * self._reached
 
-    def too_long(self, errors: Mapping[str, tuple[float, float]]) -> bool:
+    def too_long(
+        self,
+        errors: Mapping[str, tuple[float, float]],
+        in_stage: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+    ) -> bool:
         """Return True if errors in time demand that the step is repeated with a shorter length.
 
         An error is compared with the largest value of its measure in the stage, see
-        :meth:`~skfem_contact.roles.Timed.time_error`.
+        :meth:`~skfem_contact.roles.Timed.time_error`. Errors that count in the stage alone say
+        nothing of the first step of the next one.
         """
+        self._lasting_growth = self._allowed_growth(errors)
+        self._growth = min(self._lasting_growth, self._allowed_growth(in_stage))
+        if self._growth < _SAFE:
+            self._size = self._even(self._growth * (self.fraction - self._reached), self._reached)
+            self._shortest = min(self._shortest, self._size)
+        return self._growth < _SAFE
+
+    def _allowed_growth(self, errors: Mapping[str, tuple[float, float]]) -> float:
+        """Return the length of a step of the allowed errors over the length of this one."""
         worst = 0.0
         for name, (error, size) in errors.items():
             largest = max(size, self._compared.get(name, 0.0))
@@ -115,13 +130,7 @@ class Stepping:
                 worst = max(worst, error / largest)
 
         # The error of a step is of second order in its length.
-        self._growth = np.inf
-        if worst > 0.0:
-            self._growth = max(_SAFE / float(np.sqrt(worst)), _LEAST)
-        if self._growth < _SAFE:
-            self._size = self._even(self._growth * (self.fraction - self._reached), self._reached)
-            self._shortest = min(self._shortest, self._size)
-        return self._growth < _SAFE
+        return max(_SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""

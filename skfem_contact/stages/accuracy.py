@@ -30,7 +30,7 @@ from ..results.stage import StageResult
 _POINTS = 32
 #: Parts of an increment: with two the first may be elastic, and the second then ends where one part
 #: does.
-_PARTS = 3
+PARTS = 3
 #: Stiffness of the ground around a point as a share of its elastic one: it keeps strains finite
 #: where points fail.
 _AROUND = 0.01
@@ -43,7 +43,7 @@ _ERROR, _LARGE = 0.05, 1.0
 _HELD = 1e-6
 
 
-class _Point(NamedTuple):
+class Point(NamedTuple):
     """State at points: strain, stress and internal variables, (ncomp, n), and time."""
 
     strain: ndarray
@@ -52,13 +52,13 @@ class _Point(NamedTuple):
     time: float
 
 
-class _Sample(NamedTuple):
+class Sample(NamedTuple):
     """Points of a region by their indices, with their share of its volume, and their states."""
 
     material: Material
     indices: ndarray
     weight: ndarray
-    states: list[_Point]
+    states: list[Point]
 
     def work(self, begin: int, end: int) -> ndarray:
         """Return the work of the change of stress between two states, (n,)."""
@@ -76,19 +76,20 @@ class Parts:
 
     def __init__(self, driven: bool) -> None:
         self._driven = driven
-        self._samples: dict[str, dict[str, _Sample]] = {}
+        self._samples: dict[str, dict[str, Sample]] = {}
 
     def add(self, before: StageResult, after: StageResult) -> None:
         """Record an accepted increment."""
         for name, form in having(after.forms, Body).items():
-            if not any(material.stress_dependent for material in form.materials.values()):
+            timed = after.time > before.time
+            if not any(_counts(material, timed) for material in form.materials.values()):
                 continue
             old = before.states[name]
             new = after.states[name]
             if not self._samples.get(name):  # nothing has moved so far
-                self._samples[name] = _chosen(form, old, new)
-                _record(self._samples[name], form, old, before.time)
-            _record(self._samples[name], form, new, after.time)
+                self._samples[name] = chosen(form, old, new)
+                record(self._samples[name], form, old, before.time)
+            record(self._samples[name], form, new, after.time)
 
     def remarks(self, name: str) -> Iterator[Remark]:
         """Yield a remark on the estimated error of a body.
@@ -121,24 +122,39 @@ class Parts:
             )
 
 
-def _chosen(form: Any, old: Any, new: Any) -> dict[str, _Sample]:
-    """Return samples of the regions, with points in proportion to their work in an increment."""
-    density = (new.stress - old.stress) * (new.strain - old.strain)
-    work = np.abs(form.weight * density.sum(axis=0))
+def _counts(material: Material, timed: bool) -> bool:
+    """Return True if increments of a material have errors; steps of creep are short enough."""
+    return material.stress_dependent and not (timed and material.time_dependent)
+
+
+def chosen(form: Any, old: Any, new: Any, creeping: bool = False) -> dict[str, Sample]:
+    """Return samples of the regions, with points in proportion to their work in an increment.
+
+    Of bodies that creep it is the work of the sizes of stress and strain, in regions that do.
+    """
+    stress = new.stress - old.stress
+    strain = new.strain - old.strain
+    if creeping:
+        work = form.weight * np.linalg.norm(stress, axis=0) * np.linalg.norm(strain, axis=0)
+    else:
+        work = np.abs(form.weight * (stress * strain).sum(axis=0))
     samples = {}
     for region in form.regions:
         own = work[region.elements].ravel()
         sums = np.cumsum(own)
-        if region.material.stress_dependent and sums[-1] > 0.0:
+        counts = region.material.stress_dependent
+        if creeping:
+            counts = region.material.time_dependent
+        if counts and sums[-1] > 0.0:
             marks = (np.arange(_POINTS) + 0.5) / _POINTS * sums[-1]
             indices, count = np.unique(np.searchsorted(sums, marks), return_counts=True)
             share = count * sums[-1] / _POINTS / own[indices]
             weight = share * form.weight[region.elements].ravel()[indices]
-            samples[region.name] = _Sample(region.material, indices, weight, [])
+            samples[region.name] = Sample(region.material, indices, weight, [])
     return samples
 
 
-def _record(samples: dict[str, _Sample], form: Any, state: Any, time: float) -> None:
+def record(samples: dict[str, Sample], form: Any, state: Any, time: float) -> None:
     """Add a state of a body to its samples."""
     for region, stress, memory in form.at_regions(state):
         sample = samples.get(region.name)
@@ -147,10 +163,10 @@ def _record(samples: dict[str, _Sample], form: Any, state: Any, time: float) -> 
             strain = state.strain[:, region.elements].reshape(-1, n)[:, sample.indices]
             at_points = stress.reshape(-1, n)[:, sample.indices]
             inner = memory.reshape(len(memory), n)[:, sample.indices]
-            sample.states.append(_Point(strain, at_points, inner, time))
+            sample.states.append(Point(strain, at_points, inner, time))
 
 
-def _error(samples: Sequence[_Sample], begin: int, end: int, driven: bool) -> float:
+def _error(samples: Sequence[Sample], begin: int, end: int, driven: bool) -> float:
     """Return the estimated error of increments between two states, as a share of the change."""
     total = 0.0
     more = 0.0
@@ -158,18 +174,18 @@ def _error(samples: Sequence[_Sample], begin: int, end: int, driven: bool) -> fl
         old = sample.states[begin]
         new = sample.states[end]
         states = sample.states[begin : end + 1]
-        strain, stress, solved = _followed(sample.material, states, driven)
+        strain, stress, solved = followed(sample.material, states, driven)
         if driven:
             lost = (stress - new.stress) * (new.strain - old.strain)
         else:
             lost = (new.strain - strain) * (new.stress - old.stress)
         total += sample.work(begin, end)[solved].sum()
-        more += _PARTS / (_PARTS - 1.0) * (sample.weight * lost.sum(axis=0))[solved].sum()
+        more += PARTS / (PARTS - 1.0) * (sample.weight * lost.sum(axis=0))[solved].sum()
     return abs(more / total) if total else 0.0
 
 
-def _followed(
-    material: Material, states: Sequence[_Point], driven: bool
+def followed(
+    material: Material, states: Sequence[Point], driven: bool
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return strain and stress after parts of increments, and where they are in equilibrium."""
     strains = [state.strain for state in states]
@@ -180,10 +196,10 @@ def _followed(
     solved = np.ones(now.strain.shape[1], bool)
     for old, new in pairwise(states):
         base = now.stress if driven else old.stress
-        for share in (np.arange(_PARTS) + 1.0) / _PARTS:
+        for share in (np.arange(PARTS) + 1.0) / PARTS:
             strain = old.strain + share * (new.strain - old.strain)
             time = old.time + share * (new.time - old.time)
-            goal = _Point(strain, base, now.memory, time)
+            goal = Point(strain, base, now.memory, time)
             part = _Part(goal, new.stress - old.stress, share, driven)
             now, balanced = _solve(material, now, part, rows, sizes)
             solved &= balanced
@@ -201,15 +217,15 @@ class _Part(NamedTuple):
     Where supports are driven the strain along the change is known, else the share.
     """
 
-    goal: _Point
+    goal: Point
     change: ndarray
     share: float
     driven: bool
 
 
 def _solve(
-    material: Material, now: _Point, part: _Part, rows: ndarray, sizes: tuple[ndarray, ndarray]
-) -> tuple[_Point, ndarray]:
+    material: Material, now: Point, part: _Part, rows: ndarray, sizes: tuple[ndarray, ndarray]
+) -> tuple[Point, ndarray]:
     """Return the state after a part of an increment, and where it is in equilibrium.
 
     The dofs z are the strains of some rows and the share a of the change of stress, with
@@ -261,5 +277,5 @@ def _solve(
         limited = newton / np.maximum(length, 1.0)[:, None]
         step = np.where(worse[:, None], 0.5 * step, limited)
         z = best + step
-    end = _Point(now.strain + increment, new.stress[:, :, 0], new.internal[:, :, 0], goal.time)
+    end = Point(now.strain + increment, new.stress[:, :, 0], new.internal[:, :, 0], goal.time)
     return end, size < 10 * _BALANCED

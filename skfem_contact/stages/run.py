@@ -25,6 +25,7 @@ from ..results.stage import StageResult
 from ..results.strength import undrained_friction
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
+from .creep import creep_errors
 from .in_time import INERTIA, InTime, Log, first_motion, steps_of
 from .plan import Phase, plan, timeless
 from .setup import Setup
@@ -426,6 +427,7 @@ def _along(
     stepping = Stepping(way.increments, last.next_step / duration if duration else np.inf)
     start_x = last.x
     farthest = _farthest(system, path)
+    driven = not np.array_equal(path(0.0)[1], path(1.0)[1])
     while last.fraction < 1.0:
         _check_size(way, system, last, _moved(last, start_x), farthest)
 
@@ -440,6 +442,10 @@ def _along(
         interval = Interval(path, last.fraction, fraction, duration)
         try:
             new, errors = solve_step(step, interval, newton, stepping.try_recovery)
+            states = last.states, new.states
+            times = last.time, time
+            share = fraction - last.fraction
+            creep = creep_errors(system.forms, states, times, share, driven)
         except NotConverged as error:
             stepping.reject(error)
             text = "%s: increment to %.4f failed, cut to %.4f: %s"
@@ -450,7 +456,7 @@ def _along(
                     f"{way} {stepping}: {error}{where}{_so_far(system, last)}"
                 ) from error
             continue
-        if stepping.too_long(errors):
+        if stepping.too_long(errors, creep):
             text = "%s: step to %.3g too long, cut to %.4f"
             logger.info(text, way, time, stepping.size)
             continue

@@ -79,11 +79,11 @@ def drained_strain(law: Any) -> float:
 
 @pytest.mark.parametrize("space", [False, True])
 @pytest.mark.parametrize("increments", [1, 2, 4])
-@pytest.mark.parametrize("law", [sc.CamClay(**CLAY), CREEPING])
-def test_drained_compression_by_a_load(law: Any, increments: int, space: bool) -> None:
-    """[N] The axial strain beside 200 increments: 37 % and 30 % too much in one increment, without
-    a warning before.
+def test_drained_compression_by_a_load(increments: int, space: bool) -> None:
+    """[N] The axial strain beside 200 increments: 37 % too much in one increment, without a warning
+    before.
     """
+    law = sc.CamClay(**CLAY)
     exact = drained_strain(law)
     with pytest.warns(
         sc.AnalysisWarning,
@@ -134,10 +134,64 @@ def test_accurate_stages_have_no_warning(law: Any, increments: int, load: dict[s
         assert estimate(compressed(law, increments, **load)) == 0.0
 
 
-@pytest.mark.parametrize(("increments", "warned"), [(1, True), (2, True), (10, False)])
-def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, warned: bool) -> None:
-    """[N] A layer that creeps on after unloading: one increment misses 85 % of it, ten 8 %, beside
-    40 increments.
+@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize(("increments", "error"), [(1, 0.045), (2, 0.027), (4, 0.018)])
+def test_clay_that_is_sheared_in_a_day(increments: int, error: float, space: bool) -> None:
+    """[N] Steps of creep are as short as their error demands: without it 30, 15 and 8 % too much
+    axial strain, beside 200 increments at a point.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = compressed(CREEPING, increments, q=60.0, space=space)
+    assert result[-1].x.min() == pytest.approx(drained_strain(CREEPING), rel=error)
+    assert len(result[-1].iterations) <= 24
+
+
+def test_clay_that_is_sheared_by_moved_supports_in_a_day() -> None:
+    """[N] The same for the axial force, 7 % too small in one step, beside 400 increments at a
+    point.
+    """
+    step = triaxial(-0.02)
+    path = PathStep(step.stress, step.strain, increments=400, duration=1.0)
+    exact = float(sc.element_test(CREEPING, -100.0, path).q[-1, 0])
+    result = compressed(CREEPING, 1, strain=0.02)
+    stress = result[-1].states["soil"].stress
+    assert float((stress[0] - stress[1]).mean()) == pytest.approx(exact, rel=0.03)
+    assert 2 <= len(result[-1].iterations) <= 10
+
+
+def test_creep_under_a_load_that_is_held_takes_few_steps() -> None:
+    """[N] A strip load of a day that stays for a year: 1 % off beside 20 steps each, and no remark
+    on increments, though the load does no work in the year.
+    """
+    x = np.linspace(0, 1, 6) ** 1.5
+    mesh = MeshQuad.init_tensor(10.0 * x, 6.0 * (1.0 - x[::-1])).with_defaults()
+    mesh = mesh.with_boundaries({"strip": lambda x: (x[1] > 5.999) & (x[0] < 2.6)})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    solid = sc.SolidForm(basis, CREEPING, unit_weight=18.0)
+    model = sc.Model({"soil": solid}, sc.box_supports(basis))
+    surcharge, strip = model.traction("top", (0.0, -20.0)), basis.get_dofs("strip").all("u^2")
+    start = model.k0_state(surcharge, K0=0.6, surcharge=20.0)
+    load = surcharge + model.traction("strip", (0.0, -30.0))
+    found = []
+    for n in (1, 20):
+        stages = [
+            sc.Stage("day", load, duration=1.0, increments=n),
+            sc.Stage("year", load, duration=364.0, increments=n),
+        ]
+        result = model.run(stages, start=start, progress=False)
+        assert not any("off by" in text for stage in result for text in stage.remarks)
+        found.append([result[name].x[strip].mean() for name in ("day", "year")])
+        if n == 1:
+            steps = [len(result[name].iterations) for name in ("day", "year")]
+            assert max(steps) <= 12
+    np.testing.assert_allclose(found[0], found[1], rtol=0.01)
+
+
+@pytest.mark.parametrize(("increments", "error"), [(1, 0.04), (2, 0.03), (10, 0.035)])
+def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, error: float) -> None:
+    """[N] A layer that creeps on after unloading, beside 40 increments: one without control of the
+    step misses 85 % of it, ten 8 %.
     """
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 2), np.linspace(0, 4, 5)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
@@ -148,7 +202,7 @@ def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, warned: bool
     start = model.k0_state(model.traction("top", (0.0, -100.0)), K0=0.6, surcharge=100.0)
     left = model.traction("top", (0.0, -60.0))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("error")
         found = [
             model.run(
                 [sc.Stage("unloading", left, duration=1e3, increments=n)],
@@ -159,10 +213,8 @@ def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, warned: bool
         ]
     top = basis.get_dofs("top").all("u^2")
     computed, exact = (float(result[-1].x[top].mean()) for result in found)
-    assert (abs(exact / computed - 1.0) > 0.08) is warned
-    assert bool(estimate(found[0])) is warned
-    if increments == 2:
-        assert estimate(found[0]) == pytest.approx(abs(exact / computed - 1.0), rel=0.3)
+    assert computed == pytest.approx(exact, rel=error)
+    assert len(found[0][-1].iterations) <= 12
 
 
 @pytest.mark.filterwarnings("ignore:.*elements rotate")
