@@ -5,7 +5,7 @@ from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
-from .dynamics import Dynamic, Rayleigh
+from .dynamics import Dynamic, Rayleigh, Record, Spectrum
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import roles
 from .forms.base import Form, Outputs, Response
@@ -78,12 +78,14 @@ __all__ = [
     "PoreWater",
     "Pressure",
     "Rayleigh",
+    "Record",
     "Reinforcement",
     "Response",
     "RigidBoundary",
     "Sections",
     "SoftSoilCreep",
     "SolidForm",
+    "Spectrum",
     "Spring",
     "Stage",
     "Surface",

@@ -43,12 +43,12 @@ def mass_and_damping(
     for name, form in solids_of(forms).items():
         if of_mass.get(name):
             part = form.weight_matrix(consistent, of_mass[name])
-            C = C + padded(part, layout.size) / acceleration
+            C = csr_matrix(C + padded(part / acceleration, layout.size))
     if settings.contact_mass == "moved":
         M, C = moved_from_contact(forms, [M, C], consistent)
     for name, form in solids_of(forms).items():
         if of_stiffness.get(name):
-            C = C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size)
+            C = csr_matrix(C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size))
     return _canonical(M / acceleration), _canonical(C)
 
 
@@ -111,9 +111,11 @@ def _damping(
             look_up(name, known, "region or solid to damp")
     for name, form in solids.items():
         for region in form.materials:
-            damping = given
+            damping: Rayleigh | None
             if isinstance(given, Mapping):
-                damping = given.get(region, given.get(name))
+                damping = given.get(region) or given.get(name)
+            else:
+                damping = given
             if damping is not None:
                 of_mass[name][region] = damping.alpha
                 of_stiffness[name][region] = damping.beta

@@ -94,6 +94,8 @@ class Inertia(Form, Timed):
         self.changing = np.zeros(0, int)
         self.symmetric = abs(C - C.T).max() <= 1e-12 * abs(C).max()
         self._step = 0.0
+        self._K = csr_matrix(M.shape)
+        self._diagonal = np.zeros(M.shape[0])
         self._still = (np.diff(M.indptr) == 0) & (np.diff(C.indptr) == 0)
 
     @override

@@ -57,7 +57,9 @@ def weight_matrix(body: Any, factors: ndarray, consistent: bool) -> csr_matrix:
         share = diagonal / np.where(density > 0.0, diagonal.sum(axis=0), 1.0)
         masses = share * volume.sum(axis=1)
         at_nodes = np.bincount(nodes.ravel(), masses.ravel(), minlength=basis.N)
-        values = sum(np.roll(at_nodes, c) for c in range(dim))
+        values = np.zeros(basis.N)
+        for c in range(dim):
+            values += np.roll(at_nodes, c)
         return csr_matrix(diags_array(values))
 
     # M_ij = integral of N_i N_j for each component

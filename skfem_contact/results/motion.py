@@ -81,7 +81,9 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
     return Table.of(columns, f"energies, {name}")
 
 
-def history(stage: Any, point: ArrayLike, quantity: Quantity) -> History:
+def history(
+    stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = False
+) -> History:
     """Return the motion of a node in a stage, from its records or its kept steps.
 
     Raises
@@ -106,7 +108,12 @@ def history(stage: Any, point: ArrayLike, quantity: Quantity) -> History:
     for row, recorded in enumerate(points):
         if np.array_equal(recorded, dofs):
             times = stage.series["energy"][:, 0]
-            return History(quantity, where, times, stage.series["motion"][:, k, row])
+            values = stage.series["motion"][:, k, row]
+            if absolute and "base" in stage.series:
+                values = values + stage.series["base"][:, k]
+            return History(quantity, where, times, values)
+    if absolute:
+        raise ValueError("absolute motions are of recorded nodes alone: give Dynamic(points=...)")
 
     # Take kept steps
     if not stage.increments:

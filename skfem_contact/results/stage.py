@@ -112,7 +112,9 @@ class StageResult(files.StageData):
         """
         return energy_table(self.series, self.name)
 
-    def history(self, point: ArrayLike, quantity: Quantity = "displacement") -> History:
+    def history(
+        self, point: ArrayLike, quantity: Quantity = "displacement", *, absolute: bool = False
+    ) -> History:
         """Return the motion of a node in a stage with ``dynamic``.
 
         Parameters
@@ -121,6 +123,9 @@ class StageResult(files.StageData):
             Coordinates of the node in the mesh.
         quantity
             ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
+        absolute
+            True for the motion with the motion of the base, ``Stage(base=...)``; only of recorded
+            nodes.
 
         Raises
         ------
@@ -128,7 +133,7 @@ class StageResult(files.StageData):
             No node at these coordinates, a stage without inertia, or a node that is not among
             ``Dynamic(points=...)`` in a stage that keeps no steps.
         """
-        return history(self, point, quantity)
+        return history(self, point, quantity, absolute)
 
     def tractions(self, pair: str) -> Tractions:
         """Return tractions, gaps and slips of a contact pair."""

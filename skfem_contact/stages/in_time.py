@@ -12,9 +12,10 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..dynamics.mass import accelerations, mass_and_damping
+from ..dynamics.record import Record
 from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
-from ..errors import NotConverged
+from ..errors import NotConverged, Remark
 from ..forms.base import Form, responses_of, solids_of, summaries
 from ..forms.roles import Touching, Wet, having
 from ..layout import Layout, dofs_at
@@ -34,6 +35,9 @@ INERTIA = "inertia"
 #: they end where a longer one may begin.
 _PARTS = 1024
 _CUT, _GROWTH = 4, 2
+#: Acceleration of a record over the one of gravity, and velocity at its end over the largest one,
+#: that are remarked on.
+_STRONGEST, _DRIFT = 3.0, 0.05
 
 #: Vector at a time since the start of the stage.
 OfTime = Callable[[float], ndarray]
@@ -53,6 +57,8 @@ class InTime:
         Number of steps, and their length.
     points
         Dofs whose motion is recorded, (n, dim).
+    base
+        Motions of the supports by axis, with the load by a unit of acceleration, (N,).
     """
 
     settings: Dynamic
@@ -61,6 +67,18 @@ class InTime:
     steps: int
     step: float
     points: ndarray
+    base: tuple[tuple[int, Record, ndarray], ...] = ()
+
+    def base_load(self, time: float) -> ndarray | float:
+        """Return the load of the motion of the supports at a time, (N,)."""
+        return sum((record.at(time) * load for _, record, load in self.base), start=0.0)
+
+    def base_motion(self, time: float) -> ndarray:
+        """Return displacement, velocity and acceleration of the supports, (3, dim)."""
+        found = np.zeros((3, self.points.shape[1]))
+        for axis, record, _ in self.base:
+            found[:, axis] = record.motion(time)
+        return found
 
     def form(self) -> Inertia:
         """Return the form of inertia and damping."""
@@ -85,12 +103,69 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form]) -> InTime:
         if M.nnz == 0:
             raise ValueError("no form has a mass: give the solids their unit_weight")
         points = _points(forms, settings.points)
+        base = _base(setup, stage, settings, M)
     except ValueError as error:
         raise ValueError(f"stage '{stage.name}': {error}") from None
     if settings.velocity is not None:
         setup.vector(settings.velocity, f"stage '{stage.name}': the velocity")
     steps = settings.steps(stage.duration)
-    return InTime(settings, M, C, steps, stage.duration / steps, points)
+    return InTime(settings, M, C, steps, stage.duration / steps, points, base)
+
+
+def _base(
+    setup: Setup, stage: Stage, settings: Dynamic, M: csr_matrix
+) -> tuple[tuple[int, Record, ndarray], ...]:
+    """Return the motions of the supports: axis, record, and load by a unit of acceleration."""
+    if stage.base is None:
+        return ()
+    given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
+    axes = "xyz"[: len(setup.layout.coordinates)]
+    found = []
+    for name, record in given.items():
+        if name not in tuple(axes):
+            raise ValueError(f"the base moves along one of {', '.join(axes)}, not {name!r}")
+        if name == "x" and setup.coordinates == "axisymmetric":
+            raise ValueError("in axial symmetry the base moves along y alone")
+        if settings.step > record.step * (1.0 + 1e-9):
+            raise ValueError(
+                f"the step in time, {settings.step:g}, is longer than that of the record, "
+                f"{record.step:g}, whose peaks it would miss: take record.resampled("
+                f"{settings.step:g})"
+            )
+        axis = axes.index(name)
+        rigid = np.zeros(setup.layout.size)
+        rigid[axis : setup.layout.n_displacements : len(axes)] = 1.0
+        found.append((axis, record, -(M @ rigid)))
+    return tuple(found)
+
+
+def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
+    """Yield remarks on records in another unit, and on bases that move twice."""
+    if stage.base is None or setup.gravity_acceleration is None:
+        return
+    given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
+    for record in given.values():
+        times = record.peak / setup.gravity_acceleration
+        if times > _STRONGEST:
+            yield Remark(
+                "record",
+                times,
+                f"its record reaches {times:.3g} times the acceleration of gravity: is it in the "
+                "units of the model? Otherwise take record.scaled(factor)",
+            )
+        end = abs(float(record.velocity[-1]))
+        largest = float(np.abs(record.velocity).max())
+        if end > _DRIFT * largest:
+            yield Remark(
+                "drift",
+                end / largest,
+                f"its record ends with {end / largest:.0%} of its largest velocity: take "
+                "record.corrected(), or filter it",
+            )
+    if np.abs(np.delete(setup.gravity, np.abs(setup.gravity).argmax())).max(initial=0.0) > 0.0:
+        yield Remark(
+            "twice", 0.0, "the model has a seismic or inclined gravity, and its base moves as well"
+        )
 
 
 def check_forms(forms: Mapping[str, Form]) -> None:
@@ -128,13 +203,18 @@ class Log:
         self._points = in_time.points
         self._rows: list[tuple[float, ...]] = []
         self._motions: list[ndarray] = []
+        self._base: list[ndarray] = []
+        self._in_time = in_time
+        self._began = 0.0
         self._internal = self._contact = self._work = 0.0
-        self._last: tuple[ndarray, ndarray, dict[str, ndarray], ndarray] | None = None
+        self._last: tuple[ndarray, ndarray, ndarray, ndarray] | None = None
 
     def add(
         self, time: float, motion: Motion, load: ndarray, forces: Mapping[str, ndarray]
     ) -> None:
         """Record the end of a step, with the forces of all forms."""
+        if not self._rows:
+            self._began = time
         kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
         bodies = np.zeros(len(load))
         pairs = np.zeros(len(load))
@@ -159,13 +239,17 @@ class Log:
         if self._points.size:
             at_points = (motion.x, motion.velocity, motion.acceleration)
             self._motions.append(np.array([values[self._points] for values in at_points]))
+            if self._in_time.base:
+                self._base.append(self._in_time.base_motion(time - self._began))
 
     def series(self) -> dict[str, ndarray]:
-        """Return the records: energies, (n, 6), and motions, (n, 3, n_points, dim)."""
+        """Return energies, (n, 6), motions, (n, 3, n_points, dim), and base, (n, 3, dim)."""
         found = {"energy": np.array(self._rows)}
         if self._motions:
             found["motion"] = np.array(self._motions)
             found["points"] = self._points
+        if self._base:
+            found["base"] = np.array(self._base)
         return found
 
     def summary(self) -> str:

@@ -17,7 +17,7 @@ from ..forms.roles import Couples, Staged, Wet, having, joined_by
 from ..layout import nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
-from .in_time import InTime, inertia_of
+from .in_time import InTime, inertia_of, remarks_on_base
 from .setup import Setup
 from .stage import Stage
 from .supports import check_supports
@@ -155,6 +155,7 @@ class Planner:
             *self._of_pressures(stage, load, prescribed),
             *_of_jump(stage, load, jump),
             *_of_removal(stage, on_top_before),
+            *remarks_on_base(self._setup, stage),
             *self._of_weights(stage, before, load - self._rest),
         )
 

@@ -547,8 +547,10 @@ def _path_in_time(
 ) -> Path:
     """Return load and prescribed values at a time since the start of a stage with inertia."""
     on_top = phase.on_top
+    in_time = phase.in_time
     target = phase.prescribed
     assert on_top is not None
+    assert in_time is not None
 
     def at(time: float) -> tuple[ndarray, ndarray]:
         if target is None:
@@ -557,7 +559,7 @@ def _path_in_time(
             values = target(time)[fixed]
         else:
             values = held + time / stage.duration * (target[fixed] - held)
-        return on_top(time) - remaining, values
+        return on_top(time) - remaining + in_time.base_load(time), values
 
     return at
 

@@ -11,6 +11,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..checks import is_number
+from ..dynamics.record import Record
 from ..dynamics.settings import Dynamic
 from ..forms.base import Form
 from ..results.fields import Water
@@ -80,6 +81,11 @@ class Stage:
     dynamic
         Inertia and damping in the stage, and its step in time, see :class:`Dynamic`. It starts from
         the state of any stage. A stage without it starts from rest.
+    base
+        :class:`Record` of the motion of the supports in a stage with `dynamic`, along x, or records
+        by axis, ``{"x": record, "y": other}``. Displacements are then relative to the supports, and
+        every mass feels the acceleration of the base with the opposite sign. The base is at rest
+        after the end of a record.
 
     Notes
     -----
@@ -118,6 +124,7 @@ class Stage:
     release: float | None = None
     keep: Literal["last", "all"] | int = "last"
     dynamic: Dynamic | None = None
+    base: Record | Mapping[str, Record] | None = None
 
     @property
     def released(self) -> float:
@@ -163,6 +170,8 @@ def _check_numbers(stage: Stage) -> None:
         )
     if stage.dynamic is not None:
         _check_time(stage, stage.dynamic, where)
+    elif stage.base is not None:
+        raise ValueError(f"{where}: a base moves in a stage with `dynamic` alone")
     elif callable(stage.prescribed):
         raise ValueError(f"{where}: prescribed may be a function in a stage with `dynamic` alone")
 

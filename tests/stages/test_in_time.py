@@ -152,6 +152,45 @@ def test_base_moves_by_a_function():
     assert energy["work"][-1] == pytest.approx(kinetic, rel=2e-3)
 
 
+def test_supports_shake():
+    """[X] An oscillator on a base that moves by a sine: relative and absolute motions."""
+    model, _, top = oscillator()
+    step = PERIOD / 200.0
+    time = step * np.arange(401)
+    record = sc.Record(step, 2.0 * np.sin(70.0 * time))
+    settings = sc.Dynamic(step, rho_inf=1.0, points=[(0.0, 1.0)])
+    stage = sc.Stage("shake", duration=1.5 * PERIOD, dynamic=settings, base={"y": record})
+    with pytest.warns(sc.AnalysisWarning, match="ends with"):  # the sine does not end at rest
+        found = model.run([sc.Stage("weight"), stage], **QUIET)["shake"]
+    motion = found.history((0.0, 1.0))
+    t = motion.time
+    # u'' + w^2 u = -a sin(w0 t)
+    exact = -2e-4 * (np.sin(70.0 * t) - 0.7 * np.sin(100.0 * t)) / (1.0 - 0.49)
+    relative = motion.values[:, 1] - motion.values[0, 1]
+    assert np.abs(relative - exact).max() < 1e-3 * np.abs(exact).max()
+    # the spring of the absolute motion: a = -w^2 u
+    absolute = found.history((0.0, 1.0), "acceleration", absolute=True).values[:, 1]
+    np.testing.assert_allclose(absolute, -1e4 * relative, atol=0.01 * np.abs(absolute).max())
+    moved = found.history((0.0, 1.0), absolute=True).values - motion.values
+    base = 2.0 / 70.0**2 * (70.0 * t - np.sin(70.0 * t))
+    np.testing.assert_allclose(moved[:, 1], base, atol=1e-3 * base.max())
+    assert not moved[:, 0].any()
+
+
+def test_bad_bases():
+    """[X] Axes, steps and units of records are checked before the run."""
+    record = sc.Record(0.02, np.sin(np.arange(100.0)))
+    refused("the base moves along one of x, y, not 'z'", base={"z": record})
+    refused("longer than that of the record, 0.02", base=record)
+    refused("a base moves in a stage with `dynamic` alone", base=record, dynamic=None)
+    model, _, _ = oscillator()
+    stage = sc.Stage(
+        "shake", duration=0.1, dynamic=sc.Dynamic(0.01), base={"y": record.scaled(100.0)}
+    )
+    with pytest.warns(sc.AnalysisWarning, match="reaches 10 times the acceleration of gravity"):
+        model.run([stage], **QUIET)
+
+
 def test_step_without_equilibrium_is_cut():
     """[X] Steps that fail are cut and grow again, and the stage ends at its end."""
     model, basis, _top = oscillator()
