@@ -106,16 +106,13 @@ def _damping(
     known = dict.fromkeys(solids)
     for form in solids.values():
         known.update(dict.fromkeys(form.materials))
-    if isinstance(given, Mapping):
-        for name in given:
-            look_up(name, known, "region or solid to damp")
+    by_name: Mapping[str, Rayleigh] = given if isinstance(given, Mapping) else {}
+    whole = None if isinstance(given, Mapping) else given
+    for name in by_name:
+        look_up(name, known, "region or solid to damp")
     for name, form in solids.items():
         for region in form.materials:
-            damping: Rayleigh | None
-            if isinstance(given, Mapping):
-                damping = given.get(region) or given.get(name)
-            else:
-                damping = given
+            damping = by_name.get(region) or by_name.get(name) or whole
             if damping is not None:
                 of_mass[name][region] = damping.alpha
                 of_stiffness[name][region] = damping.beta

@@ -83,6 +83,11 @@ class Inertia(Form, Timed):
         Mass and damping.
     scheme
         Parameters of the method.
+
+    Attributes
+    ----------
+    still : ndarray
+        Dofs without mass and damping, whose velocities are means of a step.
     """
 
     symmetric = True
@@ -96,7 +101,7 @@ class Inertia(Form, Timed):
         self._step = 0.0
         self._K = csr_matrix(M.shape)
         self._diagonal = np.zeros(M.shape[0])
-        self._still = (np.diff(M.indptr) == 0) & (np.diff(C.indptr) == 0)
+        self.still = np.flatnonzero((np.diff(M.indptr) == 0) & (np.diff(C.indptr) == 0))
 
     @override
     def over(self, duration: float) -> Self:
@@ -110,12 +115,16 @@ class Inertia(Form, Timed):
         new._diagonal = new._K.diagonal()
         return new
 
+    @property
+    def stiffness(self) -> csr_matrix:
+        """Tangent of the force, (N, N)."""
+        return self._K
+
     @override
     def assemble(self, x: ndarray, state: Motion) -> Response:
+        # Newmark's rule at the end of the step, then the averages
         h = self._step
         am, af, beta, gamma = self.scheme
-
-        # Newmark's rule at the end of the step, then the averages
         moved = x - state.x
         a = (moved - h * state.velocity) / (beta * h**2) - (0.5 / beta - 1.0) * state.acceleration
         v = state.velocity + h * ((1.0 - gamma) * state.acceleration + gamma * a)
@@ -124,8 +133,8 @@ class Inertia(Form, Timed):
         force = (inertial + viscous - af * state.force) / (1.0 - af)
 
         def new() -> Motion:
-            a[self._still] = 0.0
-            v[self._still] = moved[self._still] / h
+            a[self.still] = 0.0
+            v[self.still] = moved[self.still] / self._step
             return Motion(x, v, a, force, state.damped + float(viscous @ moved))
 
         lost = _ROUND_OFF * float(np.linalg.norm(self._diagonal * x))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -20,6 +21,35 @@ Quantity = Literal["displacement", "velocity", "acceleration"]
 _QUANTITIES = ("displacement", "velocity", "acceleration")
 #: Columns of the recorded energies.
 _ENERGIES = ("time", "kinetic", "internal", "contact", "damping", "work")
+
+
+class Lazy(Mapping[str, Any]):
+    """Values by name that are computed together where somebody asks for one of them.
+
+    Parameters
+    ----------
+    names
+        The names.
+    compute
+        Function that returns the values by name.
+    """
+
+    def __init__(self, names: Iterable[str], compute: Callable[[], Mapping[str, Any]]) -> None:
+        self._names = tuple(names)
+        self._compute = compute
+
+    @cached_property
+    def _values(self) -> Mapping[str, Any]:
+        return self._compute()
+
+    def __getitem__(self, name: str) -> Any:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
 
 
 @dataclass(frozen=True)
@@ -81,9 +111,7 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
     return Table.of(columns, f"energies, {name}")
 
 
-def history(
-    stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = False
-) -> History:
+def history(stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = False) -> History:
     """Return the motion of a node in a stage, from its records or its kept steps.
 
     Raises

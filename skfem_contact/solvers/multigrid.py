@@ -16,7 +16,16 @@ from scipy.sparse.linalg import splu
 from ..errors import NotConverged
 from ..layout import rigid_modes
 from ..sparse import FreeBlock, with_data
-from .direct import REFINE, WRONG, DirectSolver, LinearSolver, SingularSystem, Solve, nothing_free
+from .direct import (
+    REFINE,
+    UNCHECKED,
+    WRONG,
+    DirectSolver,
+    LinearSolver,
+    SingularSystem,
+    Solve,
+    nothing_free,
+)
 from .krylov import Fgmres, Preconditioner, conjugate_gradients
 from .levels import Levels, smoothed_aggregation
 
@@ -131,6 +140,7 @@ class AmgSolver:
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
+            rtol = REFINE if rtol >= UNCHECKED else rtol
             right = np.where(self._fixed, 0.0, b[self._dofs])
             far = rtol >= _FAR
             self._fgmres.forgets = far

@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..dynamics.linear import Linear, is_linear
 from ..dynamics.mass import accelerations, mass_and_damping
 from ..dynamics.record import Record
 from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
 from ..errors import NotConverged, Remark
-from ..forms.base import Form, responses_of, solids_of, summaries
+from ..forms.base import Form, Response, responses_of, solids_of, summaries
 from ..forms.roles import Touching, Wet, having
 from ..layout import Layout, dofs_at
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Equilibrium, Step
 from ..nonlinear.system import System
+from ..results.motion import Lazy
 from ..results.stage import StageResult
 from .setup import Setup
 from .stage import Stage
@@ -69,9 +73,11 @@ class InTime:
     points: ndarray
     base: tuple[tuple[int, Record, ndarray], ...] = ()
 
-    def base_load(self, time: float) -> ndarray | float:
-        """Return the load of the motion of the supports at a time, (N,)."""
-        return sum((record.at(time) * load for _, record, load in self.base), start=0.0)
+    def with_base(self, load: ndarray, time: float) -> ndarray:
+        """Return a load with that of the motion of the supports at a time, (N,)."""
+        for _, record, by_unit in self.base:
+            load = load + record.at(time) * by_unit
+        return load
 
     def base_motion(self, time: float) -> ndarray:
         """Return displacement, velocity and acceleration of the supports, (3, dim)."""
@@ -207,7 +213,7 @@ class Log:
         self._in_time = in_time
         self._began = 0.0
         self._internal = self._contact = self._work = 0.0
-        self._last: tuple[ndarray, ndarray, ndarray, ndarray] | None = None
+        self._last: tuple[ndarray, ndarray, ndarray, ndarray, ndarray | None] | None = None
 
     def add(
         self, time: float, motion: Motion, load: ndarray, forces: Mapping[str, ndarray]
@@ -216,24 +222,24 @@ class Log:
         if not self._rows:
             self._began = time
         kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
-        bodies = np.zeros(len(load))
-        pairs = np.zeros(len(load))
-        for name, force in forces.items():
-            if name in self._pairs:
-                pairs += force
-            elif name != INERTIA:
-                bodies += force
-        reaction = np.zeros(len(load))
+        touching = [force for name, force in forces.items() if name in self._pairs]
+        others = [force for name, force in forces.items() if name not in {*self._pairs, INERTIA}]
+        bodies = others[0] if len(others) == 1 else np.sum(others, axis=0)
+        pairs = np.sum(touching, axis=0) if touching else None
         at = self._fixed
-        reaction[at] = bodies[at] + pairs[at] + motion.force[at] - load[at]
-        now = load + reaction, bodies, pairs
+        reaction = bodies[at] + motion.force[at] - load[at]
+        if pairs is not None:
+            reaction += pairs[at]
+        now = load, reaction, bodies, pairs
         if self._last is not None:
             # The work of a mean force, exact for forces that change in proportion
-            x, outer, inner, touching = self._last
+            x, outer, held, inner, contact = self._last
             moved = motion.x - x
-            self._work += 0.5 * float((outer + now[0]) @ moved)
-            self._internal += 0.5 * float((inner + bodies) @ moved)
-            self._contact += 0.5 * float((touching + pairs) @ moved)
+            self._work += 0.5 * (float(outer @ moved) + float(load @ moved))
+            self._work += 0.5 * float((held + reaction) @ moved[at])
+            self._internal += 0.5 * (float(inner @ moved) + float(bodies @ moved))
+            if pairs is not None and contact is not None:
+                self._contact += 0.5 * (float(contact @ moved) + float(pairs @ moved))
         self._last = (motion.x, *now)
         self._rows.append((time, kinetic, self._internal, self._contact, motion.damped, self._work))
         if self._points.size:
@@ -313,14 +319,16 @@ def steps_of(
     """
     last, motion = start
     began = last.time
+    load, _ = path(0.0)
+    plain = {name: form for name, form in system.forms.items() if name != INERTIA}
+    responses = responses_of(plain, last.x, last.states)
+    forces = {name: response.force for name, response in responses.items()}
+    log.add(began, motion, load, forces)
+    if is_linear(plain, last.x, last.states):
+        yield from _linear_steps(in_time, system, responses, (last, motion), path, log)
+        return
     end = in_time.steps * _PARTS
     done, size = 0, _PARTS
-    load, _ = path(0.0)
-    forces = {}
-    plain = {name: form for name, form in system.forms.items() if name != INERTIA}
-    for name, response in responses_of(plain, last.x, last.states).items():
-        forces[name] = response.force
-    log.add(began, motion, load, forces)
 
     while done < end:
         # Solve a step
@@ -353,6 +361,57 @@ def steps_of(
         yield last
         if size < _PARTS and done % (_GROWTH * size) == 0:
             size *= _GROWTH
+
+
+def _linear_steps(
+    in_time: InTime,
+    system: System,
+    responses: Mapping[str, Response],
+    start: tuple[StageResult, Motion],
+    path: Callable[[float], tuple[ndarray, ndarray]],
+    log: Log,
+) -> Iterator[StageResult]:
+    """Yield the steps of a linear model, whose states are computed where somebody asks for them."""
+    last, motion = start
+    began = last.time
+    forms = {name: form for name, form in system.forms.items() if name != INERTIA}
+    states = last.states
+    inertia = in_time.form().over(in_time.step)
+    model = Linear(system, inertia, responses, motion, in_time.step)
+
+    for k in range(1, in_time.steps + 1):
+        time = k * in_time.step
+        load, prescribed = path(time)
+        motion = model.step(motion, load, prescribed)
+        log.add(began + time, motion, load, {"": model.force})
+        found = Lazy(forms, partial(_states_at, forms, motion.x, states))
+        # a copy: the checks of a new result would compute the states
+        new = copy(last)
+        vars(new).update(
+            x=motion.x,
+            load=load,
+            states=found,
+            iterations=(*last.iterations, 1),
+            residual=0.0,
+            fraction=k / in_time.steps,
+            summary=Lazy(forms, partial(summaries, forms, motion.x, found)),
+            forms=forms,
+            time=began + time,
+            layout=system.layout,
+            before=None,
+            velocity=motion.velocity,
+            acceleration=motion.acceleration,
+            inertial=motion.force,
+        )
+        if k == in_time.steps:
+            new = replace(new, states=dict(found), summary=dict(new.summary))
+        last = new
+        yield last
+
+
+def _states_at(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the states of forms without memory at displacements."""
+    return {name: form.assemble(x[: form.size], states[name]).state for name, form in forms.items()}
 
 
 def _accepted(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -39,6 +40,9 @@ _SUDDEN = 1e-9
 
 #: Share of the largest kinetic energy with which a motion has not faded.
 _MOVING = 1e-2
+
+#: Seconds between two updates of the bars.
+_SHOWN = 0.05
 
 #: Function that is called with every accepted increment.
 Observer = Callable[[StageResult], Any]
@@ -297,6 +301,8 @@ class _Follower:
         accepted = self._accepted
         accepted.kept = []
         accepted.reached = last
+        iterations = 0
+        shown = -np.inf
         began = perf_counter()
         with self._progress.stage(stage.name):
             for new in increments:
@@ -304,11 +310,15 @@ class _Follower:
                 if stage.dynamic is None:
                     self.parts.add(last, new)
                 last = new
-                accepted.reached = replace(new, seconds=seconds)
+                accepted.reached = copy(new)  # states of linear steps are not computed for it
+                vars(accepted.reached)["seconds"] = seconds
                 if _keeps(stage, last):
                     accepted.kept.append(last)
-                iterations = len(last.iterations), sum(last.iterations)
-                self._progress.update(last.fraction, *iterations, _moved(last))
+                iterations += last.iterations[-1]
+                increments_done = len(last.iterations)
+                if seconds - shown > _SHOWN or last.fraction == 1.0:
+                    shown = seconds
+                    self._progress.update(last.fraction, increments_done, iterations, _moved(last))
                 if self._on_increment is not None:
                     self._on_increment(last)
         return replace(last, increments=tuple(accepted.kept), seconds=perf_counter() - began)
@@ -551,6 +561,7 @@ def _path_in_time(
     target = phase.prescribed
     assert on_top is not None
     assert in_time is not None
+    stays = bool(remaining.any())
 
     def at(time: float) -> tuple[ndarray, ndarray]:
         if target is None:
@@ -559,7 +570,10 @@ def _path_in_time(
             values = target(time)[fixed]
         else:
             values = held + time / stage.duration * (target[fixed] - held)
-        return on_top(time) - remaining + in_time.base_load(time), values
+        load = on_top(time)
+        if stays:
+            load = load - remaining
+        return in_time.with_base(load, time), values
 
     return at
 

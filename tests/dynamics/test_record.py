@@ -50,7 +50,7 @@ def test_bad_files(tmp_path):
     """[X] One sentence each: no unit, wrong number, gaps, no columns."""
     values = sine(n=100).values
     file = written(tmp_path / "made.AT2", values)
-    with pytest.raises(ValueError, match="is in g: give scale=9.81"):
+    with pytest.raises(ValueError, match=r"is in g: give scale=9.81"):
         sc.Record.read(file)
     with pytest.raises(ValueError, match="says NPTS=120, and has 100 values"):
         sc.Record.read(written(tmp_path / "cut.AT2", values, npts=120), scale=9.81)

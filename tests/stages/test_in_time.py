@@ -154,7 +154,7 @@ def test_base_moves_by_a_function():
 
 def test_supports_shake():
     """[X] An oscillator on a base that moves by a sine: relative and absolute motions."""
-    model, _, top = oscillator()
+    model, _, _ = oscillator()
     step = PERIOD / 200.0
     time = step * np.arange(401)
     record = sc.Record(step, 2.0 * np.sin(70.0 * time))
@@ -197,8 +197,7 @@ def test_step_without_equilibrium_is_cut():
     calls = []
 
     class Picky(sc.Form):
-        size = basis.N
-        changing = np.zeros(0, int)
+        size = basis.N  # its tangent may change: the model is not linear
 
         def assemble(self, x, state):
             calls.append(1)

@@ -1,0 +1,153 @@
+"""Steps of linear models: the same as by Newton's method, with one factor and few assemblies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix
+from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+
+import skfem_contact as sc
+from skfem_contact.dynamics.linear import is_linear
+from skfem_contact.solvers import direct
+from tests.dynamics.cases import QUIET
+
+
+class Nothing(sc.Form):
+    """A form without force, whose tangent may change: models with it are not linear."""
+
+    def __init__(self, n):
+        self.size = n
+        self._K = csr_matrix((n, n))
+
+    def assemble(self, x, state):
+        return sc.Response(np.zeros(self.size), lambda: state, lambda: self._K)
+
+
+def ground():
+    """Return a box of two soils, of which one is damped, and its supports."""
+    parts = {"lower": lambda x: x[1] < 2.0, "upper": lambda x: x[1] > 2.0}
+    mesh = MeshQuad.init_tensor(np.linspace(0, 8, 9), np.linspace(0, 4, 5)).with_defaults()
+    basis = Basis(mesh.with_subdomains(parts), ElementVector(ElementQuad1()), intorder=2)
+    soils = {"lower": sc.LinearElastic(E=2e4, nu=0.3), "upper": sc.LinearElastic(E=5e3, nu=0.2)}
+    return sc.SolidForm(basis, soils, unit_weight=20.0), basis, sc.box_supports(basis)
+
+
+@pytest.mark.parametrize("rho_inf", [1.0, 0.6, 0.0])
+@pytest.mark.parametrize("mass", ["lumped", "consistent"])
+def test_linear_steps_are_the_same(rho_inf, mass):
+    """[N] Newton's method with assembly in every step: the same to its tolerance."""
+    solid, basis, fixed = ground()
+    push = sc.traction(basis, "top", lambda x: (3.0 * (x[0] < 2.0), -5.0 * (x[0] < 2.0)))
+    settings = sc.Dynamic(
+        0.01,
+        rho_inf=rho_inf,
+        mass=mass,
+        damping={"lower": sc.Rayleigh(0.05, f=(2.0, 9.0))},
+        points=[(0.0, 4.0)],
+    )
+
+    def moved(t):
+        x = basis.zeros()
+        x[0::2] = 1e-3 * np.sin(9.0 * t)
+        return x
+
+    # more steps than between two renewals, the last ones with supports that move
+    stages = [
+        sc.Stage("weight"),
+        sc.Stage("push", lambda t: push * np.cos(7.0 * t), duration=0.8, dynamic=settings),
+        sc.Stage("move", duration=0.1, prescribed=moved, dynamic=settings),
+    ]
+    found = []
+    for more in ({}, {"nothing": Nothing(basis.N)}):
+        model = sc.Model(
+            {"solid": solid, **more},
+            fixed,
+            gravity_acceleration=9.81,
+            newton=sc.Newton(tolerance=1e-12),
+        )
+        with pytest.warns(sc.AnalysisWarning, match="it has no load, and the load before"):
+            found.append(model.run(stages, **QUIET))
+    for stage, other in zip(*found, strict=True):
+        np.testing.assert_allclose(stage.x, other.x, atol=1e-9 * np.abs(other.x).max())
+        if other.velocity is not None:
+            for name in ("velocity", "acceleration", "inertial"):
+                values = getattr(other, name)
+                size = np.abs(values).max()
+                np.testing.assert_allclose(getattr(stage, name), values, atol=1e-8 * size)
+            for column in ("kinetic", "internal", "damping", "work"):
+                values = other.energy[column]
+                size = np.abs(values).max()
+                np.testing.assert_allclose(stage.energy[column], values, atol=1e-8 * size)
+        reactions = other.reactions()[fixed]
+        np.testing.assert_allclose(
+            stage.reactions()[fixed], reactions, atol=1e-8 * np.abs(reactions).max()
+        )
+
+
+def test_one_factor_and_few_assemblies(monkeypatch):
+    """[X] A linear stage factors once and assembles the bodies at its start and its end."""
+    solid, _, fixed = ground()
+    model = sc.Model({"solid": solid}, fixed, gravity_acceleration=9.81)
+    start = model.run([sc.Stage("weight")], **QUIET)
+    counts = {"factors": 0, "assemblies": 0}
+    factor = direct._Factor.__init__
+    assemble = sc.SolidForm.assemble
+
+    def counted_factor(self, *args):
+        counts["factors"] += 1
+        factor(self, *args)
+
+    def counted_assemble(self, x, state):
+        counts["assemblies"] += 1
+        return assemble(self, x, state)
+
+    monkeypatch.setattr(direct._Factor, "__init__", counted_factor)
+    monkeypatch.setattr(sc.SolidForm, "assemble", counted_assemble)
+    stage = sc.Stage("wait", duration=2.0, dynamic=sc.Dynamic(0.01), keep=100)
+    result = model.run([stage], start=start, **QUIET)
+    assert counts["factors"] == 1
+    # at the start, five to try whether the model is linear, and at the end
+    assert counts["assemblies"] <= 8
+    assert len(result["wait"].increments) == 2
+    assert result["wait"].increments[0].states["solid"].stress.shape[0] == 4
+    assert counts["assemblies"] <= 9
+
+
+def test_steps_without_drift():
+    """[X] Undamped steps of 1e-6 to 100 periods keep the energy to round-off."""
+    solid, basis, fixed = ground()
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=2e4, nu=0.3), unit_weight=20.0)
+    model = sc.Model({"solid": solid}, fixed, gravity_acceleration=9.81)
+    shortest = 1.0 / model.frequencies(3)[0]
+    v = basis.zeros()
+    v[:] = np.random.default_rng(1).standard_normal(basis.N)
+    start = model.run([sc.Stage("weight")], **QUIET)
+    for periods, n in ((1e-6, 500), (0.05, 2000), (1.0, 500), (100.0, 500)):
+        h = periods * shortest
+        stage = sc.Stage("move", duration=n * h, dynamic=sc.Dynamic(h, rho_inf=1.0, velocity=v))
+        energy = model.run([stage], start=start, **QUIET)["move"].energy
+        assert np.abs(energy["missing"]).max() < 1e-9 * energy["kinetic"][0], periods
+
+
+def test_memory_is_not_linear():
+    """[X] A form with a constant tangent and a memory is told from a linear one."""
+
+    class Creeps(sc.Form):
+        size = 2
+        changing = np.zeros(0, int)
+        symmetric = True
+
+        def initial_state(self, x=None):
+            return np.zeros(2)
+
+        def assemble(self, x, state):
+            # half of each displacement is forgotten
+            K = csr_matrix(3.0 * np.eye(2))
+            return sc.Response(3.0 * (x - state), lambda: 0.5 * x, lambda: K)
+
+    form = Creeps()
+    assert not is_linear({"form": form}, np.zeros(2), {"form": np.zeros(2)})
+    spring = sc.MatrixForm(3.0 * np.eye(2))
+    assert is_linear({"form": spring}, np.zeros(2), {"form": spring.initial_state()})
+    assert not is_linear({"form": Nothing(2)}, np.zeros(2), {"form": None})
