@@ -41,7 +41,7 @@ _PARTS = 1024
 _CUT, _GROWTH = 4, 2
 #: Acceleration of a record over the one of gravity, and velocity at its end over the largest one,
 #: that are remarked on.
-_STRONGEST, _DRIFT = 3.0, 0.05
+_STRONGEST, _DRIFT = 3.0, 0.2
 
 #: Vector at a time since the start of the stage.
 OfTime = Callable[[float], ndarray]
