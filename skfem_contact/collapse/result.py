@@ -268,6 +268,8 @@ class CollapseResult:
         Proven bounds of the value, see ``certify``.
     unproven
         Reason why ``certify="auto"`` has proven no bounds.
+    meshes
+        Elements, value and estimated share that the mesh adds, for every mesh of ``refine=True``.
     """
 
     what: str
@@ -287,6 +289,7 @@ class CollapseResult:
     davis: CollapseResult | None = field(default=None, repr=False)
     proven: Bounds | None = field(default=None, repr=False)
     unproven: str = ""
+    meshes: tuple[tuple[int, float, float], ...] = ()
 
     @property
     def factor(self) -> float:
@@ -297,6 +300,12 @@ class CollapseResult:
     def multiplier(self) -> float:
         """Value of a limit load."""
         return self.value
+
+    @property
+    def error(self) -> str:
+        """Share that the mesh adds in words, empty below half of a per cent."""
+        is_known = self.stop.shows_limit and self.added >= 0.005
+        return f"about {self.added:.1%}" if is_known else ""
 
     @property
     def x(self) -> ndarray:
@@ -357,8 +366,11 @@ class CollapseResult:
         lines.append(f"flow {self.flow}")
         if self.reduced:
             lines.append(f"reduced: {', '.join(self.reduced)}")
-        adds = f", whose size adds about {self.added:.0%}" if self.added >= 0.01 else ""
+        adds = f", whose size adds {self.error}" if self.error else ""
         lines.append(f"{self.mesh}{adds}; {self.iterations} Newton iterations")
+        if self.meshes:
+            values = ", ".join(f"{value:.4g} with {n}" for n, value, _ in self.meshes)
+            lines.append(f"refined: {values} elements")
         lines.append(f"stopped by {self.stop}")
         return "\n".join(lines)
 

@@ -128,6 +128,12 @@ class Body(Stiff, Loaded):
         """Numbers of the elements in the mesh, (n_elements,)."""
         return elements_of(self.basis)
 
+    def on(self: Self, basis: Any) -> Self | None:
+        """Return the body on the basis of a finer mesh with the same names, None if it cannot be.
+
+        Parameters of its materials are numbers or functions of the coordinates.
+        """
+
     def shear_strain(self, x: ndarray) -> ndarray | None:
         """Return the largest shear strain of displacements, (n_elements, n_points), or None."""
 

@@ -246,6 +246,22 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         return body
 
     @override
+    def on(self, basis: CellBasis) -> SolidForm:
+        materials: Any = {region.name: region.given or region.material for region in self.regions}
+        names = basis.mesh.subdomains or {}
+        if list(materials) == ["all"] and "all" not in names:
+            materials = materials["all"]
+        return SolidForm(
+            basis,
+            materials,
+            self.strain,
+            coordinates=self.coordinates,
+            unit_weight=self.unit_weight,
+            porous=self.porous,
+            kinematics=self.kinematics,
+        )
+
+    @override
     def own_weight(self, acceleration: ndarray) -> ndarray | None:
         if self.unit_weight is None:
             return None

@@ -55,9 +55,7 @@ def facts_of(result: Result, table: Table, searches: Mapping[str, Any]) -> dict[
 
 def error_of(search: Any) -> str:
     """Return in words how much the mesh adds to the value of a search, and its proven bounds."""
-    text = ""
-    if search.stop.shows_limit and search.added >= 0.01:
-        text += f", about {search.added:.0%} too high"
+    text = f", {search.error} too high" if search.error else ""
     if search.proven is not None:
         text += f", proven {search.proven.lower:.3f} to {search.proven.upper:.3f}"
     return text

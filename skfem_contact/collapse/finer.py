@@ -1,0 +1,317 @@
+"""Models on meshes that are refined along a mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse.linalg import spsolve
+from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshTri1
+from skfem.helpers import dot
+
+from ..checks import format_point
+from ..forms.base import Form, solids_of
+from ..forms.roles import materials_of
+from ..materials.base import Material
+from ..materials.spectral import principal_stresses
+from ..mesh.locate import locate
+from ..stages.setup import Setup
+
+#: Share of the power of the mechanism in the elements that are cut. On the seven published slopes
+#: .5 needs one more round than .8, .9 a third more elements.
+_CUT = 0.8
+#: Force on nodes inside of the bodies, as a share of the largest, that is round-off.
+_INSIDE = 1e-9
+#: Reference coordinate of a point on a side.
+_ON_SIDE = 1e-6
+S = TypeVar("S", bound=Setup)
+
+
+class Finer(NamedTuple):
+    """A model on a finer mesh, and its load on top of weights and water."""
+
+    setup: Any
+    load: ndarray
+
+
+def check(setup: Setup, forms: Mapping[str, Form], undrained: bool) -> None:
+    """Refuse models that cannot be built anew on a finer mesh."""
+    if undrained:
+        raise ValueError("refine=True is for drained searches: leave out undrained=True")
+    solids: dict[str, Any] = {}
+    for name, form in forms.items():
+        if not materials_of(form):
+            raise ValueError(
+                f"refine=True knows solids, but '{name}' is a {type(form).__name__}: refine the "
+                "section along the mechanism, sizes={...}, and search again"
+            )
+        solids[name] = form
+    mesh = next(iter(solids.values())).basis.mesh
+    if type(mesh) is not MeshTri1:
+        raise ValueError(
+            f"refine=True cuts straight triangles, MeshTri, but this is a {type(mesh).__name__}"
+        )
+    if setup.gravity[-1] != -1.0:
+        raise ValueError("refine=True needs gravity against the last axis")
+    for name, form in solids.items():
+        for region in form.regions:
+            if region.material.undrained:
+                raise ValueError(
+                    f"refine=True begins finer meshes unstrained, but '{name}.{region.name}' is "
+                    "Undrained: its strength follows from its stresses"
+                )
+            if _by_element(region.given or region.material):
+                raise ValueError(
+                    f"refine=True needs parameters as numbers or functions of the coordinates, but "
+                    f"'{name}.{region.name}' has arrays by element"
+                )
+
+
+def check_water(water: Any) -> None:
+    """Refuse pressures at the vertices of one mesh."""
+    if water is not None and not callable(water) and np.ndim(water) == 1:
+        raise ValueError(
+            "refine=True needs water by its level, points, a seepage or a function, not pressures "
+            "at the vertices of one mesh"
+        )
+
+
+def _by_element(material: Material) -> bool:
+    """Return True if a parameter of a material is an array."""
+    return any(isinstance(value, ndarray) for value in vars(material).values())
+
+
+def marked(end: Any, mechanism: ndarray, bands: Mapping[str, ndarray]) -> ndarray:
+    r"""Return the elements of the mesh with most of the power of a mechanism.
+
+    The power is :math:`\int \tau \dot\\gamma`.
+    """
+    numbers = []
+    powers = []
+    for name, form in solids_of(end.forms).items():
+        if name in bands:
+            largest, _, smallest = principal_stresses(end.states[name].stress)
+            spent = form.weight * (largest - smallest) * bands[name]
+            numbers.append(form.elements)
+            powers.append(spent.sum(axis=1))
+    elements = np.concatenate(numbers)
+    power = np.concatenate(powers)
+    order = np.argsort(-power)
+    share = np.cumsum(power[order]) / power.sum()
+    return elements[order[: int(np.searchsorted(share, _CUT)) + 1]]
+
+
+def finer(
+    setup: S, forms: Mapping[str, Form], fixed: ndarray, load: ndarray, cut: ndarray
+) -> Finer:
+    """Return the model with some elements cut, and the load on it.
+
+    Parameters
+    ----------
+    setup
+        The model; its settings are kept.
+    forms
+        Active solids.
+    fixed
+        Supported dofs.
+    load
+        Load on top of weights and water, (N,): tractions on facets, and body forces of one value
+        in each region.
+    cut
+        Numbers of the elements that are cut.
+    """
+    # Cut the elements, and name parts and sides as before.
+    solids: dict[str, Any] = dict(forms)
+    first = next(iter(solids.values())).basis
+    mesh = first.mesh
+    bare = MeshTri1(mesh.p, mesh.t)
+    new = bare.refined(cut)
+    everything = np.arange(mesh.nelements)
+    parent = locate(mesh, everything, new.p[:, new.t].mean(axis=1).T, 0 * everything).elements
+    side = _sides(mesh, new, parent)
+    subdomains = {}
+    for name, part in (mesh.subdomains or {}).items():
+        subdomains[name] = np.flatnonzero(np.isin(parent, part))
+    boundaries = {}
+    for name, facets in (mesh.boundaries or {}).items():
+        boundaries[name] = np.flatnonzero(np.isin(side, np.asarray(facets)))
+    named = new.with_subdomains(subdomains).with_boundaries(boundaries)
+
+    # Build the solids and the supports.
+    whole = Basis(named, first.elem, quadrature=first.quadrature)
+    built = {}
+    for name, form in solids.items():
+        own = np.flatnonzero(np.isin(parent, form.elements))
+        built[name] = form.on(whole.with_elements(own))
+        if built[name] is None:
+            raise ValueError(f"refine=True knows solids, but '{name}' is a {type(form).__name__}")
+    held = _fixed(first, whole, side, fixed)
+    model = type(setup)(
+        built,
+        held,
+        solver=setup.solver,
+        newton=setup.newton,
+        seismic=setup.gravity[:-1],
+        water_unit_weight=setup.water_unit_weight,
+    )
+    return Finer(model, _load(solids, built, whole, side, load[: first.N]))
+
+
+def _sides(mesh: MeshTri1, new: MeshTri1, parent: ndarray) -> ndarray:
+    """Return for each facet of a finer mesh the facet of the mesh that it is a part of, or -1."""
+    element = parent[new.f2t[0]]
+    middle = new.p[:, new.facets].mean(axis=1)  # (2, n)
+    corners = mesh.p[:, mesh.t[:, element]]  # (2, 3, n)
+    J = (corners[:, 1:] - corners[:, :1]).transpose(2, 0, 1)
+    xi = np.linalg.solve(J, (middle - corners[:, 0]).T[:, :, None])[:, :, 0].T
+    weights = np.array([1.0 - xi.sum(axis=0), *xi])  # of the corners
+    # sides of scikit-fem's triangles: corners (0, 1), (1, 2), (0, 2)
+    opposite = weights[[2, 0, 1]]
+    local = np.abs(opposite).argmin(axis=0)
+    facet = mesh.t2f[local, element]
+    on_side = np.abs(opposite[local, np.arange(len(local))]) < _ON_SIDE
+    return np.where(on_side, facet, -1)
+
+
+def _fixed(old: Any, new: Any, side: ndarray, fixed: ndarray) -> ndarray:
+    """Return the supported dofs of a finer mesh: on supported sides, and at supported nodes."""
+    held = np.zeros(old.N, bool)
+    held[fixed[fixed < old.N]] = True
+    result = []
+
+    # Support the sides all of whose nodes are supported in a direction.
+    for k in range(2):
+        sides = np.flatnonzero(_all_held(old, held, k))
+        parts = np.flatnonzero(np.isin(side, sides))
+        if len(parts):
+            names = f"u^{k + 1}"
+            result.append(new.get_dofs(parts).all(names))
+
+    # Support single nodes at the same coordinates.
+    for k in range(2):
+        dofs = np.flatnonzero(held)
+        dofs = dofs[dofs % 2 == k]
+        candidates = np.arange(k, new.N, 2)
+        keys = {tuple(point) for point in np.round(old.doflocs[:, dofs].T, 12)}
+        points = np.round(new.doflocs[:, candidates].T, 12)
+        same = [tuple(point) in keys for point in points]
+        result.append(candidates[np.array(same, bool)])
+    return np.unique(np.concatenate(result)) if result else np.zeros(0, int)
+
+
+def _all_held(basis: Any, held: ndarray, component: int) -> ndarray:
+    """Return the facets whose nodes are all held in a direction."""
+    mesh = basis.mesh
+    both = held[basis.nodal_dofs[component][mesh.facets]].all(axis=0)
+    if len(basis.facet_dofs):
+        both &= held[basis.facet_dofs[component]]
+    return np.asarray(both)
+
+
+@LinearForm
+def _force(v: Any, w: Any) -> Any:
+    return dot(w["t"], v)
+
+
+@BilinearForm
+def _mass(u: Any, v: Any, w: Any) -> Any:
+    return dot(u, v)
+
+
+def _load(
+    solids: Mapping[str, Any],
+    built: Mapping[str, Any],
+    whole: Any,
+    side: ndarray,
+    load: ndarray,
+) -> ndarray:
+    r"""Return the load on a finer mesh: tractions of the same densities.
+
+    The tractions t of the sides solve :math:`\int t \cdot v = f(v)` on the sides of loaded nodes.
+    """
+    basis = next(iter(solids.values())).basis
+    mesh = basis.mesh
+    if not load.any():
+        return np.zeros(whole.N)
+    rest, total = _body_forces(solids, built, load, whole.N)
+
+    # Find the sides of loaded nodes.
+    loaded = np.abs(rest) > _INSIDE * np.abs(load).max()
+    dofs = np.flatnonzero(loaded)
+    if not len(dofs):
+        return total
+    boundary = mesh.boundary_facets()
+    ends = loaded[basis.nodal_dofs].any(axis=0)[mesh.facets[:, boundary]]  # (2, n)
+    facets = boundary[ends.all(axis=0)]  # not sides that touch a loaded side
+    if len(basis.facet_dofs):
+        facets = boundary[loaded[basis.facet_dofs[:, boundary]].any(axis=0)]
+    inside = np.setdiff1d(dofs, basis.get_dofs(facets).all()) if len(facets) else dofs
+    if len(inside):
+        where = format_point(basis.doflocs[:, inside[0]])
+        raise ValueError(
+            f"refine=True knows weights and tractions on boundaries, but the load acts at {where} "
+            "inside of the bodies or on a point"
+        )
+
+    # Find their tractions and integrate these on the finer sides.
+    on_sides = FacetBasis(mesh, basis.elem, facets=facets, intorder=4)
+    own = basis.get_dofs(facets).all()
+    M = _mass.assemble(on_sides)[own][:, own].tocsc()
+    t = np.zeros(basis.N)
+    t[own] = spsolve(M, rest[own])
+    parts = np.flatnonzero(np.isin(side, facets))
+    fine = FacetBasis(whole.mesh, whole.elem, facets=parts, intorder=4)
+    at = np.asarray(fine.global_coordinates())  # (2, n_facets, n_points)
+    flat = at.reshape(2, -1)
+    everything = np.arange(mesh.nelements)
+    located = locate(mesh, everything, flat.T, 0 * everything)
+    shapes = []
+    for i in range(len(basis.elem.elem.doflocs)):
+        value = basis.elem.elem.lbasis(located.local, i)[0]
+        shapes.append(np.broadcast_to(value, flat.shape[1]))
+    at_elements = np.argsort(_numbers(basis))[located.elements]
+    nodal = t[basis.element_dofs[:, at_elements]].reshape(-1, 2, flat.shape[1])
+    density = np.einsum("kn,kcn->cn", np.array(shapes), nodal).reshape(at.shape)
+    return total + _force.assemble(fine, t=density)
+
+
+def _numbers(basis: Any) -> ndarray:
+    """Return the numbers of the elements of a basis."""
+    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+
+
+def _body_forces(
+    solids: Mapping[str, Any], built: Mapping[str, Any], load: ndarray, size: int
+) -> tuple[ndarray, ndarray]:
+    """Return a load less uniform forces of the regions, and these on the finer mesh, (N,)."""
+    basis = next(iter(solids.values())).basis
+    mesh = basis.mesh
+    inner = np.ones(basis.N, bool)
+    inner[basis.get_dofs(mesh.boundary_facets()).all()] = False
+    total = np.zeros(size)
+    if np.abs(load[inner]).max(initial=0.0) <= _INSIDE * np.abs(load).max():
+        return load, total
+
+    # Fit one force in each region to the nodes inside.
+    columns = []
+    fine = []
+    for name, form in solids.items():
+        for old, new in zip(form.regions, built[name].regions, strict=True):
+            for k in range(2):
+                columns.append(_uniform(form, old, k))
+                fine.append(_uniform(built[name], new, k))
+    matrix = np.array(columns).T
+    forces, *_ = np.linalg.lstsq(matrix[inner], load[inner], rcond=None)
+    rest = load - matrix @ forces
+    rest[np.abs(rest) <= 1e-9 * np.abs(load).max()] = 0.0
+    return rest, np.array(fine).T @ forces
+
+
+def _uniform(form: Any, region: Any, component: int) -> ndarray:
+    """Return the load vector of a unit body force in a region."""
+    part = form.basis
+    density = np.zeros((2, *form.weight.shape))
+    density[component, region.elements] = 1.0
+    return np.asarray(_force.assemble(part, t=density))

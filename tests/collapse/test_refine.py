@@ -1,0 +1,157 @@
+"""Searches on meshes that are refined along the mechanism."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+    MeshTri,
+)
+
+import skfem_contact as sc
+import skfem_contact.plot as plot
+from skfem_contact.collapse import finer
+from skfem_contact.collapse.continuation import loaded_start
+
+
+def bank(element=None, phi=20.0, psi=20.0, **options) -> sc.Model:
+    """A slope of 10 m, 1 in 2, on 5 m of ground, in two soils of one strength."""
+    lines = np.concatenate((np.linspace(-20, 0, 6), np.linspace(0, 20, 9)[1:], [24.0, 32.0]))
+    flat = MeshTri.init_tensor(lines, np.linspace(0, 1, 6))
+    x, height = flat.p
+    surface = 5.0 + np.clip(x / 2.0, 0.0, 10.0)
+    mesh = MeshTri(np.stack((x, height * surface)), flat.t).with_defaults()
+    mesh = mesh.with_subdomains({"low": lambda x: x[1] < 5.0, "high": lambda x: x[1] >= 5.0})
+    basis = Basis(mesh, ElementVector(element or ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=lambda x: 10.0 + 0.0 * x[0], phi=phi, psi=psi)
+    ground = sc.SolidForm(basis, {"low": soil, "high": soil}, unit_weight=20.0)
+    return sc.Model({"ground": ground}, sc.box_supports(basis), **options)
+
+
+def once(model: sc.Model, load=None, water=None):
+    """The model on a mesh of which every third element was cut."""
+    begun = loaded_start(model, load, None, water)
+    finer.check(model, begun.forms, False)
+    mesh = begun.forms["ground"].basis.mesh
+    cut = np.arange(0, mesh.nelements, 3)
+    on_top = begun.load - model.water_on(begun.forms, water)
+    return finer.finer(model, begun.forms, begun.system.fixed, on_top, cut)
+
+
+@pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2()])
+def test_finer_models_are_the_same_structure(element):
+    """[X] Weights, supports, tractions, names and areas of a finer mesh: resultants and moments."""
+    model = bank(element)
+    old = model.forms["ground"].basis
+    load = model.traction("top", lambda x: (-1.0 - 0.1 * x[0], -3.0 + 0.2 * x[0]))
+    new, on_top = once(model, load)
+    basis = new.forms["ground"].basis
+    assert basis.mesh.nelements > old.mesh.nelements
+    before = old.doflocs, load, model.weights(model.forms)
+    after = basis.doflocs, on_top, new.weights(new.forms)
+    for (_, first, second), (_, third, fourth) in ((before, after),):
+        for a, b in ((first, third), (second, fourth)):
+            assert np.allclose(a[0::2].sum(), b[0::2].sum(), atol=1e-9)
+            assert np.allclose(a[1::2].sum(), b[1::2].sum())
+            moments = [
+                (x[0, 1::2] * f[1::2]).sum() - (x[1, 0::2] * f[0::2]).sum()
+                for x, f in ((old.doflocs, a), (basis.doflocs, b))
+            ]
+            assert np.isclose(*moments)
+    same = new.traction("top", lambda x: (-1.0 - 0.1 * x[0], -3.0 + 0.2 * x[0]))
+    assert np.allclose(on_top, same, atol=1e-9)
+    # supports: all of the sides, as by hand
+    assert np.array_equal(new.fixed, sc.box_supports(basis))
+    for name in ("low", "high"):
+        areas = []
+        for mesh in (old.mesh, basis.mesh):
+            x = mesh.p[:, mesh.t[:, mesh.subdomains[name]]]
+            (a, b), (c, d) = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
+            areas.append(float(np.abs(a * d - b * c).sum()))
+        assert np.isclose(*areas)
+    assert set(basis.mesh.boundaries) == set(old.mesh.boundaries)
+
+
+def test_body_forces_given_as_a_load():
+    """[X] A weight that is given as a load is found again on the finer mesh."""
+    model = bank()
+    ground = model.forms["ground"]
+    new, on_top = once(model, 3.0 * model.weight({"low": 1.0, "high": 2.0}))
+    expected = new.weight({"low": 3.0, "high": 6.0})
+    assert np.allclose(on_top, expected, atol=1e-9 * np.abs(expected).max())
+    assert len(on_top) > ground.basis.N
+
+
+@pytest.mark.slow
+def test_factor_lies_between_the_bounds():
+    """[B] The told error is below the tolerance, and the factor within 1 % of its bracket.
+
+    The bracket [1.3617, 1.3648] is that of `model.bounds(gap=0.01)` of this slope, in 22 s.
+    """
+    model = bank()
+    coarse = model.strength_reduction(certify=False)
+    found = model.strength_reduction(refine=True, certify=False)
+    assert coarse.added * coarse.value > 0.02
+    assert found.added * found.value <= 0.01
+    assert len(found.meshes) > 2 and found.meshes[0][1] == coarse.value
+    assert found.value < coarse.value
+    assert 1.3617 < found.value < 1.01 * 1.3648
+    assert "refined: " in str(found)
+    # the end is a start for other analyses, on the finer mesh
+    assert found.end.forms["ground"].basis.nelems == found.meshes[-1][0]
+
+
+def test_water_and_a_start():
+    """[N] A start with water gives the same as the model with its water, but for its stresses.
+
+    Both searches have brackets of 0.02 and meshes of their own.
+    """
+    model = bank(water_unit_weight=10.0)
+    line = [(-20.0, 4.0), (0.0, 5.0), (20.0, 9.0), (32.0, 10.0)]
+    result = model.run([sc.Stage("weight", water=line)])
+    options = {"refine": True, "certify": False, "tolerance": 0.02}
+    from_stage = model.strength_reduction(start=result, **options)
+    by_itself = model.strength_reduction(water=line, **options)
+    assert len(by_itself.meshes) > 1
+    assert abs(from_stage.value - by_itself.value) < 0.02
+    assert from_stage.value < model.strength_reduction(certify=False).value
+
+
+def test_error_is_in_the_title():
+    """The title of the picture says how much too high the factor is."""
+    found = bank().strength_reduction(certify=False)
+    assert f"{found.added:.1%}" in found.error
+    assert f"{found.error} too high" in plot.mechanism.__globals__["_title"](found)
+
+
+def test_models_that_cannot_be_refined():
+    """One sentence each."""
+    basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()))
+    soil = sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0)
+    ground = sc.SolidForm(basis, soil, unit_weight=10.0)
+    with pytest.raises(ValueError, match="cuts straight triangles"):
+        sc.Model({"a": ground}, sc.box_supports(basis)).strength_reduction(refine=True)
+    model = bank()
+    solid = model.forms["ground"]
+    rope = sc.Bar(solid.basis, (0.0, 5.0), (0.0, 20.0), EA=1.0, fixed_end=True)
+    with pytest.raises(ValueError, match="'rope' is a Bar"):
+        sc.Model({"ground": solid, "rope": rope}, model.fixed).strength_reduction(refine=True)
+    with pytest.raises(ValueError, match="undrained"):
+        model.strength_reduction(refine=True, undrained=True)
+    pressure = np.ones(solid.basis.mesh.nvertices)
+    with pytest.raises(ValueError, match="not pressures at the vertices"):
+        model.strength_reduction(refine=True, water=pressure)
+    point = np.zeros(solid.basis.N)
+    point[solid.basis.nodal_dofs[1, np.flatnonzero(solid.basis.mesh.p[0] == 10.0)[2]]] = -5.0
+    with pytest.raises(ValueError, match="inside of the bodies or on a point"):
+        model.strength_reduction(point, refine=True)
+    arrays = sc.MohrCoulomb(E=1e5, nu=0.3, c=np.full(solid.basis.nelems, 9.0), phi=20.0)
+    varied = sc.SolidForm(solid.basis.with_elements(np.arange(solid.basis.nelems)), arrays)
+    with pytest.raises(ValueError, match="arrays by element"):
+        finer.check(model, {"ground": varied}, False)
