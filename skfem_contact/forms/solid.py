@@ -247,7 +247,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
 
     @override
     def on(self, basis: CellBasis) -> SolidForm:
-        materials: Any = {region.name: region.given or region.material for region in self.regions}
+        materials: Material | dict[str, Material]
+        materials = {region.name: region.given or region.material for region in self.regions}
         names = basis.mesh.subdomains or {}
         if list(materials) == ["all"] and "all" not in names:
             materials = materials["all"]
