@@ -28,6 +28,7 @@ from .laws import InterfaceLaw, Status
 from .multipliers import Nodes
 from .penalty import Penalty, chosen
 from .quadrature import SlavePoints
+from .stretch import Stretch
 
 #: Initial fit of bodies; a number: they touch exactly, and interfere by that much.
 NamedFit = Literal["as meshed", "adjusted", "ramped"]
@@ -59,6 +60,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     slip_shift: ndarray | None = None
     debonded: ndarray | None = None
     families: tuple[Any, ...] = ()
+    finite: bool = False  # bodies of finite kinematics: strengths count the present area
     symmetry: Any = None  # nodes that supports hold along the joint, which a model x
     multipliers = np.zeros((0, 0), int)  # their dofs, (dim, n_nodes), which the model numbers
 
@@ -183,7 +185,13 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
             return self
         stiff = [f for f in having(forms, Stiff).values() if f.elastic_stiffness is not None]
         axisymmetric = any(form.coordinates == "axisymmetric" for form in forms.values())
-        new = self._about_axis(axisymmetric).with_(complete=True)
+        finite = any(form.kinematics == "finite" for form in forms.values())
+        if finite and self.law.per_area and self.saddle:
+            raise ValueError(
+                "adhesion and tension count the present area of bodies of finite kinematics: take "
+                "the penalty method or AugmentedLagrangian, not DualMultipliers"
+            )
+        new = self._about_axis(axisymmetric).with_(complete=True, finite=finite)
         if new.stiffness is not None:
             return new
         penalty, stiffness = chosen(
@@ -284,6 +292,10 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         if self.law.reaches_far:
             return np.full(len(points.weight), np.inf)
         return self.interface.depth(points)
+
+    def stretch(self, nodes: ndarray, points: SlavePoints) -> Stretch:
+        """Return the stretch of the slave's area at points; coordinates count from its middle."""
+        return Stretch.of(self.slave, nodes + self.slave.middle, points.facet, points.xi)
 
     @property
     def largest_traction(self) -> float:

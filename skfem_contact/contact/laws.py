@@ -149,6 +149,19 @@ class InterfaceLaw:
         """
         raise NotImplementedError(f"{type(self).__name__} has no `reduced`")
 
+    @property
+    def per_area(self) -> bool:
+        """True if the law has strengths per area, such as an adhesion."""
+        return False
+
+    def on_area(self, stretch: ndarray) -> InterfaceLaw:
+        """Return the law whose strengths per area are multiplied at points, (n,).
+
+        Tractions are per undeformed area. Bodies of finite kinematics ask for this law where their
+        area has grown.
+        """
+        return self
+
     def debonded(self, internal: ndarray) -> ndarray:
         """Return the internal variables of points whose bond is broken; by default the same."""
         return internal
@@ -248,6 +261,18 @@ class Coulomb(InterfaceLaw):
         new = copy(self)
         for strength in ("mu", "adhesion", "tension"):
             object.__setattr__(new, strength, getattr(self, strength) / factor)
+        return new
+
+    @property
+    @override
+    def per_area(self) -> bool:
+        return self._has_bond
+
+    @override
+    def on_area(self, stretch: ndarray) -> Coulomb:
+        new = copy(self)
+        for strength in ("adhesion", "tension"):
+            object.__setattr__(new, strength, getattr(self, strength) * stretch)
         return new
 
     @property

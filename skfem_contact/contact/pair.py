@@ -239,7 +239,7 @@ class ContactPair(ContactBase):
             raise ValueError("it has multipliers, or the old one has: keep the enforcement")
         new = self
         if old.complete and not self.complete:
-            new = self._about_axis(old.axisymmetric).with_(complete=True)
+            new = self._about_axis(old.axisymmetric).with_(complete=True, finite=old.finite)
         if new.penalty is not None or old.penalty is None:
             return new
         return new.with_penalty(*old.penalty, stiffness=old.stiffness)

@@ -193,7 +193,13 @@ class Penalty(Enforcement):
         if pair.slip_shift is not None:
             slip = slip + pair.slip_shift[:, at]
         jump = np.concatenate((gap[None, at], slip))
-        update = law.take(near).update(jump, state.internal[:, at], (eps_N, eps_T))
+        law = law.take(near)
+        stretch = pair.stretch(slave, near) if pair.finite and law.per_area else None
+
+        def of_law(law: InterfaceLaw) -> LawUpdate:
+            return law.update(jump, state.internal[:, at], (eps_N, eps_T))
+
+        update = of_law(law if stretch is None else law.on_area(stretch.values))
 
         # Integrate the work of the tractions, eq. 13
         weight = pair.share * near.weight
@@ -207,14 +213,19 @@ class Penalty(Enforcement):
             slid = accepted.slip + pair.interface.slid(accepted, closest.closest)
             return state.after(closest, at, update, new_stick, slid)
 
-        def damped() -> csr_matrix:
-            return _stiffness(pair, kinematics, _limited(pair, update, slip), weight)
+        def stiffness(update: LawUpdate) -> csr_matrix:
+            K = _stiffness(pair, kinematics, update, weight)
+            if stretch is None:
+                return K
+            change = weight * stretch.by_stretch(update, of_law, law)
+            forces = np.einsum("in,nim->nm", change, work)
+            return csr_matrix(K + stretch.tangent(kinematics.dofs, forces, K.shape[0]))
 
         return Response(
             pair.gathering.force(kinematics.dofs, force),
             state=candidate,
-            stiffness=lambda: _stiffness(pair, kinematics, update, weight),
-            damped=damped,
+            stiffness=lambda: stiffness(update),
+            damped=lambda: stiffness(_limited(pair, update, slip)),
             round_off=max(eps_N, eps_T) * round_off * float(np.linalg.norm(weight)),
             active=at.tobytes() + update.status.tobytes(),
         )

@@ -137,7 +137,8 @@ class StageResult(files.StageData):
 
     def tractions(self, pair: str) -> Tractions:
         """Return tractions, gaps and slips of a contact pair."""
-        return tractions(*self._pair(pair))
+        form, state = self._pair(pair)
+        return tractions(form, state, self.x[: form.size])
 
     def report(self, pair: str) -> ContactReport:
         """Return resultants, status and penetration of a contact pair."""

@@ -208,7 +208,7 @@ def _along(stage: StageData, name: str, sections: Sections | None) -> dict[str, 
     form = stage.forms[name]
     state = stage.states[name]
     if isinstance(form, Touching) and sections is None:
-        return _contact_columns(vars(tractions(form, state)))  # type: ignore[arg-type]
+        return _contact_columns(vars(tractions(form, state, stage.x[: form.size])))  # type: ignore[arg-type]
     forces: SectionForces | None = None
     if sections is not None:
         if not materials_of(form):

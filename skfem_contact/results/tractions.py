@@ -74,13 +74,21 @@ class Tractions:
         return np.degrees(np.arctan2(self.x - x, self.y - y)) % 360.0
 
 
-def tractions(pair: ContactPair, state: ContactState) -> Tractions:
-    """Return tractions, gaps and slips of a state."""
+def tractions(pair: ContactPair, state: ContactState, x: ndarray | None = None) -> Tractions:
+    """Return tractions, gaps and slips of a state.
+
+    With displacements, (N,), those of bodies of finite kinematics are per present area.
+    """
     # Take the points, their coordinates and their pressure.
     points = pair.points(state)
     slave = pair.slave
     coordinates = points.positions(slave.nodes)
     traction = pair.enforcement.tractions(pair, state)
+    stretch: ndarray | float = 1.0
+    if pair.finite and x is not None:
+        nodes, _ = pair.interface.positions(x)
+        stretch = pair.stretch(nodes, points).values
+        traction = traction / stretch
     pressure = -traction[0]
 
     # Give friction and slip a sign in the plane, and components in space.
@@ -108,7 +116,7 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
         gap=state.gap - state.clearance,
         slip=slip,
         status=state.status,
-        weight=pair.share * points.weight,
+        weight=pair.share * points.weight * stretch,
         raw_pressure=pressure,
         raw_shear=shear,
     )
@@ -186,11 +194,11 @@ def interfaces(stage: StageData) -> dict[str, ContactFacets]:
     found = {}
     for name, form in having(stage.forms, Touching).items():
         if name in stage.states and form.slave.meshed:
-            found[name] = _interface(form, stage.states[name])
+            found[name] = _interface(form, stage.states[name], stage.x[: form.size])
     return found
 
 
-def _interface(pair: ContactPair, state: ContactState) -> ContactFacets:
+def _interface(pair: ContactPair, state: ContactState, x: ndarray) -> ContactFacets:
     """Return the points and facets of a contact pair."""
     points = pair.points(state)
     slave = pair.slave
@@ -207,7 +215,7 @@ def _interface(pair: ContactPair, state: ContactState) -> ContactFacets:
         point = number[slave.facets.ravel()]
         members = np.stack((facet, point))[:, point >= 0]
     return ContactFacets(
-        tractions(pair, state),
+        tractions(pair, state, x),
         slave.at(points.facet, points.xi, slave.nodes).normal,
         nodes=node[points.nodes],
         shares=points.values,
