@@ -18,13 +18,14 @@ from typing_extensions import override
 from ..checks import finite, format_point, vector
 from ..errors import Remark
 from ..forms.base import Form, Outputs, Response
-from ..forms.roles import Touching, having
+from ..forms.roles import Slender, Touching, having
 from ..layout import Field
 from ..sparse import Gathering
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
 from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by, turning_ends
 from .lines import nodes_of
 from .nodes import BeamNodes, check_values, stiffest
+from .thrust import counts, lost_stiffness
 
 #: Round-off of a displacement or a rotation, as a share of it.
 _ROUND_OFF = 2e-16
@@ -46,11 +47,12 @@ class BeamState:
     free: ndarray
 
 
-class Beam(BeamNodes):
+class Beam(BeamNodes, Slender):
     """Beams: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
-    Small displacements and rotations. The beam has nodes of its own, or is bonded to the nodes
-    of a line of the mesh. Section forces act on the nodes, see
+    Small displacements and rotations, without second-order moments: a stage tells thrusts beyond a
+    tenth of the load at which the structure buckles. The beam has nodes of its own, or is bonded to
+    the nodes of a line of the mesh. Section forces act on the nodes, see
     :meth:`~skfem_contact.results.StageResult.section_forces`.
 
     Parameters
@@ -450,6 +452,16 @@ class Beam(BeamNodes):
         if M.ndim == 2:
             M = np.linalg.norm(M, axis=1)
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
+
+    @override
+    def lost_by_thrust(self, state: BeamState) -> tuple[ndarray, csr_matrix] | None:
+        if self.coordinates == "axisymmetric":
+            return None
+        N = self._lines(state)[3].reshape(-1, 2)
+        if not counts(self._elements, N, self.parameters["EI"] / self.spacing):
+            return None
+        lost = lost_stiffness(self._elements, N)
+        return self._dofs, self._gathering.matrix(self._rows, lost)
 
     @override
     def own_weight(self, acceleration: ndarray) -> ndarray | None:

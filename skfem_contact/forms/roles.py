@@ -26,6 +26,7 @@ __all__ = [
     "Loaded",
     "Reducible",
     "Regularised",
+    "Slender",
     "Staged",
     "Stiff",
     "Timed",
@@ -422,6 +423,16 @@ class Regularised:
         return ""
 
 
+class Slender:
+    """Members that a thrust may buckle, in a theory of first order."""
+
+    def lost_by_thrust(self, state: Any) -> tuple[ndarray, Any] | None:
+        """Return n dofs and the stiffness that thrusts take away, a ``csr_matrix`` (n, n).
+
+        None stands for thrusts that are small whatever the supports.
+        """
+
+
 class Wet:
     """Water in the pores of bodies.
 
@@ -471,6 +482,7 @@ ROLES: tuple[type, ...] = (
     Timed,
     Reducible,
     Regularised,
+    Slender,
     Wet,
     Draining,
 )

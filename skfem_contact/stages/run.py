@@ -13,7 +13,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import Bars
-from ..errors import NotConverged, Remarks, warn
+from ..errors import NotConverged, Remark, Remarks, warn
 from ..forms.base import Form, solids_of, summaries
 from ..forms.roles import Wet
 from ..nonlinear.increment import Interval, Path, solve_step
@@ -26,6 +26,7 @@ from ..results.stage import StageResult
 from ..results.strength import undrained_friction
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
+from .buckling import buckling
 from .creep import creep_errors
 from .in_time import INERTIA, InTime, Log, first_motion, steps_of
 from .plan import Phase, plan, timeless
@@ -156,7 +157,7 @@ def _run(
                 if accepted.reached is not None:
                     accepted.reached = _remarked(remarks, phase, accepted.reached, follower.parts)
                 raise
-            last = _remarked(remarks, phase, last, follower.parts)
+            last = _remarked(remarks, phase, last, follower.parts, follower.buckling(last))
             done.append(last)
             accepted.reached = None
     return accepted.result()
@@ -294,6 +295,10 @@ class _Follower:
         summary = {**last.summary, "motion": log.summary()}
         return replace(last, unreleased=rest, series=log.series(), summary=summary)
 
+    def buckling(self, last: StageResult) -> tuple[str, Remark] | None:
+        """Return a remark on thrusts near buckling at the end of the last stage, with its form."""
+        return None if self._system is None else buckling(self._system, last)
+
     def _followed(
         self, increments: Iterator[StageResult], stage: Stage, last: StageResult
     ) -> StageResult:
@@ -324,7 +329,13 @@ class _Follower:
         return replace(last, increments=tuple(accepted.kept), seconds=perf_counter() - began)
 
 
-def _remarked(remarks: Remarks, phase: Phase, last: StageResult, parts: Parts) -> StageResult:
+def _remarked(
+    remarks: Remarks,
+    phase: Phase,
+    last: StageResult,
+    parts: Parts,
+    slender: tuple[str, Remark] | None = None,
+) -> StageResult:
     """Return the end of a stage, reached or not, with all remarks on it.
 
     Contact may be the reason of a failure.
@@ -335,7 +346,10 @@ def _remarked(remarks: Remarks, phase: Phase, last: StageResult, parts: Parts) -
         if isinstance(form, Wet):
             found[name] += form.remarks_on(last.x, last.states)
         found[name] += parts.remarks(name)
-    for name, remark in undrained_friction(last.forms, last.states):
+    more = [*undrained_friction(last.forms, last.states)]
+    if slender is not None:
+        more.append(slender)
+    for name, remark in more:
         found[name].append(remark)
     texts = []
     for name, several in found.items():

@@ -59,6 +59,24 @@ def test_first_plot_is_short() -> None:
         assert ".contour(" in lines[-1] and len(lines) <= 15
 
 
+def test_links_of_the_package_index_are_absolute() -> None:
+    """[X] All links of the README that is uploaded have a scheme, pictures the address of files."""
+    module = runpy.run_path(str(ROOT / "docs" / "readme_of_index.py"))
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    found = module["with_absolute_links"](text, "me/soil", "v1")
+    links = re.findall(r"(!?)\[[^\]]*\]\(([^)]+)\)", found)
+    assert len(links) == len(re.findall(r"\]\(([^)]+)\)", text)) > 5
+    for picture, target in links:
+        assert target.startswith("https://raw.githubusercontent" if picture else "https://")
+    assert "](https://github.com/me/soil/blob/v1/CONTRIBUTING.md)" in found
+    assert (
+        found.replace("https://github.com/me/soil/blob/v1/", "").replace(
+            "https://raw.githubusercontent.com/me/soil/v1/", ""
+        )
+        == text
+    )
+
+
 def test_links_of_readme_lead_somewhere() -> None:
     """Links and pictures with a path are files of the repository."""
     links = re.findall(r"\]\(([^)]+)\)", (ROOT / "README.md").read_text(encoding="utf-8"))
