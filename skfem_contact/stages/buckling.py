@@ -20,7 +20,7 @@ from ..sparse import scattered
 _VECTORS = 12
 #: Share of the largest energy of a vector below which it depends on the others.
 _DEPENDENT = 1e-12
-#: Share of the buckling load from which second-order effects are told.
+#: Share of the buckling load from which second-order effects are reported.
 _TOLD = 0.1
 
 
@@ -49,7 +49,7 @@ def buckling(system: System, last: StageResult) -> tuple[str, Remark] | None:
     if not share > _TOLD:
         return None
 
-    # the member that gives way most is named
+    # name the member of the largest share in the mode
     parts = {name: float(mode @ (matrix @ mode)) for name, matrix in lost.items()}
     name = max(parts, key=lambda key: parts[key])
     if share < 1.0:
