@@ -50,9 +50,9 @@ class BeamState:
 class Beam(BeamNodes, Slender):
     """Beams: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
-    Small displacements and rotations, without second-order moments: a stage warns of thrusts beyond a
-    tenth of the load at which the structure buckles. The beam has nodes of its own, or is bonded to
-    the nodes of a line of the mesh. Section forces act on the nodes, see
+    Small displacements and rotations, without second-order moments: a stage warns of thrusts beyond
+    a tenth of the load at which the structure buckles. The beam has nodes of its own, or is bonded
+    to the nodes of a line of the mesh. Section forces act on the nodes, see
     :meth:`~skfem_contact.results.StageResult.section_forces`.
 
     Parameters
