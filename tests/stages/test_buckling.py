@@ -50,7 +50,7 @@ def test_columns_that_are_fixed_at_the_foot(held, factor, part):
     model = sc.Model({"column": beam}, fixed)
     load = model.forms["column"].load((0.0, -part * factor * EULER), at=head)
     found = share(model, load)
-    assert found == (0.0 if part < 0.1 else pytest.approx(part, abs=0.01))  # rounded, shear
+    assert found == (0.0 if part < 0.1 else pytest.approx(part, abs=0.012))  # rounded, shear
 
 
 @pytest.mark.parametrize("space", [False, True])
