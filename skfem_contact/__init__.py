@@ -1,6 +1,6 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from . import design, laboratory, mesh, results, section, testing, water
+from . import design, ground, laboratory, mesh, results, section, testing, water
 from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
@@ -97,6 +97,7 @@ __all__ = [
     "design",
     "dofs_at",
     "element_test",
+    "ground",
     "hydrostatic",
     "join_bodies",
     "load_mesh",
@@ -119,6 +120,7 @@ __all__ = [
 
 guard(
     __name__,
+    ground.__name__,
     design.__name__,
     laboratory.__name__,
     mesh.__name__,

@@ -23,6 +23,7 @@ ROOMS = (
     {"contact"},
     {"beams"},
     {"laboratory", "section"},
+    {"ground"},
     {"results"},
     {"solvers"},
     {"nonlinear"},

@@ -24,6 +24,7 @@ ROOMS = {
     "Models and stages": ("model", "stages"),
     "Meshes": ("mesh", "layout"),
     "Sections from a sketch": ("section",),
+    "Boreholes and soundings": ("ground",),
     "Forms": ("forms", "roles"),
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),

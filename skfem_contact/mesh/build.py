@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
-from skfem.io.meshio import INV_HEX_MAPPING
 
 from ..errors import warn
 from .content import FACES_OF_27, Content, middles_of, without_doubles
-from .kinds import KINDS, Floats, Integers
+from .kinds import KINDS, Floats, Integers, from_vtk
 from .split import split as split_elements
 
 #: Largest height of a plane mesh, as a share of its size.
@@ -136,7 +135,7 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
     shape = KINDS[kind]
     cells = content.cells[kind]
     if kind.startswith("hexahedron"):
-        cells = cells[:, INV_HEX_MAPPING[: cells.shape[1]]]
+        cells = cells[:, from_vtk(cells.shape[1])]
     corners = cells[:, : shape.corners].T
     used = np.zeros(len(content.points), dtype=bool)
     used[corners] = True

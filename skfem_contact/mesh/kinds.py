@@ -55,6 +55,19 @@ _HEXAHEDRON = (
 _UPPER_FIRST = (4, 5, 6, 7, 0, 1, 2, 3)
 _UPPER_EDGES_FIRST = (12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19)
 
+#: Nodes of hexahedra of scikit-fem in the order of VTK, as `skfem.io.meshio` has them.
+HEXAHEDRON = (
+    *(0, 3, 6, 2, 1, 5, 7, 4),
+    *(10, 16, 14, 9, 12, 18, 17, 11, 8, 15, 19, 13),
+    *(20, 25, 22, 23, 21, 24, 26),
+)
+
+
+def from_vtk(n_nodes: int) -> list[int]:
+    """Return the order of VTK's nodes of a hexahedron in scikit-fem."""
+    return np.argsort(HEXAHEDRON[:n_nodes]).tolist()
+
+
 #: All kinds that files may hold.
 KINDS = {
     "vertex": Kind(0, 1, 1, (0,)),

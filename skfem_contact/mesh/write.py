@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
-from skfem.io.meshio import HEX_MAPPING
 
 from .check import check_topology, own_tags
 from .content import Content
 from .formats import abaqus, flac, gmsh, kratos, med, vtk
-from .kinds import KINDS, Integers, oriented
+from .kinds import HEXAHEDRON, KINDS, Integers, oriented
 
 #: Writers by the ends of names.
 _WRITERS: dict[str, Callable[[Content, str], None]] = {
@@ -95,7 +94,7 @@ def content_of(mesh: Mesh) -> Content:
     shape = KINDS[kind]
     cells = mesh.dofs.element_dofs.T.astype(int)
     if kind.startswith("hexahedron"):
-        cells = cells[:, HEX_MAPPING[: cells.shape[1]]]
+        cells = cells[:, HEXAHEDRON[: cells.shape[1]]]
     points = np.zeros((mesh.doflocs.shape[1], 3))
     points[:, : shape.dim] = mesh.doflocs.T
     cells = oriented(points, cells, kind)

@@ -16,6 +16,7 @@ from .model import model
 from .points import values
 from .report import report
 from .sketch import sketch
+from .soundings import soundings
 
 __all__ = [
     "animate",
@@ -31,6 +32,7 @@ __all__ = [
     "model",
     "report",
     "sketch",
+    "soundings",
     "stages",
     "values",
 ]

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
-import meshio
 import numpy as np
 from numpy import ndarray
-from skfem.io.meshio import HEX_MAPPING
 
 from ..forms.solid import SolidForm
 from ..mesh import bodies as joined_bodies
-from ..mesh.kinds import oriented
+from ..mesh.kinds import HEXAHEDRON, oriented
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
 from .patch_recovery import RegionMesh, recovered, region_mesh
 from .strength import plastic_strain, total_stress
 from .tractions import interfaces
+
+if TYPE_CHECKING:
+    import meshio
 
 #: meshio's names of cells by the numbers of dimensions and of nodes.
 _CELLS = {
@@ -59,6 +60,8 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     Solids are divided into regions, which are numbered through all known solids, by default through
     the solids of the stage.
     """
+    import meshio
+
     # Add the solids with fields at nodes, and means over elements.
     bodies = solids(stage)
     basis = basis_of(stage)
@@ -182,7 +185,7 @@ def vtk_cells(cells: ndarray, dim: int) -> tuple[str, ndarray]:
     """Return the kind of elements in meshio's words, and their nodes in VTK's order."""
     kind = _CELLS[dim, cells.shape[1]]
     if kind.startswith("hexahedron"):  # the only elements whose nodes have another order
-        cells = cells[:, HEX_MAPPING[: cells.shape[1]]]
+        cells = cells[:, HEXAHEDRON[: cells.shape[1]]]
     return kind, cells
 
 

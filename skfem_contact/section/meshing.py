@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
-import meshio
 import numpy as np
 from numpy import ndarray
 from skfem import Mesh
-from skfem.io.meshio import from_meshio
 
 from ..checks import format_point
 from ..errors import warn
@@ -70,6 +68,9 @@ def meshed(plan: Plan, sizing: Sizing, slits: Collection[str], order: int, scale
 
 def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[str, ndarray]]:
     """Return the current mesh, the face of each element, and facets of lines and holes."""
+    import meshio
+    from skfem.io.meshio import from_meshio
+
     # Read the elements face by face
     tags, points, _ = gmsh.model.mesh.getNodes()
     kind, nodes_of_element = ("triangle", 3) if order == 1 else ("triangle6", 6)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from skfem.io.meshio import INV_HEX_MAPPING
 
 from ..content import Content, side_kind
-from ..kinds import KINDS, Integers
+from ..kinds import KINDS, Integers, from_vtk
 
 _MARK = "skfem"
 
@@ -42,7 +41,7 @@ def _add_boundary(content: Content, name: str, kind: str, values: Integers) -> N
     refdom = shape.mesh.elem.refdom  # type: ignore[union-attr]
     corners = content.cells[kind][:, : shape.corners]
     if kind.startswith("hexahedron"):
-        corners = corners[:, INV_HEX_MAPPING[:8]]
+        corners = corners[:, from_vtk(8)]
     parts = []
     for number, side in enumerate(refdom.facets):
         members = np.flatnonzero(values.astype(int) >> number & 1)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import io
+from typing import Any
 
-import meshio
 import numpy as np
 
 from ..content import Content, check_names
@@ -52,8 +52,10 @@ def read(path: str) -> Content:
     return content
 
 
-def _meshio(path: str) -> meshio.Mesh:
+def _meshio(path: str) -> Any:
     """Read a file with meshio, whose messages and exits become one error."""
+    import meshio
+
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         try:
             return meshio.read(path)
@@ -97,6 +99,8 @@ def _add_data(
 
 def write(content: Content, path: str) -> None:
     """Write cells, and for every name data of cells with ones among zeros."""
+    import meshio
+
     check_names(content, "", "files of VTK")
     blocks = list(content.cells.items())
     data: dict[str, list[Integers]] = {}

@@ -1,0 +1,380 @@
+"""Boreholes and cone penetration tests of files: AGS 4, GEF and BRO XML."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from .columns import Column
+from .sounding import Sounding
+
+#: kPa and m of the units of files.
+_PRESSURES = {"PA": 1e-3, "KPA": 1.0, "KN/M2": 1.0, "MPA": 1e3, "MN/M2": 1e3, "BAR": 100.0}
+_LENGTHS = {"M": 1.0, "MM": 1e-3, "CM": 1e-2, "FT": 0.3048, "IN": 0.0254}
+#: Readings below this number are codes of missing ones, also where a file does not declare them.
+_VOID = -900.0
+#: Steps between depths that are reported: so many times the median, and so many m.
+_WIDE = 5.0
+_WIDEST = 0.25
+#: Slope of the rods, as the depth over their length, from which a correction is reported.
+_STRAIGHT = 1e-6
+
+
+@dataclass(frozen=True)
+class Site:
+    """Boreholes and soundings of a file.
+
+    Attributes
+    ----------
+    boreholes
+        Columns by the names of their locations.
+    soundings
+        Cone penetration tests by the names of their locations; further ones at a location have
+        the number of the test as well.
+    remarks
+        What was left out, in words.
+    """
+
+    boreholes: dict[str, Column]
+    soundings: dict[str, Sounding]
+    remarks: tuple[str, ...] = field(default=())
+
+
+def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
+    """Read the boreholes and cone penetration tests of a file of AGS 4.
+
+    Units are the ones of the file. Coordinates are ``LOCA_NATE`` and ``LOCA_NATN``, or the local
+    ones.
+
+    Parameters
+    ----------
+    file
+        Name of the file.
+    soil
+        Heading of the group ``GEOL`` with the names of soils: ``GEOL_GEOL``, ``GEOL_LEG``,
+        ``GEOL_FORM`` or ``GEOL_DESC``.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of AGS 4, or has units that are not known, depths that are no numbers,
+        or locations without coordinates or level.
+    ImportError
+        If python-ags4 is missing: install the extra ``ground``.
+    """
+    tables = _ags_tables(str(file))
+    with _named(file):
+        if "LOCA" not in tables:
+            raise ValueError("it has no group LOCA, which locates boreholes and tests")
+        places = {row["LOCA_ID"]: row for row in _rows(tables["LOCA"])}
+        remarks: list[str] = []
+        boreholes = {}
+        for name, rows in _by_location(tables.get("GEOL"), ("LOCA_ID",)).items():
+            units = _units(tables["GEOL"])
+            boreholes[name[0]] = _borehole(
+                name[0], rows, units, places, _units(tables["LOCA"]), soil
+            )
+        soundings = {}
+        tests = _by_location(tables.get("SCPT"), ("LOCA_ID", "SCPG_TESN"))
+        heads = _by_location(tables.get("SCPG"), ("LOCA_ID", "SCPG_TESN"))
+        for key, rows in tests.items():
+            name = key[0] if key[0] not in soundings else " ".join(key)
+            head = heads.get(key, [{}])[0]
+            units = _units(tables["SCPT"]) | _units(tables.get("SCPG"))
+            soundings[name] = _sounding(
+                name, key[0], rows, head, units, places, _units(tables["LOCA"])
+            )
+        if not boreholes and not soundings:
+            raise ValueError("it has no layers (GEOL) and no cone penetration tests (SCPT)")
+        for name in places:
+            if name not in boreholes and name not in {key[0] for key in tests}:
+                remarks.append(f"'{name}' has no layers and no cone penetration test")
+    return Site(boreholes, soundings, tuple(remarks))
+
+
+def read_cpt(file: str | Path) -> Sounding:
+    """Read the cone penetration test of a GEF or BRO XML file.
+
+    Readings that the file declares void, and codes such as -9999, are NaN: pygef would interpolate
+    over them. The depth is corrected for the inclination where the file has it, as a remark
+    reports.
+
+    Parameters
+    ----------
+    file
+        Name of the file.
+
+    Raises
+    ------
+    ValueError
+        If the file is of another kind, or has no cone resistance or level.
+    ImportError
+        If pygef is missing: install the extra ``ground``.
+    """
+    try:
+        import pygef
+    except ImportError as error:
+        raise ImportError("pygef reads GEF and BRO files: install the extra `ground`") from error
+    path = Path(file)
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file {path}")
+    with _named(path), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            data = pygef.read_cpt(path, replace_column_voids=False, remove_pre_excavated_rows=False)
+        except Exception as error:  # pygef passes errors of its parsers on
+            text = " ".join(str(error).split()) or type(error).__name__
+            raise ValueError(f"it is no cone penetration test of GEF or BRO: {text}") from error
+        return _from_pygef(path.stem, data)
+
+
+@contextlib.contextmanager
+def _named(file: str | Path) -> Iterator[None]:
+    """Put the name of the file before the message of an error."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from error
+
+
+def _ags_tables(file: str) -> dict[str, Any]:
+    """Return the groups of a file as data frames of texts."""
+    try:
+        from python_ags4 import AGS4
+    except ImportError as error:
+        raise ImportError("python-ags4 reads AGS files: install the extra `ground`") from error
+    if not Path(file).is_file():
+        raise FileNotFoundError(f"there is no file {file}")
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        try:
+            tables = AGS4.AGS4_to_dataframe(file)[0]
+        except (Exception, SystemExit) as error:  # python-ags4 passes errors of its parser on
+            text = " ".join(str(error).split()) or type(error).__name__
+            raise ValueError(f"{file} is not a file of AGS 4: {text}") from error
+    if not tables:
+        raise ValueError(f"{file} is not a file of AGS 4: it has no groups")
+    return tables
+
+
+def _units(table: Any) -> dict[str, str]:
+    """Return the units of the headings of a group."""
+    if table is None:
+        return {}
+    for row in table.to_dict("records"):
+        if row["HEADING"] == "UNIT":
+            return {str(name): str(unit).strip() for name, unit in row.items()}
+    raise ValueError("a group has no line of units")
+
+
+def _rows(table: Any) -> list[dict[str, str]]:
+    """Return the lines of data of a group."""
+    return [row for row in table.to_dict("records") if row["HEADING"] == "DATA"]
+
+
+def _by_location(table: Any, keys: tuple[str, ...]) -> dict[tuple[str, ...], list[dict[str, str]]]:
+    """Return the lines of every location, or of every test at it."""
+    found: dict[tuple[str, ...], list[dict[str, str]]] = {}
+    if table is not None:
+        for row in _rows(table):
+            found.setdefault(tuple(str(row.get(key, "")) for key in keys), []).append(row)
+    return found
+
+
+def _number(row: Mapping[str, str], key: str, units: Mapping[str, str], known: dict) -> float:
+    """Return a number of a line in m or kPa, NaN where there is none."""
+    text = str(row.get(key, "")).strip()
+    if not text:
+        return float("nan")
+    unit = units.get(key, "").upper().replace(" ", "").replace("²", "2")
+    if unit not in known:
+        raise ValueError(f"{key} has the unit '{units.get(key, '')}', not {', '.join(known)}")
+    try:
+        return float(text) * float(known[unit])
+    except ValueError:
+        raise ValueError(f"{key} is '{text}', which is not a number") from None
+
+
+def _located(
+    name: str, places: Mapping[str, dict[str, str]], units: Mapping[str, str]
+) -> tuple[tuple[float, float], float]:
+    """Return coordinates and level of a location."""
+    if name not in places:
+        raise ValueError(f"LOCA has no location '{name}'")
+    row = places[name]
+    for keys in (("LOCA_NATE", "LOCA_NATN", "LOCA_GL"), ("LOCA_LOCX", "LOCA_LOCY", "LOCA_LOCZ")):
+        east, north, level = (_number(row, key, units, _LENGTHS) for key in keys)
+        if np.isnan(level):
+            level = _number(row, "LOCA_GL", units, _LENGTHS)
+        if np.isfinite([east, north, level]).all():
+            return (east, north), level
+    raise ValueError(f"the location '{name}' has no coordinates or no level")
+
+
+def _borehole(
+    name: str,
+    rows: list[dict[str, str]],
+    units: Mapping[str, str],
+    places: Mapping[str, dict[str, str]],
+    place_units: Mapping[str, str],
+    soil: str,
+) -> Column:
+    """Return the layers of a borehole; a layer without an end reaches to the next one."""
+    position, level = _located(name, places, place_units)
+    tops = [_number(row, "GEOL_TOP", units, _LENGTHS) for row in rows]
+    ends = [_number(row, "GEOL_BASE", units, _LENGTHS) for row in rows]
+    remarks = []
+    layers: list[tuple[str, float]] = []
+    order = np.argsort(tops, kind="stable")
+    for position_of, k in enumerate(order):
+        text = str(rows[k].get(soil, "")).strip()
+        if not text:
+            raise ValueError(f"a layer of '{name}' at {tops[k]:g} has no {soil}")
+        lower = ends[k]
+        following = tops[order[position_of + 1]] if position_of + 1 < len(order) else float("nan")
+        if np.isnan(lower):
+            lower = following
+            if np.isnan(lower):
+                raise ValueError(f"the last layer of '{name}' has no GEOL_BASE")
+            remarks.append(f"'{name}': {text} has no base; it ends at the top of the next layer")
+        if following - lower > 0.0:
+            remarks.append(
+                f"'{name}': nothing is described from {lower:g} to {following:g} m; {text} above "
+                "it is continued"
+            )
+            lower = following
+        if layers and layers[-1][0] == text:
+            layers.pop()
+        layers.append((text, level - lower))
+    return Column(name, position, level, tuple(layers), tuple(remarks))
+
+
+def _sounding(
+    name: str,
+    place: str,
+    rows: list[dict[str, str]],
+    head: Mapping[str, str],
+    units: Mapping[str, str],
+    places: Mapping[str, dict[str, str]],
+    place_units: Mapping[str, str],
+) -> Sounding:
+    """Return the test of lines of the group SCPT, and of its head in SCPG."""
+    position, level = _located(place, places, place_units)
+    depth = np.array([_number(row, "SCPT_DPTH", units, _LENGTHS) for row in rows])
+    readings = []
+    for key in ("SCPT_RES", "SCPT_FRES", "SCPT_PWP2"):
+        readings.append(np.array([_number(row, key, units, _PRESSURES) for row in rows]))
+    water = _number(head, "SCPG_WAT", units, _LENGTHS)
+    ratio = str(head.get("SCPG_CAR", "")).strip()
+    area_ratio = float(ratio) if ratio else None
+    table = None if np.isnan(water) else water
+    return _checked(name, position, level, depth, readings, area_ratio, table, [])
+
+
+def _from_pygef(name: str, data: Any) -> Sounding:
+    """Return the test that pygef read, in MPa, with its voids."""
+    table = data.data
+    if "coneResistance" not in table.columns:
+        raise ValueError("it has no cone resistance")
+    level = data.delivered_vertical_position_offset
+    if level is None:
+        raise ValueError("it has no level of the surface")
+    place = data.delivered_location
+    position = (float(place.x), float(place.y))
+    length = _column(table, "penetrationLength", None)
+    depth = length
+    remarks = []
+    if "depth" in table.columns:
+        depth = _column(table, "depth", None)
+        off = np.nanmax(np.abs(depth - length), initial=0.0)
+        if off > _STRAIGHT * np.nanmax(length, initial=1.0):
+            remarks.append(
+                f"'{name}': depths are corrected for the inclination, by up to {off:.3g} m"
+            )
+    headers = data.raw_headers or {}
+    voids = (data.column_void_mapping or {}) if "COLUMNVOID" in headers else {}
+    readings = []
+    for key, quantity in (("coneResistance", 2), ("localFriction", 3), ("porePressureU2", 6)):
+        values = np.full(len(length), np.nan)
+        if key in table.columns:
+            factor = _factor_of(headers, quantity)
+            values = factor * _column(table, key, voids.get(key))
+        readings.append(values)
+    water = data.groundwater_level
+    depth_of_water = None if water is None else float(water)
+    quotient = data.cone_surface_quotient
+    area_ratio = None if quotient is None else float(quotient)
+    return _checked(
+        name, position, float(level), depth, readings, area_ratio, depth_of_water, remarks
+    )
+
+
+def _factor_of(headers: Mapping[str, Any], quantity: int) -> float:
+    """Return kPa of the unit of a quantity in the head of a GEF file; BRO files have MPa."""
+    for words in headers.get("COLUMNINFO", []):
+        if str(words[-1]).strip() == str(quantity):
+            unit = str(words[1]).strip()
+            if unit.upper() not in _PRESSURES:
+                raise ValueError(f"'{words[2]}' has the unit '{unit}', not {', '.join(_PRESSURES)}")
+            return _PRESSURES[unit.upper()]
+    return 1e3
+
+
+def _column(table: Any, key: str, void: float | None) -> ndarray:
+    """Return a column with NaN in place of voids."""
+    values = table[key].to_numpy().astype(float)
+    missing = values <= _VOID
+    if void is not None:
+        missing |= np.isclose(values, float(void))
+    return np.where(missing, np.nan, values)
+
+
+def _checked(
+    name: str,
+    position: tuple[float, float],
+    level: float,
+    depth: ndarray,
+    readings: list[ndarray],
+    area_ratio: float | None,
+    water: float | None,
+    remarks: list[str],
+) -> Sounding:
+    """Return a test in the order of its depths, with remarks on missing readings."""
+    readings = [np.where(values <= 1e3 * _VOID, np.nan, values) for values in readings]
+    usable = np.isfinite(depth)
+    order = np.argsort(depth[usable], kind="stable")
+    depth = depth[usable][order]
+    if len(depth) == 0:
+        raise ValueError(f"'{name}' has no depths")
+    if (order != np.arange(len(order))).any():
+        remarks.append(f"'{name}': readings are sorted by their depths")
+    cone, sleeve, pore = (values[usable][order] for values in readings)
+    missing = ~(np.isfinite(cone) & np.isfinite(sleeve))
+    if missing.any():
+        remarks.append(
+            f"'{name}': no readings at {np.count_nonzero(missing)} of {len(depth)} depths, from "
+            f"{depth[missing].min():g} to {depth[missing].max():g} m"
+        )
+    gaps = np.diff(depth)
+    wide = np.flatnonzero(gaps > max(_WIDE * float(np.median(gaps)), _WIDEST)) if len(gaps) else []
+    for k in wide:
+        remarks.append(f"'{name}': the file has no rows from {depth[k]:g} to {depth[k + 1]:g} m")
+    return Sounding(
+        name,
+        position,
+        level,
+        depth,
+        cone,
+        sleeve,
+        pore,
+        area_ratio=area_ratio,
+        water=water,
+        remarks=tuple(remarks),
+    )
