@@ -5,7 +5,7 @@ from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
-from .dynamics import Dynamic, Rayleigh, Record, Spectrum
+from .dynamics import Dynamic, FreeField, Rayleigh, Record, Rock, Spectrum, ViscousBoundary
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import roles
 from .forms.base import Form, Outputs, Response
@@ -59,6 +59,7 @@ __all__ = [
     "Embedded",
     "Field",
     "Form",
+    "FreeField",
     "HardeningMohrCoulomb",
     "HardeningSoil",
     "HoekBrown",
@@ -82,6 +83,7 @@ __all__ = [
     "Reinforcement",
     "Response",
     "RigidBoundary",
+    "Rock",
     "Sections",
     "SoftSoilCreep",
     "SolidForm",
@@ -92,6 +94,7 @@ __all__ = [
     "Tied",
     "Tresca",
     "Undrained",
+    "ViscousBoundary",
     "VonMises",
     "box_supports",
     "design",

@@ -12,9 +12,10 @@ from scipy.sparse.linalg import splu
 
 from ..checks import look_up
 from ..forms.base import Form, solids_of
-from ..forms.roles import Loaded, Touching, having
+from ..forms.roles import Absorbing, Loaded, Touching, having
 from ..layout import Layout, nodes
 from ..sparse import padded
+from .boundaries import Masses
 from .settings import Dynamic, Rayleigh
 
 #: Neighbours take the mass of a contact node by their distances to this power: it moves along the
@@ -39,7 +40,11 @@ def mass_and_damping(
     consistent = settings.mass == "consistent"
     M = weights(forms, layout, consistent)
     C = csr_matrix(M.shape)
-    of_mass, of_stiffness = _damping(forms, settings.damping)
+    damping = _damping(forms, settings.damping)
+    of_mass, of_stiffness = {}, {}
+    for name, by_region in damping.items():
+        of_mass[name] = {region: given.alpha for region, given in by_region.items()}
+        of_stiffness[name] = {region: given.beta for region, given in by_region.items()}
     for name, form in solids_of(forms).items():
         if of_mass.get(name):
             part = form.weight_matrix(consistent, of_mass[name])
@@ -49,7 +54,14 @@ def mass_and_damping(
     for name, form in solids_of(forms).items():
         if of_stiffness.get(name):
             C = csr_matrix(C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size))
-    return _canonical(M / acceleration), _canonical(C)
+    M = M / acceleration
+    by_region = {region: each for part in damping.values() for region, each in part.items()}
+    given = Masses(acceleration, consistent, by_region, layout.size)
+    for form in having(forms, Absorbing).values():
+        more, viscous = form.matrices(given)
+        M = M + padded(more, layout.size)
+        C = C + padded(viscous, layout.size)
+    return _canonical(M), _canonical(C)
 
 
 def _canonical(A: Any) -> csr_matrix:
@@ -96,13 +108,9 @@ def _sums(form: Any, layout: Layout) -> csr_matrix:
 
 def _damping(
     forms: Mapping[str, Form], given: Rayleigh | Mapping[str, Rayleigh] | None
-) -> tuple[dict[str, dict[str, float]], dict[str, dict[str, float]]]:
-    """Return the factors of mass and of stiffness by solid and region."""
+) -> dict[str, dict[str, Rayleigh]]:
+    """Return the damping by solid and region."""
     solids = solids_of(forms)
-    of_mass: dict[str, dict[str, float]] = {name: {} for name in solids}
-    of_stiffness: dict[str, dict[str, float]] = {name: {} for name in solids}
-    if given is None:
-        return of_mass, of_stiffness
     known = dict.fromkeys(solids)
     for form in solids.values():
         known.update(dict.fromkeys(form.materials))
@@ -110,13 +118,14 @@ def _damping(
     whole = None if isinstance(given, Mapping) else given
     for name in by_name:
         look_up(name, known, "region or solid to damp")
+    found: dict[str, dict[str, Rayleigh]] = {}
     for name, form in solids.items():
+        found[name] = {}
         for region in form.materials:
             damping = by_name.get(region) or by_name.get(name) or whole
             if damping is not None:
-                of_mass[name][region] = damping.alpha
-                of_stiffness[name][region] = damping.beta
-    return of_mass, of_stiffness
+                found[name][region] = damping
+    return found
 
 
 def moved_from_contact(
@@ -203,3 +212,13 @@ def accelerations(M: csr_matrix, force: ndarray, fixed: ndarray) -> ndarray:
     else:
         a[dofs] = splu(block).solve(force[dofs])
     return a
+
+
+def translation(layout: Layout, axis: int) -> ndarray:
+    """Return the rigid translation along an axis, of all displacements, (N,)."""
+    dim = len(layout.coordinates)
+    moved = np.zeros(layout.size)
+    for field, part in zip(layout.fields, layout.parts, strict=True):
+        if field.kind == "displacement":
+            moved[part.start + axis : part.stop : dim] = 1.0
+    return moved

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -230,7 +231,7 @@ class Record:
             from scipy.signal import filtfilt, firwin
 
             taps = min(_TAPS, 2 * ((len(values) - 1) // 8) + 1)
-            values = filtfilt(firwin(taps, _CORNER * self.step / step), 1.0, values)
+            values = filtfilt(firwin(taps, _CORNER * self.step / step), [1.0], values)
         n = int(self.duration / step * (1.0 + 1e-12)) + 1
         found = np.interp(step * np.arange(n), self.time, values)
         return replace(self, step=step, values=found)
@@ -265,7 +266,7 @@ class Record:
         kind = "bandpass"
         if len(limits) == 1:
             kind = "highpass" if high is None else "lowpass"
-        corners = limits if len(limits) == 2 else limits[0]
+        corners: Any = limits if len(limits) == 2 else limits[0]
         sections = butter(order, corners, kind, fs=1.0 / self.step, output="sos")
         return replace(self, values=sosfiltfilt(sections, self.values))
 

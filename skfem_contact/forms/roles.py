@@ -20,6 +20,7 @@ from ..errors import Failure, Remark
 from ..layout import Field, elements_of
 
 __all__ = [
+    "Absorbing",
     "Body",
     "Couples",
     "Draining",
@@ -137,6 +138,11 @@ class Body(Stiff, Loaded):
 
     def shear_strain(self, x: ndarray) -> ndarray | None:
         """Return the largest shear strain of displacements, (n_elements, n_points), or None."""
+
+    @property
+    def elastic_moduli(self) -> ndarray:
+        """Elastic moduli of the elements, (n_elements, r, r): normal ones first, shear last."""
+        raise NotImplementedError
 
     def scaled_stiffness(self, factors: Mapping[str, float]) -> csr_matrix:
         """Return the elastic stiffness with factors by region, zero for others, (N, N)."""
@@ -459,6 +465,33 @@ class Wet:
         return ()
 
 
+class Absorbing:
+    """Boundaries in motion: masses and viscosity beside those of bodies.
+
+    Attributes
+    ----------
+    of_rock
+        True if the motion of the base arrives here, from the rock below.
+    """
+
+    of_rock: bool = False
+
+    def matrices(self, given: Any) -> tuple[csr_matrix, csr_matrix]:
+        """Return mass and damping, (N, N) each.
+
+        `given` has the acceleration of gravity, the kind of masses and the damping of regions.
+        """
+        raise NotImplementedError
+
+    def in_motion(self: Self) -> Self:
+        """Return the form in a stage with inertia."""
+        return self
+
+    def begun(self, states: Mapping[str, Any], state: Any) -> Any:
+        """Return the state at the start of such a stage, from the states of all forms."""
+        return state
+
+
 class Draining:
     """Drains through which water leaves the ground.
 
@@ -484,6 +517,7 @@ ROLES: tuple[type, ...] = (
     Regularised,
     Slender,
     Wet,
+    Absorbing,
     Draining,
 )
 #: Members that forms may also have for themselves, without any role.

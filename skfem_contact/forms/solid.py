@@ -17,7 +17,7 @@ from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, check_size, names
 from ..errors import Remark
-from ..loads import weight, weight_matrix, weightless
+from ..loads import by_element, weight, weight_matrix, weightless
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
@@ -278,6 +278,17 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         if self.unit_weight is None:
             return None
         return weight_matrix(self, self._by_region(factors), consistent)
+
+    @property
+    def unit_weights(self) -> ndarray:
+        """Weight per volume of the elements, (n_elements,)."""
+        given = 0.0 if self.unit_weight is None else self.unit_weight
+        return by_element(self.basis.mesh, given)[self.elements]
+
+    @property
+    @override
+    def elastic_moduli(self) -> ndarray:
+        return self._elasticity
 
     @override
     def scaled_stiffness(self, factors: Mapping[str, float]) -> csr_matrix:

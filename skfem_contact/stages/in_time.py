@@ -13,14 +13,15 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..dynamics.boundaries import Masses
 from ..dynamics.linear import Linear, is_linear
-from ..dynamics.mass import accelerations, mass_and_damping
+from ..dynamics.mass import accelerations, mass_and_damping, translation
 from ..dynamics.record import Record
 from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
 from ..errors import NotConverged, Remark
 from ..forms.base import Form, Response, responses_of, solids_of, summaries
-from ..forms.roles import Touching, Wet, having
+from ..forms.roles import Absorbing, Touching, Wet, having
 from ..layout import Layout, dofs_at
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
@@ -28,6 +29,7 @@ from ..nonlinear.step import Equilibrium, Step
 from ..nonlinear.system import System
 from ..results.motion import Lazy
 from ..results.stage import StageResult
+from ..sparse import padded
 from .setup import Setup
 from .stage import Stage
 
@@ -62,7 +64,10 @@ class InTime:
     points
         Dofs whose motion is recorded, (n, dim).
     base
-        Motions of the supports by axis, with the load by a unit of acceleration, (N,).
+        Motions of the base by axis, with the load by a unit of acceleration or, with rock, of
+        velocity, (N,).
+    of_rock
+        True where the base moves rock below a viscous boundary.
     """
 
     settings: Dynamic
@@ -72,11 +77,13 @@ class InTime:
     step: float
     points: ndarray
     base: tuple[tuple[int, Record, ndarray], ...] = ()
+    of_rock: bool = False
 
     def with_base(self, load: ndarray, time: float) -> ndarray:
-        """Return a load with that of the motion of the supports at a time, (N,)."""
+        """Return a load with that of the motion of the base at a time, (N,)."""
         for _, record, by_unit in self.base:
-            load = load + record.at(time) * by_unit
+            moved = record.motion(time)[1] if self.of_rock else record.at(time)
+            load = load + moved * by_unit
         return load
 
     def base_motion(self, time: float) -> ndarray:
@@ -91,7 +98,7 @@ class InTime:
         return Inertia(self.M, self.C, Scheme.of(self.settings.rho_inf))
 
 
-def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form]) -> InTime:
+def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: ndarray) -> InTime:
     """Return the inertia of a stage.
 
     Raises
@@ -105,26 +112,32 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form]) -> InTime:
     try:
         check_forms(forms)
         g = setup.acceleration_of_gravity()
+        _check_boundaries(forms, fixed, setup.layout)
         M, C = mass_and_damping(forms, setup.layout, settings, g)
         if M.nnz == 0:
             raise ValueError("no form has a mass: give the solids their unit_weight")
         points = _points(forms, settings.points)
-        base = _base(setup, stage, settings, M)
+        base = _base(setup, stage, forms, settings, M)
     except ValueError as error:
         raise ValueError(f"stage '{stage.name}': {error}") from None
     if settings.velocity is not None:
         setup.vector(settings.velocity, f"stage '{stage.name}': the velocity")
     steps = settings.steps(stage.duration)
-    return InTime(settings, M, C, steps, stage.duration / steps, points, base)
+    absolute = any(form.of_rock for form in having(forms, Absorbing).values())
+    return InTime(settings, M, C, steps, stage.duration / steps, points, base, absolute)
 
 
 def _base(
-    setup: Setup, stage: Stage, settings: Dynamic, M: csr_matrix
+    setup: Setup, stage: Stage, forms: Mapping[str, Form], settings: Dynamic, M: csr_matrix
 ) -> tuple[tuple[int, Record, ndarray], ...]:
-    """Return the motions of the supports: axis, record, and load by a unit of acceleration."""
+    """Return the motions of the base: axis, record, and load by a unit of its motion.
+
+    Supports shake by their acceleration, rock by the velocity of its outcrop.
+    """
     if stage.base is None:
         return ()
     given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
+    of_rock = {k: form for k, form in having(forms, Absorbing).items() if form.of_rock}
     axes = "xyz"[: len(setup.layout.coordinates)]
     found = []
     for name, record in given.items():
@@ -139,9 +152,17 @@ def _base(
                 f"{settings.step:g})"
             )
         axis = axes.index(name)
-        rigid = np.zeros(setup.layout.size)
-        rigid[axis : setup.layout.n_displacements : len(axes)] = 1.0
-        found.append((axis, record, -(M @ rigid)))
+        rigid = translation(setup.layout, axis)
+        load = -(M @ rigid)
+        if of_rock:
+            # rho v times the velocity of the outcrop, twice that of the arriving wave
+            load = np.zeros(len(rigid))
+            g = setup.acceleration_of_gravity()
+            given_masses = Masses(g, False, {}, len(rigid))
+            for form in of_rock.values():
+                _, viscous = form.matrices(given_masses)
+                load += padded(viscous, len(rigid)) @ rigid
+        found.append((axis, record, load))
     return tuple(found)
 
 
@@ -172,6 +193,18 @@ def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
         yield Remark(
             "twice", 0.0, "the model has a seismic or inclined gravity, and its base moves as well"
         )
+
+
+def _check_boundaries(forms: Mapping[str, Form], fixed: ndarray, layout: Layout) -> None:
+    """Refuse boundaries for waves that are held altogether: they would do nothing."""
+    for name, form in having(forms, Absorbing).items():
+        _, viscous = form.matrices(Masses(1.0, False, {}, layout.size))
+        acting = np.flatnonzero(np.diff(viscous.indptr))
+        if np.isin(acting, fixed).all():
+            raise ValueError(
+                f"all {len(acting)} dofs of '{name}' are held, where no wave can leave: take these "
+                "supports away by Stage(fixed=...)"
+            )
 
 
 def check_forms(forms: Mapping[str, Form]) -> None:
@@ -245,7 +278,7 @@ class Log:
         if self._points.size:
             at_points = (motion.x, motion.velocity, motion.acceleration)
             self._motions.append(np.array([values[self._points] for values in at_points]))
-            if self._in_time.base:
+            if self._in_time.base and not self._in_time.of_rock:
                 self._base.append(self._in_time.base_motion(time - self._began))
 
     def series(self) -> dict[str, ndarray]:

@@ -137,7 +137,7 @@ class Planner:
             self._rest = self._at_rest(self._active)
         in_time = None
         if stage.dynamic is not None:
-            in_time = inertia_of(self._setup, stage, self._active)
+            in_time = inertia_of(self._setup, stage, self._active, fixed)
         load, on_top = self._loads(stage)
         jump = None
         if on_top is not None and in_time is None:

@@ -15,7 +15,7 @@ from numpy import ndarray
 from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, warn
 from ..forms.base import Form, solids_of, summaries
-from ..forms.roles import Wet
+from ..forms.roles import Absorbing, Wet, having
 from ..nonlinear.increment import Interval, Path, solve_step
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Equilibrium, Step
@@ -269,7 +269,13 @@ class _Follower:
         self, stage: Stage, phase: Phase, in_time: InTime, last: StageResult, lost: ndarray
     ) -> StageResult:
         """Return the end of a stage with inertia."""
-        forms = {**phase.forms, INERTIA: in_time.form()}
+        states = dict(last.states)
+        forms = dict(phase.forms)
+        for name, form in having(phase.forms, Absorbing).items():
+            forms[name] = form.in_motion()
+            states[name] = form.begun(last.states, states[name])
+        last = replace(last, states=states)
+        forms[INERTIA] = in_time.form()
         system = self._setup.system(forms, phase.fixed)
         self._system = None
         unreleased = lost if last.unreleased is None else lost + last.unreleased

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
-from ..dynamics.mass import mass_and_damping
+from ..dynamics.mass import mass_and_damping, translation
 from ..dynamics.modes import modes_of
 from ..dynamics.settings import Dynamic
 from ..forms.base import responses_of
@@ -92,11 +92,8 @@ def modes(
 
     # Find the mass that is free, and the rigid translations
     moves: dict[int, ndarray] = {}
-    dim = len(setup.layout.coordinates)
-    displacements = setup.layout.n_displacements
-    for c in range(dim):
-        moves[c] = np.zeros(setup.layout.size)
-        moves[c][c:displacements:dim] = 1.0
+    for c in range(len(setup.layout.coordinates)):
+        moves[c] = translation(setup.layout, c)
         moves[c][system.fixed] = 0.0
     return results.modes(squares, shapes, M, moves, last)
 
