@@ -4,8 +4,8 @@ Earthquake in layered ground: rock, free field and spectra
 
 A box of sand on clay stands on elastic rock. An earthquake arrives from below as a shear wave.
 Waves leave through dashpots at the base, and through the sides into the free field: columns of the
-same ground that move as if the box were not there. The surface then moves alike everywhere, and like
-a single column, whatever the width of the box.
+same ground that do not feel the box. The surface then moves alike everywhere, and like a single
+column, whatever the width of the box.
 """
 
 # %%

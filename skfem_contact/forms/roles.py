@@ -76,6 +76,18 @@ class Stiff:
 
     elastic_stiffness: Any = None
 
+    @property
+    def elastic_moduli(self) -> ndarray:
+        """Elastic moduli of the elements, (n_elements, r, r): normal ones first, shear last."""
+        raise NotImplementedError
+
+    def scaled_stiffness(self, factors: Mapping[str, float]) -> csr_matrix:
+        """Return the elastic stiffness with factors by region, zero for others, (N, N)."""
+        values = set(factors.values()) or {0.0}
+        if len(values) > 1:
+            raise NotImplementedError("the regions of this form have one factor")
+        return csr_matrix(values.pop() * self.elastic_stiffness)
+
 
 class Loaded:
     """Loads that follow from the form itself."""
@@ -138,18 +150,6 @@ class Body(Stiff, Loaded):
 
     def shear_strain(self, x: ndarray) -> ndarray | None:
         """Return the largest shear strain of displacements, (n_elements, n_points), or None."""
-
-    @property
-    def elastic_moduli(self) -> ndarray:
-        """Elastic moduli of the elements, (n_elements, r, r): normal ones first, shear last."""
-        raise NotImplementedError
-
-    def scaled_stiffness(self, factors: Mapping[str, float]) -> csr_matrix:
-        """Return the elastic stiffness with factors by region, zero for others, (N, N)."""
-        values = {factors.get(name, 0.0) for name in self.materials}
-        if len(values) > 1:
-            raise NotImplementedError("the regions of this body have one factor")
-        return csr_matrix(values.pop() * self.elastic_stiffness)
 
 
 def materials_of(form: Any) -> Mapping[str, Any]:

@@ -137,7 +137,7 @@ def test_bad_boundaries():
     mesh = mesh.with_boundaries({"middle": mesh.facets_satisfying(lambda x: x[1] == 10.0)})
     inner = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     soil = sc.LinearElastic(E=1e4, nu=0.3)
-    with pytest.raises(ValueError, match="lies inside of the mesh at .0.25, 10."):
+    with pytest.raises(ValueError, match=r"lies inside of the mesh at .0.25, 10."):
         sc.ViscousBoundary(sc.SolidForm(inner, soil, unit_weight=20.0), "middle")
     high = sc.SolidForm(inner.with_elements("high"), soil, unit_weight=20.0)
     with pytest.raises(ValueError, match="1 facets of boundary 'bottom' belong to no element"):
