@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import functools
 import inspect
 import sys
@@ -30,6 +31,9 @@ from skfem import CellBasis, ElementVector, Mesh
 from skfem.quadrature import get_quadrature
 
 T = TypeVar("T")
+#: Likeness of names, of 1, from which a message suggests one: "lft" and "left" have .86, "fill"
+#: and "hill" .75, "clay" and "sand" .25.
+_ALIKE = 0.7
 _NUMBERS = (int, float, np.integer, np.floating)
 _SUPPORTED = (
     skfem.ElementTriP1,
@@ -128,8 +132,23 @@ def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
     """Return the value of a name; the ValueError lists the existing names."""
     if not isinstance(name, str) or name not in existing:
         listed = ", ".join(sorted(existing)) or "none at all"
-        raise ValueError(f"there is no {kind} '{name}'; existing: {listed}")
+        raise ValueError(
+            f"there is no {kind} '{name}'; existing: {listed}{nearest(name, existing)}"
+        )
     return existing[name]
+
+
+def nearest(name: Any, existing: Iterable[str]) -> str:
+    """Return the existing names like a wrong one, for a message; empty if none is."""
+    if not isinstance(name, str):
+        return ""
+    folded: dict[str, str] = {}
+    for one in existing:
+        if isinstance(one, str):
+            folded.setdefault(one.lower(), one)
+    found = difflib.get_close_matches(name.lower(), folded, n=2, cutoff=_ALIKE)
+    names = " or ".join(f"'{folded[one]}'" for one in found)
+    return f"; did you mean {names}?" if names else ""
 
 
 def check_size(x: ndarray, size: int) -> None:
@@ -353,8 +372,13 @@ def _is_several(value: Any, container: Any) -> bool:
 
 
 @functools.cache
-def _kinds(function: Any, owner: type | None) -> tuple[list[tuple[str, Kind]], dict[str, Kind]]:
-    """Return the kinds of positional parameters in their order, and of all parameters by name."""
+def _kinds(
+    function: Any, owner: type | None
+) -> tuple[list[tuple[str, Kind]], dict[str, Kind], tuple[str, ...] | None]:
+    """Return the kinds of positional parameters in their order, and of all parameters by name.
+
+    The third value has the names that a call may use, None for any.
+    """
     # inherited fields have their types in the modules of the base classes
     bases = getattr(owner, "__mro__", ())
     modules = [vars(sys.modules[base.__module__]) for base in bases]
@@ -362,7 +386,15 @@ def _kinds(function: Any, owner: type | None) -> tuple[list[tuple[str, Kind]], d
     hints = get_type_hints(function, localns=names, include_extras=True)
     in_order = []
     by_name = {}
+    allowed: tuple[str, ...] | None = ()
     for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind == parameter.VAR_KEYWORD:
+            allowed = None
+        elif allowed is not None and parameter.kind in (
+            parameter.KEYWORD_ONLY,
+            parameter.POSITIONAL_OR_KEYWORD,
+        ):
+            allowed = (*allowed, name)
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
         kind = _KINDS[Any]
@@ -372,18 +404,24 @@ def _kinds(function: Any, owner: type | None) -> tuple[list[tuple[str, Kind]], d
             kind = by_name[name] = _INFINITE if infinite else kind_of(hints[name])
         if parameter.kind != parameter.KEYWORD_ONLY:
             in_order.append((name, kind))
-    return in_order, by_name
+    return in_order, by_name, allowed
 
 
 def _check_arguments(
     function: Any, owner: type | None, args: tuple[Any, ...], named: dict[str, Any]
 ) -> None:
     """Refuse arguments that the annotations of a function do not allow."""
-    in_order, kinds = _kinds(function, owner)
+    in_order, kinds, allowed = _kinds(function, owner)
     for (name, kind), value in zip(in_order, args, strict=False):
         if not kind.holds(value):
             _refuse(name, kind, value)
     for name, value in named.items():
+        if allowed is not None and name not in allowed:
+            listed = ", ".join(one for one in allowed if one != "self")
+            raise TypeError(
+                f"{function.__qualname__}() got an unexpected keyword argument '{name}'"
+                f"; its arguments are {listed}{nearest(name, allowed)}"
+            )
         if name in kinds and not kinds[name].holds(value):
             _refuse(name, kinds[name], value)
 

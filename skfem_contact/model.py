@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Collection, Mapping
+from typing import Any, Literal
+
+import numpy as np
 
 from .collapse import limit_load as limits
 from .collapse import strength
 from .limit_analysis import Bounds, bounds
+from .limit_analysis.model import TractionLike
+from .loads.water_at_rest import Pressure
 from .solvers import single_threaded
 from .stages import initial, vibrations
 from .stages import run as running
@@ -88,9 +93,42 @@ class Model(Setup):
     limit_load = single_threaded(limits.limit_load)
     is_stable = single_threaded(limits.is_stable)
 
-    def bounds(self, **options: Any) -> Bounds:
+    def bounds(
+        self,
+        weight: float | Mapping[str, float] | None = None,
+        *,
+        tractions: Mapping[str, TractionLike] | None = None,
+        water: Pressure | None = None,
+        submerged: str | Collection[str] = (),
+        seismic: float | None = None,
+        reduce: str | Collection[str] | None = None,
+        exclude: str | Collection[str] = (),
+        live: str | Collection[str] = (),
+        flow: Literal["given", "associated"] = "given",
+        gap: float = 0.01,
+        elements: int = 20_000,
+        seconds: float = np.inf,
+        progress: bool | None = None,
+    ) -> Bounds:
         """Return proven bounds of the factor of safety or of the limit load.
 
-        See :func:`~.limit_analysis.bounds`.
+        See :func:`~.limit_analysis.bounds`; by default the acceleration is that of the model.
         """
-        return bounds(self.forms, self.fixed, **{"seismic": self.seismic, **options})
+        horizontal: Any = self.seismic if seismic is None else seismic
+        return bounds(
+            self.forms,
+            self.fixed,
+            weight,
+            tractions=tractions,
+            water=water,
+            submerged=submerged,
+            seismic=horizontal,
+            reduce=reduce,
+            exclude=exclude,
+            live=live,
+            flow=flow,
+            gap=gap,
+            elements=elements,
+            seconds=seconds,
+            progress=progress,
+        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import skfem_contact as sc
 from skfem_contact import checks
 
 
@@ -56,3 +57,16 @@ def test_dofs():
     for value in ([-1], [4], [0.5], [True], ["a"]):
         with pytest.raises(ValueError, match="fixed must be numbers of dofs from 0 to 3"):
             checks.dofs(value, 4, "fixed")
+
+
+def test_wrong_names_suggest_the_nearest():
+    """Misspelt names and keywords are followed by the nearest existing ones."""
+    with pytest.raises(ValueError, match=r"existing: left, right, top; did you mean 'left'\?"):
+        checks.look_up("lft", dict.fromkeys(("left", "right", "top")), "boundary")
+    with pytest.raises(ValueError, match=r"existing: Clay, sand; did you mean 'Clay'\?"):
+        checks.look_up("clay", dict.fromkeys(("Clay", "sand")), "region")
+    with pytest.raises(ValueError, match=r"existing: a, b$"):
+        checks.look_up("nonsense", dict.fromkeys("ab"), "region")
+    wrong = {"actvate": "fill"}
+    with pytest.raises(TypeError, match=r"'actvate'; its arguments are .*; did you mean 'act"):
+        sc.Stage("dig", **wrong)

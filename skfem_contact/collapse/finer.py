@@ -153,7 +153,7 @@ def finer(
         held,
         solver=setup.solver,
         newton=setup.newton,
-        seismic=setup.gravity[:-1],
+        seismic=setup.gravity[:-1].tolist(),
         water_unit_weight=setup.water_unit_weight,
     )
     return Finer(model, _load(solids, built, whole, side, load[: first.N]))
@@ -210,14 +210,9 @@ def _all_held(basis: Any, held: ndarray, component: int) -> ndarray:
     return np.asarray(both)
 
 
-@LinearForm
-def _force(v: Any, w: Any) -> Any:
-    return dot(w["t"], v)
-
-
-@BilinearForm
-def _mass(u: Any, v: Any, w: Any) -> Any:
-    return dot(u, v)
+#: Load vector of a density t, and mass.
+_FORCE = LinearForm(lambda v, w: dot(w["t"], v))
+_MASS = BilinearForm(lambda u, v, w: dot(u, v))
 
 
 def _load(
@@ -258,7 +253,7 @@ def _load(
     # Find their tractions and integrate these on the finer sides.
     on_sides = FacetBasis(mesh, basis.elem, facets=facets, intorder=4)
     own = basis.get_dofs(facets).all()
-    M = _mass.assemble(on_sides)[own][:, own].tocsc()
+    M = _MASS.assemble(on_sides)[own][:, own].tocsc()
     t = np.zeros(basis.N)
     t[own] = spsolve(M, rest[own])
     parts = np.flatnonzero(np.isin(side, facets))
@@ -274,7 +269,7 @@ def _load(
     at_elements = np.argsort(_numbers(basis))[located.elements]
     nodal = t[basis.element_dofs[:, at_elements]].reshape(-1, 2, flat.shape[1])
     density = np.einsum("kn,kcn->cn", np.array(shapes), nodal).reshape(at.shape)
-    return total + _force.assemble(fine, t=density)
+    return total + _FORCE.assemble(fine, t=density)
 
 
 def _numbers(basis: Any) -> ndarray:
@@ -314,4 +309,4 @@ def _uniform(form: Any, region: Any, component: int) -> ndarray:
     part = form.basis
     density = np.zeros((2, *form.weight.shape))
     density[component, region.elements] = 1.0
-    return np.asarray(_force.assemble(part, t=density))
+    return np.asarray(_FORCE.assemble(part, t=density))

@@ -14,7 +14,7 @@ from numpy import ndarray
 from ..checks import names_of
 from ..display import progress_bar
 from ..errors import AnalysisWarning, NoEquilibrium, NotConverged, warn
-from ..forms.base import Form, part_names, reduced_parts
+from ..forms.base import Form, part_names, reduced_parts, solids_of
 from ..forms.roles import Body, Reducible, having, materials_of
 from ..limit_analysis import Bounds, at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
@@ -385,7 +385,7 @@ def _refined(setup: Setup, load: Force, start: Any, water: AtRest, options: _Opt
             warnings.simplefilter("always")
             found = _found(setup, prepared, water, options, first)
         result = found.result
-        elements = sum(form.basis.nelems for form in found.begun.forms.values())
+        elements = sum(form.basis.nelems for form in solids_of(found.begun.forms).values())
         history.append((elements, result.value, result.added))
         error = result.added * result.value
         is_last = error <= options.tolerance or not result.stop.shows_limit

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -118,12 +118,11 @@ class _Factoring:
 def divided(material: Any, factors: PartialFactors) -> Any:
     """Return a material with design values of its strength, or itself if it has none."""
     # Divide the soil of undrained ground.
-    own = getattr(material, "_law", material)  # a law that does not derive from Material
-    if not is_dataclass(own):
-        return material.reduced(factors.phi) if material.reducible else material
-    existing = [part.name for part in fields(own) if part.init]
+    own: Any = getattr(material, "_law", material)  # a law that does not derive from Material
+    parameters = getattr(type(own), "__dataclass_fields__", {})
+    existing = [name for name, part in parameters.items() if part.init]
     if "soil" in existing:
-        return replace(own, soil=divided(own.soil, factors))  # type: ignore[type-var]
+        return replace(own, soil=divided(own.soil, factors))
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
     changed: dict[str, Any] = {}
@@ -142,8 +141,8 @@ def divided(material: Any, factors: PartialFactors) -> Any:
     if not changed:
         return material.reduced(factors.phi) if material.reducible else material
     if "psi" in existing and "phi" in changed:
-        changed["psi"] = _least(own.psi, changed["phi"])  # type: ignore[attr-defined]
-    return replace(own, **changed)  # type: ignore[type-var]
+        changed["psi"] = _least(own.psi, changed["phi"])
+    return replace(own, **changed)
 
 
 def _has_friction(phi: Any) -> bool:

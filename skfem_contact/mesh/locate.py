@@ -114,7 +114,7 @@ def outside(mesh: Mesh, elements: ndarray, points: ndarray) -> str:
     grid = np.array(np.meshgrid(*[axis] * dim)).reshape(dim, -1)
     best = (np.inf, point)
     for element in near:
-        best = min(best, _closest(geometry, element, point, grid), key=lambda pair: pair[0])
+        best = min(best, _closest(geometry, int(element), point, grid), key=lambda pair: pair[0])
     return f"{format_point(point)}, {best[0]:.3g} from the nearest one, at {format_point(best[1])}"
 
 
@@ -199,16 +199,16 @@ def _contains(kind: object, local: ndarray) -> ndarray:
     """Return whether the reference element holds points (dim, n)."""
     inside = (local >= -_MARGIN).all(axis=0)
     if len(kind.refdom.p.T) == len(local) + 1:  # type: ignore[attr-defined]
-        return inside & (local.sum(axis=0) <= 1.0 + _MARGIN)
-    return inside & (local <= 1.0 + _MARGIN).all(axis=0)
+        return np.asarray(inside & (local.sum(axis=0) <= 1.0 + _MARGIN))
+    return np.asarray(inside & (local <= 1.0 + _MARGIN).all(axis=0))
 
 
 def _on_side(kind: object, local: ndarray) -> ndarray:
     """Return whether points (dim, n) lie on a side of the reference element."""
     on_side = (local <= _MARGIN).any(axis=0)
     if len(kind.refdom.p.T) == len(local) + 1:  # type: ignore[attr-defined]
-        return on_side | (local.sum(axis=0) >= 1.0 - _MARGIN)
-    return on_side | (local >= 1.0 - _MARGIN).any(axis=0)
+        return np.asarray(on_side | (local.sum(axis=0) >= 1.0 - _MARGIN))
+    return np.asarray(on_side | (local >= 1.0 - _MARGIN).any(axis=0))
 
 
 def _at_border(mesh: Mesh, elements: ndarray, groups: ndarray) -> ndarray:
