@@ -1,7 +1,7 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from . import design, ground, laboratory, mesh, results, section, testing, water
-from .beams import Beam, Embedded, Reinforcement, split_along
+from .beams import Beam, Embedded, PileSprings, Reinforcement, curves, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
@@ -76,6 +76,7 @@ __all__ = [
     "NoEquilibrium",
     "NotConverged",
     "Outputs",
+    "PileSprings",
     "PoreWater",
     "Pressure",
     "Rayleigh",
@@ -97,6 +98,7 @@ __all__ = [
     "ViscousBoundary",
     "VonMises",
     "box_supports",
+    "curves",
     "design",
     "dofs_at",
     "element_test",
@@ -123,8 +125,9 @@ __all__ = [
 
 guard(
     __name__,
-    ground.__name__,
+    curves.__name__,
     design.__name__,
+    ground.__name__,
     laboratory.__name__,
     mesh.__name__,
     results.__name__,

@@ -28,7 +28,7 @@ ROOMS = {
     "Forms": ("forms", "roles"),
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),
-    "Beams": ("beams",),
+    "Beams": ("beams", "curves"),
     "Laboratory tests": ("laboratory",),
     "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),

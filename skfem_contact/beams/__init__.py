@@ -4,5 +4,6 @@ from .beam import Beam
 from .embedded import Embedded
 from .lines import split_along
 from .reinforcement import Reinforcement
+from .springs import PileSprings
 
-__all__ = ["Beam", "Embedded", "Reinforcement", "split_along"]
+__all__ = ["Beam", "Embedded", "PileSprings", "Reinforcement", "split_along"]
