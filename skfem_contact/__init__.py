@@ -1,7 +1,16 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from . import design, ground, laboratory, mesh, results, section, testing, water
-from .beams import Beam, Embedded, PileSprings, Reinforcement, curves, split_along
+from .beams import (
+    Beam,
+    Embedded,
+    MomentCurvature,
+    PileSprings,
+    Reinforcement,
+    curves,
+    moment_curvature,
+    split_along,
+)
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
@@ -70,6 +79,7 @@ __all__ = [
     "MatrixForm",
     "Model",
     "MohrCoulomb",
+    "MomentCurvature",
     "NeoHooke",
     "Newton",
     "NgiAdp",
@@ -108,6 +118,7 @@ __all__ = [
     "load_mesh",
     "load_result",
     "mesh",
+    "moment_curvature",
     "results",
     "rigid",
     "roles",

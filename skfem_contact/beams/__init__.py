@@ -4,6 +4,15 @@ from .beam import Beam
 from .embedded import Embedded
 from .lines import split_along
 from .reinforcement import Reinforcement
+from .sections import MomentCurvature, moment_curvature
 from .springs import PileSprings
 
-__all__ = ["Beam", "Embedded", "PileSprings", "Reinforcement", "split_along"]
+__all__ = [
+    "Beam",
+    "Embedded",
+    "MomentCurvature",
+    "PileSprings",
+    "Reinforcement",
+    "moment_curvature",
+    "split_along",
+]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -348,6 +348,49 @@ class StageResult(files.StageData):
         `c` of :class:`Tresca`.
         """
         return strength.undrained_strength(*self._solid(solid))
+
+    def shansep(
+        self,
+        solid: str,
+        *,
+        S: float,
+        m: float = 0.8,
+        OCR: float | Callable[[ndarray], ArrayLike] = 1.0,
+        POP: float | Callable[[ndarray], ArrayLike] = 0.0,
+    ) -> dict[str, ndarray]:
+        r"""Return undrained strengths from the vertical effective stresses of the stage.
+
+        .. math:: s_u = S \, \sigma_v' \, (\sigma_p' / \sigma_v')^m , \qquad
+                  \sigma_p' = {\rm OCR} \, \sigma_v' + {\rm POP}
+
+        Every region has an array, shape (n_elements,): means of the points of each element, to be
+        the `c` of :class:`Tresca` in a later stage. C. C. Ladd, R. Foott, J. Geotech. Eng. Div. 100
+        (1974) 763-786.
+
+        Parameters
+        ----------
+        solid
+            Name of the solid.
+        S, m
+            Strength ratio of normally consolidated clay, and exponent.
+        OCR, POP
+            Overconsolidation ratio, at least 1, and pressure that was removed: numbers or functions
+            of the coordinates.
+
+        Examples
+        --------
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> clay = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), unit_weight=8.)
+        >>> rest = sc.Model({"clay": clay}, sc.box_supports(basis)).k0_state(K0=.5)
+        >>> strength = rest["initial"].shansep("clay", S=.22, m=.8, OCR=2.)
+        >>> strength["all"].round(4).tolist()   # .22 * 4 * 2^.8
+        [1.5322]
+        """
+        if not S > 0.0 or not m > 0.0:
+            raise ValueError(f"S and m must be positive, not {S!r} and {m!r}")
+        return strength.shansep(*self._solid(solid), S, m, OCR, POP)
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids, the contact and the beams to a ``.vtu`` file.

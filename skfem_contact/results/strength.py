@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import IntEnum
 from itertools import product
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..checks import finite
 from ..errors import Remark
 from ..forms.base import Form, solids_of
 from ..forms.roles import Touching, having
@@ -180,3 +181,43 @@ def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]
             f"no region has an undrained strength; the regions are {list(form.materials)}"
         )
     return strength
+
+
+def shansep(
+    form: SolidForm,
+    state: SolidState,
+    S: float,
+    m: float,
+    OCR: float | Callable[[ndarray], Any],
+    POP: float | Callable[[ndarray], Any],
+) -> dict[str, ndarray]:
+    r"""Return undrained strengths by region, (n_elements,) each.
+
+    .. math:: s_u = S \, \sigma_v' \, (\sigma_p' / \sigma_v')^m , \qquad
+              \sigma_p' = {\rm OCR} \, \sigma_v' + {\rm POP}
+    """
+    # Find the vertical effective stress at points, compression positive.
+    dim = form.basis.mesh.dim()
+    axis = dim - 1
+    x = np.asarray(form.basis.global_coordinates())
+    ratio = _at(OCR, x, "OCR", 1.0)
+    excess = _at(POP, x, "POP", 0.0)
+    strength = {}
+    for region, stress, internal in form.at_regions(state):
+        effective, _ = region.material.drained(stress, internal)
+        vertical = np.maximum(-effective[axis], 0.0)
+        part = region.elements
+        largest = ratio[part] * vertical + excess[part]
+        over = np.divide(largest, vertical, out=np.ones_like(vertical), where=vertical > 0.0)
+        values = S * vertical * over**m
+        weight = form.weight[part]
+        strength[region.name] = (values * weight).sum(axis=1) / weight.sum(axis=1)
+    return strength
+
+
+def _at(value: Any, x: ndarray, name: str, least: float) -> ndarray:
+    """Return a number or a function of the coordinates (dim, n_elements, n_points) at points."""
+    values = np.broadcast_to(finite(value(x) if callable(value) else value, name), x.shape[1:])
+    if (values < least).any():
+        raise ValueError(f"{name} must be at least {least:g}, but is {values.min():g} somewhere")
+    return values
