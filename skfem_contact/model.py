@@ -95,7 +95,7 @@ class Model(Setup):
 
     def bounds(
         self,
-        weight: float | Mapping[str, float] | None = None,
+        weight: float | np.ndarray | Mapping[str, float] | None = None,
         *,
         tractions: Mapping[str, TractionLike] | None = None,
         water: Pressure | None = None,
@@ -115,10 +115,11 @@ class Model(Setup):
         See :func:`~.limit_analysis.bounds`; by default the acceleration is that of the model.
         """
         horizontal: Any = self.seismic if seismic is None else seismic
+        given: Any = weight
         return bounds(
             self.forms,
             self.fixed,
-            weight,
+            given,
             tractions=tractions,
             water=water,
             submerged=submerged,

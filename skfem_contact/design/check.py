@@ -14,6 +14,7 @@ from ..display import Table
 from ..errors import warn
 from ..forms.base import solids_of
 from ..forms.roles import Touching, having
+from ..materials.base import parameters_of
 from ..results.stage import StageResult
 from ..results.tractions import interfaces
 from .bearing import BearingResistance, bearing_resistance
@@ -367,8 +368,9 @@ def _turned(forces: ndarray, resultant: ndarray) -> ndarray:
 def _strength(pair: Any, facets: Any) -> ndarray:
     """Return friction and adhesion times length at the points of a pair, (2, n)."""
     found = []
+    known = parameters_of(pair.law)
     for name in ("mu", "adhesion"):
-        value = np.asarray(getattr(pair.law, name, 0.0), float)
+        value = np.asarray(known.get(name, 0.0), float)
         if value.ndim:  # one value for each node of the slave
             node = pair.slave.dofs[:, 0] // pair.slave.dim
             by_node = np.zeros(int(facets.nodes.max()) + 1)
@@ -448,8 +450,9 @@ def _bearing(
 ) -> BearingResistance:
     """Return the bearing resistance with the design strength of the ground."""
     design = divided(ground, factors)
-    soil = getattr(design, "soil", design)
-    c = getattr(soil, "c", None)
+    known = parameters_of(design)
+    known = parameters_of(known["soil"]) if "soil" in known else known
+    c = known.get("c")
     if c is None or np.ndim(c) or callable(c):
         raise ValueError(f"bearing needs ground with one c and phi, not {ground!r}")
     return bearing_resistance(
@@ -457,7 +460,7 @@ def _bearing(
         vertical=factors.effect(vertical),
         horizontal=factors.effect(horizontal),
         c=float(c),
-        phi=float(getattr(soil, "phi", 0.0)),
+        phi=float(known.get("phi", 0.0)),
         unit_weight=unit_weight,
         surcharge=surcharge,
     )

@@ -14,6 +14,7 @@ from ..checks import names, names_of
 from ..errors import warn
 from ..forms.base import Form
 from ..forms.roles import Body, Reducible, Touching, having
+from ..materials.base import as_given, parameters_of
 from ..model import Model
 from .factors import PartialFactors
 
@@ -118,17 +119,15 @@ class _Factoring:
 def divided(material: Any, factors: PartialFactors) -> Any:
     """Return a material with design values of its strength, or itself if it has none."""
     # Divide the soil of undrained ground.
-    own: Any = getattr(material, "_law", material)  # a law that does not derive from Material
-    parameters = getattr(type(own), "__dataclass_fields__", {})
-    existing = [name for name, part in parameters.items() if part.init]
+    own = as_given(material)
+    existing = parameters_of(material)
     if "soil" in existing:
-        return replace(own, soil=divided(own.soil, factors))
+        return replace(own, soil=divided(existing["soil"], factors))
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
     changed: dict[str, Any] = {}
-    has_friction = "phi" in existing and _has_friction(getattr(own, "phi", 0.0))
-    for name in existing:
-        value = getattr(own, name)
+    has_friction = "phi" in existing and _has_friction(existing["phi"])
+    for name, value in existing.items():
         if value is None:
             continue
         if name in ("c", "c_end"):
@@ -141,7 +140,7 @@ def divided(material: Any, factors: PartialFactors) -> Any:
     if not changed:
         return material.reduced(factors.phi) if material.reducible else material
     if "psi" in existing and "phi" in changed:
-        changed["psi"] = _least(own.psi, changed["phi"])
+        changed["psi"] = _least(existing["psi"], changed["phi"])
     return replace(own, **changed)
 
 

@@ -314,17 +314,31 @@ class _Completed(Material):
 
 def as_material(law: Any) -> Material:
     """Return a law with the defaults of the contract; refuse laws without elasticity or update."""
+    if isinstance(law, type):
+        raise ValueError(
+            f"{law.__name__} is no material, but a class: give an object, {law.__name__}(...)"
+        )
     missing = []
     for name in ("elasticity", "update"):
         method = getattr(law, name, None)
         inherited = getattr(method, "__func__", None) is getattr(Material, name)
         if inherited or not callable(method):
             missing.append(name)
-    if isinstance(law, type):
-        missing = missing or ["an instance"]
     if missing:
         raise ValueError(f"{law!r} is no material: {' and '.join(missing)} missing")
     return law if isinstance(law, Material) else _Completed(law)
+
+
+def as_given(law: Any) -> Any:
+    """Return a law as its user gave it."""
+    return getattr(law, "_law", law)
+
+
+def parameters_of(law: Any) -> dict[str, Any]:
+    """Return the parameters of a law by their names, none where it is no dataclass."""
+    own = as_given(law)
+    parts = getattr(type(own), "__dataclass_fields__", {})
+    return {name: getattr(own, name) for name, part in parts.items() if part.init}
 
 
 def updated(

@@ -13,6 +13,7 @@ from ..display import Table
 from ..forms.base import solids_of
 from ..forms.roles import Loaded, having, materials_of
 from ..loads.water_at_rest import SteadyFlow, loads_at_rest
+from ..materials.base import as_given
 from ..results.fields import basis_of, has_solids, solids
 from ..results.result import Result
 from ..results.stage import StageResult
@@ -48,7 +49,7 @@ def parameters(result: Result, colors: Mapping[str, Shade]) -> Table:
     """Return all parameters of materials and other forms, with units and defaults."""
     rows: list[tuple[str, str, str, str, str]] = []
     for shade in colors.values():
-        own = getattr(shade.material, "_law", shade.material)
+        own = as_given(shade.material)
         names = ", ".join(shade.names)
         for name, value, is_default in _fields(own):
             rows.append(_parameter(names, name, value, is_default))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..checks import finite, look_up
+from ..checks import finite, look_up, nearest
 from ..display import Table
 from ..forms.base import as_forms
 from ..forms.roles import Staged, fits, having
@@ -57,7 +57,7 @@ class Result:
             return self.stages[key]
         names = [stage.name for stage in self.stages]
         if key not in names:
-            raise KeyError(f"there is no stage '{key}'; existing: {names}")
+            raise KeyError(f"there is no stage '{key}'; existing: {names}{nearest(key, names)}")
         return self.stages[names.index(key)]
 
     def __iter__(self) -> Iterator[StageResult]:

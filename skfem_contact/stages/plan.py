@@ -275,8 +275,18 @@ class Planner:
         if not callable(function):
             constant = whole(function)
             return constant, None if stage.dynamic is None else lambda time: constant
+
+        def at(share: float) -> ndarray:
+            given = function(share)
+            if given is None:
+                raise ValueError(
+                    f"stage '{stage.name}': the load function returns None at {share:.3g}: return "
+                    "the load vector, (N,)"
+                )
+            return whole(given)
+
         end = 1.0 if stage.dynamic is None else stage.duration
-        return whole(function(end)), lambda share: whole(function(share))
+        return at(end), at
 
     def _on_top_before(self, stage: Stage) -> ndarray:
         """Return the load on top of weights and water before a stage whose load is a function."""

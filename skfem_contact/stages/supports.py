@@ -106,7 +106,8 @@ def _check_bodies(
                 who = f"body {listed} is not held"
             raise ValueError(
                 f"{who}: {len(held)} of the dofs are fixed, which leaves {free} of "
-                f"{modes.shape[1]} rigid motions free"
+                f"{modes.shape[1]} rigid motions free; give Model(forms, fixed), such as "
+                "box_supports(basis)"
             )
 
 
