@@ -144,7 +144,7 @@ class ViscousBoundary(Form, Couples, Absorbing):
 
     @override
     def assemble(self, x: ndarray, state: Any) -> Response:
-        return Response(np.zeros(self.size), lambda: state, lambda: self._empty)
+        return Response(np.zeros(len(x)), lambda: state, lambda: self._empty)
 
     @override
     def matrices(self, given: Masses) -> tuple[csr_matrix, csr_matrix]:

@@ -49,12 +49,12 @@ def mass_and_damping(
         if of_mass.get(name):
             part = form.weight_matrix(consistent, of_mass[name])
             C = csr_matrix(C + padded(part / acceleration, layout.size))
-    if settings.contact_mass == "moved":
+    if settings.moves_contact_mass:
         M, C = moved_from_contact(forms, [M, C], consistent)
     for name, form in solids_of(forms).items():
         if of_stiffness.get(name):
             C = csr_matrix(C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size))
-    M = M / acceleration
+    M = csr_matrix(M / acceleration)
     by_region = {region: each for part in damping.values() for region, each in part.items()}
     given = Masses(acceleration, consistent, by_region, layout.size)
     for form in having(forms, Absorbing).values():

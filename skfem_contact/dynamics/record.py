@@ -266,8 +266,8 @@ class Record:
         kind = "bandpass"
         if len(limits) == 1:
             kind = "highpass" if high is None else "lowpass"
-        corners: Any = limits if len(limits) == 2 else limits[0]
-        sections = butter(order, corners, kind, fs=1.0 / self.step, output="sos")
+        options: dict[str, Any] = {"btype": kind, "fs": 1.0 / self.step, "output": "sos"}
+        sections = butter(order, limits if len(limits) == 2 else limits[0], **options)
         return replace(self, values=sosfiltfilt(sections, self.values))
 
     def arias(self, gravity_acceleration: float) -> float:

@@ -89,7 +89,8 @@ class Dynamic:
     ----------
     step
         Length of a step in time; the last digit follows from the duration of the stage, which has a
-        whole number of steps. Steps that find no equilibrium are cut.
+        whole number of steps. Steps that find no equilibrium are cut. Explicit steps are by default
+        0.9 of the longest stable one, which the mesh determines; longer ones are refused.
     rho_inf
         Share of the amplitude of the highest frequencies that a step leaves, 0 to 1. At 1, the
         trapezoidal rule of Newmark, nothing is damped. All values are of second order.
@@ -98,7 +99,8 @@ class Dynamic:
         for elements of second order too; or ``"consistent"``.
     contact_mass
         ``"moved"``: nodes of contact surfaces have no mass of their own, their neighbours inside
-        the body have it. Contact then neither chatters nor gains energy. ``"kept"``: they keep it.
+        the body have it. Contact then neither chatters nor gains energy. ``"kept"``: they keep it,
+        as in explicit steps always.
     damping
         Rayleigh damping of all solids, or by the names of regions or of solids.
     velocity
@@ -107,6 +109,9 @@ class Dynamic:
     points
         Nodes whose motion is recorded in every step, coordinates (n, dim) or (dim,), see
         :meth:`StageResult.history`.
+    explicit
+        True for central differences with lumped masses: many short steps without any system of
+        equations, for impact and waves in large meshes. Contact acts by penalties.
 
     Raises
     ------
@@ -140,24 +145,39 @@ class Dynamic:
     2.0
     """
 
-    step: float
+    step: float | None = None
     rho_inf: float = 0.8
     mass: Literal["lumped", "consistent"] = "lumped"
-    contact_mass: Literal["moved", "kept"] = "moved"
+    contact_mass: Literal["moved", "kept"] | None = None
     damping: Rayleigh | Mapping[str, Rayleigh] | None = None
     velocity: ndarray | None = None
     points: Any = ()
+    explicit: bool = False
 
     def __post_init__(self) -> None:
-        if not is_number(self.step, 0.0, np.inf):
+        if self.step is None and not self.explicit:
+            raise ValueError("give the step in time; only explicit steps have a default")
+        if self.step is not None and not is_number(self.step, 0.0, np.inf):
             raise ValueError(f"the step in time must be positive, not {self.step!r}")
         if self.rho_inf not in (0.0, 1.0) and not is_number(self.rho_inf, 0.0, 1.0):
             raise ValueError(f"rho_inf must be between 0 and 1, not {self.rho_inf!r}")
         if self.mass not in ("lumped", "consistent"):
             raise ValueError(f"mass must be 'lumped' or 'consistent', not {self.mass!r}")
-        if self.contact_mass not in ("moved", "kept"):
+        if self.contact_mass not in (None, "moved", "kept"):
             raise ValueError(f"contact_mass must be 'moved' or 'kept', not {self.contact_mass!r}")
+        if self.explicit and (self.mass == "consistent" or self.contact_mass == "moved"):
+            raise ValueError(
+                "explicit steps have lumped masses at all nodes: give neither mass='consistent' "
+                "nor contact_mass='moved'"
+            )
 
-    def steps(self, duration: float) -> int:
-        """Return the number of steps of a stage, which are not longer than the step."""
-        return max(1, int(np.ceil(duration / self.step * (1.0 - 1e-9))))
+    @property
+    def moves_contact_mass(self) -> bool:
+        """True if contact nodes have no mass."""
+        return self.contact_mass != "kept" and not self.explicit
+
+    def steps(self, duration: float, longest: float | None = None) -> int:
+        """Return the number of steps of a stage, none of them longer than the longest one."""
+        step = self.step if self.step is not None else longest
+        assert step is not None
+        return max(1, int(np.ceil(duration / step * (1.0 - 1e-9))))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..dynamics.boundaries import Masses
+from ..dynamics.explicit import Explicit
 from ..dynamics.linear import Linear, is_linear
 from ..dynamics.mass import accelerations, mass_and_damping, translation
 from ..dynamics.record import Record
@@ -45,6 +47,10 @@ _CUT, _GROWTH = 4, 2
 #: that are remarked on.
 _STRONGEST, _DRIFT = 3.0, 0.2
 
+#: Share of the longest stable step that explicit steps take; looks at their energy in a stage, and
+#: energy that unstable steps gain, as a share of the largest one.
+_STABLE, _SEEN, _GAINED = 0.9, 200, 0.2
+
 #: Vector at a time since the start of the stage.
 OfTime = Callable[[float], ndarray]
 
@@ -60,7 +66,7 @@ class InTime:
     M, C
         Mass and damping, (N, N).
     steps, step
-        Number of steps, and their length.
+        Number of steps, and their length; zero for explicit ones, which the run determines.
     points
         Dofs whose motion is recorded, (n, dim).
     base
@@ -122,8 +128,10 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
         raise ValueError(f"stage '{stage.name}': {error}") from None
     if settings.velocity is not None:
         setup.vector(settings.velocity, f"stage '{stage.name}': the velocity")
-    steps = settings.steps(stage.duration)
     absolute = any(form.of_rock for form in having(forms, Absorbing).values())
+    if settings.explicit:
+        return InTime(settings, M, C, 0, 0.0, points, base, absolute)
+    steps = settings.steps(stage.duration)
     return InTime(settings, M, C, steps, stage.duration / steps, points, base, absolute)
 
 
@@ -145,7 +153,7 @@ def _base(
             raise ValueError(f"the base moves along one of {', '.join(axes)}, not {name!r}")
         if name == "x" and setup.coordinates == "axisymmetric":
             raise ValueError("in axial symmetry the base moves along y alone")
-        if settings.step > record.step * (1.0 + 1e-9):
+        if settings.step is not None and settings.step > record.step * (1.0 + 1e-9):
             raise ValueError(
                 f"the step in time, {settings.step:g}, is longer than that of the record, "
                 f"{record.step:g}, whose peaks it would miss: take record.resampled("
@@ -291,6 +299,13 @@ class Log:
             found["base"] = np.array(self._base)
         return found
 
+    def gained(self) -> float:
+        """Return the energy that comes from nowhere, as a share of the largest one."""
+        _, kinetic, internal, contact, damped, work = self._rows[-1]
+        first = self._rows[0][1]
+        gained = kinetic + internal + contact + damped - first - work
+        return gained / max(kinetic, abs(internal), first, abs(work), 1e-300)
+
     def summary(self) -> str:
         """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
         _, kinetic, internal, contact, damped, work = np.array(self._rows).T
@@ -354,9 +369,13 @@ def steps_of(
     began = last.time
     load, _ = path(0.0)
     plain = {name: form for name, form in system.forms.items() if name != INERTIA}
+    last = replace(last, layout=system.layout)
     responses = responses_of(plain, last.x, last.states)
     forces = {name: response.force for name, response in responses.items()}
     log.add(began, motion, load, forces)
+    if in_time.settings.explicit:
+        yield from _explicit_steps(stage, in_time, system, (last, motion), path, log)
+        return
     if is_linear(plain, last.x, last.states):
         yield from _linear_steps(in_time, system, responses, (last, motion), path, log)
         return
@@ -418,28 +437,89 @@ def _linear_steps(
         motion = model.step(motion, load, prescribed)
         log.add(began + time, motion, load, {"": model.force})
         found = Lazy(forms, partial(_states_at, forms, motion.x, states))
-        # a copy: the checks of a new result would compute the states
-        new = copy(last)
-        vars(new).update(
-            x=motion.x,
-            load=load,
-            states=found,
-            iterations=(*last.iterations, 1),
-            residual=0.0,
-            fraction=k / in_time.steps,
-            summary=Lazy(forms, partial(summaries, forms, motion.x, found)),
-            forms=forms,
-            time=began + time,
-            layout=system.layout,
-            before=None,
-            velocity=motion.velocity,
-            acceleration=motion.acceleration,
-            inertial=motion.force,
-        )
+        last = _unchecked(last, forms, motion, load, found, k / in_time.steps, began + time)
         if k == in_time.steps:
-            new = replace(new, states=dict(found), summary=dict(new.summary))
-        last = new
+            last = replace(last, states=dict(found), summary=dict(last.summary))
         yield last
+
+
+def _explicit_steps(
+    stage: Stage,
+    in_time: InTime,
+    system: System,
+    start: tuple[StageResult, Motion],
+    path: Callable[[float], tuple[ndarray, ndarray]],
+    log: Log,
+) -> Iterator[StageResult]:
+    """Yield explicit steps, whose number follows from the longest stable one."""
+    # Choose the steps
+    last, motion = start
+    began = last.time
+    forms = {name: form for name, form in system.forms.items() if name != INERTIA}
+    settings = in_time.settings
+    try:
+        model = Explicit(forms, system.layout, in_time.M, in_time.C, system.fixed, last)
+    except ValueError as error:
+        raise ValueError(f"stage '{stage.name}': {error}") from None
+    if settings.step is not None and settings.step > model.critical:
+        raise ValueError(
+            f"stage '{stage.name}': the step in time, {settings.step:.4g}, is longer than the "
+            f"longest stable one, {model.critical:.4g}: shorten it, or take implicit steps"
+        )
+    steps = settings.steps(stage.duration, _STABLE * model.critical)
+    h = model.length = stage.duration / steps
+    logger.info("stage '%s': %d explicit steps of %.4g", stage.name, steps, h)
+    every = max(1, steps // _SEEN)
+
+    for k in range(1, steps + 1):
+        # Take a step, and look at its energy now and then
+        load, prescribed = path(k * h)
+        motion, forces = model.step(motion, load, prescribed)
+        log.add(began + k * h, motion, load, forces)
+        if k % every == 0 and log.gained() > _GAINED:
+            raise NotConverged(
+                f"stage '{stage.name}' gains energy at the time {began + k * h:.6g}: steps of "
+                f"{h:.4g} are too long for the stiffness of its contacts or materials; give a "
+                "shorter Dynamic(step=...)",
+                motion.x,
+            )
+        linear = partial(_states_at, model.linear, motion.x, start[0].states)
+        found: Mapping[str, Any] = {**model.states}
+        if model.linear:
+            found = ChainMap(dict(model.states), Lazy(model.linear, linear))  # type: ignore[arg-type]
+        last = _unchecked(last, forms, motion, load, found, k / steps, began + k * h)
+        if k == steps:
+            last = replace(last, states=dict(found), summary=dict(last.summary))
+        yield last
+
+
+def _unchecked(
+    last: StageResult,
+    forms: Mapping[str, Form],
+    motion: Motion,
+    load: ndarray,
+    states: Mapping[str, Any],
+    fraction: float,
+    time: float,
+) -> StageResult:
+    """Return the result of a step, as a copy: checks of a new one would compute the states."""
+    new = copy(last)
+    vars(new).update(
+        x=motion.x,
+        load=load,
+        states=states,
+        iterations=(*last.iterations, 1),
+        residual=0.0,
+        fraction=fraction,
+        summary=Lazy(forms, partial(summaries, forms, motion.x, states)),
+        forms=forms,
+        time=time,
+        before=None,
+        velocity=motion.velocity,
+        acceleration=motion.acceleration,
+        inertial=motion.force,
+    )
+    return new
 
 
 def _states_at(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Any]:

@@ -180,13 +180,13 @@ def _check_time(stage: Stage, dynamic: Dynamic, where: str) -> None:
     """Check the duration and the step of a stage with inertia."""
     if not stage.duration > 0.0:
         raise ValueError(f"{where}: a dynamic stage takes time: give it a duration")
-    if dynamic.step > stage.duration * (1.0 + 1e-9):
+    if dynamic.step is not None and dynamic.step > stage.duration * (1.0 + 1e-9):
         raise ValueError(
             f"{where}: the step in time, {dynamic.step:g}, is longer than the stage, "
             f"{stage.duration:g}"
         )
     if stage.increments != 1:
         raise ValueError(
-            f"{where}: give no increments: a dynamic stage has {dynamic.steps(stage.duration)} "
-            f"steps of Dynamic(step={dynamic.step:g})"
+            f"{where}: give no increments: the steps of a dynamic stage follow from "
+            "Dynamic(step=...)"
         )

@@ -234,7 +234,7 @@ def test_bad_input_of_stages():
     """[X] One sentence each, before anything is computed."""
     refused("takes time: give it a duration", duration=0.0)
     refused("longer than the stage", dynamic=sc.Dynamic(2.0))
-    refused("give no increments: a dynamic stage has 10 steps", increments=5)
+    refused("give no increments: the steps of a dynamic stage", increments=5)
     refused("give Model.gravity_acceleration=9.81", model={"gravity_acceleration": None})
     refused("the velocity has shape", dynamic=sc.Dynamic(0.1, velocity=np.zeros(3)))
     refused("there are 0 nodes at", dynamic=sc.Dynamic(0.1, points=[(5.0, 5.0)]))
