@@ -266,8 +266,9 @@ class Record:
         kind = "bandpass"
         if len(limits) == 1:
             kind = "highpass" if high is None else "lowpass"
+        corners: Any = limits if len(limits) == 2 else limits[0]
         options: dict[str, Any] = {"btype": kind, "fs": 1.0 / self.step, "output": "sos"}
-        sections = butter(order, limits if len(limits) == 2 else limits[0], **options)
+        sections = butter(order, corners, **options)
         return replace(self, values=sosfiltfilt(sections, self.values))
 
     def arias(self, gravity_acceleration: float) -> float:
