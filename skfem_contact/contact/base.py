@@ -110,7 +110,12 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
 
     def _connect(self) -> None:
         adjusted = _adjusted(self.initial, self.law.bonds)
-        self.interface = Interface(self.slave, self.master, self.quadrature, adjusted)
+        rounds = (
+            self.initial in ("as meshed", "ramped")
+            and not self.law.bonds
+            and self.master.facets is self.facets.facets
+        )
+        self.interface = Interface(self.slave, self.master, self.quadrature, adjusted, rounds)
         size = max(
             self.mesh_dofs,
             self.slave.end,
@@ -225,7 +230,8 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
         """Equilibrium after which multipliers improve ("exact"), or cuts follow bodies ("near")."""
         if self.enforcement.outer_after is not None:
             return self.enforcement.outer_after
-        return "near" if self.quadrature == "segments" else None
+        follows = self.quadrature == "segments" or self.interface.smooth
+        return "near" if follows else None
 
     @property
     @override

@@ -142,7 +142,7 @@ def _compliance(pair: Any, x: ndarray, state: ContactState) -> ndarray:
         return most
 
     # Leave out overlaps of the mesh, and motion before the last reset
-    meshed = pair.interface.closest(None, state.cuts).gap
+    meshed = pair.interface.meshed_gap(state)
     depth_since = np.abs(depth - (state.clearance - meshed)[closed])
     return shares(depth_since, _moved_apart(pair, x, state)[closed])
 

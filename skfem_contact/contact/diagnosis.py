@@ -15,6 +15,7 @@ from .base import TOUCHING, ContactBase
 from .interface import ContactState
 from .laws import Status
 from .quadrature import SlavePoints
+from .ripple import on_ripple
 from .search import normals_at_joint
 
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found,
@@ -47,9 +48,10 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
     """Yield remarks on a state: enforcement, facets, slip, lost bonds, deep points, no contact."""
     meshed = state.gap
     if state.traction[0].any():
-        meshed = pair.interface.closest(None, state.cuts).gap
+        meshed = pair.interface.meshed_gap(state)
     yield from pair.enforcement.remarks(pair, x, state, meshed)
     yield from _on_facets(pair, state, meshed)
+    yield from on_ripple(pair, state, meshed)
     yield from _on_joints(pair, state)
     yield from _on_sliding(pair, state)
     yield from _on_closing(pair, state)
@@ -107,9 +109,11 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     if not force.any():
         return
 
-    # Points may touch elsewhere where bodies are placed or start with a pressure: no overlap
+    # Points may touch elsewhere where bodies are placed or start with a pressure: no overlap;
+    # facets of smooth curves have none either
     touching = np.minimum(state.clearance, state.gap)
-    overlap = np.clip(touching - meshed, 0.0, np.maximum(-meshed, 0.0))
+    deepest = np.maximum(state.rounded - meshed, 0.0)
+    overlap = np.clip(touching - meshed, 0.0, deepest)
     no_overlap = (overlap > pair.interface.depth(points)) | (overlap < TOUCHING * points.size)
     overlap[no_overlap] = 0.0
 
@@ -125,7 +129,10 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
             'overlap; move the body, or initial="adjusted" if they only touch',
         )
 
-    # Differences within facets are resisted by penalty and surfaces in series
+    # An interference that is given as a number knows no differences within facets; others are
+    # resisted by penalty and surfaces in series
+    if not isinstance(pair.initial, str):
+        return
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
     ripple = float(_within_facets(pair.slave, points, overlap) @ pair.slave.area)

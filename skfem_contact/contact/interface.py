@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..surfaces.faceting import Faceting, alike
 from ..surfaces.material_points import (
     MaterialPoints,
     along_chain,
@@ -68,6 +69,9 @@ class ContactState:
         Factors by which the augmented method has changed the normal and the tangential penalty.
     clearance : ndarray, shape (n,)
         Gap of bodies that touch: the initial one where it was adjusted.
+    rounded : ndarray, shape (n,)
+        Part of the clearance by which facets differ from smooth curves; 0.0 in states of older
+        files.
     closed : ndarray, shape (n_nodes,)
         Nodes that are closed in the method of :class:`DualMultipliers`.
     cuts : ndarray
@@ -90,6 +94,7 @@ class ContactState:
     clearance: ndarray
     closed: ndarray
     cuts: ndarray
+    rounded: ndarray | float = 0.0
 
     @property
     def closest(self) -> MaterialPoints:
@@ -157,12 +162,42 @@ class _Found(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Slave and master with a quadrature rule, and the share of a facet that gaps may have."""
+    """Slave and master with a quadrature rule, and the share of a facet that gaps may have.
+
+    With `rounds` gaps count between smooth curves where facets in the plane approximate these.
+    """
 
     slave: Surface
     master: Surface
     rule: Literal["nodal", "segments"] | int
     adjusted: float = 0.0
+    rounds: bool = False
+
+    @cached_property
+    def _facetings(self) -> tuple[Faceting, Faceting] | None:
+        """Distances of both surfaces' facets from smooth curves; None where these do not count."""
+        if not (self.rounds and alike(self.slave, self.master)):
+            return None
+        return Faceting.of(self.slave), Faceting.of(self.master)
+
+    @property
+    def smooth(self) -> bool:
+        """True if gaps count between smooth curves."""
+        return self._facetings is not None
+
+    def faceting(self, points: SlavePoints, closest: MaterialPoints) -> ndarray:
+        """Return gaps between the facets of smooth curves that touch, shape (n,)."""
+        if self._facetings is None:
+            return np.zeros(len(points.weight))
+        own, opposite = self._facetings
+        gap = own.at(MaterialPoints(points.facet, points.xi)) + opposite.at(closest)
+        return np.where(closest.exist, gap, 0.0)
+
+    def meshed_gap(self, state: ContactState) -> ndarray:
+        """Return gaps of the mesh, (n,), from which present ones differ by displacements alone."""
+        points = self.points(state.cuts)
+        found = self.closest(None, state.cuts)
+        return np.asarray(found.gap - self.faceting(points, found.closest) + state.rounded)
 
     @cached_property
     def neighbours(self) -> NeighbourList:
@@ -389,13 +424,15 @@ class Interface:
         old = self.points(state.cuts)
         new = self.points(cuts)
         elastic = self.elastic_slip(state)
+        clearance = state.clearance - state.rounded
         slip, closing_slip, traction, clearance, elastic = self.interpolated(
-            old, new, (state.slip, state.closing_slip, state.traction, state.clearance, elastic)
+            old, new, (state.slip, state.closing_slip, state.traction, clearance, elastic)
         )
         slave, master = self.positions(x)
         at = self.nearest(old, new)
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
+        rounded = self.faceting(new, closest)
         state = replace(
             state,
             facet=closest.facet,
@@ -406,7 +443,8 @@ class Interface:
             slip=slip,
             closing_slip=closing_slip,
             traction=traction,
-            clearance=clearance,
+            clearance=clearance + rounded,
+            rounded=rounded,
             stick_facet=closest.facet,
             stick_point=closest.xi.T,
             cuts=cuts,

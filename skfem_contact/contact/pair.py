@@ -26,6 +26,11 @@ from .prestress import LinearisedContact, TractionOperator
 #: Tractions that differ by this share come from another penalty; and the share of the largest one
 #: that counts.
 _SAME, _COUNTS = 1e-6, 1e-3
+#: Parts of a state whose shape is free: settings may differ, and files of older versions lack some.
+_FREE = {"internal", "rounded"}
+#: Pressure of changes of the clearance between round facets, as a share of the largest one, that
+#: are left: each equilibrium leaves a thirtieth of the change before, of pins with flat facets.
+_ROUNDED = 2e-3
 
 
 class ContactPair(ContactBase):
@@ -59,9 +64,9 @@ class ContactPair(ContactBase):
         By default the penalty method; :class:`DualMultipliers`, which know no penalty; or
         :class:`AugmentedLagrangian`, whose result does not depend on it.
     initial : str or float
-        ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: points within half a segment touch
-        exactly; ``"ramped"``: overlaps are resolved in steps; a number: an interference of adjusted
-        bodies.
+        ``"as meshed"``: gaps and overlaps count, between round surfaces in the plane as smooth
+        curves have them; ``"adjusted"``: points within half a segment touch exactly; ``"ramped"``:
+        overlaps are resolved in steps; a number: an interference of adjusted bodies.
     share : float
         Share of the contact work, 1/2 for each pair of :meth:`two_pass`.
     tangent : "exact" or "primary"
@@ -95,6 +100,7 @@ class ContactPair(ContactBase):
 
     progress = Progress()  # of the augmented method in an increment
     _recuts = 0
+    _rounds = 0
 
     @classmethod
     def two_pass(
@@ -144,11 +150,13 @@ class ContactPair(ContactBase):
         points = self.interface.points(cuts)
         found = self.interface.closest(x, cuts)
         meshed = found if x is None else self.interface.closest(None, cuts)
-        clearance = initial_clearance(
-            found.gap, meshed.gap, points.size, self.initial, self.law.bonds
-        )
-        status = np.where(found.gap <= clearance, int(Status.STICK), int(Status.OPEN))
         closest = found.closest
+        rounded = self.interface.faceting(points, closest)
+        gap = found.gap - rounded
+        meshed_gap = meshed.gap - self.interface.faceting(points, meshed.closest)
+        clearance = initial_clearance(gap, meshed_gap, points.size, self.initial, self.law.bonds)
+        clearance = clearance + rounded
+        status = np.where(found.gap <= clearance, int(Status.STICK), int(Status.OPEN))
         n = len(found.gap)
         n_nodes = len(self.slave.nodes)
         dim = self.slave.dim
@@ -168,6 +176,7 @@ class ContactPair(ContactBase):
             clearance=clearance,
             closed=np.zeros(n_nodes, bool),
             cuts=cuts,
+            rounded=rounded,
         )
         return self.enforcement.start(self, state)
 
@@ -209,11 +218,34 @@ class ContactPair(ContactBase):
             state = cut
             changes["_recuts"] = self._recuts + 1
             at = self.interface.nearest(points, self.points(cut))
-            for name in ("clearance", "slip_shift", "debonded"):
+            for name in ("slip_shift", "debonded"):
                 values = changes.get(name, getattr(self, name))
                 if values is not None:
                     changes[name] = values[..., at]
+            if self.clearance is not None:
+                without = (self.clearance - accepted.rounded)[..., at]
+                changes["clearance"] = without + cut.rounded
+        elif self._rounds < RECUTS:
+            # Let the clearance between round facets follow
+            rounded = self._rounded_anew(accepted, found)
+            if rounded is not None:
+                change = rounded - state.rounded
+                state = replace(state, clearance=state.clearance + change, rounded=rounded)
+                changes["_rounds"] = self._rounds + 1
+                if self.clearance is not None:
+                    changes["clearance"] = self.clearance + change
         return None if state is accepted else (self.with_(**changes), state)
+
+    def _rounded_anew(self, accepted: ContactState, found: ContactState) -> ndarray | None:
+        """Return that part of the clearance at found positions, (n,); None where it suffices."""
+        if not self.interface.smooth:
+            return None
+        rounded = self.interface.faceting(self.points(accepted), found.closest)
+        pressure = np.abs(found.traction[0])
+        change = np.abs(rounded - accepted.rounded)[pressure > 0.0].max(initial=0.0)
+        stiffness = self.stiffness or self.penalties(accepted)[0]
+        small = stiffness * change <= _ROUNDED * pressure.max(initial=0.0)
+        return None if small else rounded
 
     @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
@@ -263,7 +295,7 @@ class ContactPair(ContactBase):
             return self.interface.fits(state.cuts)
         initial = arrays_of(self.initial_state())
         for name, values in arrays_of(state).items():
-            if name != "internal" and np.shape(values) != np.shape(initial[name]):
+            if name not in _FREE and np.shape(values) != np.shape(initial[name]):
                 return False
         return True
 

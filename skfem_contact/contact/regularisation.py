@@ -97,7 +97,7 @@ def _start_interference(
     if isinstance(pair.initial, str):
         if pair.initial != "ramped":
             return None
-        wanted = np.zeros_like(accepted.clearance)
+        wanted = np.zeros_like(accepted.clearance) + accepted.rounded
     else:
         wanted = accepted.clearance + pair.initial
     if (accepted.clearance == wanted).all():

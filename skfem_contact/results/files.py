@@ -59,6 +59,8 @@ _BEFORE = ("x before", "load before")
 #: Parts of states that may hold NaN: memory of own laws, and of points of a slave that face no
 #: facet.
 _FREE = {"internal", "position", "stick_point", "gap", "clearance", "cuts"}
+#: Parts of states, with defaults, that older files lack.
+_ADDED = {"rounded"}
 #: First bytes of a file of records.
 _MAGIC = b"skfem-contact records\n"
 #: Length and checksum before each record.
@@ -415,7 +417,8 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
         if f"{key}/{part}" in arrays:
             parts[part] = arrays[f"{key}/{part}"]
     saved = [part for part in arrays if part.startswith(f"{key}/")]
-    is_complete = len(parts) == len(arrays_of(initial)) == len(saved)
+    expected = set(arrays_of(initial)) - (_ADDED - set(parts))
+    is_complete = len(parts) == len(expected) == len(saved)
     state = with_arrays(initial, parts) if is_complete else None
     if not is_complete or not fits(form, state):
         raise ValueError(
