@@ -95,7 +95,8 @@ class AugmentedLagrangian(Penalty):
     the penalty, and the log names it.
 
     A given penalty is only the start.  It is brought between k/10 and 10 k before the first
-    solution, to 10 k after it, and to 100 k where the corrections hardly become less.  Between the
+    solution, to 10 k after it, and to 100 k where the corrections hardly become less and no point
+    is open, or nodes have been left to the penalty.  Between the
     nodes facets that do not match gape and overlap, which is left to that penalty.
 
     Parameters
@@ -255,9 +256,13 @@ class AugmentedLagrangian(Penalty):
         if not (unfinished & moves).any():
             return accepted, progress
 
-        # Improve them, with a harder penalty where the error hardly becomes less
+        # Improve them, with a harder penalty where the error hardly becomes less; beside open
+        # points, where that makes peaks, only if nodes have been given up
         worst = float(error[moves].max())
-        hardest = (_HARDEST if worst > _PROGRESS * progress.error else _WANTED) * stiffness
+        opened = (found.status == Status.OPEN) & np.isfinite(found.gap)
+        needed = not opened.any() or np.max(progress.stalls) >= _PATIENCE
+        hardly = needed and worst > _PROGRESS * progress.error
+        hardest = (_HARDEST if hardly else _WANTED) * stiffness
         factors = np.clip(penalties, hardest, _HARDEST * stiffness) / penalties
         improved = replace(
             accepted,

@@ -26,8 +26,9 @@ _AROUND = 2.5
 _RIPPLE = 0.1
 #: Pressure, as a share of the largest mean, below which a facet lies outside of the contact.
 _INSIDE = 0.05
-#: Facets that are looked at, at most.
-_MOST = 400
+#: Facets that are looked at, at most; and the least extent of the contact, over the size of the
+#: coarser facets: Hertz contacts of fewer seem to ripple.
+_MOST, _LEAST = 400, 6.0
 
 
 def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
@@ -36,6 +37,10 @@ def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterat
     pressure = consistent(pair, state, -state.traction[0])
     total = float(points.weight @ np.abs(pressure))
     if points.nodes.shape[1] == 1 or total == 0.0:
+        return
+    size = max(pair.slave.spacing, pair.facets.spacing)
+    touching = np.unique(points.facet[pressure != 0.0])
+    if pair.slave.area[touching].sum() < _LEAST * size ** (pair.slave.dim - 1):
         return
 
     # Look at the gaps first: surfaces that match, or are flat, have none that ripple
@@ -46,7 +51,7 @@ def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterat
     if not loaded.any() or in_series * np.ptp(meshed[loaded]) < _RIPPLE * mean:
         return
     gap = np.where(np.isfinite(meshed), meshed, meshed[loaded].max())
-    found, cause = _ripples(pair, state, np.stack((pressure, in_series * gap), axis=1))
+    found, cause = _ripples(pair, state, np.stack((pressure, in_series * gap), axis=1), size)
     if min(found, cause) > _RIPPLE:
         yield Remark(
             "ripple",
@@ -57,13 +62,15 @@ def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterat
         )
 
 
-def _ripples(pair: ContactBase, state: ContactState, values: ndarray) -> tuple[float, float]:
+def _ripples(
+    pair: ContactBase, state: ContactState, values: ndarray, size: float
+) -> tuple[float, float]:
     """Return ripples of pressures and of other values, (n, 2), over the mean pressure."""
     points = pair.points(state)
     slave = pair.slave
     m = len(slave.facets)
     coordinates = points.positions(slave.nodes)
-    reach = _AROUND * max(slave.spacing, pair.facets.spacing)
+    reach = _AROUND * size
     centres = slave.centres
     tangents = frame(centres.normal, slave.directions)  # (m, dim - 1, dim)
 

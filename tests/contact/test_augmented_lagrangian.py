@@ -241,8 +241,10 @@ def test_bonds_of_a_bent_joint_stay_whole() -> None:
 
 
 @pytest.mark.parametrize("stiff_slave", [True, False])
-def test_peaks_of_a_stiff_slave_are_told(stiff_slave: bool) -> None:
-    """[X] A stiff round punch as the slave of a soft block has peaks, and as its master none."""
+def test_stiff_round_slave_has_no_peaks(stiff_slave: bool) -> None:
+    """[X] A stiff round punch on a soft block, finer than this, has Hertz's pressure as the master,
+    and within 20 % as the slave: a hard penalty beside open points would make peaks of 2.5 times.
+    """
     low = grid("Q1", np.linspace(-4, 4, 49), np.linspace(0, 4, 17))
     up = grid("Q1", np.linspace(-3, 3, 49), np.linspace(0, 1, 13))
     x, e = up.p
@@ -263,8 +265,33 @@ def test_peaks_of_a_stiff_slave_are_told(stiff_slave: bool) -> None:
         warnings.simplefilter("always")
         result = model.run([stage], progress=False)["press"]
     peaks = [str(w.message) for w in told if "peaks of" in str(w.message)]
-    assert len(peaks) == (1 if stiff_slave else 0)
+    assert not peaks
     force = -result.reactions()[top].sum()
     hertz = np.sqrt(force / np.pi / 20 / (0.91 / 1e4 + 0.91 / 2e5))
-    if not stiff_slave:
-        assert result.tractions("joint").pressure.max() == pytest.approx(hertz, rel=0.05)
+    found = result.tractions("joint").pressure.max()
+    assert found == pytest.approx(hertz, rel=0.2 if stiff_slave else 0.05)
+
+
+def test_peaks_of_a_rigid_slave_are_told() -> None:
+    """[X] A rigid round slave, finer than a soft block, touches it with peaks between open points,
+    which are twice the mean and more.
+    """
+    low = grid("Q1", np.linspace(-4, 4, 17), np.linspace(0, 4, 9))
+    up = grid("Q1", np.linspace(-3, 3, 25), np.linspace(0, 1, 2))
+    x, e = up.p
+    up = replace(up, doflocs=np.array([x, 4 + 3 * e + (1 - e) * x**2 / 40]))
+    basis = vector_basis(sc.join_bodies({"low": low, "up": up}), "Q1", intorder=2)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), enforcement=AUGMENTED),
+        "punch": sc.RigidBoundary(basis, "up:bottom"),
+    }
+    top = basis.get_dofs("up:top").all()
+    prescribed = basis.zeros()
+    prescribed[basis.get_dofs("up:top").all("u^2")] = -0.05
+    fixed = np.union1d(basis.get_dofs("low:bottom").all(), top)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        sc.Model(forms, fixed).run([sc.Stage("press", prescribed=prescribed)], progress=False)
+    (peaks,) = [str(w.message) for w in told if "peaks of" in str(w.message)]
+    assert float(peaks.partition("peaks of ")[2].split()[0]) > 1.8
