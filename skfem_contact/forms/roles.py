@@ -530,7 +530,7 @@ def missing_roles(form: Any) -> dict[str, str]:
     for role in ROLES:
         members = {name for name in vars(role) if not name.startswith("_")}
         for name in sorted(members - _COMMON):
-            if hasattr(form, name) and not isinstance(form, role):
+            if not isinstance(form, role) and hasattr(form, name):
                 found[name] = role.__name__
     return found
 
