@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -18,6 +18,8 @@ from ..solvers.direct import SingularSystem
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
+#: Accelerated iterations begin when so many iterations have not halved the residual.
+_SLOW = 4
 #: So many iterations, all of them with so many times the smallest residual that has been reached,
 #: lead nowhere.
 _ASTRAY, _TIMES = 10, 2.0
@@ -168,6 +170,10 @@ class Problem:
         """Return the Newton step at an evaluation, with the tangent or with the damped one."""
         raise NotImplementedError
 
+    def accelerated(self, now: Evaluation, note: Callable[[Evaluation], None]) -> Evaluation:
+        """Return the evaluation after accelerated iterations, each of which is noted."""
+        return now
+
     def far(self, now: Evaluation) -> bool:
         """Return True if displacements along the energy are so large that they show a collapse."""
         return False
@@ -306,7 +312,9 @@ class _History:
         self._settings = settings
         self._search = search
         self.now = first
+        self.firm = first  # the first iteration, or the last one that halved the smallest residual
         self.norms = [first.norm]
+        self._recent = [first.norm]  # since the last accelerated iterations
         self.sizes = [unbalanced(first)]
         self._sets = [first.active]
         self._visited = [first.z]
@@ -323,21 +331,34 @@ class _History:
         """Record an iteration."""
         # along the energy new active sets do not count
         self._counted += self._search != "energy" or new.active in self._sets
+        self._recent.append(new.norm)
+        self.note(new)
+
+    def note(self, new: Evaluation) -> None:
+        """Record an iteration that does not count."""
         self.now = new
         self.norms.append(new.norm)
         self.sizes.append(unbalanced(new))
         self._sets.append(new.active)
         self._visited.append(new.z)
+        if self.iterations == 1 or unbalanced(new) < 0.5 * unbalanced(self.firm):
+            self.firm = new
+
+    def restart(self, now: Evaluation) -> None:
+        """Begin anew at an evaluation."""
+        self.now = now
+        self.sizes = [unbalanced(now)]
+        self._recent = [now.norm]
 
     def ends(self) -> bool:
         """Return True if further iterations would lead nowhere."""
-        if _too_many(self.norms, self._counted, self._settings.max_iterations):
+        if _too_many(self._recent, self._counted, self._settings.max_iterations):
             return True
         if not self.now.norm < _AWAY_FROM_ALL:
             return True
         if self._search == "energy":
-            return _stuck(self.norms)
-        return _hopeless(self.norms, any(self.now.active))
+            return _stuck(self._recent)
+        return _hopeless(self._recent, any(self.now.active))
 
     def cycle(self) -> list[ndarray]:
         """Return the displacements between which the active sets go back and forth, if they do."""
@@ -350,11 +371,11 @@ class _History:
         self._returns += 1
         return self._visited[self._since :] if self._returns >= _RETURNS else []
 
-    def stagnates(self) -> bool:
+    def stagnates(self, iterations: int = _PATIENCE) -> bool:
         """Return True if the last iterations have not halved the residual."""
-        if self.iterations < _PATIENCE:
+        if len(self._recent) <= iterations:
             return False
-        return self.now.norm > 0.5 * self.norms[-1 - _PATIENCE]
+        return self.now.norm > 0.5 * self._recent[-1 - iterations]
 
     def failure(self, text: str, cycle: Sequence[ndarray] = ()) -> NotConverged:
         """Return the error of the last evaluation."""
@@ -398,6 +419,7 @@ def iterate(
     """
     history = _History(now, settings, search)
     damped = damp
+    may_accelerate = search == "residual" and not damp
     while history.iterations < at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         # End iterations that lead nowhere, or whose active sets go back and forth.
         if history.ends():
@@ -422,7 +444,16 @@ def iterate(
         logger.debug("iteration %d: residual %.3e", history.iterations, now.norm)
         if search == "energy" and now.norm > settings.tolerance and problem.far(now):
             raise history.collapse()
-        damped = damp or history.stagnates()
+
+        # Accelerate once where the tangent leads nowhere.
+        if may_accelerate and history.stagnates(_SLOW) and now.norm > settings.tolerance:
+            may_accelerate = False
+            made = history.iterations
+            nearer = problem.accelerated(history.firm, history.note)
+            if history.iterations > made:
+                now = nearer
+                history.restart(now)
+        damped = damped or history.stagnates()
     return now, (*history.norms[:-1], now.norm + now.hidden)
 
 

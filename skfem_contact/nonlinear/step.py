@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,7 +12,8 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NoEquilibrium, NotConverged
-from ..solvers.direct import REFINE, SingularSystem
+from ..solvers.direct import REFINE, SingularSystem, Solve
+from .accelerated import Accelerated
 from .forcing import Forcing
 from .newton import FAR, Evaluation, Newton, Problem, Search, iterate
 from .system import System
@@ -186,6 +187,20 @@ class _Balance(Problem):
             moved = float(np.linalg.norm((now.z + step - self._step.x)[moves]))
             self._elastic = max(moved, float(np.linalg.norm(self._step.x[moves])))
         return step
+
+    def accelerated(self, now: Evaluation, note: Callable[[Evaluation], None]) -> Evaluation:
+        # in the plane and beside contact accelerated iterations stall
+        system = self._step.system
+        in_space = len(system.layout.coordinates) == 3
+        alone = system.layout.scale is None  # no fields besides displacements
+        if not (in_space and alone and system.yields) or system.unilateral:
+            return now
+        return Accelerated(self, self._settings.tolerance, note).solve(now)
+
+    def preconditioner(self, now: Evaluation) -> Solve:
+        """Return the solver of a matrix that is regular where the tangent leads nowhere."""
+        system = self._step.system
+        return system.factor(system.stiffened(now))
 
     def far(self, now: Evaluation) -> bool:
         moved = now.z - self._step.x

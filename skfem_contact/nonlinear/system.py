@@ -13,10 +13,10 @@ from scipy.sparse import csr_matrix
 
 from ..errors import Failure, IncrementTooLarge, NotConverged
 from ..forms.base import Form, Response, responses_of
-from ..forms.roles import Body, Reducible, Regularised, Timed, changed, having
+from ..forms.roles import Body, Reducible, Regularised, Stiff, Timed, changed, having
 from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, Solve
-from ..sparse import Total
+from ..sparse import Total, same_pattern, with_data
 from .newton import Evaluation
 
 #: Share of the load that may be lost in round-off.
@@ -24,6 +24,10 @@ _HIDDEN = 1e-6
 #: Share of all forces, in scaled equations, by which a field without any is measured: the residual
 #: then is round-off.
 _FLOOR = 1e-4
+#: Share of the elastic stiffness in the preconditioner of accelerated iterations. A footing in
+#: space on sand without dilation takes 72 of them with .1, 88 with .2, and the elastic stiffness
+#: alone comes no closer than a hundredth of the load.
+_ELASTIC = 0.1
 #: Largest displacement: squares of much larger ones overflow.
 _ENDLESS = 1e100
 
@@ -154,6 +158,17 @@ class System:
         """Return the tangent of all forms together."""
         return self._total.of([r.damped if damped else r.stiffness for r in now.responses.values()])
 
+    def stiffened(self, now: Evaluation) -> csr_matrix:
+        """Return the tangent of all forms together, with a share of their elastic stiffness."""
+        matrices = []
+        for name, form in self.forms.items():
+            tangent = now.responses[name].stiffness
+            elastic = form.elastic_stiffness if isinstance(form, Stiff) else None
+            if elastic is not None and elastic is not tangent:
+                tangent = _mixed(tangent, elastic, _ELASTIC)
+            matrices.append(tangent)
+        return self._total.of(matrices)
+
     def foreseen(
         self, start: ndarray, x: ndarray, before: ndarray | None, states: Mapping[str, Any]
     ) -> ndarray:
@@ -179,6 +194,13 @@ class System:
         for name in self.forms:
             failures[name] = Failure(False, tuple(found[name] for found in visited))
         return self.after(states, failures)
+
+
+def _mixed(first: csr_matrix, second: csr_matrix, share: float) -> csr_matrix:
+    """Return one matrix with a share of another, on the pattern of the first where they agree."""
+    if same_pattern(first, second):
+        return with_data(first, (1.0 - share) * first.data + share * second.data)
+    return (1.0 - share) * first + share * second
 
 
 def _relative(
