@@ -188,8 +188,8 @@ def _order_of_layers(columns: Sequence[Column]) -> list[str]:
     order: list[str] = []
     remaining = dict(below)
     while remaining:
-        lower = set().union(*remaining.values())
-        free = [name for name in remaining if name not in lower]
+        covered = set().union(*remaining.values())
+        free = [name for name in remaining if name not in covered]
         if not free:
             raise ValueError(
                 f"the layers {', '.join(remaining)} come in different orders in the columns: give "
@@ -225,7 +225,7 @@ def _outlines(x: ndarray, upper: ndarray, lower: ndarray) -> list[ndarray]:
     for start in np.flatnonzero(present & ~np.insert(present[:-1], 0, False)):
         gaps = np.flatnonzero(~present[start:])
         end = start + (gaps[0] if len(gaps) else len(present) - start)
-        outlines += _without_necks(x[start : end + 1], upper, lower, thick, start)
+        outlines += _without_necks(x[start : end + 1], upper, lower, thick, int(start))
     return outlines
 
 

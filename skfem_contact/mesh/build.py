@@ -10,6 +10,7 @@ from skfem.generic_utils import OrientedBoundary
 
 from ..errors import warn
 from .content import FACES_OF_27, Content, middles_of, without_doubles
+from .facets import number_facets
 from .kinds import KINDS, Floats, Integers, from_vtk
 from .split import split as split_elements
 
@@ -51,13 +52,10 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
             subdomains[name] = group[kind].astype(np.int32)
     boundaries = _boundaries(content, mesh, node)
     _tell_left_out(content, boundaries)
-    # Keep the order of scikit-fem: no tags are None
-    return replace(
-        mesh,
-        sort_t=False,
-        _boundaries=boundaries or None,
-        _subdomains=subdomains or None,
-    )
+    # No tags are None; a copy by `replace` would lose the facets
+    mesh._boundaries = boundaries or None
+    mesh._subdomains = subdomains or None
+    return mesh
 
 
 def _lay_flat(content: Content, plane: str) -> None:
@@ -162,15 +160,20 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
 def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Integers]:
     """Return the facets of all groups of sides and of nodes."""
     boundaries = {}
+    named: dict[str, list[OrientedBoundary]] = {}
+    if not any(KINDS[kind].dim < content.dim for kind in content.cells) and not content.node_groups:
+        return boundaries
+    number_facets(mesh)
     finder = _Finder(mesh)
-    for name, group in content.groups.items():
-        parts = []
-        for kind, members in group.items():
-            if KINDS[kind].dim == content.dim - 1 and len(members):
-                sides = content.cells[kind][members, : KINDS[kind].corners]
-                parts.append(finder.facets(node[sides], name))
-        if parts:
-            boundaries[name] = _joined(parts)
+    for kind, cells in content.cells.items():
+        groups = {name: group[kind] for name, group in content.groups.items() if kind in group}
+        if KINDS[kind].dim == content.dim - 1 and groups:
+            sides = node[cells[:, : KINDS[kind].corners]]
+            for name, part in finder.facets(sides, groups).items():
+                named.setdefault(name, []).append(part)
+    for name in content.groups:
+        if name in named:
+            boundaries[name] = _joined(named[name])
     for name, nodes in content.node_groups.items():
         found = finder.between(node[nodes])
         if len(found):
@@ -194,20 +197,29 @@ class _Finder:
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
 
-    def facets(self, sides: Integers, name: str) -> OrientedBoundary:
-        """Return facets with these corners, (n, corners), seen from the element behind them.
+    def facets(self, sides: Integers, groups: dict[str, Integers]) -> dict[str, OrientedBoundary]:
+        """Return the facets of groups of sides, whose corners are (n, corners)."""
+        used = np.unique(np.concatenate(list(groups.values())))
+        numbers = np.full(len(sides), -1)
+        numbers[used] = self._numbers(sides[used])
+        found = {}
+        for name, members in groups.items():
+            stray = np.count_nonzero(numbers[members] < 0)
+            if stray:
+                words = _SIDES[self.mesh.dim()]
+                raise ValueError(
+                    f"{stray} of {len(members)} {words[0]} of {words[1]} '{name}' are not "
+                    f"{words[2]} of elements"
+                )
+            found[name] = self._seen(numbers[members], sides[members])
+        return found
+
+    def _seen(self, found: Integers, sides: Integers) -> OrientedBoundary:
+        """Return facets as they are seen from the element behind them.
 
         The outward normal of that element points to the right of a line in the plane, and to where
         the corners go round anticlockwise in space.
         """
-        found = self._numbers(sides)
-        stray = np.count_nonzero(found < 0)
-        if stray:
-            words = _SIDES[self.mesh.dim()]
-            raise ValueError(
-                f"{stray} of {len(sides)} {words[0]} of {words[1]} '{name}' are not {words[2]} of "
-                "elements"
-            )
         normal = self._normals(sides)
         mesh = self.mesh
         first, second = mesh.f2t[:, found]

@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from .diagram import saved
 
@@ -74,7 +75,7 @@ def soundings(
     if section is not None:
         _draw_section(panels[0, -1], section, colors)
     panels[0, 0].set_ylabel("height in m")
-    handles = [plt.Rectangle((0, 0), 1, 1, color=color) for color in colors.values()]
+    handles = [Rectangle((0, 0), 1, 1, color=color) for color in colors.values()]
     if handles:
         figure.legend(handles, list(colors), loc="outside lower center", ncols=4, frameon=False)
     saved(figure, file)

@@ -309,7 +309,6 @@ def _kind_of(name: str) -> tuple[str, int]:
 
 def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift: int) -> Integers:
     """Return the numbers of a set, which may name other sets, or steps of a sequence."""
-    words = [word.strip() for word in re.split(rb"[,\n]", card.data) if word.strip()]
     if card.flag("GENERATE"):
         found = []
         for line in card.data.split(b"\n"):
@@ -318,6 +317,9 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
                 first, last, *step = bounds
                 found.append(np.arange(first, last + 1, *step[:1]))
         return shift + np.concatenate(found) if found else np.zeros(0, int)
+    if not re.search(rb"[A-Za-z_]", card.data):
+        return shift + np.asarray(parsed(card.data.replace(b",", b" "), "the set", np.int64))
+    words = [word.strip() for word in re.split(rb"[,\n]", card.data) if word.strip()]
     numbers = [int(word) for word in words if word.lstrip(b"-").isdigit()]
     parts = [np.array(numbers, dtype=int) + shift]
     for word in words:
@@ -366,31 +368,39 @@ def _content(whole: _Part) -> Content:
         if len(wanted):
             content.node_groups[whole.spelled[key]] = numbers_of(ids, wanted, "node")
     for key, lines in whole.surfaces.items():
-        for entry, face in lines:
-            _add_face(content, whole, numbers_by_kind, ids, whole.spelled[key], entry, face)
+        for face, members in _members_by_face(whole, whole.spelled[key], lines).items():
+            _add_face(content, numbers_by_kind, ids, whole.spelled[key], face, members)
     return content
+
+
+def _members_by_face(whole: _Part, name: str, lines: list[tuple[str, str]]) -> dict[str, Integers]:
+    """Return the elements of a surface by their faces, or its nodes; lines may name sets."""
+    single: dict[str, list[int]] = {}
+    found: dict[str, list[Integers]] = {}
+    for entry, face in lines:
+        sets = whole.node_sets if face == "NODE" else whole.element_sets
+        if entry.isdigit():
+            single.setdefault(face, []).append(int(entry))
+        elif entry.upper() in sets:
+            found.setdefault(face, []).extend(sets[entry.upper()])
+        else:
+            raise ValueError(f"surface '{name}' names the set '{entry}', which does not exist")
+    for face, numbers in single.items():
+        found.setdefault(face, []).append(np.array(numbers))
+    return {face: np.unique(np.concatenate(parts)) for face, parts in found.items()}
 
 
 def _add_face(
     content: Content,
-    whole: _Part,
     numbers_by_kind: Mapping[str, Integers],
     ids: Integers,
     name: str,
-    entry: str,
     face: str,
+    members: Integers,
 ) -> None:
-    """Add one face of an element, or of all elements of a set, to a surface."""
-    key = entry.upper()
-    sets = whole.node_sets if face == "NODE" else whole.element_sets
-    if entry.isdigit():
-        members = np.array([int(entry)])
-    elif key in sets:
-        members = np.concatenate(sets[key])
-    else:
-        raise ValueError(f"surface '{name}' names the set '{entry}', which does not exist")
+    """Add one face of some elements to a surface."""
     if face == "NODE":
-        nodes = numbers_of(ids, np.unique(members), "node")
+        nodes = numbers_of(ids, members, "node")
         known = content.node_groups.get(name, np.zeros(0, int))
         content.node_groups[name] = np.union1d(known, nodes).astype(int)
         return
@@ -401,12 +411,11 @@ def _add_face(
     for kind, numbers in numbers_by_kind.items():
         if KINDS[kind].dim < 2:
             continue
-        corners = content.cells[kind][:, : KINDS[kind].corners]
         faces = _FACES[_straight(kind)]
         found = np.flatnonzero(np.isin(numbers, members))
         position = int(number[1]) - 1
         if len(found) and position < len(faces):
-            sides = corners[found][:, list(faces[position])]
+            sides = content.cells[kind][found][:, list(faces[position])]
             side_kind = {2: "line", 3: "triangle", 4: "quad"}[sides.shape[1]]
             content.add_sides(name, side_kind, sides)
 

@@ -88,7 +88,7 @@ class _Blocks(NamedTuple):
 
     kind: str
     nodes: Integers
-    tags: tuple[Integers, ...]
+    tags: tuple[Integers | int, ...]
 
 
 def read(path: str) -> Content:
@@ -289,7 +289,7 @@ def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) 
         kind = _kind(number)
         table = section.sizes(many * (1 + _NODES[kind])).reshape(many, -1)
         tags = groups.get((dim, entity), np.zeros(0, int))
-        blocks.append(_Blocks(kind, table[:, 1:], tuple(np.full(many, tag) for tag in tags)))
+        blocks.append(_Blocks(kind, table[:, 1:], tuple(tags.tolist())))
     return blocks
 
 
@@ -363,12 +363,16 @@ def _members(blocks: list[_Blocks]) -> dict[int, Integers]:
     found: dict[int, list[Integers]] = {}
     first = 0
     for block in blocks:
+        every = first + np.arange(len(block.nodes))
         for tags in block.tags:
+            if isinstance(tags, int):
+                found.setdefault(tags, []).append(every)
+                continue
             tags = np.abs(tags)
             for tag in np.unique(tags[tags != 0]).tolist():
                 found.setdefault(tag, []).append(first + np.flatnonzero(tags == tag))
         first += len(block.nodes)
-    return {tag: np.unique(np.concatenate(parts)) for tag, parts in found.items()}
+    return {tag: np.concatenate(parts) for tag, parts in found.items()}
 
 
 def _element_data(data: mmap.mmap, is_text: bool) -> dict[str, Integers]:
