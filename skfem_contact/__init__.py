@@ -32,7 +32,6 @@ from .materials import (
     HardeningSoil,
     HoekBrown,
     Internal,
-    Joint,
     JointedRock,
     LinearElastic,
     Material,
@@ -44,6 +43,7 @@ from .materials import (
     Undrained,
     VonMises,
 )
+from .materials.jointed_rock import Joint
 from .mesh import join_bodies, load_mesh, save_mesh
 from .model import Model
 from .nonlinear.newton import Newton

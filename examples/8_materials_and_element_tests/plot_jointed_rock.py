@@ -4,7 +4,9 @@ Strength of jointed rock over the dip of its joints
 
 A sample of rock with one set of joints is confined by 20 kPa and loaded to its limit. The strength
 depends on the dip :math:`\beta` of the joints. Jaeger (1960) gives it by hand,
-:math:`\sigma_1 - \sigma_3 = 2 (c + \sigma_3 \tan\varphi) / ((1 - \tan\varphi \cot\beta) \sin 2\beta)`.
+
+.. math:: \sigma_1 - \sigma_3 =
+          \frac{2 (c + \sigma_3 \tan\varphi)}{(1 - \tan\varphi \cot\beta) \sin 2\beta} .
 """
 
 import json

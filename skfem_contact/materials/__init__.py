@@ -7,7 +7,7 @@ from .elastic import LinearElastic
 from .hardening import HardeningMohrCoulomb
 from .hardening_soil import HardeningSoil
 from .hoek_brown import HoekBrown
-from .jointed_rock import Joint, JointedRock
+from .jointed_rock import JointedRock
 from .mohr_coulomb import MohrCoulomb, Tresca
 from .neo_hooke import NeoHooke
 from .ngi_adp import NgiAdp
@@ -21,7 +21,6 @@ __all__ = [
     "HardeningSoil",
     "HoekBrown",
     "Internal",
-    "Joint",
     "JointedRock",
     "LinearElastic",
     "Material",
