@@ -126,7 +126,10 @@ def history(stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = F
         raise ValueError(
             f"stage '{stage.name}' has no inertia: only stages with `dynamic` have histories"
         )
-    basis = next(iter(solids_of(stage.forms).values())).basis
+    solids = list(solids_of(stage.forms).values())
+    if not solids:
+        raise ValueError("histories are of nodes of solids, and there is no solid")
+    basis = solids[0].basis
     dofs = dofs_at(basis, point)[0]
     where = np.asarray(basis.doflocs[:, dofs[0]])
     k = _QUANTITIES.index(quantity)

@@ -233,8 +233,10 @@ def check_forms(forms: Mapping[str, Form]) -> None:
 def _points(forms: Mapping[str, Form], given: Any) -> ndarray:
     """Return the dofs of the nodes whose motion is recorded, (n, dim)."""
     solids = list(solids_of(forms).values())
-    if np.size(given) == 0 or not solids:
+    if np.size(given) == 0:
         return np.zeros((0, 0), int)
+    if not solids:
+        raise ValueError("points to record are nodes of solids, and there is no solid")
     return dofs_at(solids[0].basis, given)
 
 

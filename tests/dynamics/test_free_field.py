@@ -96,6 +96,7 @@ def test_sides_alone_do_not_serve():
     assert np.abs(side - exact).max() > 0.3 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 def test_soil_yields_in_the_column_too():
     """[X] Clay without friction that yields: the box and its columns still move alike."""
     clay = sc.Tresca(E=2.0 * DENSITY * VS**2 * 1.3, nu=0.3, c=8.0)

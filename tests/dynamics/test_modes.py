@@ -119,3 +119,28 @@ def test_modes_need_masses():
         sc.Model(model.forms, model.fixed).frequencies(1)
     with pytest.raises(ValueError, match="'soil' has no unit_weight"):
         sc.Model({"soil": solid}, model.fixed, gravity_acceleration=10.0).frequencies(1)
+
+
+def test_mast_of_beams():
+    """[X] A mast of beam elements: Euler and Bernoulli, and the base shakes its mass as well."""
+    nodes = np.column_stack((np.zeros(21), np.linspace(0.0, 10.0, 21)))
+    mast = sc.Beam(None, nodes, EI=2e4, EA=1e7, GA=1e8, unit_weight=8.0)
+    foot = mast.dofs((0.0, 0.0))
+    model = sc.Model({"mast": mast}, foot, gravity_acceleration=10.0)
+    modes = model.modes(2)
+    exact = np.array([3.5160, 22.034]) / (2.0 * np.pi) * np.sqrt(2e4 / 0.8 / 10.0**4)
+    # masses at 41 nodes
+    np.testing.assert_allclose(modes.frequencies, exact, rtol=2e-3)
+    # the share of the first mode of a cantilever is .613
+    assert modes.effective[0, 0] == pytest.approx(0.613, rel=0.01)
+
+    # a constant acceleration of the base pushes the tip to twice w L^4 / 8 EI, w = .8 a
+    record = sc.Record(0.01, np.full(500, 0.5))
+    half = 0.5 / modes.frequencies[0]
+    stage = sc.Stage("push", duration=half, dynamic=sc.Dynamic(half / 100), base=record)
+    with pytest.warns(sc.AnalysisWarning, match="its record ends with"):
+        found = model.run([sc.Stage("weight"), stage], **QUIET)["push"]
+    with pytest.raises(ValueError, match="histories are of nodes of solids"):
+        found.history((0.0, 10.0))
+    tip = found.x[: 2 * len(nodes) * 2 : 2].min()
+    assert tip == pytest.approx(-2.0 * 0.8 * 0.5 * 10.0**4 / (8.0 * 2e4), rel=0.03)
