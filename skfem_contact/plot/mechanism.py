@@ -13,6 +13,7 @@ from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector
 
 from ..checks import check_plane
+from ..collapse.mechanism import LOAD
 from ..forms.solid import SolidForm
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
@@ -168,6 +169,9 @@ def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
     begin = int(np.argmin(displacement))
     figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
     (style,) = styles(1)
+    if result.what == LOAD:  # without load nothing has moved
+        displacement = np.insert(displacement, begin, 0.0)
+        parameter = np.insert(parameter, begin, 0.0)
     ax.plot(displacement[begin:], parameter[begin:], marker="o", markersize=4, **style)
 
     # Draw and write the limit.
@@ -182,5 +186,7 @@ def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
     )
     ax.set(xlabel=labelled("largest displacement", "length"), ylabel=result.what)
     ax.set_xlim(left=0.0)
+    if result.what == LOAD:
+        ax.set_ylim(bottom=0.0)
     tidy(ax, 1)
     return saved(figure, file)

@@ -520,7 +520,8 @@ def cut():
 def test_mechanism_has_its_factor_in_the_title(bars):
     _, found = cut()
     image = shot(plot.mechanism(found, vectors=False))
-    assert bars[0][0].startswith(f"Limit load {found.value:.4g}: shear strain") and bars[0][1] == ""
+    title = f"Limit load {found.value:.4g}, about {found.added:.1%} too high: shear strain"
+    assert bars[0][0].startswith(title) and bars[0][1] == ""
     body = image[: len(image) - FOOT].astype(int)
     red = (body[..., 0] - body[..., 2] > 150) & (body[..., 1] < 100)
     rows, columns = np.nonzero(red)
@@ -552,6 +553,8 @@ def test_curve_ends_at_the_limit():
     (axes,) = plot.load_curve(found).axes
     assert axes.lines[0].get_ydata()[-1] == pytest.approx(found.value, rel=0.02)
     assert axes.get_ylabel() == "limit load"
+    # the curve begins without load and displacement
+    assert axes.lines[0].get_xydata()[0].tolist() == [0.0, 0.0] and axes.get_ylim()[0] == 0.0
 
 
 def test_history_shows_the_nearest_nodes():
