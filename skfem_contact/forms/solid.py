@@ -625,11 +625,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
             )
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
-            units = "; are E and the loads in the same units?" if strain > 1.0 else ""
+            advice = ": take finite kinematics"
+            if strain > 1.0:
+                advice = "; are E and the loads in the same units?"
             yield Remark(
-                "strain",
-                strain,
-                f"strains of up to {strain:.0%} are taken for small: take finite kinematics{units}",
+                "strain", strain, f"strains of up to {strain:.0%} are taken for small{advice}"
             )
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
