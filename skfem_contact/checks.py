@@ -202,16 +202,31 @@ def check_quadrature(basis: CellBasis) -> None:
     spread from element to element.
     """
     points = basis.X.shape[-1]
+    if _holds(basis, points):
+        return
+    order = 1
+    while not _holds(basis, len(get_quadrature(basis.elem.refdom, order)[1])):
+        order += 1
+    raise ValueError(
+        f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it "
+        f"would deform without strain; pass a higher `intorder` to Basis, at least {order}"
+    )
+
+
+def _holds(basis: CellBasis, points: int) -> bool:
+    """Return True if a number of integration points leaves no element without stiffness."""
     strains, rigid, allowed = _MODES[basis.mesh.dim()]
-    needed = basis.Nbfun - rigid - allowed
-    if strains * points < needed:
-        order = 1
-        while strains * len(get_quadrature(basis.elem.refdom, order)[1]) < needed:
-            order += 1
-        raise ValueError(
-            f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it "
-            f"would deform without strain; pass a higher `intorder` to Basis, at least {order}"
-        )
+    return strains * points >= basis.Nbfun - rigid - allowed
+
+
+def positive_order(basis: CellBasis) -> int:
+    """Return the least order of quadrature with enough points, all of positive weights."""
+    order = 1
+    while True:
+        order += 1
+        weights = get_quadrature(basis.elem.refdom, order)[1]
+        if _holds(basis, len(weights)) and weights.min() > 0.0:
+            return order
 
 
 class Kind(NamedTuple):

@@ -394,6 +394,9 @@ class CollapseResult:
                 "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced "
                 "resist the load"
             )
+        for name, form in having(self.end.forms, Body).items():
+            if self.stop.kind == "stall" and form.quadrature_advice:
+                return f"; {name}: {form.quadrature_advice}"
         if self.flow == "given" and self.dilates_less:
             safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
             lagged = " or 'lagged'" if self.what == LOAD else ""

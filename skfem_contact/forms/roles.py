@@ -132,10 +132,13 @@ class Body(Stiff, Loaded):
         Basis of the elements.
     materials
         Materials by the names of their regions.
+    quadrature_advice
+        Advice on the rule of quadrature where it lets searches stall.
     """
 
     basis: Any = None
     materials: Mapping[str, Any] = MappingProxyType({})
+    quadrature_advice: str = ""
 
     @property
     def elements(self) -> ndarray:

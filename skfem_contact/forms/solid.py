@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import check_basis, check_quadrature, check_size, names
+from ..checks import check_basis, check_quadrature, check_size, names, positive_order
 from ..errors import Remark
 from ..loads import by_element, weight, weight_matrix, weightless
 from ..materials import Material, Update
@@ -604,10 +604,30 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         """Yield remarks on large rotations and strains, and on elements that lock."""
         if self._finite is None:
             yield from self._remarks_on_size(x, state)
+        yield from self._remarks_on_weights(state)
         if self.strain == "full" and state.strain.any():
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
             finite = self._finite is not None
             yield from locking(self.basis, self.coordinates, yielded, self._elasticity, finite)
+
+    @property
+    def quadrature_advice(self) -> str:
+        """Advice on a rule of quadrature with a negative weight, for a message; "" without one."""
+        if self.weight.min() > 0.0:
+            return ""
+        return (
+            "its rule of quadrature has a negative weight, by which points that yield add "
+            "stiffness instead of taking it, and searches stall: take Basis(..., intorder="
+            f"{positive_order(self.basis)})"
+        )
+
+    def _remarks_on_weights(self, state: SolidState) -> Iterator[Remark]:
+        """Yield a remark on points that yield in a rule with a negative weight."""
+        advice = self.quadrature_advice
+        if advice:
+            yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
+            if yielded:
+                yield Remark("quadrature", yielded, advice)
 
     def _remarks_on_size(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Yield remarks on large rotations and strains that are taken for small."""

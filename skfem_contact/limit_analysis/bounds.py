@@ -24,8 +24,6 @@ from .result import Bounds
 from .search import Bound, Search
 from .triangles import Triangles
 
-#: Share of the upper bound below which a lower one is none.
-_NOTHING = 1e-3
 #: Bounds on the mesh of a search take .4 to 1.4 of its time where its dofs times iterations are so
 #: many times the triangles: both take 1.0 to 1.8 ms a triangle on slopes of 1,400 to 3,500
 #: quadratic triangles, a search 2.3 to 3.4 us a dof and iteration. With an estimate they cost half
@@ -311,16 +309,16 @@ def _tell(search: Search, gap: float) -> None:
 
     # give the first reason that applies
     missing = search.problem.missing
-    if missing == "cohesion" and not low > _NOTHING * high:
+    if missing == "cohesion" and not search.has_lower:
         warn(
             "soil without cohesion resists nothing at a free surface, and there is no lower bound: "
-            f"give it a small cohesion; the upper bound is {high:.5g}"
+            f"give it a small cohesion; the upper bound is {high:.5g}{_meshes(search)}"
         )
-    elif missing and not low > _NOTHING * high:
+    elif missing and not search.has_lower:
         warn(
             "no lower bound could be proven on these meshes: soil without tensile strength may "
             "resist nothing at a free surface; give it a small tension, or allow more `elements`; "
-            f"the upper bound is {high:.5g}"
+            f"the upper bound is {high:.5g}{_meshes(search)}"
         )
     elif search.overloaded:
         reason = f"they need {1 / search.fixed_factor:.4g} times the strength"
@@ -329,7 +327,7 @@ def _tell(search: Search, gap: float) -> None:
         warn(f"the fixed loads alone cause a collapse: {reason}")
     elif unproven:
         warn(
-            f"no {' and no '.join(unproven)} bound could be proven"
+            f"no {' and no '.join(unproven)} bound could be proven{_meshes(search)}"
             f"{_blocked(search)}{_too_strong(search)}"
         )
     elif search.gap > gap:
@@ -338,6 +336,18 @@ def _tell(search: Search, gap: float) -> None:
             f"{gap:.2%} that were asked for: allow more `elements` or `seconds`"
             f"{_too_strong(search)}"
         )
+
+
+def _meshes(search: Search) -> str:
+    """Return the meshes that have been tried, for a message."""
+    finest = max(each.elements for each in search.history)
+    tried = dict.fromkeys(("lower", "upper"), 0)
+    for each in search.history:
+        tried[each.kind] += 1
+    return (
+        f" ({tried['lower']} meshes for the lower and {tried['upper']} for the upper one, of up to "
+        f"{finest} triangles, in {search.history[-1].cpu:.3g} s)"
+    )
 
 
 def _too_strong(search: Search) -> str:

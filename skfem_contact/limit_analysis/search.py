@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from time import process_time
 from typing import Any, NamedTuple
@@ -17,6 +18,8 @@ from .model import LimitModel, discretise
 from .reading import Problem
 from .result import Certificate, relative_gap
 from .triangles import Triangles, check_closed, gradients, matched, outward_normals, pairs
+
+logger = logging.getLogger("skfem_contact")
 
 #: Strength that the solver keeps in reserve where it is not reduced: its stresses violate it by
 #: less.
@@ -52,6 +55,12 @@ _HERE = 1e-9
 #: Interior angle from which a corner of the ground is singular, in degrees, and at which loads and
 #: supports may change.
 _REENTRANT, _LEVEL = 185.0, 150.0
+
+
+#: Share of the upper bound below which a lower one is nothing.
+NOTHING = 1e-3
+#: Meshes without a lower bound after which refinement ends once the upper bound has settled.
+_TRIES = 2
 
 
 class Bound(NamedTuple):
@@ -118,13 +127,36 @@ class Search:
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
                 break
             self.triangles = finer
+            known = self.upper.proof.value
             self._note(upper=self._solve_upper())
+            if self._futile(known, gap):
+                break
             before = self.last[0].triangles.mesh
             grown = finer.mesh.nelements > _GROWN * before.nelements
             if grown or self._gain > _GAIN * self.gap or self.gap < gap + 2 * self._gain:
                 self._note(lower=self._solve_lower(self.model))
         if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
             self._note(lower=self._solve_lower(self.model))
+
+    @property
+    def has_lower(self) -> bool:
+        """True if a lower bound is proven that is more than nothing."""
+        return self.lower.proof.value > NOTHING * self.upper.proof.value
+
+    def _futile(self, known: float, gap: float) -> bool:
+        """Return True if no mesh gives a lower bound, and the upper one has come to its end.
+
+        Without tensile strength a fine mesh may give one, so that refinement continues.
+        """
+        tried = sum(each.kind == "lower" for each in self.history)
+        if self.has_lower or tried <= _TRIES:
+            return False
+        n = self.triangles.mesh.nelements
+        logger.info(
+            "no lower bound could be proven on %d meshes, the last of %d triangles", tried, n
+        )
+        settled = self.upper.proof.value > (1.0 - gap) * known
+        return settled and self.problem.missing == "cohesion"
 
     def _note(self, lower: Bound | None = None, upper: Bound | None = None) -> None:
         """Keep the last bounds, and the best."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from contextlib import nullcontext
 
 import numpy as np
@@ -229,3 +230,58 @@ def test_limit_load_on_a_material_that_refuses_increments():
             sc.traction(basis, "foot", (0.0, -1.0)), start=model.k0_state(K0=0.6), **QUIET
         )
     assert found.multiplier > 100.0
+
+
+@pytest.mark.parametrize(("intorder", "shown"), [(2, True), (3, False), (4, True)])
+def test_rule_with_a_negative_weight_is_named(intorder, shown):
+    """[N] A stiff foot on sand: the search ends on a plateau with three and with six points, and
+    stalls at a fifth of the load with four, of which one has a negative weight; a warning says so.
+    """
+    x = np.r_[np.linspace(0, 1, 6), 1 + 7 * np.linspace(0, 1, 11)[1:] ** 1.5]
+    mesh = MeshTri.init_tensor(x, np.r_[-5 * np.linspace(1, 0, 11) ** 1.5, 0.5])
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    mesh = mesh.remove_elements(np.flatnonzero((middle[1] > 0) & (middle[0] > 1)))
+    mesh = mesh.with_boundaries(
+        {
+            "left": lambda x: x[0] < 1e-9,
+            "right": lambda x: x[0] > 8 - 1e-9,
+            "bottom": lambda x: x[1] < -5 + 1e-9,
+            "top": lambda x: x[1] > 0.5 - 1e-9,
+        }
+    ).with_subdomains({"foot": lambda x: x[1] > 0, "sand": lambda x: x[1] < 0})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=intorder)
+    sand = sc.MohrCoulomb(E=3e4, nu=0.3, c=0.01, phi=30.0, psi=30.0)
+    ground = sc.SolidForm(
+        basis,
+        {"foot": sc.LinearElastic(3e7, 0.2), "sand": sand},
+        unit_weight={"foot": 0.0, "sand": 20.0},
+    )
+    model = sc.Model({"ground": ground}, sc.box_supports(basis))
+    load = model.traction("top", (0.0, -1.0))
+    start = model.gravity_state(K0=0.5)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = model.limit_load(load, start=start, step=10.0, progress=False)
+    assert found.stop.shows_limit is shown
+    assert (300.0 < found.multiplier < 450.0) is shown
+    told = [str(w.message) for w in caught if "negative weight" in str(w.message)]
+    assert bool(told) is not shown
+    if told:
+        assert "no collapse was shown" in told[-1] and "ground: its rule of quad" in told[-1]
+        assert "intorder=2" in told[-1]
+
+
+def test_rule_with_a_negative_weight_in_a_stage():
+    """[X] Points that yield with it are warned of in a stage, too; elastic ones are not."""
+    mesh = MeshTri().refined(1).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=3)
+    soil = sc.SolidForm(basis, sc.Tresca(1e3, 0.3, c=10.0), unit_weight=0.0)
+    top = basis.get_dofs("top").all("u^2")
+    model = sc.Model({"soil": soil}, [basis.get_dofs("bottom").all(), top])
+    for pressed, told in ((0.001, 0), (0.04, 1)):
+        moved = basis.zeros()
+        moved[top] = -pressed
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            result = model.run([sc.Stage("press", prescribed=moved)], progress=False)
+        assert sum("negative weight" in text for text in result[-1].remarks) == told
