@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
-from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+from scipy.sparse.linalg import spsolve
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementQuad1,
+    ElementQuad2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+)
 
 import skfem_contact as sc
 from skfem_contact.dynamics.linear import is_linear
@@ -151,3 +160,56 @@ def test_memory_is_not_linear():
     spring = sc.MatrixForm(3.0 * np.eye(2))
     assert is_linear({"form": spring}, np.zeros(2), {"form": spring.initial_state()})
     assert not is_linear({"form": Nothing(2)}, np.zeros(2), {"form": None})
+
+
+def block_in_space():
+    """Return a block of hexahedra with its supports and a load."""
+    mesh = MeshHex.init_tensor(*(np.linspace(0.0, 1.0, 4),) * 3).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    load = sc.traction(basis, "right", (0.0, 1.0, -2.0))
+    return {"solid": solid}, basis.get_dofs("left").all(), load
+
+
+def disc():
+    """Return a disc of revolution with its supports and a load."""
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, 2.0, 5), np.linspace(0.0, 1.0, 4)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    soil = sc.LinearElastic(E=1e4, nu=0.3)
+    solid = sc.SolidForm(basis, soil, coordinates="axisymmetric", unit_weight=20.0)
+    fixed = [basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")]
+    return {"solid": solid}, fixed, sc.traction(solid, "top", (0.0, -3.0))
+
+
+def block_with_mast():
+    """Return a block with a mast inside, whose rotations have no mass."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    line = [[1.0, 0.0], [1.0, 0.5], [1.0, 1.0]]
+    mast = sc.Beam(basis, line, EI=50.0, EA=5e3, unit_weight=2.0, bonded=True)
+    fixed = [basis.get_dofs("bottom").all(), *mast.dofs((1.0, 0.0))]
+    return {"solid": solid, "mast": mast}, fixed, sc.traction(basis, "left", (3.0, 0.0))
+
+
+@pytest.mark.parametrize("case", [block_in_space, disc, block_with_mast])
+@pytest.mark.parametrize("solver", [None, spsolve])
+def test_models_of_all_kinds(case, solver):
+    """[N] In space, of revolution and with beams, linear steps are those of Newton's method."""
+    forms, fixed, load = case()
+    settings = sc.Dynamic(0.01, rho_inf=0.7, damping=sc.Rayleigh(0.02, f=(1.0, 20.0)))
+    stages = [sc.Stage("weight"), sc.Stage("push", load, duration=0.7, dynamic=settings)]
+    found = []
+    for more in (False, True):
+        model = sc.Model(forms, fixed, gravity_acceleration=9.81, solver=solver)
+        if more:
+            both = {**forms, "nothing": Nothing(forms["solid"].basis.N)}
+            model = sc.Model(both, fixed, gravity_acceleration=9.81, solver=solver)
+        found.append(model.run(stages, **QUIET)["push"])
+    one, other = found
+    np.testing.assert_allclose(one.x, other.x, atol=1e-7 * np.abs(other.x).max())
+    values = other.velocity
+    np.testing.assert_allclose(one.velocity, values, atol=1e-6 * np.abs(values).max())
+    energy = one.energy
+    # the damping of the scheme alone
+    assert np.abs(energy["missing"]).max() < 0.2 * np.abs(energy["work"]).max()
