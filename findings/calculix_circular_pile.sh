@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # CalculiX 2.20: a pile of radius 50 mm from an Abaqus input becomes one of diameter 50 mm.
 #
-# Expected: `*BEAM SECTION, SECTION=CIRC` with the value 0.05 is a circle of this radius, as in Abaqus.
+# Expected: `*BEAM SECTION, SECTION=CIRC` with the value 0.05 is a circle of this radius, as in
+#     Abaqus.
 # Seen: the head of a cantilever pile moves 111 mm in place of 6.8 mm, as a circle of diameter 0.05
-#     would: the value is the diameter.  With 0.1 the result is right to 3 %.  `SECTION=PIPE` in
-#     the same program takes the outer radius (and the thickness): 0.05, 0.01 is right to 1 %.
-# Meaning: bending stiffness falls by a factor of 16 and the area by 4, in an input that both programs
-#     read without a message.  Piles, anchors and props that are written for Abaqus need their CIRC
-#     values doubled, and their PIPE values left alone.
+#     would: the value is the diameter.  With 0.1 the result is right to 3 %.  `SECTION=PIPE` in the
+#     same program takes the outer radius (and the thickness): 0.05, 0.01 is right to 1 %.
+# Meaning: bending stiffness falls by a factor of 16 and the area by 4, in an input that both
+#     programs read without a message.  Piles, anchors and props that are written for Abaqus need
+#     their CIRC values doubled, and their PIPE values left alone.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

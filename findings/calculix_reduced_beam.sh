@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # CalculiX 2.20: a beam of elements B31R becomes softer with every refinement, without a limit.
 #
-# Expected: the deflection of a clamped beam with a force at its end converges to that of beam theory;
-#     reduced integration makes an element of two nodes softer, and better.
-# Seen: 6.1 times the right deflection with 4 elements, 20 times with 8, 47 times with 16 and 70 times
-#     with 32, without a message.  B31 with the same nodes has 0.989, 1.001, 1.004 and 1.005, and
-#     B32R 1.005.
+# Expected: the deflection of a clamped beam with a force at its end converges to that of beam
+#     theory; reduced integration makes an element of two nodes softer, and better.
+# Seen: 6.1 times the right deflection with 4 elements, 20 times with 8, 47 times with 16 and 70
+#     times with 32, without a message.  B31 with the same nodes has 0.989, 1.001, 1.004 and 1.005,
+#     and B32R 1.005.
 # Meaning: the element is expanded to one brick with a single integration point, and bending is a
 #     pattern of this brick that costs almost no energy.  Walls, piles and props of B31R hardly
 #     resist bending, and refinement makes it worse.  Use B31 or B32R.

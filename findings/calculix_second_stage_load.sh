@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # CalculiX 2.20: the water pressure of the second stage takes the earth pressure away.
 #
-# Expected: a wall has 10 kPa of earth in the first step, and 5 kPa of water in the second, by `*DLOAD`
-#     on the same faces.  As two cards within one step add up, two steps do: 15 kPa at the end.
-# Seen: both cards within one step give a reaction of 15 kN per m2.  In two steps it is 10 and then 5: the
-#     new value replaces the old one, for `*DLOAD` and `*CLOAD` alike.  Weight is different: a
-#     second `GRAV` with another direction is added, 5 downwards and 1.5 sideways of a supported block.
-# Meaning: the default OP=MOD modifies a load of the same face and label.  Pressures of stages must be
-#     given as totals; earthquake by a second GRAV must be given as the increment.  The sum of the
-#     reactions of each step shows which it was.
+# Expected: a wall has 10 kPa of earth in the first step, and 5 kPa of water in the second, by
+#     `*DLOAD` on the same faces.  As two cards within one step add up, two steps do: 15 kPa at the
+#     end.
+# Seen: both cards within one step give a reaction of 15 kN per m2.  In two steps it is 10 and then
+#     5: the new value replaces the old one, for `*DLOAD` and `*CLOAD` alike.  Weight is different:
+#     a second `GRAV` with another direction is added, 5 downwards and 1.5 sideways of a supported
+#     block.
+# Meaning: the default OP=MOD modifies a load of the same face and label.  Pressures of stages must
+#     be given as totals; earthquake by a second GRAV must be given as the increment.  The sum of
+#     the reactions of each step shows which it was.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # gmsh 4.15.2: a joint from one side of the rock to the other stays closed at both ends.
 #
-# Expected: the plugin Crack doubles all nodes of a joint that cuts a body in two, so that two bodies
-#     result.
-# Seen: the two nodes where the joint meets the outer boundary are not doubled: 16 nodes on a joint of
-#     nine, one body.  The tips of a crack are kept closed, and the plugin takes every end for a
+# Expected: the plugin Crack doubles all nodes of a joint that cuts a body in two, so that two
+#     bodies result.
+# Seen: the two nodes where the joint meets the outer boundary are not doubled: 16 nodes on a joint
+#     of nine, one body.  The tips of a crack are kept closed, and the plugin takes every end for a
 #     tip.  With the ends as a group in `OpenBoundaryPhysicalGroup` there are 18 nodes, and two
 #     bodies.
 # Meaning: contact, friction or flow on such a joint is carried by two welded nodes at its ends:
-#     blocks do not slide, and the largest stresses are at the ends.  Count the connected
-#     bodies after cutting.
+#     blocks do not slide, and the largest stresses are at the ends.  Count the connected bodies
+#     after cutting.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# gmsh 4.15.2: a drawing in metres is read a thousand times too large, and written a thousand too small.
+# gmsh 4.15.2: a drawing in metres is read a thousand times too large, and written too small.
 #
-# Expected: a STEP file of a box of 2 that says metres is read as 2, or a remark tells that it is not; a
-#     model that is drawn in metres is written in metres, or the unit is asked for.
+# Expected: a STEP file of a box of 2 that says metres is read as 2, or a remark tells that it is
+#     not; a model that is drawn in metres is written in metres, or the unit is asked for.
 # Seen: the box from a file with SI_UNIT($,.METRE.) is 2000 long and has the volume 2e9.  A box of
 #     length 2, written by default, has SI_UNIT(.MILLI.,.METRE.) in its file, and any other program
 #     reads it as 2 mm.  With `Geometry.OCCTargetUnit` "M" the first is 2 long, and the second is
 #     written as 2000 mm.
-# Meaning: a foundation from a CAD file is a thousand times as wide as the layers drawn around it; if all
-#     comes from the file, settlements grow by 1000 under the same unit weight, and weights by 1e9.
-#     Set the target unit before import and export, and check one length.
+# Meaning: a foundation from a CAD file is a thousand times as wide as the layers drawn around it;
+#     if all comes from the file, weights are 1e9 times too large.  Set the target unit before
+#     import and export, and check one length.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -50,7 +50,7 @@ corner=$(grep -c "CARTESIAN_POINT('',(2.,1.,1.))" default.step)
 corner_metres=$(grep -c "CARTESIAN_POINT('',(2.E+03,1.E+03,1.E+03))" metres.step)
 by_default=$(ask read box.step default)
 by_metres=$(ask read box.step M)
-echo "written by default: millimetres, corners at (2, 1, 1): $corner; with M: at (2000, 1000, 1000): $corner_metres"
+echo "in mm by default, corners at (2, 1, 1): $corner; with M at (2000, 1000, 1000): $corner_metres"
 echo "the box in metres: length and volume $by_default by default, $by_metres with M"
 [[ "$corner" -ge 1 && "$corner_metres" -ge 1 ]]
 [[ "$by_default" == '2000.000 2e+09' && "$by_metres" == '2.000 2' ]]

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # groundhog 0.15.0: the wall of a borehole moves as far in a hole of 0.2 m as in a tunnel of 10 m.
 #
-# Expected: the elastic expansion of a cylindrical cavity is (p - p0) a / (2 G), and the radial stress at
-#     the wall is the pressure in the cavity.
-# Seen: with p0 = 100 kPa, p = 105 kPa and G = 2000 kPa `expansion_cylinder_tresca` returns 1.25 mm for
-#     every diameter; right are 0.125 mm for 0.2 m and 6.25 mm for 10 m.  The factor a is missing: the
-#     value is a strain.  With yielding (su = 20 kPa, p = 150 kPa) the stress at the wall is 143.2 kPa.
-# Meaning: predictions of pressuremeter tests and of the closure of boreholes are off by the radius in
-#     metres: ten times too large in a borehole, five times too small in a tunnel.  Stresses in
+# Expected: the elastic expansion of a cylindrical cavity is (p - p0) a / (2 G), and the radial
+#     stress at the wall is the pressure in the cavity.
+# Seen: with p0 = 100 kPa, p = 105 kPa and G = 2000 kPa `expansion_cylinder_tresca` returns 1.25 mm
+#     for every diameter; right are 0.125 mm for 0.2 m and 6.25 mm for 10 m.  The factor a is
+#     missing: the value is a strain.  With yielding (su = 20 kPa, p = 150 kPa) the stress at the
+#     wall is 143.2 kPa.
+# Meaning: predictions of pressuremeter tests and of the closure of boreholes are off by the radius
+#     in metres: ten times too large in a borehole, five times too small in a tunnel.  Stresses in
 #     the elastic range are right.  Compare with one value by hand.
 set -euo pipefail
 folder=$(mktemp -d)
@@ -16,7 +17,7 @@ cd "$folder"
 python3 -m venv venv
 venv/bin/pip install --quiet --no-compile --disable-pip-version-check \
     groundhog==0.15.0 jinja2==3.1.6 pyproj==3.7.2 numpy==2.4.6 scipy==1.17.1 \
-    pandas==3.1.1
+    pandas==3.1.1 plotly==7.1.0 matplotlib==3.11.2
 cat > run.py <<'PY'
 import warnings
 

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # groundhog 0.15.0: a circular footing pulls the soil apart with more than its own pressure.
 #
-# Expected: the horizontal stress under the centre of a circle of radius 1 m with 100 kPa is that of the
-#     elastic half-space: 26.3, 5.75 and -0.33 kPa at depths of 0.5, 1 and 5 m (Poisson's ratio 0.3),
-#     which fades with the depth.
+# Expected: the horizontal stress under the centre of a circle of radius 1 m with 100 kPa is that of
+#     the elastic half-space: 26.3, 5.75 and -0.33 kPa at depths of 0.5, 1 and 5 m (Poisson's ratio
+#     0.3), which fades with the depth.
 # Seen: `stresses_circle` returns -31.8, -86.2 and -127.8 kPa, and at 100 m -130 kPa.  The vertical
-#     stress is right.  The formula, which the documentation quotes from a textbook, has
-#     4 (1 + nu) where the integral of Boussinesq's solution has 2 (1 + nu).
-# Meaning: the initial stresses for an analysis, the mean stress for a stiffness, or a stress path from
-#     this function are tension, at all depths, without a message.  Points, rectangles and strips in
-#     the same module are right.
+#     stress is right.  The formula, which the documentation quotes from a textbook, has 4 (1 + nu)
+#     where the integral of Boussinesq's solution has 2 (1 + nu).
+# Meaning: the initial stresses for an analysis, the mean stress for a stiffness, or a stress path
+#     from this function are tension, at all depths, without a message.  Points, rectangles and
+#     strips in the same module are right.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # ifcopenshell 0.9.0.post1: a pile of 10 m stands at 5000.
 #
-# Expected: position and shape of an object of an IFC model come in one unit, that of the model (mm).
-# Seen: for a pile in a model in mm, `get_local_placement` returns 5000, 2000, -3000, and the vertices of
-#     `create_shape` reach from 0 to 10, with the position 5, 2, -3 in the matrix of the same shape.
-#     The geometry is converted to metres, attributes and placements are not.  The setting
-#     "convert-back-units" gives 10000.
-# Meaning: vertices added to placements, to make a mesh of soil and piles, put piles of 10 m kilometres
-#     apart, and a model in metres hides the error.  Take the matrix of the shape, or multiply the
-#     placement by `calculate_unit_scale`.
+# Expected: position and shape of an object of an IFC model come in one unit, that of the model
+#     (mm).
+# Seen: for a pile in a model in mm, `get_local_placement` returns 5000, 2000, -3000, and the
+#     vertices of `create_shape` reach from 0 to 10, with the position 5, 2, -3 in the matrix of the
+#     same shape.  The geometry is converted to metres, attributes and placements are not.  The
+#     setting "convert-back-units" gives 10000.
+# Meaning: vertices added to placements, to make a mesh of soil and piles, put piles of 10 m
+#     kilometres apart, and a model in metres hides the error.  Take the matrix of the shape, or
+#     multiply the placement by `calculate_unit_scale`.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # jax 0.10.2: a contact that just touches has a quarter of its stiffness, half, or none.
 #
-# Expected: at a gap of exactly zero the derivatives of a penalty are the ones of one of the two sides:
-#     all of the penalty or nothing, whichever way the positive part is written.
-# Seen: the second derivative of 0.5 p max(-g, 0)**2 at g = 0 is 0.25 p with `jnp.maximum`, `jnp.clip`
-#     and 0 with `jnp.where` and `jax.nn.relu`.  The derivative of a force p max(-g, 0) is half of p.
-#     At a gap of -1e-12 all are p.
-# Meaning: matching meshes touch exactly in the first iteration.  A tangent from the energy is four times
-#     too soft there, one from the force two times, and another spelling has none, so that
-#     the first step of Newton's method jumps far through the other body or finds a singular
-#     matrix.  Start with a closed gap, or define the derivative yourself.
+# Expected: at a gap of exactly zero the derivatives of a penalty are the ones of one of the two
+#     sides: all of the penalty or nothing, whichever way the positive part is written.
+# Seen: the second derivative of 0.5 p max(-g, 0)**2 at g = 0 is 0.25 p with `jnp.maximum`,
+#     `jnp.clip` and 0 with `jnp.where` and `jax.nn.relu`.  The derivative of a force p max(-g, 0)
+#     is half of p.  At a gap of -1e-12 all are p.
+# Meaning: matching meshes touch exactly in the first iteration.  A tangent from the energy is four
+#     times too soft there, one from the force two times, and another spelling has none, so that the
+#     first step of Newton's method jumps far through the other body or finds a singular matrix.
+#     Start with a closed gap, or define the derivative yourself.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

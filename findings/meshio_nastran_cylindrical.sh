@@ -4,11 +4,11 @@
 # Expected: nodes that are given in a cylindrical system (field CP of GRID, CORD2C) are moved to
 #     Cartesian coordinates, or refused.
 # Seen: meshio reads radius, angle and height as x, y and z: a quarter of a ring of radii 2 and 3 m
-#     spans 1 m by 90 "m", and its area is 90 m2 in place of 3.9 m2.  There is no message.
-#     pyNastran gives the right points by `get_position()`, and r, angle and z by `xyz`.
-# Meaning: linings, shafts and piles are usually written in such systems.  Local Cartesian systems are
-#     ignored as well, where the wrong part is less visible: it lies turned and shifted elsewhere.
-#     Search the file for CORD cards before it is converted.
+#     spans 1 m by 90 "m", and its area is 90 m2 in place of 3.9 m2.  There is no message. pyNastran
+#     gives the right points by `get_position()`, and r, angle and z by `xyz`.
+# Meaning: linings, shafts and piles are usually written in such systems.  A local Cartesian system
+#     (CORD2R) is ignored as well: a node at 1, 0, 0 in a system shifted by 10 m along y is read as
+#     1, 0, 0.  Search the file for CORD cards before it is converted.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -52,5 +52,17 @@ assert np.allclose(np.ptp(mesh.points, axis=0), [1, 90, 0])
 assert abs(area(mesh.points, quads) - 90) < 1e-9
 assert abs(area(right, quads) - np.pi * 5 / 4) < 0.03
 assert np.allclose(model.nodes[19].xyz, [2, 90, 0])
+
+with open("shifted.bdf", "w") as file:
+    file.write("CEND\nBEGIN BULK\nCORD2R,1,,0.,10.,0.,0.,10.,1.,\n,1.,10.,0.\n")
+    for tag, (x, y) in enumerate([(0, 0), (1, 0), (1, 1), (0, 1)], start=1):
+        file.write(f"GRID,{tag},1,{x}.,{y}.,0.\n")
+    file.write("CQUAD4,1,1,1,2,3,4\nPSHELL,1,1,.3\nMAT1,1,3.+10,,.2\nENDDATA\n")
+mesh = meshio.read("shifted.bdf")
+model = BDF(debug=None)
+model.read_bdf("shifted.bdf")
+print("CORD2R: meshio", mesh.points[1], "pyNastran", model.nodes[2].get_position())
+assert np.allclose(mesh.points[1], [1, 0, 0])
+assert np.allclose(model.nodes[2].get_position(), [1, 10, 0])
 PY
 OMP_NUM_THREADS=1 venv/bin/python run.py

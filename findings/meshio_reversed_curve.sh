@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # gmsh 4.15.2, meshio 5.3.5: half of the base of a model loses its support in MSH 4.1.
 #
-# Expected: a physical group of two curves, one of them given with a minus sign for its direction, has the
-#     segments of both after the file is read.
-# Seen: in MSH 2.2 the group has ten segments of ten, in MSH 4.1, the default of Gmsh, five: the file has
-#     the tag -5 at the reversed curve, and meshio gives these segments the physical tag -5, or
-#     none.  With plus signs both formats have ten.  There is no message.
-# Meaning: loops of walls and linings are naturally written with signs.  Half of a support, a load or a
-#     drain is missing, and the rest has its name.  Compare the length of each group with the drawing.
+# Expected: a physical group of two curves, one of them given with a minus sign for its direction,
+#     has the segments of both after the file is read.
+# Seen: in MSH 2.2 the group has ten segments of ten, in MSH 4.1, the default of Gmsh, five: the
+#     file has the tag -5 at the reversed curve, and meshio gives these segments the physical tag
+#     -5.  With plus signs both formats have ten.  There is no message.
+# Meaning: loops of walls and linings are naturally written with signs.  Half of a support, a load
+#     or a drain is missing, and the rest has its name.  Compare the length of each group with the
+#     drawing.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

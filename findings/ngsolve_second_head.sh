@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # ngsolve 6.2.2608: the head of the tailwater removes the head of the reservoir.
 #
-# Expected: two calls `head.Set(..., definedon=mesh.Boundaries(...))` for two boundaries give both heads.
-# Seen: the second call sets all other values to zero: with 10 m on the left and 4 m on the right, the
-#     seepage is solved with 0 m on the left.  It flows from right to left, 4 in place of -6 (times the
-#     permeability), and no message appears.  One call with `mesh.BoundaryCF({...})` is right.
-# Meaning: of several heads, settlements or temperatures only the last is applied.  If its value is zero,
-#     as at a drain or a fixed base, the whole solution is zero; otherwise it looks like a result.
-#     Set all values in one call, and print them from the boundaries before solving.
+# Expected: two calls `head.Set(..., definedon=mesh.Boundaries(...))` for two boundaries give both
+#     heads.
+# Seen: the second call sets all other values to zero: with 10 m on the left and 4 m on the right,
+#     the seepage is solved with 0 m on the left.  It flows from right to left, 4 in place of -6
+#     (times the permeability), and no message appears.  One call with `mesh.BoundaryCF({...})` is
+#     right.
+# Meaning: of several heads, settlements or temperatures only the last is applied.  If its value is
+#     zero, as at a drain or a fixed base, the whole solution is zero; otherwise it looks like a
+#     result.  Set all values in one call, and print them from the boundaries before solving.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

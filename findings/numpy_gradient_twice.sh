@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # numpy 2.4.6: the bending moment at the foot of a wall is half the right one, on any mesh.
 #
-# Expected: `gradient` of `gradient` of a deflection is less accurate at the ends, with an error that
-#     goes to zero with the spacing.
+# Expected: `gradient` of `gradient` of a deflection is less accurate at the ends, with an error
+#     that goes to zero with the spacing.
 # Seen: for a clamped wall of 10 m under a uniform load the moment at the foot is 0.452 of the right
 #     one with 21 points, 0.495 with 201 and 0.4995 with 2001, and its neighbour tends to 0.75.  The
 #     one-sided difference at the end, taken twice, gives half of the second derivative at any
 #     spacing.  With `edge_order=2` the ratios are 0.926, 0.993 and 0.999.
-# Meaning: moments from readings of an inclinometer, and curvatures of a settlement trough at a wall,
-#     are half of the true ones just where they are largest, and a finer mesh seems to confirm them.
-#     Use `edge_order=2`, or a fit whose second derivative is known.
+# Meaning: moments from readings of an inclinometer, and curvatures of a settlement trough at a
+#     wall, are half of the true ones just where they are largest, and a finer mesh seems to confirm
+#     them.  Use `edge_order=2`, or a fit whose second derivative is known.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

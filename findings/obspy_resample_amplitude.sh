@@ -2,12 +2,12 @@
 # obspy 1.5.1: a record that is resampled to a finer step loses a part of its acceleration.
 #
 # Expected: `resample` from 100 to 200 Hz keeps every sine below the old Nyquist frequency of 50 Hz.
-# Seen: amplitudes of 1 become 0.976 at 5 Hz, 0.905 at 10 Hz, 0.655 at 20 Hz and 0.345 at 30 Hz.  The
-#     default `window="hann"` is applied to the spectrum, not to the record: it is a low-pass filter
-#     without a corner.  `window=None` keeps amplitudes to 1e-4.
-# Meaning: peak accelerations and the short-period end of a response spectrum fall by 10 to 60 % when
-#     records are brought to the time step of the analysis, and no later check can see it.  Give
-#     `window=None`, or interpolate with method="lanczos".
+# Seen: amplitudes of 1 become 0.976 at 5 Hz, 0.905 at 10 Hz, 0.655 at 20 Hz and 0.345 at 30 Hz.
+#     The default `window="hann"` is applied to the spectrum, not to the record: it is a low-pass
+#     filter without a corner.  `window=None` keeps amplitudes to 1e-4.
+# Meaning: peak accelerations and the short-period end of a response spectrum fall by 10 to 60 %
+#     when records are brought to the time step of the analysis, and no later check can see it.
+#     Give `window=None`, or interpolate with method="lanczos".
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # openseespy 3.7.1.2: Rayleigh damping of 10 % has no effect on springs and trusses.
 #
-# Expected: `rayleigh` with a coefficient for the stiffness damps every element, so that the overshoot of
-#     a suddenly loaded mass on a bar is 0.729 at 10 % of critical damping.
-# Seen: 0.999 and no decay in ten periods, if the bar is a `Truss` or a spring `zeroLength`: both are
-#     left out of the damping by default.  With -doRayleigh 1 both give 0.729.  A
-#     beam element in the same position gives 0.729 as it is.
-# Meaning: the soil springs, anchors and braces of a frame are undamped where the frame is damped, and
-#     an array of p-y springs or a truss bridge has no damping at all.  The periods are right.  Give
-#     -doRayleigh 1, and look at a free vibration.
+# Expected: `rayleigh` with a coefficient for the stiffness damps every element, so that the
+#     overshoot of a suddenly loaded mass on a bar is 0.729 at 10 % of critical damping.
+# Seen: 0.999 and no decay in ten periods, if the bar is a `Truss` or a spring `zeroLength`: both
+#     are left out of the damping by default.  With -doRayleigh 1 both give 0.729.  A beam element
+#     in the same position gives 0.729 as it is.
+# Meaning: the soil springs, anchors and braces of a frame are undamped where the frame is damped,
+#     and an array of p-y springs or a truss bridge has no damping at all.  The periods are right.
+#     Give -doRayleigh 1, and look at a free vibration.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # openseespy 3.7.1.2: at the last time of a load history the load is zero.
 #
-# Expected: a series of loads 0, 1, 2, 3 at t = 0, 1, 2, 3 (timeSeries Path with -dt) gives the load 3
-#     at t = 3, and keeps it or drops to zero afterwards.
-# Seen: the displacement at t = 1, 2, 3 is 1, 2 and 0.  At the time of the last value the load is zero
-#     already.  With the same values given by -time it is 3 at t = 3, and zero from there on.
+# Expected: a series of loads 0, 1, 2, 3 at t = 0, 1, 2, 3 (timeSeries Path with -dt) gives the load
+#     3 at t = 3, and keeps it or drops to zero afterwards.
+# Seen: the displacement at t = 1, 2, 3 is 1, 2 and 0.  At the time of the last value the load is
+#     zero already.  With the same values given by -time it is 3 at t = 3, and zero from there on.
 #     -useLast gives 3, 3 with -dt, and has no effect with -time: 3, 0.
 # Meaning: the final state of a static push or of a staged fill is the unloaded one, which passes as
 #     "analysis converged".  Repeat the last value in the list, whichever form is used.

@@ -3,12 +3,12 @@
 #
 # Expected: `pressure` of the element `quad` presses on its edges, as force per area: 10 kPa gives a
 #     stress of -10 kPa, whatever the thickness.
-# Seen: 10 gives the stress +20 at a thickness of 0.5 m, +10 at 1 m and +5 at 2 m.  The sign is that of
-#     tension, and the edges get the value as force per length.  The body force of the same element
-#     is multiplied by the thickness, and its stress does not depend on it.
-# Meaning: a cell pressure or water pressure turns into suction, and a slice that is not 1 m thick gets
-#     the wrong ratio of water pressure to weight.  Give minus the pressure times the thickness, and
-#     compare the stress of one element.
+# Seen: 10 gives the stress +20 at a thickness of 0.5 m, +10 at 1 m and +5 at 2 m.  The sign is that
+#     of tension, and the edges get the value as force per length.  The body force of the same
+#     element is multiplied by the thickness, and its stress does not depend on it.
+# Meaning: a cell pressure or water pressure turns into suction, and a slice that is not 1 m thick
+#     gets the wrong ratio of water pressure to weight.  Give minus the pressure times the
+#     thickness, and compare the stress of one element.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

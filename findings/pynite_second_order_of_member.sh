@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # PyNiteFEA 3.2.0: a P-Delta analysis finds two thirds of the moment of a slender column.
 #
-# Expected: `analyze_PDelta` gives the moment of a simply supported column under half its buckling load
-#     and a lateral load; its geometric stiffness includes the bending of the member.
-# Seen: 26.3 kNm with one member, where theory has 40.6 kNm and a first-order analysis 20.0 kNm.  With
-#     two members it is 40.4, with four 40.58 kNm.  The moment between the ends is recovered from
-#     the linear shape under the lateral load, without the axial force times the deflection.
-# Meaning: props, piles and braces that are modelled by one member each, the usual way in this program,
-#     are on the unsafe side by a third, though the analysis is called second-order.  Add a node at
-#     mid-height of each slender member.
+# Expected: `analyze_PDelta` gives the moment of a simply supported column under half its buckling
+#     load and a lateral load; its geometric stiffness includes the bending of the member.
+# Seen: 26.3 kNm with one member, where theory has 40.6 kNm and a first-order analysis 20.0 kNm.
+#     With two members it is 40.4, with four 40.58 kNm.  What the axial force does along a member,
+#     between its nodes, is found in part only.
+# Meaning: props, piles and braces that are modelled by one member each, the usual way in this
+#     program, are on the unsafe side by a third, though the analysis is called second-order.  Add a
+#     node at mid-height of each slender member.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

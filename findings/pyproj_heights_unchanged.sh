@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # pyproj 3.7.2 (PROJ 9.5.1): a height of the satellite is returned as a height above the sea.
 #
-# Expected: without the grid of the geoid, a transformation from ellipsoidal heights to heights above
-#     mean sea level is refused, at least with `only_best=True` and `errcheck=True`.
-# Seen: at 52 degrees north, 5 degrees east a height of 43 m is returned as 43.0 m for EGM96, for the
-#     Dutch NAP and for the German DHHN2016, where the geoid is more than 40 m above the ellipsoid.
-#     No error and no warning in any of the settings.  Only the words "ballpark vertical
-#     transformation" in the description tell it, and `TransformerGroup`, which warns of the
-#     missing grid.
+# Expected: without the grid of the geoid, a transformation from ellipsoidal heights to heights
+#     above mean sea level is refused, at least with `only_best=True` and `errcheck=True`.
+# Seen: at 52 degrees north, 5 degrees east a height of 43 m is returned as 43.0 m for EGM96, for
+#     the Dutch NAP and for the German DHHN2016, where the geoid is more than 40 m above the
+#     ellipsoid.  No error and no warning in any of the settings.  Only the words "ballpark vertical
+#     transformation" in the description tell it, and `TransformerGroup`, which warns of the missing
+#     grid.
 # Meaning: the wheels have no grids and the network is off by default.  Boreholes and piezometers
 #     surveyed by GNSS then lie 43 m above a model in national heights.  Check
 #     `TransformerGroup(...).best_available`, or one benchmark of known height.

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # pyrotd 0.6.1: the response spectrum of a short record is wrong by a factor at long periods.
 #
-# Expected: the spectrum of the exact response to linear acceleration between samples
-#     (Nigam and Jennings), to some per cent.
-# Seen: for a filtered record of 20 s at 5 % damping the spectral acceleration has 1.24 times the right
-#     value at 5 s and 0.83 at 8 s; at 1 % damping 2.2 times at 2 s and 3.3 times at 5 s.  The same
-#     record with 40 s of zeros behind it is right to 3 % from 0.2 s on.
-# Meaning: the oscillator is solved in the frequency domain, and the record is taken as periodic: the
-#     free vibration after the end acts before the beginning.  Tall structures, base isolation and
-#     sloshing are affected.  Append zeros until the free vibration has decayed.
+# Expected: the spectrum of the exact response to linear acceleration between samples (Nigam and
+#     Jennings), to some per cent.
+# Seen: for a filtered record of 20 s at 5 % damping the spectral acceleration has 1.24 times the
+#     right value at 5 s and 0.83 at 8 s; at 1 % damping 2.2 times at 2 s and 3.3 times at 5 s.  The
+#     same record with 40 s of zeros behind it is right to 3 % from 0.2 s on.
+# Meaning: the oscillator is solved in the frequency domain, and the record is taken as periodic:
+#     the free vibration after the end acts before the beginning.  Tall structures, base isolation
+#     and sloshing are affected.  Append zeros until the free vibration has decayed.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

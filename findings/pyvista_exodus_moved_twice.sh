@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# pyvista 0.49.1, VTK 9.7.2, meshio 5.3.5: a mesh from Exodus II is already deformed when it arrives.
+# pyvista 0.49.1, VTK 9.7.2, meshio 5.3.5: a mesh from Exodus II arrives in its deformed state.
 #
-# Expected: the points of a step of results are the coordinates of the file, as meshio reads them, and
-#     the displacement is a field beside them.
-# Seen: a cube of 1 m that is pressed to half its height in the last step.  meshio has the height 1.0;
-#     pyvista moves the points of this step by itself: height and volume are 0.5.  Warped by the
-#     field that is beside them, the cube has the height 0.  The field is named `disp_`, of
+# Expected: the points of a step of results are the coordinates of the file, as meshio reads them,
+#     and the displacement is a field beside them.
+# Seen: a cube of 1 m that is pressed to half its height in the last step. meshio has the height
+#     1.0; pyvista moves the points of this step by itself: height and volume are 0.5.  Warped by
+#     the field that is beside them, the cube has the height 0.  The field is named `disp_`, of
 #     `disp_x`, `disp_y` and `disp_z`.
-# Meaning: every node variable whose name begins with "disp" moves the mesh.  Displacements shown by
-#     `warp_by_vector` are doubled, and volumes, resultants of stress and points of sampling
-#     are of the deformed body, in a theory of small displacements by mistake.  Turn it off by
+# Meaning: a nodal vector named "disp" moves the mesh.  Displacements shown by `warp_by_vector` are
+#     doubled, and volumes, resultants of stress and points of sampling are of the deformed body, in
+#     a theory of small displacements by mistake.  Turn it off by
 #     `reader.reader.ApplyDisplacementsOff()`.
 set -euo pipefail
 folder=$(mktemp -d)

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # pyvista 0.49.1, VTK 9.7.2: there are no flow paths in clay.
 #
-# Expected: the streamlines of a field depend on its direction alone: a uniform flow through a block has
-#     the same line at 1e-6 m/s and at 5e-13 m/s.
-# Seen: a line of 6.9 m in a block of 10 m at 1e-6, 1e-10 and 2e-12 m/s, and no line at all at
-#     5e-13 m/s (permeability 5e-11 m/s, gradient 0.01), without a message.  The default
-#     `terminal_speed` of 1e-12 is in the unit of the field.  In m/day the line is there.
-# Meaning: clays, liners, cut-off walls and the calm parts behind them look like places without flow, and
-#     paths that meet them end early, which changes travel times.  Give `terminal_speed=0`, or
-#     divide the field by its largest value.
+# Expected: the streamlines of a field depend on its direction alone: a uniform flow through a block
+#     has the same line at 1e-6 m/s and at 5e-13 m/s.
+# Seen: a line of 6.9 m in a block of 10 m at 1e-6, 1e-10 and 2e-12 m/s, and no line at all at 5e-13
+#     m/s (permeability 5e-11 m/s, gradient 0.01), without a message.  The default `terminal_speed`
+#     of 1e-12 is in the unit of the field.  In m/day the line is there.
+# Meaning: clays, liners, cut-off walls and the calm parts behind them look like places without
+#     flow, and paths that meet them end early, which changes travel times.  Give
+#     `terminal_speed=0`, or divide the field by its largest value.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # pyvista 0.49.1, VTK 9.7.2: the volume of a pit depends on the height of the ground above the sea.
 #
-# Expected: `volume` of a surface that is not closed is an error or NaN; or the same number at any datum.
-# Seen: a terrain of 100 m x 100 m with a pit of 5 m, whose volume is 1803 m3.  The result is 1803 with
-#     the ground at 0 m, 97457 at 10 m and 990797 at 100 m, which is neither the pit nor the ground
-#     above the datum (98197 and 998197).  A box of 8 m3 without one side has 7.2 m3.  No message.
+# Expected: `volume` of a surface that is not closed is an error or NaN; or the same number at any
+#     datum.
+# Seen: a terrain of 100 m x 100 m with a pit of 5 m, whose volume is 1803 m3.  The result is 1803
+#     with the ground at 0 m, 97457 at 10 m and 990797 at 100 m, which is neither the pit nor the
+#     ground above the datum (98197 and 998197).  A box of 8 m3 without one side has 7.2 m3.  No
+#     message.
 # Meaning: masses of excavation and fill from a surveyed surface are right at a local datum with the
 #     surroundings at zero, and wrong by any factor elsewhere.  Close the surface, and ask
 #     `n_open_edges`, or integrate the heights over the triangles.

@@ -1,23 +1,25 @@
 #!/usr/bin/env bash
-# gstools 1.7.0, scikit-learn 1.9.1, openturns 1.27, pykrige 1.7.3: four soils with one correlation length.
+# gstools 1.7.0, scikit-learn 1.9.1, openturns 1.27, pykrige 1.7.3: one length, four correlations.
 #
 # Expected: a Gaussian or exponential correlation with a length of 10 m is the same function in each
 #     library.
 # Seen: at a distance of 10 m the Gaussian model has the correlation 0.456 in gstools, 0.607 in
 #     scikit-learn and openturns, and 0.047 in pykrige; the exponential one 0.368, and 0.050 in
-#     pykrige; Matern with nu = 1.5 0.654 in gstools and 0.483 in the other two.
-#     The spherical model agrees.
-# Meaning: `len_scale` is scaled in gstools to the integral of the correlation, `length_scale` and `scale`
-#     are parameters of the exponent, and `range` of pykrige is where 95 % are reached.  Fields
-#     that are fitted with one and simulated with another vary over half or twice the distance,
-#     which changes the probability of failure of a slope.  Compare one value of the correlation.
+#     pykrige; Matern with nu = 1.5 0.654 in gstools and 0.483 in the other two.  The spherical
+#     model agrees.
+# Meaning: `len_scale` is scaled in gstools to the integral of the correlation, `length_scale` and
+#     `scale` are parameters of the exponent, and `range` of pykrige is where 95 % are reached.
+#     Fields that are fitted with one and simulated with another vary over half or twice the
+#     distance, which changes the probability of failure of a slope.  Compare one value of the
+#     correlation.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
 venv/bin/pip install --quiet --no-compile --disable-pip-version-check \
-    gstools==1.7.0 scikit-learn==1.9.1 openturns==1.27.post1 pykrige==1.7.3 numpy==2.4.6 scipy==1.17.1
+    gstools==1.7.0 scikit-learn==1.9.1 openturns==1.27.post1 pykrige==1.7.3 \
+    numpy==2.4.6 scipy==1.17.1
 cat > run.py <<'PY'
 import gstools
 import numpy as np

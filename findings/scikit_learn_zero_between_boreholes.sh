@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# scikit-learn 1.9.1: between boreholes with 10 MPa the soil has a strength of zero, plus or minus one.
+# scikit-learn 1.9.1: between boreholes with 10 MPa the soil has a strength of zero.
 #
-# Expected: a Gaussian process through cone resistances of about 10 MPa returns to their mean between
-#     distant boreholes, as ordinary kriging does, with the scatter of the readings.
+# Expected: a Gaussian process through cone resistances of about 10 MPa returns to their mean
+#     between distant boreholes, as ordinary kriging does, with the scatter of the readings.
 # Seen: with RBF(10), fixed or fitted, the prediction 50 m from two groups of boreholes is 0.00 to
-#     0.01 MPa, with a standard deviation of 1.00. The default kernel, whose length of 1 is not
+#     0.01 MPa, with a standard deviation of 1.00.  The default kernel, whose length of 1 is not
 #     fitted, gives 0.00 MPa halfway between readings that are 10 m apart.  With `normalize_y=True`
 #     it is 10.17 MPa, the mean of the readings, plus or minus 0.63.
-# Meaning: the mean of the process is zero and its variance one, whatever the data are.  A stiffness or a
-#     strength interpolated by default has holes between the boreholes, with a narrow band of
+# Meaning: the mean of the process is zero and its variance one, whatever the data are.  A stiffness
+#     or a strength interpolated by default has holes between the boreholes, with a narrow band of
 #     confidence around zero.  Set `normalize_y`, or subtract a trend first.
 set -euo pipefail
 folder=$(mktemp -d)

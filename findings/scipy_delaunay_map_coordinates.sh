@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # scipy 1.17.1: a triangulation in map coordinates leaves out 96 % of its points.
 #
-# Expected: the same triangles as at a local origin, since a double resolves 1e-9 m at northing 5800000;
-#     otherwise an error.
+# Expected: the same triangles as at a local origin, since a double resolves 1e-9 m at northing
+#     5800000; otherwise an error.
 # Seen: 900 points of a scan, 0.1 m apart.  At the origin all are corners of triangles.  At easting
 #     580000, northing 5800000 only 34 are: the others are in `coplanar`, which is no part of the
-#     triangulation.  At a spacing of 1 m two are missing, and 866 at 0.1 m.  The area is right in all
-#     cases, as the few triangles cover the same outline.
+#     triangulation.  At a spacing of 1 m two are missing, and 866 at 0.1 m.  The area is right in
+#     all cases, as the few triangles cover the same outline.
 # Meaning: `LinearNDInterpolator` and `griddata` use this triangulation: of a wave of 50 mm in the
 #     settlements, the interpolated values at the readings themselves are off by up to 89 mm.
 #     Subtract the mean of the coordinates first, and look at `coplanar`.
@@ -29,7 +29,7 @@ settlement = 50 * np.sin(grid[:, 0]) * np.sin(grid[:, 1])
 
 
 def corners(points):
-    """Number of points that are corners of triangles, area, and error of interpolation at the points."""
+    """Number of points that are corners of triangles, area, and error of values at the points."""
     mesh = Delaunay(points)
     first, second, third = points[mesh.simplices.T]
     a, b = second - first, third - first

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# scipy 1.17.1: the ground moves three times as far after a high-pass filter of an earthquake record.
+# scipy 1.17.1: the ground moves three times too far after a high-pass filter of a record.
 #
-# Expected: `sosfiltfilt` with a corner of 0.1 Hz removes the drift of a record of 20 s: integrated twice
-#     it ends at rest, and its peak displacement is that of a filter with zeros on both sides.
+# Expected: `sosfiltfilt` with a corner of 0.1 Hz removes the drift of a record of 20 s: integrated
+#     twice it ends at rest, and its peak displacement is that of a filter with zeros on both sides.
 # Seen: with the default padding the displacement ends at its peak of 0.39 m, and the velocity at
-#     0.02 m/s.  With 60 s of zeros on both sides the peak is 0.11 m and the end is at rest.
-#     A longer padding of the function itself (padlen=2400, odd) is worse: 1.2 m.
-# Meaning: the default extends the record by some tenths of a second, turned around, where a filter of
-#     0.1 Hz acts over tens of seconds.  Displacements of walls and slopes by double
-#     integration, and prescribed motions of a base, are those of the padding.  Pad with zeros yourself
-#     before filtering, and keep the pads.
+#     0.02 m/s.  With 60 s of zeros on both sides the peak is 0.11 m and the end is at rest.  A
+#     longer padding of the function itself (padlen=2400, odd) is worse: 1.2 m.
+# Meaning: the default extends the record by some tenths of a second, turned around, where a filter
+#     of 0.1 Hz acts over tens of seconds.  Displacements of walls and slopes by double integration,
+#     and prescribed motions of a base, are those of the padding.  Pad with zeros yourself before
+#     filtering, and keep the pads.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -38,7 +38,7 @@ for name, acceleration in (
     displacement = cumulative_trapezoid(velocity, dx=STEP, initial=0)
     peak = abs(displacement).max()
     print(f"{name}: peak displacement {peak:.3f} m, at the end {displacement[-1]:.3f} m, "
-          f"velocity at the end {velocity[-1]:.3f} m/s, acceleration {abs(acceleration).max():.2f} m/s2")
+          f"velocity at the end {velocity[-1]:.3f} m/s")
     seen.append((peak, displacement[-1]))
 default, longer, right = seen
 assert abs(default[0] - 0.386) < 0.02 and abs(default[1] - default[0]) < 1e-6

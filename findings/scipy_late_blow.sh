@@ -4,11 +4,11 @@
 # Expected: the step control finds a load of 20 ms on a structure at rest, as the solution changes
 #     abruptly; `t_eval` with points inside the blow makes sure of it.
 # Seen: RK45, DOP853, Radau, BDF and LSODA return a displacement of exactly zero and success for an
-#     oscillator of 1 Hz that is struck after 8 s; the right peak is 0.295 m.  `t_eval` at every
-#     2 ms changes nothing: it interpolates.  With max_step=0.01 all five are within 3 %.
-# Meaning: at rest every step is exact, and so the steps grow to seconds.  Blows, wheel loads, quakes
-#     after a quiet lead and sudden drawdown are lost without a message.  Set `max_step` to the
-#     spacing of the record, or stop and restart at each jump of the load.
+#     oscillator of 1 Hz that is struck after 8 s; the right peak is 0.295 m.  `t_eval` at every 2
+#     ms changes nothing: it interpolates.  With max_step=0.01 all five are within 3 %.
+# Meaning: at rest every step is exact, and so the steps grow to seconds.  Blows, wheel loads,
+#     quakes after a quiet lead and sudden drawdown are lost without a message.  Set `max_step` to
+#     the spacing of the record, or stop and restart at each jump of the load.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # scipy 1.17.1: LOBPCG returns its start vectors as modes if the stiffness is in a large unit.
 #
-# Expected: relative accuracy: a matrix in N/m and the same one in MN/m or GN/m have the same modes, and
-#     eigenvalues that differ by the factor.
-# Seen: for a chain of 200 springs of 1 (unit of force per m) the lowest three eigenvalues are right to
-#     1e-7.  With springs of 1e-3 they are 1.41, 1.10 and 1.07 times the right ones, and with 1e-9
-#     they are 7500, 2200 and 1000 times too large, which are the values of the random start.  No
-#     warning in either case.
-# Meaning: the tolerance is compared with the residual as it is (1.5e-8 times the number of rows), and
-#     stiff rock in GPa or a mass matrix scaled by the density changes the digits that are right.
-#     Scale the matrix to a diagonal of about one, or give `tol` in the unit of the matrix.
+# Expected: relative accuracy: a matrix in N/m and the same one in MN/m or GN/m have the same modes,
+#     and eigenvalues that differ by the factor.
+# Seen: for a chain of 200 springs of 1 (unit of force per m) the lowest three eigenvalues are right
+#     to 1e-7.  With springs of 1e-3 they are 1.41, 1.10 and 1.07 times the right ones, and with
+#     1e-9 they are 7500, 2200 and 1000 times too large, which are the values of the random start.
+#     No warning in either case.
+# Meaning: the tolerance is compared with the residual as it is (1.5e-8 times the number of rows),
+#     and stiff rock in GPa or a mass matrix scaled by the density changes the digits that are
+#     right.  Scale the matrix to a diagonal of about one, or give `tol` in the unit of the matrix.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # scipy 1.17.1: a free vibration grows by 45 % in 100 periods.
 #
-# Expected: `solve_ivp` keeps the amplitude of an undamped oscillator to some parts in a thousand, as the
-#     default tolerance is 1e-3; if not, it loses energy.
-# Seen: after 100 periods RK45 has the amplitude 0.993 and Radau 0.994, BDF has lost 12 %, and LSODA has
-#     gained 45 %, all with success.  With rtol=1e-8 and atol=1e-10 all are within 0.1 %.
-# Meaning: LSODA is the usual choice for a stiff structure on soil, and its gain is a negative damping
-#     of 0.06 % of critical.  It looks like an instability of the model, or hides a damping of the same
-#     size. The tolerance is that of one step: check the energy of a free vibration first.
+# Expected: `solve_ivp` keeps the amplitude of an undamped oscillator to some parts in a thousand,
+#     as the default tolerance is 1e-3; if not, it loses energy.
+# Seen: after 100 periods RK45 has the amplitude 0.993 and Radau 0.994, BDF has lost 12 %, and LSODA
+#     has gained 45 %, all with success.  With rtol=1e-8 and atol=1e-10 all are within 0.1 %.
+# Meaning: LSODA is a common choice where stiff and soft parts meet, and its gain is a negative
+#     damping of 0.06 % of critical.  It looks like an instability of the model, or hides a damping
+#     of the same size.  The tolerance is that of one step: check the energy of a free vibration
+#     first.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # scipy 1.17.1: a back-analysis of the permeability returns its first guess, with success.
 #
-# Expected: `minimize` finds a permeability of 1e-9 m/s from a noise-free falling-head test, or says that
-#     it failed.
+# Expected: `minimize` finds a permeability of 1e-9 m/s from a noise-free falling-head test, or says
+#     that it failed.
 # Seen: started at 5e-10 m/s with bounds (L-BFGS-B), it returns 5e-10 m/s with success after one
-#     iteration, with heads that are off by up to 2.5 m of 10 m, and without a warning.  BFGS without
-#     bounds returns the same with success False.  With the logarithm as unknown the result is right.
-# Meaning: derivatives are differences over an absolute step of 1.5e-8, which is 15 times the unknown
+#     iteration, with heads that are off by up to 2.5 m of 10 m, and without a warning.  BFGS
+#     without bounds returns the same with success False.  With the logarithm as unknown the result
+#     is right.
+# Meaning: derivatives are differences over an absolute step of about 1e-8, ten times the unknown
 #     itself.  Permeabilities, compliances in 1/Pa and coefficients of consolidation in m2/s are
 #     "confirmed" wherever the search starts.  Use logarithms or scaled unknowns.
 set -euo pipefail

@@ -3,12 +3,13 @@
 #
 # Expected: `UnivariateSpline(depth, deflection)` is the same curve for readings in m and in mm, and
 #     passes through smooth readings or close to them.
-# Seen: for 41 readings of a wall that bulges by 20 mm, the curve in m is one cubic over 20 m, off by
-#     9.2 mm, and the largest moment is 0.07 of the right one.  In mm the error is 2.1 mm and the
-#     moment 0.67.  The default bounds the sum of squared residuals by the number of readings, in the
-#     square of the unit: misfits of 1 m are accepted.  `s=0` gives the same curve in both units.
-# Meaning: a back-analysis of moments from an inclinometer changes with the unit of the file, with no
-#     message.  Give `s` as the number of readings times the square of their scatter.
+# Seen: for 41 readings of a wall that bulges by 20 mm, the curve in m is one cubic over 20 m, off
+#     by 9.2 mm, and the largest moment is 0.07 of the right one.  In mm the error is 2.1 mm and the
+#     moment 0.67.  The default bounds the sum of squared residuals by the number of readings, in
+#     the square of the unit: misfits of 1 m are accepted.  `s=0` gives the same curve in both
+#     units.
+# Meaning: a back-analysis of moments from an inclinometer changes with the unit of the file, with
+#     no message.  Give `s` as the number of readings times the square of their scatter.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

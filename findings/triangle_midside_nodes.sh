@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # triangle 20250106: the unit square, meshed with six-node triangles, has the area -1.
 #
-# Expected: the six nodes of a triangle from `triangulate(..., "o2")` have the order of VTK, Abaqus and
-#     Gmsh: the fourth lies between the first and the second.
-# Seen: the fourth lies opposite the first node, between the second and the third.  With the usual shape
-#     functions the area of the unit square is -1.0000 in place of 1, and every element is
+# Expected: the six nodes of a triangle from `triangulate(..., "o2")` have the order of VTK, Abaqus
+#     and Gmsh: the fourth lies between the first and the second.
+# Seen: the fourth lies opposite the first node, between the second and the third.  With the usual
+#     shape functions the area of the unit square is -1.0000 in place of 1, and every element is
 #     inverted.  The corners alone are right and counter-clockwise.
-# Meaning: a program that takes the absolute value of the Jacobian, or draws corners only, accepts this
-#     mesh: the area is right, and stiffness and loads are those of elements whose sides cross.
+# Meaning: a program that takes the absolute value of the Jacobian, or draws corners only, accepts
+#     this mesh: the area is right, and stiffness and loads are those of elements whose sides cross.
 #     Reorder the columns to 0, 1, 2, 5, 3, 4 before the mesh is used.
 set -euo pipefail
 folder=$(mktemp -d)

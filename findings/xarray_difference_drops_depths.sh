@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # xarray 2026.9.0: the difference of two profiles has no value at three of eleven depths.
 #
-# Expected: settlements or pressures at the same eleven depths can be subtracted; if the depths differ by
-#     round-off, there is an error, or NaN at the odd ones.
+# Expected: settlements or pressures at the same eleven depths can be subtracted; if the depths
+#     differ by round-off, there is an error, or NaN at the odd ones.
 # Seen: depths of 0.0, 0.1, ..., 1.0 m from a text file and the same ones from `arange` differ by
 #     1e-16 m at 0.3, 0.6 and 0.7 m.  The difference has eight depths, without a message, and a loss
 #     of 10 kPa in each of eleven layers adds up to 80 kPa in place of 110 kPa.
-# Meaning: arithmetic keeps the coordinates that both have, bit by bit.  Resultants, work and means lose
-#     layers where results of two programs are compared.  Set `xr.set_options(arithmetic_join="exact")`,
-#     which makes it an error, or round the coordinates.
+# Meaning: arithmetic keeps the coordinates that both have, bit by bit.  Resultants, work and means
+#     lose layers where results of two programs are compared.  Set
+#     `xr.set_options(arithmetic_join="exact")`, which makes it an error, or round the coordinates.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
