@@ -159,7 +159,7 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
 
 def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Integers]:
     """Return the facets of all groups of sides and of nodes."""
-    boundaries = {}
+    boundaries: dict[str, Integers] = {}
     named: dict[str, list[OrientedBoundary]] = {}
     if not any(KINDS[kind].dim < content.dim for kind in content.cells) and not content.node_groups:
         return boundaries

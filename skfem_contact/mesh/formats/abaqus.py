@@ -368,8 +368,8 @@ def _content(whole: _Part) -> Content:
         if len(wanted):
             content.node_groups[whole.spelled[key]] = numbers_of(ids, wanted, "node")
     for key, lines in whole.surfaces.items():
-        for face, members in _members_by_face(whole, whole.spelled[key], lines).items():
-            _add_face(content, numbers_by_kind, ids, whole.spelled[key], face, members)
+        for face, behind in _members_by_face(whole, whole.spelled[key], lines).items():
+            _add_face(content, numbers_by_kind, ids, whole.spelled[key], face, behind)
     return content
 
 
