@@ -60,7 +60,10 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     slip_shift: ndarray | None = None
     debonded: ndarray | None = None
     families: tuple[Any, ...] = ()
-    finite: bool = False  # bodies of finite kinematics: strengths count the present area
+    # Bodies of finite kinematics: strengths count the present area, and points choose facets
+    # between increments; those that do so now.
+    finite: bool = False
+    choosing: ndarray | None = None
     symmetry: Any = None  # nodes that supports hold along the joint, which a model x
     multipliers = np.zeros((0, 0), int)  # their dofs, (dim, n_nodes), which the model numbers
 
@@ -302,6 +305,29 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
     def stretch(self, nodes: ndarray, points: SlavePoints) -> Stretch:
         """Return the stretch of the slave's area at points; coordinates count from its middle."""
         return Stretch.of(self.slave, nodes + self.slave.middle, points.facet, points.xi)
+
+    def held(self, state: ContactState) -> ndarray | None:
+        """Return a mask of the points that stay on their facets in an increment; None for none.
+
+        Where bodies slide and strain much, points at kinks of the master would go back and forth.
+        """
+        if not self.finite or self.quadrature == "segments":
+            return None
+        held = self.interface.within_facets(state)
+        return held if self.choosing is None else held & ~self.choosing
+
+    def choosing_facets(self, accepted: ContactState) -> Self:
+        """Return the pair whose points choose facets anew where the last increment has left them.
+
+        It is this pair where no others choose.
+        """
+        if self.held(accepted) is None:
+            return self
+        choosing = self.interface.off_facets(accepted)
+        if not choosing.any():
+            return self if self.choosing is None else self.with_(choosing=None)
+        same = self.choosing is not None and np.array_equal(self.choosing, choosing)
+        return self if same else self.with_(choosing=choosing)
 
     @property
     def largest_traction(self) -> float:

@@ -95,5 +95,6 @@ def _gaps_at_start(pair: Any, x: ndarray, state: ContactState) -> ndarray:
     """Return the nodes' mean gaps at x; the next evaluation does not project again."""
     slave, nodes = pair.interface.positions(x)
     depth = pair.interface.depth(pair.points(state))
-    found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
+    reach = state.clearance + depth
+    found, _ = pair.interface.near(slave, nodes, state, reach, depth, pair.held(state))
     return mean_gaps(pair, state, found.found, found.gap)

@@ -24,7 +24,7 @@ from ..surfaces.surface import Surface
 from ..surfaces.vectors import dot, frame
 from .kinematics import Kinematics, variations
 from .laws import LawUpdate, Status
-from .neighbours import NeighbourList, Neighbours
+from .neighbours import ON_FACET, NeighbourList, Neighbours
 from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
 
@@ -278,6 +278,7 @@ class Interface:
         depth: ndarray,
         previous: ndarray | None,
         among: Neighbours,
+        held: ndarray | None = None,
     ) -> Projection:
         """Return closest points; points on pieces in space stay on the facets that these face."""
         frozen = None
@@ -285,10 +286,27 @@ class Interface:
         if faces.any():
             frozen = faces
             previous = np.where(faces, points.facing, -1 if previous is None else previous)
-        return project(self.master, nodes, positions, depth, previous, frozen, among)
+        return project(self.master, nodes, positions, depth, previous, frozen, among, held)
+
+    def within_facets(self, state: ContactState) -> ndarray:
+        """Return a mask of the points with a closest point on no side of their facet."""
+        beyond = self.master.shape.beyond(np.nan_to_num(state.position.T))
+        return np.asarray((state.facet >= 0) & (np.abs(beyond) > ON_FACET).all(axis=1))
+
+    def off_facets(self, state: ContactState) -> ndarray:
+        """Return a mask of the points that an increment has left beyond a side of their facet."""
+        beyond = self.master.shape.beyond(np.nan_to_num(state.position.T))
+        limit = self.master.reach[state.facet.clip(0)] + ON_FACET
+        return np.asarray((state.facet >= 0) & (beyond > limit).any(axis=1))
 
     def near(
-        self, slave: ndarray, nodes: ndarray, state: ContactState, reach: ndarray, depth: ndarray
+        self,
+        slave: ndarray,
+        nodes: ndarray,
+        state: ContactState,
+        reach: ndarray,
+        depth: ndarray,
+        held: ndarray | None = None,
     ) -> tuple[Projection, Callable[[], Projection]]:
         """Project closed points, and open ones that may be as near as a reach.
 
@@ -298,6 +316,8 @@ class Interface:
             Present coordinates of the nodes of both surfaces.
         reach, depth : ndarray, shape (n,)
             Gap that matters; largest penetration.
+        held : ndarray, shape (n,), optional
+            True for points that stay on their facets, see :func:`.search.project`.
 
         Returns
         -------
@@ -312,10 +332,12 @@ class Interface:
         near = (state.status != Status.OPEN) | around.within(reach, depth)
 
         def projected(chosen: ndarray) -> Projection:
-            return self.project(points, nodes, positions, depth, state.facet, around.of(chosen))
+            among = around.of(chosen)
+            return self.project(points, nodes, positions, depth, state.facet, among, held)
 
         # Reuse the last projection where nothing but multipliers has changed
-        given = (state.facet, slave, nodes, depth)
+        mask = np.zeros(0, bool) if held is None else held
+        given = (state.facet, slave, nodes, depth, mask)
         last = self._found[0]
         reused = last is not None and last.points is points
         if reused and all(map(np.array_equal, last.given, given)):

@@ -200,7 +200,8 @@ def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
 
     # Evaluate the law at nodes: t_j = t(J_j + lambda_j / eps)
     depth = pair.depth(points)
-    found, projected = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
+    reach = state.clearance + depth
+    found, projected = pair.interface.near(slave, nodes, state, reach, depth, pair.held(state))
     multipliers = x[pair.multipliers]  # (dim, n_nodes)
     still = np.zeros((len(eps) - 1, multipliers.shape[1]), bool)
     if pair.symmetry is not None:

@@ -249,7 +249,7 @@ class ContactPair(ContactBase):
 
     @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
-        return regularisation.begin(self, accepted, failure)
+        return regularisation.begin(self.choosing_facets(accepted), accepted, failure)
 
     @override
     def supported(self, fixed: ndarray) -> tuple[ContactPair, ndarray]:

@@ -168,7 +168,7 @@ class Penalty(Enforcement):
         # Project the points that are closed or near; multipliers shift gap and slip
         closing = state.clearance - points.at(state.multiplier[0]) / eps_N
         found, everywhere = pair.interface.near(
-            slave, nodes, state, closing + round_off, pair.depth(points)
+            slave, nodes, state, closing + round_off, pair.depth(points), pair.held(state)
         )
         gap = found.gap - closing
         gap = np.where(np.abs(gap) <= round_off, 0.0, gap)

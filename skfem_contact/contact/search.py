@@ -18,6 +18,8 @@ from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promisin
 #: chatter between two facets; one that is frozen, whatever the angle, beyond the share FROZEN.
 HYSTERESIS = 0.01
 _STRAIGHT = np.cos(np.deg2rad(1.0))
+#: Share of a facet's size by which a held point may leave it in an increment.
+HELD = 0.25
 _SMOOTH = 1e-12  # sine of the angle at a joint without one
 NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
@@ -80,6 +82,7 @@ def project(
     previous: ndarray | None = None,
     frozen: ndarray | None = None,
     among: Neighbours | None = None,
+    held: ndarray | None = None,
 ) -> Projection:
     """Return closest points of points (n, dim) on a surface at present coordinates of its nodes.
 
@@ -92,6 +95,8 @@ def project(
         any.
     among : Neighbours, optional
         Candidates; points without any are not projected.
+    held : ndarray, shape (n,), optional
+        True for points that leave their facets between increments.
     """
     n = len(points)
     accepted = np.full(n, -1) if previous is None else previous
@@ -115,7 +120,11 @@ def project(
 
     # Move feet beyond a side to the closest point on that side
     beyond = surface.shape.beyond(foot)
-    stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], frozen[row])
+    own = facet == accepted[row]
+    stays = _stays(surface, nodes, facet, beyond, own, frozen[row])
+    if held is not None:
+        keeps = (own & held[row])[:, None] & (beyond <= 2.0 * HELD)
+        stays[keeps] = HELD
     xi, feature, off = _on_facets(surface, nodes, r, facet, foot, beyond, stays)
     mapping = surface.at(facet, xi, nodes)
     offset = r - mapping.x[0]

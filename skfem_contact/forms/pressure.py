@@ -106,7 +106,8 @@ class Pressure(Form, Couples):
 
         # Number the dofs, of which the last one is the pressure.
         element_dofs = np.asarray(surface.element_dofs).T
-        self.acts_on, local = np.unique(element_dofs, return_inverse=True)
+        self._dofs, local = np.unique(element_dofs, return_inverse=True)
+        self.acts_on = self._dofs
         self._local = local.reshape(element_dofs.shape)
         self._element_dofs = element_dofs
         middle = np.asarray(surface.global_coordinates()).mean(axis=(1, 2))
@@ -154,7 +155,7 @@ class Pressure(Form, Couples):
 
         # Integrate the unit force, which opposes the pressure, and sum it up.
         unit = np.einsum("eqa,eqi,eq->eai", self._N, cofactors, weight)
-        n = len(self.acts_on) + 1
+        n = len(self._dofs) + 1
         unit = np.bincount(self._local.ravel(), unit.ravel(), minlength=n)
         force = pressure * unit
         force[-1] = pressure
@@ -162,7 +163,7 @@ class Pressure(Form, Couples):
         def stiffness() -> csr_matrix:
             return self._stiffness(pressure, unit, cofactors, slope, weight)
 
-        dofs = np.append(self.acts_on, self._dof)
+        dofs = np.append(self._dofs, self._dof)
         # the pressure itself is a load: it is compared with nothing else
         return Response(force, lambda: state, stiffness, dofs=dofs)
 

@@ -104,3 +104,69 @@ def test_dual_multipliers_refuse_adhesion() -> None:
     with pytest.raises(ValueError, match="not DualMultipliers"):
         on_floor("Q1", sc.Coulomb(adhesion=1.0), sc.DualMultipliers())
     on_floor("Q1", sc.Coulomb(mu=0.3), sc.DualMultipliers())
+
+
+def sliding() -> tuple[sc.Model, Basis, np.ndarray]:
+    """Soft bed, and a round block at its top that is pressed into it; the dofs of its top."""
+    bed = MeshQuad.init_tensor(np.linspace(0.0, 4.0, 13), np.linspace(0.0, 1.0, 4)).with_defaults()
+    grid = MeshQuad.init_tensor(np.linspace(-0.5, 0.5, 5), np.linspace(0.0, 1.0, 3)).with_defaults()
+    x, y = grid.p
+    arch = 0.5 * x**2
+    points = np.stack((1.0 + x, 1.0 + arch + 0.5 * y * (1.0 - arch)))
+    block = MeshQuad(points, grid.t, _boundaries=grid.boundaries)
+    mesh = sc.join_bodies({"bed": bed, "block": block})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    laws = {"bed": sc.LinearElastic(E=100.0, nu=0.3), "block": sc.LinearElastic(E=1e3, nu=0.3)}
+    body = sc.SolidForm(basis, laws, kinematics="finite")
+    law = sc.Coulomb(mu=0.3)
+    pair = sc.ContactPair(basis, "bed:top", "block:bottom", law, quadrature=5)
+    top = basis.get_dofs("block:top").all()
+    model = sc.Model(
+        {"body": body, "pair": pair}, np.union1d(top, basis.get_dofs("bed:bottom").all())
+    )
+    return model, basis, top
+
+
+def test_points_choose_facets_between_increments() -> None:
+    """[N] A block that slides over a bed takes few iterations, and its forces balance.
+
+    Without held points kinks of the block's facets throw the iterations back and forth.
+    """
+    model, basis, top = sliding()
+    stages = []
+    for k in range(16):
+        x = basis.zeros()
+        x[top[top % 2 == 1]] = -0.2 * min(k, 4) / 4
+        x[top[top % 2 == 0]] = 0.1 * max(k - 4, 0)
+        stages.append(sc.Stage(f"{k}", prescribed=x))
+    result = model.run(stages)
+    iterations = [sum(stage.iterations) for stage in result]
+    assert max(iterations) < 15
+    assert np.mean(iterations) < 7.0
+    last = result[-1]
+    pair, state = last.forms["pair"], last.states["pair"]
+    # no point that the last increment has left beyond a facet is far from it
+    beyond = pair.master.shape.beyond(np.nan_to_num(state.position.T))
+    assert beyond[state.facet >= 0].max() <= 0.5
+    # points beyond a facet, and no others, choose anew in the next increment
+    choosing = pair.choosing_facets(state).choosing
+    assert choosing is not None
+    assert (beyond[choosing] > 1e-9).any(axis=1).all()
+    began = pair.choosing_facets(state)
+    assert began.choosing_facets(state) is began
+    reactions = last.reactions()
+    # the tolerance of Newton's method
+    assert abs(reactions[0::2].sum()) < 1e-6 * np.abs(reactions).max()
+
+
+def test_segments_hold_no_points() -> None:
+    """[X] Their points are cut anew; small bodies hold none either."""
+    model, basis, _ = sliding()
+    pair = model.forms["pair"]
+    state = pair.initial_state()
+    assert pair.held(state) is not None
+    assert pair.with_(finite=False).held(state) is None
+    cut = sc.ContactPair(basis, "bed:top", "block:bottom", sc.Coulomb(), penalty=1.0)
+    cut = cut.completed({"body": model.forms["body"]})
+    assert cut.finite
+    assert cut.held(cut.initial_state()) is None
