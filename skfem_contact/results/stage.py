@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..checks import look_up
+from ..checks import look_up, number
 from ..display import Table
 from ..forms.base import internal_force, solids_of
 from ..forms.roles import Touching, having
@@ -391,6 +392,69 @@ class StageResult(files.StageData):
         if not S > 0.0 or not m > 0.0:
             raise ValueError(f"S and m must be positive, not {S!r} and {m!r}")
         return strength.shansep(*self._solid(solid), S, m, OCR, POP)
+
+    def drawdown_strength(
+        self,
+        solid: str,
+        *,
+        c: float,
+        phi: float,
+        c_R: float,
+        phi_R: float,
+        region: str | None = None,
+        after: StageResult | None = None,
+    ) -> dict[str, ndarray]:
+        r"""Return strengths just after a rapid drawdown, by the three-stage method.
+
+        The stage is the one before the drawdown, with steady seepage. Its effective stresses
+        consolidate the ground: they give the undrained strength on the failure plane, between the
+        lines of isotropic consolidation and of failure (stage 2). Where the drained strength under
+        the stresses of `after` is less, it counts (stage 3). J. M. Duncan, S. G. Wright, K. S.
+        Wong, Proc. H. B. Seed Memorial Symposium 2 (1990) 235-272.
+
+        Parameters
+        ----------
+        solid, region
+            Name of the plane solid, and of one of its regions; by default all of them.
+        c, phi
+            Effective strength, the angle in degrees.
+        c_R, phi_R
+            Cohesion and friction angle in degrees of the envelope of total stresses, R, of
+            consolidated undrained tests.
+        after
+            Stage after the drawdown with the final, drained pressures.
+
+        Returns
+        -------
+        dict
+            Arrays (n_elements,) by region, to be the `c` of :class:`Tresca` under total stresses:
+            saturated unit weights, and water on the surface alone.
+
+        Examples
+        --------
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> clay = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), unit_weight=10.)
+        >>> rest = sc.Model({"clay": clay}, sc.box_supports(basis)).k0_state(K0=1.)["initial"]
+        >>> found = rest.drawdown_strength("clay", c=0., phi=30., c_R=2., phi_R=15.)
+        >>> share = np.cos(np.pi / 6.) / (1. - np.sin(np.pi / 12.))
+        >>> by_hand = share * (2. * np.cos(np.pi / 12.) + 5. * np.sin(np.pi / 12.))
+        >>> bool(np.isclose(found["all"][0], by_hand))
+        True
+        """
+        for name, value, low in (
+            ("c", c, -1e-300),
+            ("c_R", c_R, -1e-300),
+            ("phi", phi, 0.0),
+            ("phi_R", phi_R, -1e-300),
+        ):
+            number(value, name, low, 90.0 if name.startswith("phi") else np.inf)
+        form, state = self._solid(solid)
+        if form.coordinates != "plane":
+            raise ValueError("strengths after a drawdown are those of plane bodies")
+        later = None if after is None else after._solid(solid)[1]
+        return strength.drawdown(form, state, later, region, (c, phi), (c_R, phi_R))
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids, the contact and the beams to a ``.vtu`` file.

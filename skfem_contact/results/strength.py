@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..checks import finite
+from ..checks import finite, look_up
 from ..errors import Remark
 from ..forms.base import Form, solids_of
 from ..forms.roles import Touching, having
@@ -213,6 +213,87 @@ def shansep(
         weight = form.weight[part]
         strength[region.name] = (values * weight).sum(axis=1) / weight.sum(axis=1)
     return strength
+
+
+def drawdown(
+    form: SolidForm,
+    state: SolidState,
+    after: SolidState | None,
+    region: str | None,
+    drained: tuple[float, float],
+    total: tuple[float, float],
+) -> dict[str, ndarray]:
+    """Return strengths after a rapid drawdown by region, (n_elements,) each.
+
+    See :meth:`~skfem_contact.results.StageResult.drawdown_strength`.
+    """
+    names = [one.name for one in form.regions]
+    if region is not None and region not in names:
+        look_up(region, dict.fromkeys(names), "region")
+    c = drained[0]
+    phi = np.radians(drained[1])
+    strength = {}
+    for one, stress, internal in form.at_regions(state):
+        if region not in (None, one.name):
+            continue
+        effective, _ = one.material.drained(stress, internal)
+        values = _undrained(effective, c, phi, total)
+        if after is not None:
+            part = after.stress[:, one.elements]
+            normal, _ = _on_failure_plane(part, c, phi)
+            values = np.minimum(values, np.maximum(c + normal * np.tan(phi), 0.0))
+        weight = form.weight[one.elements]
+        strength[one.name] = (values * weight).sum(axis=1) / weight.sum(axis=1)
+    return strength
+
+
+def _on_failure_plane(stress: ndarray, c: float, phi: float) -> tuple[ndarray, ndarray]:
+    """Return normal stress on the failure plane, and the ratio of the principal stresses.
+
+    Compression is positive, and principal stresses are those in the plane:
+    sigma_fc = ((s1 + s3) - (s1 - s3) sin(phi)) / 2.
+    """
+    centre = -0.5 * (stress[0] + stress[1])
+    radius = np.hypot(0.5 * (stress[0] - stress[1]), stress[3])
+    normal = centre - radius * np.sin(phi)
+    smallest = centre - radius
+    ratio = np.divide(
+        centre + radius, smallest, out=np.full_like(centre, np.inf), where=smallest > 0.0
+    )
+    return normal, ratio
+
+
+def _undrained(stress: ndarray, c: float, phi: float, total: tuple[float, float]) -> ndarray:
+    r"""Return the undrained strength on the failure plane from stresses of consolidation.
+
+    With the line of isotropic consolidation :math:`d + \sigma_{fc}' \tan\psi`,
+    :math:`d = c_R \cos\varphi_R \cos\varphi' / (1 - \sin\varphi_R)` and
+    :math:`\tan\psi = \sin\varphi_R \cos\varphi' / (1 - \sin\varphi_R)`, and the drained line, the
+    strength is interpolated by the ratio of the principal stresses between 1 and that of failure.
+    """
+    c_R = total[0]
+    phi_R = np.radians(total[1])
+    normal, ratio = _on_failure_plane(stress, c, phi)
+    normal = np.maximum(normal, 0.0)
+    share = np.cos(phi) / (1.0 - np.sin(phi_R))
+    isotropic = share * (c_R * np.cos(phi_R) + normal * np.sin(phi_R))
+    drained = c + normal * np.tan(phi)
+    sine = np.sin(phi)
+    held = c * np.cos(phi)
+    below = (normal - held) * (1.0 - sine)
+    at_failure = np.divide(
+        (normal + held) * (1.0 + sine),
+        below,
+        out=np.full_like(normal, np.inf),
+        where=below > 0.0,
+    )
+    usual = np.isfinite(at_failure) & np.isfinite(ratio) & (at_failure > 1.0)
+    way = np.clip(
+        np.divide(ratio - 1.0, at_failure - 1.0, out=np.ones_like(normal), where=usual), 0.0, 1.0
+    )
+    between = (1.0 - way) * isotropic + way * drained
+    # close to zero or negative stresses the lower line counts
+    return np.where(usual, between, np.minimum(isotropic, drained))
 
 
 def _at(value: Any, x: ndarray, name: str, least: float) -> ndarray:
