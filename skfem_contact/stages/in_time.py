@@ -306,12 +306,17 @@ class Log:
         gained = kinetic + internal + contact + damped - first - work
         return gained / max(kinetic, abs(internal), first, abs(work), 1e-300)
 
-    def summary(self) -> str:
-        """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
+    def missing(self) -> float:
+        """Return the energy that the scheme has taken, as a share of the largest one."""
         _, kinetic, internal, contact, damped, work = np.array(self._rows).T
         lost = kinetic[0] + work[-1] - kinetic[-1] - internal[-1] - contact[-1] - damped[-1]
         largest = max(float(np.abs(each).max()) for each in (kinetic, internal, work))
-        share = lost / largest if largest > 0.0 else 0.0
+        return float(lost / largest) if largest > 0.0 else 0.0
+
+    def summary(self) -> str:
+        """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
+        kinetic = np.array(self._rows)[:, 1]
+        share = self.missing()
         return (
             f"kinetic energy {kinetic[-1]:.4g}, {round(share, 4) + 0.0:.2%} of the energy missing"
         )

@@ -41,6 +41,8 @@ _SUDDEN = 1e-9
 
 #: Share of the largest kinetic energy with which a motion has not faded.
 _MOVING = 1e-2
+#: Share of the energy that a scheme may take before it is remarked on.
+_MISSING = 0.1
 
 #: Seconds between two updates of the bars.
 _SHOWN = 0.05
@@ -297,6 +299,13 @@ class _Follower:
             if self._accepted.reached is not None:
                 self._accepted.reached = replace(self._accepted.reached, series=log.series())
             raise
+        share = log.missing()
+        if abs(share) > _MISSING:
+            what = "missing, taken by the scheme" if share > 0.0 else "gained"
+            warn(
+                f"stage '{stage.name}': {abs(share):.0%} of the energy is {what}: shorten the "
+                "steps, or take rho_inf nearer to 1"
+            )
         rest = remaining if remaining.any() else None
         summary = {**last.summary, "motion": log.summary()}
         return replace(last, unreleased=rest, series=log.series(), summary=summary)

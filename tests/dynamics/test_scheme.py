@@ -105,3 +105,10 @@ def test_bar_under_a_step_load(case):
     assert -stress.mean() == pytest.approx(1.0, abs=0.01)
     moved = found.history((0.0, 0.0)).values[-1, 0]
     assert moved == pytest.approx(0.1 * end, rel=0.01)
+
+
+def test_much_missing_energy_is_told():
+    """[X] Two steps a period with rho_inf = 0 take most of the energy, which a warning says."""
+    with pytest.warns(sc.AnalysisWarning, match=r"of the energy is missing, taken by the scheme"):
+        _, result = swing(0.0, 2, periods=10.0)
+    assert "of the energy missing" in result["swing"].summary["motion"]
