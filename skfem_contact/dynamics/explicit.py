@@ -3,7 +3,9 @@
 With the internal forces F of all forms and the length h of a step,
 
     v_(n+1/2) = v_n + h / 2 a_n,    u_(n+1) = u_n + h v_(n+1/2)
-    M a_(n+1) = load_(n+1) - F(u_(n+1)) - C v_(n+1/2),    v_(n+1) = v_(n+1/2) + h / 2 a_(n+1).
+    M a_(n+1) = load_(n+1) - F(u_(n+1)) - C v_(n+1/2),    v_(n+1) = v_(n+1/2) + h / 2 a_(n+1),
+
+but for the diagonal of C, which acts with v_(n+1).
 
 Steps must be shorter than 2 / w (sqrt(1 + z^2) - z), with the highest frequency w of the mesh and
 its damping ratio z (T. Belytschko, W. K. Liu and B. Moran 2000, Nonlinear Finite Elements for
@@ -100,6 +102,7 @@ class Explicit:
         start: Any,
     ) -> None:
         self._C = C
+        self._drag = C.diagonal()
         self._fixed = fixed
         self._start = x = start.x
         states = start.states
@@ -179,8 +182,10 @@ class Explicit:
             a = self._inverse * inertial
             inertial[fixed] = 0.0
             return Motion(x, half + (0.5 * h) * a, a, inertial, 0.0), forces
+        # the diagonal of C acts with the velocity at the end: dashpots then keep steps stable
         viscous = self._C @ half
-        a = self._inverse * (inertial - viscous)
+        a = self._inverse * (inertial - viscous) / (1.0 + 0.5 * h * self._inverse * self._drag)
+        viscous += (0.5 * h) * self._drag * a
         inertial[fixed] = viscous[fixed]
         damped = motion.damped + float(viscous @ (x - motion.x))
         return Motion(x, half + (0.5 * h) * a, a, inertial, damped), forces

@@ -167,3 +167,21 @@ def test_quadratic_elements():
     implicit = sc.Stage("push", load, duration=0.1, dynamic=sc.Dynamic(1e-4, rho_inf=1.0))
     one, other = (model.run([each], **QUIET)["push"].x for each in (stage, implicit))
     np.testing.assert_allclose(one, other, atol=0.02 * np.abs(other).max())
+
+
+def test_dashpots_keep_steps_stable():
+    """[X] A wave leaves at dashpots with steps of 0.9 of the longest one without dashpots."""
+    solid, basis, across = bar(100)
+    forms = {"bar": solid, "end": sc.ViscousBoundary(solid, "right")}
+    held = np.union1d(across, basis.get_dofs("right").all())
+    model = sc.Model(forms, held, gravity_acceleration=10.0)
+    load = np.asarray(sc.traction(basis, "left", (1.0, 0.0)))
+
+    def push(t):
+        return load * np.exp(-(((t - 0.03) / 0.01) ** 2))
+
+    settings = sc.Dynamic(0.9e-3, explicit=True)
+    stage = sc.Stage("push", push, duration=0.25, dynamic=settings, fixed=across)
+    energy = model.run([stage], **QUIET)["push"].energy
+    assert energy["kinetic"].max() > 0.4 * energy["work"][-1]
+    assert energy["kinetic"][-1] < 1e-3 * energy["kinetic"].max()
