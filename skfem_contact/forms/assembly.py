@@ -78,7 +78,8 @@ def strain_of(
         )
     if kinematics not in ("small", "finite"):
         raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
-    corners = isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
+    element = getattr(basis.elem, "elem", basis.elem)  # flow has elements without components
+    corners = isinstance(element, (ElementQuad1, ElementHex1))
     if kinematics == "finite":
         return _finite_strain(strain, flows and corners, corners), cast(Coordinates, coordinates)
     if strain not in (None, "full", "b_bar"):

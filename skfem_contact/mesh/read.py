@@ -35,6 +35,7 @@ def load_mesh(
     plane: Literal["xy", "xz", "yz"] = "xy",
     factor: float = 1.0,
     split: bool = False,
+    name: str | None = None,
 ) -> Mesh:
     """Load the mesh of a file, plane or in space, of first or second order, with all names.
 
@@ -54,6 +55,8 @@ def load_mesh(
     split
         Divide elements into triangles or tetrahedra if they are of several kinds, or of a kind that
         is not supported: wedges and pyramids. Sides conform.
+    name
+        Name of the mesh in a file of Salome with several.
 
     Returns
     -------
@@ -102,23 +105,24 @@ def load_mesh(
     >>> sorted(mesh.boundaries)
     ['bottom', 'culvert_inner', 'left', 'right', 'skin', 'surface']
     """
-    name = fspath(path)
+    file = fspath(path)
     scale = positive(factor, "factor")
-    reader = _READERS.get(Path(name).suffix.lower())
+    reader = _READERS.get(Path(file).suffix.lower())
     if reader is None:
         raise ValueError(
-            f"{name}: files that end with '{Path(name).suffix}' are not read; known ends are "
+            f"{file}: files that end with '{Path(file).suffix}' are not read; known ends are "
             f"{', '.join(_READERS)}"
         )
-    if not Path(name).is_file():
-        raise FileNotFoundError(f"there is no file {name}")
-    if Path(name).stat().st_size == 0:
-        raise ValueError(f"{name} is empty")
+    if not Path(file).is_file():
+        raise FileNotFoundError(f"there is no file {file}")
+    if Path(file).stat().st_size == 0:
+        raise ValueError(f"{file} is empty")
     try:
-        return mesh_of(reader(name), plane, scale, split)
+        content = reader(file) if reader is not med.read else med.read(file, name)
+        return mesh_of(content, plane, scale, split)
     except ValueError as error:
-        raise ValueError(f"{name}: {error}") from error
+        raise ValueError(f"{file}: {error}") from error
     except (KeyError, IndexError, UnicodeError, OverflowError) as error:  # a damaged file
-        raise ValueError(f"{name} is damaged or not complete ({error!r})") from error
+        raise ValueError(f"{file} is damaged or not complete ({error!r})") from error
     except MemoryError as error:
-        raise ValueError(f"{name} needs more memory than there is") from error
+        raise ValueError(f"{file} needs more memory than there is") from error

@@ -680,3 +680,22 @@ def test_points_and_lines_that_are_left_out_are_told(tmp_path, model):
     model.write(str(tmp_path / "boxes.msh"))
     with pytest.warns(sc.AnalysisWarning, match=r"left out of the mesh.*'corner' \(vertex\)"):
         load_mesh(tmp_path / "boxes.msh")
+
+
+def test_files_with_several_meshes(tmp_path):
+    """[X] One is chosen by its name; a wrong name lists the ones that exist."""
+    h5py = pytest.importorskip("h5py")
+    from skfem import MeshQuad1
+
+    file = tmp_path / "two.med"
+    save_mesh(MeshQuad1().with_subdomains({"soil": lambda x: x[0] < 2}), file)
+    with h5py.File(file, "a") as data:
+        data.copy("ENS_MAA/mesh", "ENS_MAA/other")
+        data.copy("FAS/mesh", "FAS/other")
+    with pytest.raises(
+        ValueError, match=r"two.med: it has 2 meshes, mesh, other: give one as name="
+    ):
+        load_mesh(file)
+    assert list(load_mesh(file, name="other").subdomains) == ["soil"]
+    with pytest.raises(ValueError, match=r"there is no mesh 'pit'; existing: mesh, other"):
+        load_mesh(file, name="pit")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...checks import look_up
 from ..content import Content, check_names, combinations
 from ..kinds import KINDS
 
@@ -51,8 +52,8 @@ _NO_STEP = -1
 _LENGTH = 80
 
 
-def read(path: str) -> Content:
-    """Read the only mesh of a file, with the groups of its families."""
+def read(path: str, name: str | None = None) -> Content:
+    """Read the only mesh of a file, or the one of a name, with the groups of its families."""
     try:
         import h5py
     except ImportError as error:
@@ -65,11 +66,13 @@ def read(path: str) -> Content:
         if "ENS_MAA" not in file:
             raise ValueError("it is not a file of MED: it has no mesh")
         meshes = list(file["ENS_MAA"])
-        if len(meshes) != 1:
-            raise ValueError(f"it has {len(meshes)} meshes, {', '.join(meshes)}; export one")
-        mesh = file["ENS_MAA"][meshes[0]]
+        if name is None and len(meshes) != 1:
+            raise ValueError(f"it has {len(meshes)} meshes, {', '.join(meshes)}: give one as name=")
+        chosen = meshes[0] if name is None else name
+        look_up(chosen, dict.fromkeys(meshes), "mesh")
+        mesh = file["ENS_MAA"][chosen]
         dim = int(mesh.attrs["ESP"])
-        families = file["FAS"][meshes[0]] if meshes[0] in file.get("FAS", {}) else {}
+        families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
         step = mesh if "NOE" in mesh else mesh[next(iter(mesh))]
         return _content(step, dim, families)
 
