@@ -187,15 +187,20 @@ class FiniteKinematics:
             mean[2] = H[2]
         return Deformation(self, H, mean, log, centre)
 
+    def growth(self, gradient: ndarray) -> ndarray:
+        """Return ``det F - 1``, (n_elements, n_points)."""
+        flat = gradient.reshape(len(gradient), -1)
+        return self.stretch.growth(flat).reshape(gradient.shape[1:])
+
     def _checked(self, gradient: ndarray) -> ndarray:
-        growth = self.stretch.growth(gradient.reshape(len(gradient), -1))
+        growth = self.growth(gradient)
         if not (growth > _CRUSHED - 1.0).all():
             worst = int(np.argmin(growth)) // gradient.shape[2]
             element = elements_of(self.basis)[worst]
             at = self.basis.mesh.p[:, self.basis.mesh.t[:, element]].mean(axis=1)
             where = ", ".join(f"{value:.4g}" for value in at)
             raise IncrementTooLarge(f"the element at ({where}) turns inside out")
-        return growth.reshape(gradient.shape[1:])
+        return growth
 
 
 class Deformation:

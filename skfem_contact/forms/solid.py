@@ -16,7 +16,7 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, check_size, names, positive_order
-from ..errors import Remark
+from ..errors import Remark, warn
 from ..loads import by_element, weight, weight_matrix, weightless
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
@@ -50,6 +50,9 @@ _UNLOADED = 1e-9
 _TURN = 0.14
 #: Strain that is remarked on: it is off by a fifth of itself.
 _STRAIN = 0.2
+
+#: Change of volume of a body at its activation that is warned of.
+_GROWN = 0.02
 
 #: Regions with the stresses and internal variables of an accepted state.
 _Given = list[tuple[Region, ndarray, ndarray]]
@@ -345,6 +348,12 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
         internal = self._initial_internal(stress)
         if self._finite is not None:
             gradient = self._finite.gradient(np.zeros(self.basis.N) if x is None else x)
+            growth = np.abs(self._finite.growth(gradient)).max(initial=0.0)
+            if growth > _GROWN:
+                warn(
+                    f"a body is activated where displacements have changed its volume by up to "
+                    f"{growth:.0%}: its stresses and weight count the volume of the mesh"
+                )
             return FiniteState(np.zeros(stress.shape), stress, internal, gradient)
         strain = np.zeros(stress.shape) if x is None else self.strains(x)
         return SolidState(strain, stress, internal)

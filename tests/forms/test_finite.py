@@ -210,6 +210,16 @@ def test_small_loads_are_those_of_small_kinematics() -> None:
             assert np.linalg.norm(f - g) < 1e-6 * np.linalg.norm(f)
 
 
+def test_a_body_that_is_activated_in_displaced_ground() -> None:
+    """[X] It is free of stress there; a change of its volume by 2 % is warned of."""
+    form = finite(SQUARE, LAWS["elastic"])
+    x = linear(SQUARE, rotation(1.0) @ np.diag([1.25, 0.8]))
+    state = form.initial_state(x)
+    assert np.abs(form.assemble(x, state).force).max() < 1e-13
+    with pytest.warns(sc.AnalysisWarning, match="volume by up to 10%"):
+        form.initial_state(linear(SQUARE, np.diag([1.1, 1.0])))
+
+
 def test_an_element_inside_out_is_too_large() -> None:
     """[X] The element is named by its centre."""
     form = finite(SQUARE, LAWS["elastic"])
