@@ -328,3 +328,39 @@ def test_results_are_cauchy_stresses_in_space_axes() -> None:
     assert np.abs(last.field("sxx")).max() < 1e-6 * stress
     assert last.field("eyy") == pytest.approx(np.log(1.2), rel=1e-6)
     assert grid(last).point_data["stress"][:, 1] == pytest.approx(stress, rel=1e-6)
+
+
+def test_slender_bodies_take_full_steps() -> None:
+    """[P] A cantilever under 5 EI / L^2 at its tip (Mattiasson 1981), in one increment.
+
+    The residual rises a thousand times in the first iteration; a search along it takes 51.
+    """
+    length, height, E = 10.0, 0.05, 1.2e6
+    sides = np.linspace(0.0, length, 81), np.array([-height, height]) / 2.0
+    mesh = MeshQuad.init_tensor(*sides).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    beam = finite(basis, sc.LinearElastic(E=E, nu=0.0))
+    model = sc.Model({"beam": beam}, basis.get_dofs("left").all())
+    force = 5.0 * E * height**3 / 12.0 / length**2
+    stage = model.run([sc.Stage("tip", model.traction("right", (0.0, -force / height)))])["tip"]
+    tip = basis.get_dofs("right")
+    # 80 elements
+    assert -stage.x[tip.all("u^2")].mean() / length == pytest.approx(0.71379, rel=2e-4)
+    assert -stage.x[tip.all("u^1")].mean() / length == pytest.approx(0.38763, rel=2e-4)
+    assert len(stage.iterations) <= 8
+
+
+def test_pictures_show_true_displacements() -> None:
+    """[X] Bodies of finite kinematics are drawn at scale 1, unless another one is asked for."""
+    pytest.importorskip("pyvista")
+    from skfem_contact.plot.scene import Scene
+
+    form, basis = bar()
+    model = sc.Model({"bar": form}, basis.get_dofs("left").all())
+    stage = model.run([sc.Stage("weight")])["weight"]
+    assert Scene(stage).factor == 1.0
+    assert Scene(stage, "auto").factor == 1.0
+    assert Scene(stage, 5.0).factor == 5.0
+    small = sc.SolidForm(basis, form.materials["all"], unit_weight=1.0)
+    model = sc.Model({"bar": small}, basis.get_dofs("left").all())
+    assert Scene(model.run([sc.Stage("weight")])["weight"]).factor == 0.0

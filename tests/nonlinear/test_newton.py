@@ -19,6 +19,7 @@ import skfem_contact as sc
 from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.nonlinear.newton import Evaluation, Problem, full_step
 from tests.tools.helpers import (
     body_along,
     grid,
@@ -605,3 +606,21 @@ def test_loop_of_the_guide_holds_where_a_block_lifts_off(
     assert len(stage.iterations) == 1  # nothing is cut: the problem is homogeneous
     # residuals of 1e-8 on springs that are softer than the bodies by 1e3
     np.testing.assert_allclose(x, stage.x, atol=1e-6 * np.abs(stage.x).max())
+
+
+def test_full_steps_are_halved_where_bodies_have_no_response():
+    """[X] A step that turns elements inside out is halved four times, others are whole, whatever
+    their residual.
+    """
+
+    class Narrow(Problem):
+        def evaluate(self, z):
+            if np.abs(z).max() > 0.3:
+                raise sc.NotConverged("an element turns inside out", z)
+            return Evaluation(z, {}, 1e3 * z, norm=1e3)
+
+    now = Evaluation(np.zeros(2), {}, np.ones(2), norm=1.0)
+    assert full_step(now, np.full(2, 0.2), Narrow()).z.tolist() == [0.2, 0.2]
+    assert full_step(now, np.ones(2), Narrow()).z.tolist() == [0.25, 0.25]
+    with pytest.raises(sc.NotConverged, match="inside out"):
+        full_step(now, np.full(2, 10.0), Narrow())
