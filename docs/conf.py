@@ -80,7 +80,7 @@ CHAPTERS = sorted(
         f"../examples/{folder.name}"
         for folder in (Path(__file__).parents[1] / "examples").glob("[0-9]*_*")
     ),
-    key=lambda path: int(path.split("/")[-1].split("_")[0]),
+    key=lambda path: (int(path.split("/")[-1].split("_")[0]), path),
 )
 
 sphinx_gallery_conf = {
