@@ -55,7 +55,7 @@ def peak(read, file):
 # %%
 # The formats:
 rows = []
-for end in (".msh", ".inp", ".vtu", ".mdpa"):
+for end in (".msh", ".vtu", ".inp"):
     file = str(folder / f"cube{end}")
     sc.save_mesh(cube, file)
     programs = {"load_mesh": sc.load_mesh, "meshio.read": meshio.read}

@@ -110,8 +110,7 @@ def load_mesh(
     reader = _READERS.get(Path(file).suffix.lower())
     if reader is None:
         raise ValueError(
-            f"{file}: files that end with '{Path(file).suffix}' are not read; known ends are "
-            f"{', '.join(_READERS)}"
+            f"path must be the name of a file that ends with {', '.join(_READERS)}, not {file!r}"
         )
     if not Path(file).is_file():
         raise FileNotFoundError(f"there is no file {file}")

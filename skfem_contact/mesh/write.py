@@ -78,8 +78,7 @@ def save_mesh(mesh: Mesh, path: str | PathLike[str]) -> None:
     writer = _WRITERS.get(Path(name).suffix.lower())
     if writer is None:
         raise ValueError(
-            f"{name}: files that end with '{Path(name).suffix}' are not written; known ends are "
-            f"{', '.join(_WRITERS)}"
+            f"path must be the name of a file that ends with {', '.join(_WRITERS)}, not {name!r}"
         )
     check_topology(mesh)
     try:

@@ -6,6 +6,7 @@ The files are made by Gmsh, by meshio, or as text of the format's own manual.
 from __future__ import annotations
 
 import itertools
+from importlib import resources
 from importlib.util import find_spec
 
 import meshio
@@ -17,6 +18,7 @@ import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
 from skfem_contact.mesh.kinds import KINDS
 
+FILE = resources.files("skfem_contact") / "data" / "culvert.msh"
 gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
 
 FORMATS = ("msh 2.2", "msh 4.1", "inp", "vtu", "med", "mdpa", "f3grid")
@@ -669,8 +671,10 @@ def test_other_versions_and_lies(tmp_path):
     file.write_text(text.format(10**15) + "$Elements\n1\n1 15 0 1\n$EndElements\n")
     with pytest.raises(ValueError, match=r"old.msh: .*announces 10+ entries"):
         load_mesh(file)
-    with pytest.raises(ValueError, match=r"files that end with '.xyz' are not read"):
+    with pytest.raises(ValueError, match=r"path must be the name of a file that ends with .msh, "):
         load_mesh(tmp_path / "mesh.xyz")
+    with pytest.raises(ValueError, match=r"ends with .msh, .inp, .*, not '.*mesh.xyz'"):
+        save_mesh(load_mesh(FILE), tmp_path / "mesh.xyz")
 
 
 def test_points_and_lines_that_are_left_out_are_told(tmp_path, model):

@@ -47,7 +47,7 @@ def read(path: str) -> Content:
         if key.startswith("skfem:"):
             encoded[key] = np.concatenate(parts).astype(int)
         elif all(part.ndim == 1 and part.dtype.kind in "iub" for part in parts):
-            _add_data(content, key, blocks, [part.astype(int) for part in parts])
+            _add_data(content, key, blocks, parts)
     add_encoded(content, encoded)
     return content
 
@@ -79,10 +79,12 @@ def _add_data(
     Ones among zeros are the cells of the group of that name, else every value is a group.  meshio
     joins the names of sets by "-", and numbers them from zero.
     """
-    values = np.unique(np.concatenate(parts))
+    low = min((int(part.min(initial=0)) for part in parts), default=0)
+    high = max((int(part.max(initial=0)) for part in parts), default=0)
+    masks = low == 0 and high == 1 and key not in _REGIONS
+    values = np.arange(2) if masks else np.unique(np.concatenate(parts).astype(int))
     if len(values) > _MOST:
         return
-    masks = set(values.tolist()) <= {0, 1} and 1 in values and key not in _REGIONS
     joined = key.split("-")
     numbered = len(joined) > 1 and set(values.tolist()) <= set(range(-1, len(joined)))
     for (kind, members), part in zip(blocks, parts):
