@@ -1,0 +1,74 @@
+"""Models that end in planes of symmetry in space, where supports hold edges of the joint in one
+direction and corners in two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementHex1, ElementVector, MeshHex
+
+import skfem_contact as sc
+
+
+def punched(enforcement, planes: int) -> tuple[np.ndarray, float]:
+    """Force, friction and largest pressure of a round punch on a block, counted for the whole, and
+    the largest shear across the planes x = 0 near it.
+    """
+
+    def ticks(length: float, n: int, cut: bool) -> np.ndarray:
+        return np.linspace(0.0 if cut else -length, length, (1 if cut else 2) * n + 1)
+
+    low = MeshHex.init_tensor(
+        ticks(4, 3, planes > 0), ticks(4, 3, planes > 1), np.linspace(0, 4, 4)
+    ).with_boundaries({"bottom": lambda x: x[2] < 1e-9, "top": lambda x: x[2] > 4 - 1e-9})
+    up = MeshHex.init_tensor(
+        ticks(3, 4, planes > 0), ticks(3, 4, planes > 1), np.linspace(0, 1, 3)
+    ).with_boundaries({"bottom": lambda x: x[2] < 1e-9, "top": lambda x: x[2] > 1 - 1e-9})
+    x, y, z = up.doflocs
+    up = replace(up, doflocs=np.array([x, y, 4 + 2 * z + (1 - z) * (x**2 + y**2) / 40]))
+    basis = Basis(sc.join_bodies({"low": low, "up": up}), ElementVector(ElementHex1()), intorder=3)
+    materials = {"low": sc.LinearElastic(E=1e4, nu=0.3), "up": sc.LinearElastic(E=2e5, nu=0.3)}
+    forms = {
+        "solid": sc.SolidForm(basis, materials),
+        "joint": sc.ContactPair(
+            basis, "up:bottom", "low:top", sc.Coulomb(0.4), enforcement=enforcement
+        ),
+    }
+
+    # Hold the planes across, and other models at the ends of their axis
+    p, top = basis.mesh.p, basis.get_dofs("up:top").all("u^3")
+    fixed = [basis.get_dofs("low:bottom").all("u^3"), top]
+    ends = (p[2] < 1e-9) | (p[2] > 6.0 - 1e-9)
+    for component in (0, 1):
+        held = np.abs(p[component]) < 1e-9
+        fixed.append(basis.nodal_dofs[component, held if planes > component else held & ends])
+    prescribed = basis.zeros()
+    prescribed[top] = -0.15
+    model = sc.Model(forms, np.unique(np.concatenate(fixed)))
+    stage = model.run([sc.Stage("press", prescribed=prescribed, increments=2)], progress=False)[-1]
+    joint, report = stage.tractions("joint"), stage.report("joint")
+    parts = 2**planes
+    across = np.abs(joint.shear[np.abs(joint.x) < 0.2, 0]).max()
+    found = np.array([parts * report.force[2], parts * report.friction, joint.pressure.max()])
+    return found, float(across / np.abs(joint.shear).max())
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+@pytest.mark.parametrize(
+    "enforcement",
+    [None, sc.AugmentedLagrangian(), sc.DualMultipliers()],
+    ids=["penalty", "augmented", "dual"],
+)
+def test_quarter_of_a_punch_with_friction(enforcement) -> None:
+    """[X] A quarter between two planes has half of the force and of the friction of the half, the
+    same pressure, and no more shear across the planes.
+    """
+    (half, across_half), (quarter, across) = (punched(enforcement, n) for n in (1, 2))
+    assert quarter[0] == pytest.approx(half[0], rel=1e-3)
+    assert quarter[1] == pytest.approx(half[1], rel=0.01)  # facets are cut otherwise; measured .5 %
+    assert quarter[2] == pytest.approx(half[2], rel=0.05)
+    assert across < across_half + 0.05
