@@ -287,11 +287,11 @@ def _solved(G: Array, excess: Array, slack: Array) -> tuple[NDArray[np.bool_], A
     left = np.arange(n)
     sets = chain.from_iterable(combinations(range(m), k) for k in (1, 2, 3))
     for chosen in sets:
-        own = list(chosen)
+        own = np.array(chosen)
         block = G[np.ix_(own, own)]
         if np.linalg.cond(block) > _SINGULAR:
             continue
-        found = np.linalg.solve(block, excess[np.ix_(own, left)])
+        found: Array = np.linalg.solve(block, excess[np.ix_(own, left)])
         rest = excess[:, left] - G[:, own] @ found
         fits = (found >= 0.0).all(axis=0) & (rest <= slack[left]).all(axis=0)
         points = left[fits]
