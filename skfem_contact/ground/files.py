@@ -77,11 +77,9 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
         places = {row["LOCA_ID"]: row for row in _rows(tables["LOCA"])}
         remarks: list[str] = []
         boreholes = {}
-        for name, rows in _by_location(tables.get("GEOL"), ("LOCA_ID",)).items():
+        for (hole,), rows in _by_location(tables.get("GEOL"), ("LOCA_ID",)).items():
             units = _units(tables["GEOL"])
-            boreholes[name[0]] = _borehole(
-                name[0], rows, units, places, _units(tables["LOCA"]), soil
-            )
+            boreholes[hole] = _borehole(hole, rows, units, places, _units(tables["LOCA"]), soil)
         soundings = {}
         tests = _by_location(tables.get("SCPT"), ("LOCA_ID", "SCPG_TESN"))
         heads = _by_location(tables.get("SCPG"), ("LOCA_ID", "SCPG_TESN"))
@@ -363,8 +361,8 @@ def _checked(
             f"{depth[missing].min():g} to {depth[missing].max():g} m"
         )
     gaps = np.diff(depth)
-    wide = np.flatnonzero(gaps > max(_WIDE * float(np.median(gaps)), _WIDEST)) if len(gaps) else []
-    for k in wide:
+    usual = float(np.median(gaps)) if len(gaps) else 0.0
+    for k in np.flatnonzero(gaps > max(_WIDE * usual, _WIDEST)):
         remarks.append(f"'{name}': the file has no rows from {depth[k]:g} to {depth[k + 1]:g} m")
     return Sounding(
         name,

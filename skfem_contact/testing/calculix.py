@@ -207,7 +207,7 @@ def compare(stage: Any, frd: Frd, dat: list[Printed] | None = None) -> Compariso
     dim = basis.mesh.dim()
     nodes = basis.doflocs[:, ::dim].T
     size = np.ptp(nodes, axis=0).max()
-    distance, row = cKDTree(frd.points[:, :dim]).query(nodes)
+    distance, row = map(np.asarray, cKDTree(frd.points[:, :dim]).query(nodes))
     if distance.max() > _SAME * size:
         raise ValueError(
             f"{np.count_nonzero(distance > _SAME * size)} of {len(nodes)} nodes are not in the "
