@@ -461,6 +461,7 @@ class Beam(BeamNodes, Slender):
         if not counts(self._elements, N, self.parameters["EI"] / self.spacing):
             return None
         lost = lost_stiffness(self._elements, N)
+        assert self._dofs is not None  # a beam of a model
         return self._dofs, self._gathering.matrix(self._rows, lost)
 
     @override

@@ -184,7 +184,7 @@ class Pressure(Form, Couples):
                 optimize=True,
             )
             K += growth[..., None] * np.eye(self._dim)[0]
-        n_local = self._local.shape[1]
+        n_local = self._local.shape[-1]
         rows = np.repeat(self._local, n_local, axis=1).ravel()
         columns = np.tile(self._local, (1, n_local)).ravel()
         n = len(unit)

@@ -132,13 +132,15 @@ class Body(Stiff, Loaded):
         Basis of the elements.
     materials
         Materials by the names of their regions.
-    quadrature_advice
-        Advice on the rule of quadrature where it lets searches stall.
     """
 
     basis: Any = None
     materials: Mapping[str, Any] = MappingProxyType({})
-    quadrature_advice: str = ""
+
+    @property
+    def quadrature_advice(self) -> str:
+        """Advice on the rule of quadrature where it lets searches stall; "" without one."""
+        return ""
 
     @property
     def elements(self) -> ndarray:

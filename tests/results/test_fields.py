@@ -126,7 +126,7 @@ def curved(mesh):
 @pytest.mark.parametrize("element", [*ELEMENTS, "P2 curved", "Q2 curved"])
 def test_vtu_holds_the_nodes_in_the_order_of_vtk(element, tmp_path, rng):
     """[X] Corners, then the middles of the sides between corner and next corner, then the
-    centre.
+    centre. Elements whose corners run clockwise in the mesh run the other way in the file.
     """
     if "curved" in element:
         plain = MeshTri if element.startswith("P") else MeshQuad
@@ -147,17 +147,21 @@ def test_vtu_holds_the_nodes_in_the_order_of_vtk(element, tmp_path, rng):
     assert block.type == names[element.split()[0]]
     places = read.points[block.data]
     n = basis.mesh.t.shape[0]
-    np.testing.assert_allclose(places[:, :n, :2], basis.mesh.p[:, basis.mesh.t].transpose(2, 1, 0))
-    if places.shape[1] > n:
+    corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1]] if n == 4 else [[0, 0], [1, 0], [0, 1]])
+    first, second = basis.mesh.p[:, basis.mesh.t[[1, n - 1]]].transpose(1, 0, 2) - np.asarray(
+        basis.mesh.p[:, basis.mesh.t[0]]
+    )
+    clockwise = first[0] * second[1] < first[1] * second[0]
+    for turned, order in ((False, np.arange(n)), (True, -np.arange(n) % n)):
         # of the parametric element: sides are 0-1, 1-2, ...; the last local node of nine is the
         # centre
-        corner = np.array(
-            [[0, 0], [1, 0], [1, 1], [0, 1]] if n == 4 else [[0, 0], [1, 0], [0, 1]], float
-        )
-        sides = 0.5 * (corner + np.roll(corner, -1, axis=0))
-        local = np.concatenate((corner, sides, [[0.5, 0.5]]))[: places.shape[1]]
-        expected = basis.mapping.F(local.T)
-        np.testing.assert_allclose(places[..., :2], expected.transpose(1, 2, 0), atol=1e-12)
+        own = corner[order].astype(float)
+        sides = 0.5 * (own + np.roll(own, -1, axis=0))
+        local = np.concatenate((own, sides, [[0.5, 0.5]]))[: places.shape[1]]
+        elements = np.flatnonzero(clockwise == turned)
+        if len(elements):
+            expected = basis.mapping.F(local.T, elements).transpose(1, 2, 0)
+            np.testing.assert_allclose(places[elements, :, :2], expected, atol=1e-12)
     x, y = read.points[:, 0], read.points[:, 1]
     u = np.column_stack((STRAIN[0] * x + STRAIN[2] * y, STRAIN[1] * y, 0 * x))
     np.testing.assert_allclose(read.point_data["displacement"], u, atol=1e-15)
