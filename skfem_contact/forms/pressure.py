@@ -108,7 +108,7 @@ class Pressure(Form, Couples):
         element_dofs = np.asarray(surface.element_dofs).T
         self._dofs, local = np.unique(element_dofs, return_inverse=True)
         self.acts_on = self._dofs
-        self._local = local.reshape(element_dofs.shape)
+        self._local: ndarray = local.reshape(element_dofs.shape)
         self._element_dofs = element_dofs
         middle = np.asarray(surface.global_coordinates()).mean(axis=(1, 2))
         self.fields = (Field("pressure", middle[:, None], kind="multiplier"),)
