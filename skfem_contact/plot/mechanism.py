@@ -105,7 +105,7 @@ def _title(result: Any) -> str:
     bounds = result
     if not isinstance(result, Bounds):
         title += f" {result.value:.4g}"
-        if result.error:
+        if result.error and result.proven is None:  # bounds say more than an estimate
             title += f", {result.error} too high"
         bounds = result.proven
     return title if bounds is None else f"{title} in [{bounds.lower:.4g}, {bounds.upper:.4g}]"

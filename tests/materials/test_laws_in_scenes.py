@@ -4,6 +4,8 @@ increment is cut.
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 import pytest
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
@@ -49,10 +51,14 @@ def ground(law: Material, width: float, across: int, pit: float) -> tuple[Basis,
     "ignore:.*(rotate by|are taken for small)"
 )  # clay below the footing: strains of 20 %
 @pytest.mark.parametrize("name", LAWS)
-def test_few_iterations(name: str) -> None:
+def test_few_iterations(name: str, caplog: pytest.LogCaptureFixture) -> None:
     """[B] At most 5 an increment; the first one of a footing on clay, which trebles the pressure
     there, may take 6.
+
+    Steps of clay that creeps are as short as the error of their strains demands: increments are
+    more than asked for where the footing sinks in, and none for want of equilibrium.
     """
+    caplog.set_level(logging.INFO, "skfem_contact")
     law, counts = LAWS[name], []
     for width, across, pit, increments in ((10.0, 8, 0.0, 10), (12.0, 12, 4.0, 8)):
         basis, model = ground(law, width, across, pit)
@@ -68,7 +74,12 @@ def test_few_iterations(name: str) -> None:
             duration=duration,
         )
         result = model.run([stage], start=model.k0_state(K0=0.55), progress=False)
-        assert len(result["loaded"].iterations) == increments
+        taken = len(result["loaded"].iterations)
+        if law.time_dependent and not pit:
+            assert increments < taken <= 5 * increments
+        else:
+            assert taken == increments
         counts += result["loaded"].iterations
+    assert not [record for record in caplog.records if "failed, cut" in record.getMessage()]
     assert max(counts[1:]) <= 5
     assert counts[0] <= (6 if name == "CamClay" else 5)
