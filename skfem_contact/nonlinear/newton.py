@@ -453,7 +453,7 @@ def iterate(
             if history.iterations > made:
                 now = nearer
                 history.restart(now)
-        damped = damped or history.stagnates()
+        damped = damp or history.stagnates()
     return now, (*history.norms[:-1], now.norm + now.hidden)
 
 

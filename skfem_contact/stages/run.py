@@ -219,6 +219,7 @@ class _Follower:
         unreleased = lost if last.unreleased is None else lost + last.unreleased
         remaining = (1.0 - stage.released) * (unreleased - phase.gone)
         path = _path(phase, last, system.fixed, lost, remaining)
+        last = replace(last, load=last.load - lost)  # in balance with the states before release
 
         # Follow the increments.
         self.parts = Parts(driven=not np.array_equal(path(0.0)[1], path(1.0)[1]))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
+import skfem_contact.stages.run as running
 from tests.tools.helpers import grid, rotation, vector_basis
 
 QUIET = {"progress": False}
@@ -146,6 +147,31 @@ def test_crust_without_dilatancy_on_soft_ground(soil):
         assert "of its load" in str(error)
         result = error.result
     assert_equilibria(forms, result, fixed)
+
+
+def test_stage_that_fails_at_once_is_in_balance(monkeypatch) -> None:
+    """[X] Where a pit is dug and no increment is found, the load holds the forces of the removed
+    soil; a run that begins there ends as one that was not interrupted.
+    """
+    _, forms, fixed, loads = pit()
+    model = sc.Model(forms, fixed)
+    gravity, dug, _ = dig(loads)
+    whole = model.run([gravity, dug], **QUIET)
+
+    def fail(*args):
+        raise sc.NotConverged("no increment is tried")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "solve_step", fail)
+        with pytest.raises(sc.NotConverged, match="no increment is tried") as info:
+            model.run([dug], start=whole["gravity"], **QUIET)
+    stopped = info.value.result
+    assert stopped["dug 0"].fraction == 0.0
+    assert_equilibria(forms, stopped, fixed)
+    with pytest.warns(sc.AnalysisWarning, match="the start ends at 0% of its stage 'dug 0'"):
+        again = model.run([sc.Stage("again", loads[0], increments=4)], start=stopped, **QUIET)
+    # Newton's tolerance of 1e-8, of settlements of .1
+    np.testing.assert_allclose(again["again"].x, whole["dug 0"].x, atol=1e-9)
 
 
 def test_runaway_is_no_equilibrium():
