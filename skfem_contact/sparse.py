@@ -42,7 +42,7 @@ def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
 def float_bincount(numbers: ndarray, values: ndarray, n: int) -> ndarray:
     """Sum values by their numbers, shape (n,).
 
-    :func:`numpy.bincount` returns integers where there are no values at all, which round whatever
+    :func:`numpy.bincount` returns integers for no values at all, which round whatever
     is assigned to them.
     """
     return np.bincount(numbers, values, minlength=n).astype(float)

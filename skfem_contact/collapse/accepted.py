@@ -1,4 +1,4 @@
-"""Searches that do not come to their end: what they have accepted until then."""
+"""Searches that do not come to their end: the states that they have accepted."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Accepted:
             error.result = result  # type: ignore[attr-defined]
 
     def _partial(self, error: BaseException) -> CollapseResult:
-        """Return what is known of the limit, without a mechanism."""
+        """Return the known part of the limit, without a mechanism."""
         # find the equilibrium of the largest parameter
         steps = () if self._log is None else tuple(self._log.steps)
         points = [] if self._log is None else self._log.points
@@ -102,7 +102,7 @@ class Accepted:
         )
 
     def _end(self, last: Point, steps: tuple[Any, ...]) -> StageResult:
-        """Return the stage of an equilibrium, or of the start if there is none."""
+        """Return the stage of an equilibrium, or else of the start."""
         end = replace(self._begun.begins, name=self._what, layout=self._begun.system.layout)
         if self._branch is None or last is self._begun.origin:
             return end

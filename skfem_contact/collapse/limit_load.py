@@ -102,7 +102,7 @@ def limit_load(
     ------
     NotConverged
         No step was small enough to begin with. Like every error that ends the search, a
-        ``KeyboardInterrupt`` too, it has what was accepted as its attribute ``result``.
+        ``KeyboardInterrupt`` too, its attribute ``result`` holds the accepted part.
 
     Warns
     -----

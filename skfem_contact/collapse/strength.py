@@ -230,7 +230,7 @@ def strength_reduction(
     ------
     NotConverged
         No equilibrium was found to start from. Like every error that ends the search, a
-        ``KeyboardInterrupt`` too, it has what was accepted as its attribute ``result``.
+        ``KeyboardInterrupt`` too, its attribute ``result`` holds the accepted part.
 
     Warns
     -----
@@ -329,7 +329,7 @@ def _prepared(setup: Setup, load: Force, start: Any, water: AtRest, options: _Op
 def _whole(
     setup: Setup, load: Force, start: Any, water: AtRest, options: _Options, certify: Any
 ) -> CollapseResult:
-    """Search on the mesh of the model, with bounds beside."""
+    """Search on the mesh of the model, with bounds."""
     prepared = _prepared(setup, load, start, water, options)
     with prepared.accepted:
         proven = beside(certify, live=None, progress=options.progress, **prepared.structure)

@@ -47,7 +47,7 @@ class ContactState:
     Attributes
     ----------
     facet, position : ndarray, shapes (n,) and (dim - 1, n)
-        Facet of the master with the closest point, -1 where there is none, and local coordinates
+        Facet of the master with the closest point or -1, and local coordinates
         there.
     stick_facet, stick_point : ndarray, shapes (n,) and (dim - 1, n)
         Material point of the master to which each point sticks; -1 where it has no counterpart.

@@ -38,7 +38,7 @@ class Stretch(NamedTuple):
     slopes : ndarray, shape (n, k * dim)
         Derivatives by the displacements of the facet's nodes.
     dofs : ndarray, shape (n, k * dim)
-        Dofs of these displacements, -1 where there is none.
+        Dofs of these displacements, or -1.
     """
 
     values: ndarray

@@ -68,7 +68,7 @@ def bearing_resistance(
     unit_weight
         Effective unit weight of the ground below the base.
     surcharge
-        Pressure beside the footing at the depth of its base, effective where `phi` is not zero.
+        Pressure next to the footing at the depth of its base, effective where `phi` is not zero.
 
     Raises
     ------

@@ -31,7 +31,7 @@ _UNBALANCED = 0.01
 class BaseCheck:
     """Forces on the base of a footing or wall, and its checks; printed as a table.
 
-    Forces and moments are those of the analysis; ratios hold design values: resistance over effect,
+    Forces and moments come from the analysis; ratios hold design values: resistance over effect,
     at least 1 if the check passes, NaN where it was not asked for.
 
     Attributes
@@ -126,7 +126,7 @@ def check(
 ) -> BaseCheck:
     r"""Check sliding, overturning, bearing and uplift of a footing or gravity wall.
 
-    Forces on the base are those of the contact pairs along it. Together with earth pressure,
+    Contact pairs along the base give its forces. Together with earth pressure,
     weight, water and loads they hold the body in equilibrium.
 
     Parameters
@@ -144,7 +144,7 @@ def check(
         Material below the base with characteristic `c` and `phi`, for bearing; it is divided by the
         factors here. Without it bearing is not checked.
     unit_weight, surcharge
-        Effective unit weight of the ground below the base, and pressure beside it.
+        Effective unit weight of the ground below the base, and pressure next to it.
     friction
         Characteristic coefficient of friction of the base; it is divided by the factor on
         :math:`\tan\varphi`. By default friction and adhesion of the contact law, as they are in the

@@ -67,7 +67,7 @@ def factored(model: M, factors: PartialFactors, *, exclude: str | Collection[str
 
 
 class _Factoring:
-    """Division of the strengths of forms; what was divided once is not divided again."""
+    """Division of the strengths of forms; none is divided twice."""
 
     def __init__(self, factors: PartialFactors, exclude: frozenset[str]) -> None:
         self.factors = factors

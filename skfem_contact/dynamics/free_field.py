@@ -1,4 +1,4 @@
-"""Columns of ground beside a model, which do not feel it: the free field."""
+"""Columns of ground at the sides of a model, which do not feel it: the free field."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FreeFieldState:
 
 
 class FreeField(Form, Couples, Staged, Absorbing):
-    """Free field beside a vertical side of plane ground, in stages with ``dynamic``.
+    """Free field along a vertical side of plane ground, in stages with ``dynamic``.
 
     A column of the elements at the side, whose nodes of one level move together, shakes with the
     base. It has the materials and the stresses of these elements and yields like them. Dashpots

@@ -102,7 +102,7 @@ class Record:
     def synthetic(
         cls, peak: float, duration: float = 20.0, step: float = 0.01, seed: int = 0
     ) -> Record:
-        """Return a record like that of an earthquake: filtered noise that swells and fades.
+        """Return a record similar to an earthquake: filtered noise that swells and fades.
 
         The noise has the spectrum of Kanai (1957) and Tajimi (1960) of firm ground at 2.5 Hz, and
         its velocity ends near zero.

@@ -1,4 +1,4 @@
-"""Inertia and damping as a form beside all others, by the generalised-alpha method.
+"""Inertia and damping as a further form, by the generalised-alpha method.
 
 The internal forces F of all other forms are averaged between the ends of a step (J. Chung and
 G. M. Hulbert 1993, J. Appl. Mech. 60, 371). With r = F - load,

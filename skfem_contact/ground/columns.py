@@ -32,7 +32,7 @@ class Column:
     layers
         Pairs of soil and height of the lower end of each layer, from the top to the bottom.
     remarks
-        What was left out, interpolated or corrected, in words.
+        Rows that were left out, interpolated or corrected, in words.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def section(
     width
         Distance for which the section continues beyond the first and the last column.
     bottom
-        Height of the lower end; by default that of the column that ends highest.
+        Height of the lower end; by default the column that ends highest decides.
     more
         Further arguments of :class:`skfem_contact.section.Section`.
 

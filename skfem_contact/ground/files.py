@@ -40,7 +40,7 @@ class Site:
         Cone penetration tests by the names of their locations; further ones at a location have
         the number of the test as well.
     remarks
-        What was left out, in words.
+        Parts that were left out, in words.
     """
 
     boreholes: dict[str, Column]
@@ -187,7 +187,7 @@ def _by_location(table: Any, keys: tuple[str, ...]) -> dict[tuple[str, ...], lis
 
 
 def _number(row: Mapping[str, str], key: str, units: Mapping[str, str], known: dict) -> float:
-    """Return a number of a line in m or kPa, NaN where there is none."""
+    """Return a number of a line in m or kPa, or NaN."""
     text = str(row.get(key, "")).strip()
     if not text:
         return float("nan")

@@ -56,7 +56,7 @@ class Sounding:
     water
         Depth of the water table in m, None if it is not in the file.
     remarks
-        What was left out or corrected, in words.
+        Readings that were left out or corrected, in words.
     """
 
     name: str

@@ -284,7 +284,7 @@ def pressure(y: Array, trial: Trial, start: Array | None = None) -> Array:
 
 
 def course(at: Plastic, trial: Trial) -> Course:
-    """Return what an equation of y consists of."""
+    """Return the parts of an equation of y."""
     c = trial.c
 
     # differentiate z, D and h along the solution of the equation of z

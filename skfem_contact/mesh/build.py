@@ -229,7 +229,7 @@ class _Finder:
         return OrientedBoundary(found.astype(np.int32), seen_from_second.astype(int))
 
     def between(self, nodes: Integers) -> Integers:
-        """Return the facets all of whose corners are among nodes: outer ones, if there are any."""
+        """Return the facets all of whose corners are among nodes: outer ones if possible."""
         mesh = self.mesh
         chosen = np.zeros(mesh.nvertices, dtype=bool)
         chosen[nodes[nodes >= 0]] = True
@@ -250,7 +250,7 @@ class _Finder:
         return np.cross((x[:, :, 2] - x[:, :, 0]).T, (x[:, :, 3] - x[:, :, 1]).T)
 
     def _numbers(self, sides: Integers) -> Integers:
-        """Return the numbers of the facets with these corners, -1 where there is none."""
+        """Return the numbers of the facets with these corners, or -1."""
         mesh = self.mesh
         found = np.full(len(sides), -1)
         if sides.shape[1] != len(mesh.facets):

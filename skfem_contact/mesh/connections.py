@@ -191,7 +191,7 @@ def doubled_elements(mesh: Mesh) -> Indices:
 
 
 def loose_links(mesh: Mesh) -> Indices:
-    """Return nodes by which alone parts of the mesh are connected, which share no side there."""
+    """Return nodes by which alone parts of the mesh are connected, which share no side at them."""
     by_side = _components(mesh.t2f, mesh.nfacets)
     by_node = _components(mesh.t, mesh.nvertices)
     if by_side.max() == by_node.max():

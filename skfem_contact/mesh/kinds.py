@@ -28,7 +28,7 @@ class Kind(NamedTuple):
     sides
         Corners of the sides.
     mesh
-        Class of scikit-fem for meshes of such elements, if there is one.
+        Class of scikit-fem for meshes of such elements, or None.
     """
 
     dim: int

@@ -106,7 +106,7 @@ class Step:
         Raises
         ------
         NoEquilibrium, NotConverged
-            There is no equilibrium; none was found. The message names the largest unbalanced force.
+            No equilibrium exists; none was found. The message names the largest unbalanced force.
         """
         balance = _Balance(self, settings, attempt)
         start = self.x if self.start is None else self.start

@@ -1,4 +1,4 @@
-"""Cone penetration tests beside the section that is interpolated between them, by matplotlib."""
+"""Cone penetration tests and the section that is interpolated between them, by matplotlib."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def soundings(
     section: Any = None,
     file: str | Path | None = None,
 ) -> Figure:
-    """Draw cone resistances by height, the layers of columns, and a section beside them.
+    """Draw cone resistances by height, the layers of columns, and a section.
 
     Depths without readings are hatched. Layers of columns are drawn in the colours of the section,
     whose layers between the columns are interpolated.

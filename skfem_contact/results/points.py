@@ -186,7 +186,7 @@ def _titles(
 def _points(
     stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike
 ) -> tuple[list[str], ndarray]:
-    """Return labels, if there are any, and coordinates, (n, dim), of points."""
+    """Return labels or None, and coordinates, (n, dim), of points."""
     dim = basis_of(stage).mesh.dim()
     labels: list[str] = []
     given: Any = points

@@ -66,7 +66,7 @@ class StageResult(files.StageData):
     velocity, acceleration : ndarray, shape (N,), or None
         Motion in a stage with ``dynamic``.
     inertial : ndarray, shape (N,), or None
-        Forces of inertia and damping, which balance the load beside the internal forces; means of a
+        Forces of inertia and damping, which with the internal forces balance the load; means of a
         step, see :doc:`theory </theory/dynamics>`.
     series
         Records of all steps: energies and motions, see :attr:`energy` and :meth:`history`.

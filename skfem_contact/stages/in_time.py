@@ -86,7 +86,7 @@ class InTime:
     of_rock: bool = False
 
     def with_base(self, load: ndarray, time: float) -> ndarray:
-        """Return a load with that of the motion of the base at a time, (N,)."""
+        """Return a load at a time, with the motion of the base, (N,)."""
         for _, record, by_unit in self.base:
             moved = record.motion(time)[1] if self.of_rock else record.at(time)
             load = load + moved * by_unit

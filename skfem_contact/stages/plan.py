@@ -51,7 +51,7 @@ class Phase:
     on_top
         Load as a function of the share of the stage, where it is given as one.
     jump
-        Difference between this load at share 0 and the load before, (N,), if there is any.
+        Difference between this load at share 0 and the load before, (N,), or None.
     remarks
         Remarks on input that changes nothing in the stage, and was probably meant to.
     water

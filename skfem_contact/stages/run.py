@@ -609,7 +609,7 @@ def _path_in_time(
 
 
 def _jump_path(jump: ndarray, path: Path) -> Path:
-    """Return load and prescribed values on the way to the first load of a path that jumps there."""
+    """Return load and prescribed values on the way to the first load of a path with a jump."""
     end, prescribed = path(0.0)
 
     def at(fraction: float) -> tuple[ndarray, ndarray]:

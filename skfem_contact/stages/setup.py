@@ -133,7 +133,7 @@ class Setup:
         return loads.water_load(ground, pressure, boundaries)
 
     def refuse_finite(self, why: str) -> None:
-        """Refuse what is wrong for bodies of finite kinematics."""
+        """Refuse forms that bodies of finite kinematics do not admit."""
         if self.finite:
             raise ValueError(f"{why} (kinematics='finite' here, 'small' would do)")
 
@@ -360,7 +360,7 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
 
 
 def _is_finite(forms: Mapping[str, Form]) -> bool:
-    """Return True if bodies have finite kinematics, beside which small ones are refused."""
+    """Return True if bodies have finite kinematics, which do not combine with small ones."""
     kinds = {name: form.kinematics for name, form in forms.items() if form.kinematics}
     finite = [name for name, kind in kinds.items() if kind == "finite"]
     small = [name for name, kind in kinds.items() if kind == "small"]

@@ -81,7 +81,7 @@ class Faceting:
         return cls(np.linalg.solve(powers, outside.T).T)
 
     def at(self, points: MaterialPoints) -> ndarray:
-        """Return the distances at points, (n,); zero where there is none."""
+        """Return the distances at points, (n,); or zero."""
         facet, xi = points
         powers = np.polynomial.polynomial.polyvander(np.clip(xi[:, 0], -1.0, 1.0), _DEGREE)
         distance = np.einsum("np,np->n", powers, self.coefficients[facet])

@@ -70,7 +70,7 @@ class Printed:
     Attributes
     ----------
     quantity, group, time
-        What was printed, for which set, and when.
+        Printed quantity, set and time.
     ids
         Numbers of nodes, or of elements and integration points, (n, 1 or 2); empty for totals.
     values

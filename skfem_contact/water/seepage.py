@@ -107,7 +107,7 @@ class Seepage:
         return rates
 
     def flux(self, boundary: str) -> tuple[ndarray, ndarray]:
-        """Return the nodes of a boundary and the water that enters there per area.
+        """Return the nodes of a boundary and the water that enters it per area.
 
         The flux is negative where water leaves.
         The boundary has a head or is a seepage face. The flux over the permeability is the

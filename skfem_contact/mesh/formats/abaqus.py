@@ -206,7 +206,7 @@ def _turned(x: Floats, start: Floats, end: Floats, angle: float) -> Floats:
 
 
 def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
-    """Append an instance with numbers above those of others; return what was added to them.
+    """Append an instance with numbers above all others; return the shift of its numbers.
 
     Its sets are known by their own names and by "instance.set".
     """

@@ -24,35 +24,17 @@ _ZONES = {
 
 def read(path: str) -> Content:
     """Read grid points, zones, faces and their groups."""
-    data = Path(path).read_bytes()
-    if b"\0" in data[:4096]:
-        raise ValueError("it is a binary grid: export it from FLAC3D as text")
-    if not data.endswith(b"\n"):
-        raise ValueError("it ends within a line: it is not complete, or needs an empty line")
-    text = re.sub(rb"^[ \t]*[*;].*", b"", data.replace(b"\r", b""), flags=re.MULTILINE)
-    lines: dict[bytes, list[bytes]] = {}
-    groups: list[tuple[str, str, list[bytes]]] = []
-    for line in text.split(b"\n"):
-        line = line.strip()
-        key = line[:1]
-        if key in b"GZF" and line[:6] not in (b"ZGROUP", b"FGROUP") and line:
-            lines.setdefault(line[:4] if key != b"G" else b"G", []).append(line)
-        elif line[1:6] == b"GROUP":
-            kind, name = _group(line)
-            groups.append((kind, name, []))
-        elif line and line[:1].isdigit() and groups:
-            groups[-1][2].append(line)
-        elif line:
-            raise ValueError(
-                f"it is not a grid of FLAC3D: '{line[:40].decode('ascii', 'replace')}'"
-            )
+    lines, groups = _sorted_lines(_text(path))
     if b"G" not in lines:
         raise ValueError("it is not a grid of FLAC3D, or has no points")
 
+    # read the points: number and coordinates
     points = b"\n".join(line[1:] for line in lines.pop(b"G"))
     table = rows(parsed(points, "the lines of points"), 4, "the points")
     ids = table[:, 0].astype(int)
     content = Content(table[:, 1:], {})
+
+    # read zones and faces by their type, then the groups that name them
     numbers: dict[tuple[str, str], Integers] = {}
     for head, same in lines.items():
         letter, _, word = head.partition(b" ")
@@ -63,14 +45,58 @@ def read(path: str) -> Content:
         cells = rows(parsed(body, "the lines of zones", np.int64), 1 + len(order), "the zones")
         content.cells[kind] = numbers_of(ids, cells[:, 1:][:, order], "grid point")
         numbers[letter.decode(), kind] = cells[:, 0]
-    for own, name, ids_of in groups:
-        members = parsed(b" ".join(ids_of), f"the members of group '{name}'", np.int64)
-        for (other, kind), known in numbers.items():
-            if other == own:
-                found = np.flatnonzero(np.isin(known, members))
-                if len(found):
-                    content.add(name, kind, found)
+    for letter_of_group, name, members in groups:
+        ids_of = parsed(b" ".join(members), f"the members of group '{name}'", np.int64)
+        _add_group(content, numbers, letter_of_group, name, ids_of)
     return content
+
+
+def _text(path: str) -> bytes:
+    """Return the text of a file without its comments, once it is complete."""
+    data = Path(path).read_bytes()
+    if b"\0" in data[:4096]:
+        raise ValueError("it is a binary grid: export it from FLAC3D as text")
+    if not data.endswith(b"\n"):
+        raise ValueError("it ends within a line: it is not complete, or needs an empty line")
+    return re.sub(rb"^[ \t]*[*;].*", b"", data.replace(b"\r", b""), flags=re.MULTILINE)
+
+
+def _sorted_lines(
+    text: bytes,
+) -> tuple[dict[bytes, list[bytes]], list[tuple[str, str, list[bytes]]]]:
+    """Return lines by the type of their zone, and groups: letter, name, lines of members."""
+    lines: dict[bytes, list[bytes]] = {}
+    groups: list[tuple[str, str, list[bytes]]] = []
+    for line in map(bytes.strip, text.split(b"\n")):
+        if not line:
+            continue
+        key = line[:1]
+        if line[1:6] == b"GROUP":
+            kind, name = _group(line)
+            groups.append((kind, name, []))
+        elif key in b"GZF":
+            lines.setdefault(key if key == b"G" else line[:4], []).append(line)
+        elif key.isdigit() and groups:
+            groups[-1][2].append(line)
+        else:
+            raise ValueError(
+                f"it is not a grid of FLAC3D: '{line[:40].decode('ascii', 'replace')}'"
+            )
+    return lines, groups
+
+
+def _add_group(
+    content: Content,
+    numbers: dict[tuple[str, str], Integers],
+    letter: str,
+    name: str,
+    members: Integers,
+) -> None:
+    """Name the zones or faces of a group in all their types."""
+    for (other, kind), known in numbers.items():
+        found = np.flatnonzero(np.isin(known, members))
+        if other == letter and len(found):
+            content.add(name, kind, found)
 
 
 def _group(line: bytes) -> tuple[str, str]:
