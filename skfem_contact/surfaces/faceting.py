@@ -48,11 +48,17 @@ def alike(slave: Surface, master: Surface) -> bool:
 
 
 def curvatures(surface: Surface) -> ndarray:
-    """Return curvatures of the facets, (n_facets,), positive where the body is convex."""
+    """Return curvatures of the facets, (n_facets,), positive where the body is convex.
+
+    Facets at a corner have none.
+    """
     first, last = surface.facets[:, 0], surface.facets[:, 1]
     chord = surface.nodes[last] - surface.nodes[first]
     turn = surface.normals[last] - surface.normals[first]
-    return np.asarray(dot(turn, chord) / dot(chord, chord))
+    after = ~_continues(surface)
+    after[-1] &= surface.closed
+    at_corner = after | np.roll(after, 1)
+    return np.where(at_corner, 0.0, dot(turn, chord) / dot(chord, chord))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +102,20 @@ class _Stencil:
     own: slice
 
 
-def _stencils(surface: Surface) -> list[_Stencil]:
-    """Return the nodes of all facets and of their neighbours."""
+def _continues(surface: Surface) -> ndarray:
+    """Return True for facets from which the surface continues to the next without a corner."""
     m = len(surface.facets)
     tangents = []
     for end in (-1.0, 1.0):
         mapping = surface.at(np.arange(m), np.full((m, 1), end), surface.nodes)
         tangents.append(unit(mapping.x[1][:, 0]))
-    continues = dot(tangents[1], np.roll(tangents[0], -1, axis=0)) > _SMOOTH
+    return np.asarray(dot(tangents[1], np.roll(tangents[0], -1, axis=0)) > _SMOOTH)
+
+
+def _stencils(surface: Surface) -> list[_Stencil]:
+    """Return the nodes of all facets and of their neighbours."""
+    m = len(surface.facets)
+    continues = _continues(surface)
     continues[-1] &= surface.closed
 
     # Middle nodes count where they do not just halve the chord

@@ -256,7 +256,8 @@ def test_far_points_are_never_projected(monkeypatch: pytest.MonkeyPatch, above: 
     projected: list[int] = []
 
     def counting(*args, project=interface.project):
-        projected.append(len(np.unique(args[-1].point)) if args[-1] is not None else 0)
+        among = args[-2]
+        projected.append(len(np.unique(among.point)) if among is not None else 0)
         return project(*args)
 
     monkeypatch.setattr(interface, "project", counting)
