@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -21,6 +24,15 @@ def bounds_beside(monkeypatch) -> None:
     monkeypatch.setattr(
         "skfem_contact.collapse.strength.at_hand", lambda *args, **kwargs: (None, "")
     )
+
+
+@pytest.fixture(autouse=True)
+def figures_closed() -> Iterator[None]:
+    """Close the figures that a test leaves open: Matplotlib warns of more than twenty."""
+    yield
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    if pyplot is not None:
+        pyplot.close("all")
 
 
 @pytest.fixture
