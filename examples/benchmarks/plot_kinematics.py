@@ -5,7 +5,8 @@ Finite kinematics against small ones
 A Newton iteration evaluates force and tangent of each solid. How much more do large rotations and
 strains cost, with logarithms of tensors at each point and the exact tangent? The small solid only
 corrects its elastic stiffness where soil yields; here nearly all points yield. The pairs are timed
-by turns, so that other work on the machine concerns both.
+by turns, so that other work on the machine concerns both. Run with ``--full`` on a quiet machine,
+where the limits of the ratios are checked.
 """
 
 # %%
@@ -73,7 +74,9 @@ def seconds(form, x, state):
 
 
 rows = []
-scale = float(sys.argv[1]) if len(sys.argv) > 1 else 1.0
+FULL = "--full" in sys.argv
+sizes = [float(word) for word in sys.argv[1:] if word != "--full"]
+scale = sizes[0] if sizes else 1.0
 for name in CASES:
     basis, x = sheared(name, scale)
     kinds = {"small": {"strain": "full"}, "finite": {"strain": "full", "kinematics": "finite"}}
@@ -92,7 +95,7 @@ for name in CASES:
             f"{name:4s} {basis.N:6d} dofs, {yielded:.0%} yield, {kind:13s}: force "
             f"{1e3 * force:5.1f} ms, force and tangent {1e3 * both:5.1f} ms, {ratio:.1f} times"
         )
-        assert ratio < LIMITS[basis.mesh.dim()], (name, kind, ratio)
+        assert not FULL or ratio < LIMITS[basis.mesh.dim()], (name, kind, ratio)
         rows.append(
             {
                 "method": f"{name} {kind}",
