@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -122,10 +123,8 @@ def hanging_nodes(outside: Outside, points: Floats) -> Indices:
 
 def _nodes_on_sides(outside: Outside, points: Floats) -> tuple[Indices, Indices]:
     """Return pairs of outer nodes and of the sides on which they lie without being its corners."""
-    from scipy.spatial import cKDTree
-
     nodes = np.unique(outside.nodes)
-    tree = cKDTree(points[nodes])
+    tree = scipy.spatial.cKDTree(points[nodes])
     near = tree.query_ball_point(outside.middles, outside.size * (1.0 - _ON))
     counts = np.array([len(found) for found in near])
     side = np.repeat(np.arange(len(near)), counts)
@@ -151,14 +150,12 @@ def touching_sides(outside: Outside) -> tuple[Indices, Indices]:
 
     The middle of the first lies on the second, and they have other nodes.
     """
-    from scipy.spatial import cKDTree
-
     dim = outside.corners.shape[2]
     middles = outside.middles
     count = min(_NEAREST[dim], len(middles))
     if count < 2:
         return np.zeros(0, int), np.zeros(0, int)
-    nearest = cKDTree(middles).query(middles, k=count)[1]
+    nearest = scipy.spatial.cKDTree(middles).query(middles, k=count)[1]
     first = np.repeat(np.arange(len(middles)), count)
     second = nearest.ravel()
     # Leave out the side itself, and neighbours, whose size does not reach so far

@@ -98,6 +98,26 @@ KINDS = {
     ),
 }
 
+#: Kinds by the dimension of the element and its number of nodes.
+BY_NODES = {
+    (1, 2): "line",
+    (1, 3): "line3",
+    (2, 3): "triangle",
+    (2, 6): "triangle6",
+    (2, 4): "quad",
+    (2, 8): "quad8",
+    (2, 9): "quad9",
+    (3, 4): "tetra",
+    (3, 10): "tetra10",
+    (3, 5): "pyramid",
+    (3, 13): "pyramid13",
+    (3, 6): "wedge",
+    (3, 15): "wedge15",
+    (3, 8): "hexahedron",
+    (3, 20): "hexahedron20",
+    (3, 27): "hexahedron27",
+}
+
 
 def signed_size(points: Floats, cells: Integers, kind: str) -> Floats:
     """Return the area or volume of the corners of elements, (n,), negative where mirrored.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
 from skfem import Mesh
 
@@ -63,15 +64,13 @@ def locate(mesh: Mesh, elements: ndarray, points: ndarray, groups: ndarray) -> L
     Located
         Positions in `elements`, and reference coordinates.
     """
-    from scipy.spatial import cKDTree
-
     geometry = _geometry(mesh, elements)
     found = np.full(len(points), -1)
     local = np.zeros((points.shape[1], len(points)))
 
     # Try the elements with the nearest centres in turn.
     count = min(_NEAREST, len(elements))
-    nearest = cKDTree(geometry.center).query(points, k=np.arange(1, count + 1))[1]
+    nearest = scipy.spatial.cKDTree(geometry.center).query(points, k=np.arange(1, count + 1))[1]
     for candidates in np.asarray(nearest).T:
         missing = np.flatnonzero(found < 0)
         inside, at = _inverse(geometry, candidates[missing], points[missing])
@@ -223,20 +222,18 @@ def _at_border(mesh: Mesh, elements: ndarray, groups: ndarray) -> ndarray:
 
 def _near(geometry: _Elements, points: ndarray) -> tuple[ndarray, ndarray]:
     """Return pairs of points and elements whose balls hold them, for elements of all sizes."""
-    from scipy.spatial import cKDTree
-
     point = [np.zeros(0, int)]
     element = [np.zeros(0, int)]
     if len(points) == 0:
         return point[0], element[0]
 
     # Search elements of similar size together, with the largest of their radii.
-    tree = cKDTree(points)
+    tree = scipy.spatial.cKDTree(points)
     octave = np.floor(np.log2(geometry.radius)).astype(int)
     for size in np.unique(octave):
         own = np.flatnonzero(octave == size)
         reach = float(geometry.radius[own].max()) * (1.0 + _MARGIN)
-        near = cKDTree(geometry.center[own]).sparse_distance_matrix(
+        near = scipy.spatial.cKDTree(geometry.center[own]).sparse_distance_matrix(
             tree, reach, output_type="ndarray"
         )
         point.append(near["j"])

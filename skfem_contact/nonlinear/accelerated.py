@@ -10,16 +10,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy import ndarray
 
 from ..errors import NotConverged
 from ..solvers.direct import SingularSystem, Solve
-
-if TYPE_CHECKING:
-    from .newton import Evaluation
+from .newton import Evaluation, Problem
 
 logger = logging.getLogger("skfem_contact")
 
@@ -90,26 +87,16 @@ class Anderson:
         return step, residual - factor @ changes
 
 
-class Stiffened(Protocol):
-    """Equations with a preconditioner."""
-
-    def evaluate(self, z: ndarray) -> Evaluation:
-        """Return the evaluation at a vector of dofs."""
-
-    def direction(self, now: Evaluation, damped: bool) -> ndarray:
-        """Return the Newton step at an evaluation."""
-
-    def preconditioner(self, now: Evaluation) -> Solve:
-        """Return the solver of a matrix that is regular where the tangent leads nowhere."""
-
-
 class Accelerated:
     """Anderson's iterations that alternate with Newton's method.
 
     Parameters
     ----------
     problem
-        The equations, and their preconditioner.
+        The equations.
+    preconditioner
+        Function that returns the solver of a matrix that is regular where the tangent leads
+        nowhere.
     tolerance
         Norm of the residual that is an equilibrium.
     note
@@ -117,9 +104,14 @@ class Accelerated:
     """
 
     def __init__(
-        self, problem: Stiffened, tolerance: float, note: Callable[[Evaluation], None]
+        self,
+        problem: Problem,
+        preconditioner: Callable[[Evaluation], Solve],
+        tolerance: float,
+        note: Callable[[Evaluation], None],
     ) -> None:
         self._problem = problem
+        self._preconditioner = preconditioner
         self._tolerance = tolerance
         self._note = note
         self._anderson = Anderson()
@@ -148,7 +140,7 @@ class Accelerated:
         while now.norm > target and since < _STALLED and self._made < _MOST:
             try:
                 if (len(sizes) - 1) % _RENEWED == 0:
-                    solve = self._problem.preconditioner(now)
+                    solve = self._preconditioner(now)
                 combined, reduced = self._anderson.combine(now.residual)
                 step = combined + solve(reduced, _ROUGH)
                 new = self._shortened(now, step, _GROWTH * max(sizes[-_LAST:]))

@@ -195,7 +195,8 @@ class _Balance(Problem):
         alone = system.layout.scale is None  # no fields besides displacements
         if not (in_space and alone and system.yields) or system.unilateral:
             return now
-        return Accelerated(self, self._settings.tolerance, note).solve(now)
+        accelerated = Accelerated(self, self.preconditioner, self._settings.tolerance, note)
+        return accelerated.solve(now)
 
     def preconditioner(self, now: Evaluation) -> Solve:
         """Return the solver of a matrix that is regular where the tangent leads nowhere."""

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..forms.solid import SolidForm
 from ..mesh import bodies as joined_bodies
-from ..mesh.kinds import HEXAHEDRON, oriented
+from ..mesh.kinds import BY_NODES, HEXAHEDRON, oriented
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
 from .patch_recovery import RegionMesh, recovered, region_mesh
@@ -21,22 +21,6 @@ from .tractions import interfaces
 
 if TYPE_CHECKING:
     import meshio
-
-#: meshio's names of cells by the numbers of dimensions and of nodes.
-_CELLS = {
-    (2, 3): "triangle",
-    (2, 4): "quad",
-    (2, 6): "triangle6",
-    (2, 8): "quad8",
-    (2, 9): "quad9",
-    (3, 4): "tetra",
-    (3, 10): "tetra10",
-    (3, 8): "hexahedron",
-    (3, 20): "hexahedron20",
-    (3, 27): "hexahedron27",
-    (1, 2): "line",
-    (1, 3): "line3",
-}
 
 
 def frame(stage: StageData) -> Any:
@@ -183,7 +167,7 @@ def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
 
 def vtk_cells(cells: ndarray, dim: int) -> tuple[str, ndarray]:
     """Return the kind of elements in meshio's words, and their nodes in VTK's order."""
-    kind = _CELLS[dim, cells.shape[1]]
+    kind = BY_NODES[dim, cells.shape[1]]
     if kind.startswith("hexahedron"):  # the only elements whose nodes have another order
         cells = cells[:, HEXAHEDRON[: cells.shape[1]]]
     return kind, cells

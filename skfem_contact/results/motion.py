@@ -94,6 +94,14 @@ class History:
         return Table.of(columns, f"{self.quantity} at {format_point(self.point)}")
 
 
+def _check_inertia(series: Mapping[str, ndarray], name: str, records: str) -> None:
+    """Refuse a stage without inertia, which has no records."""
+    if "energy" not in series:
+        raise ValueError(
+            f"stage '{name}' has no inertia: only stages with `dynamic` have {records}"
+        )
+
+
 def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
     """Return the energies of a stage and their balance as a table.
 
@@ -102,8 +110,7 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
     ValueError
         The stage has no inertia.
     """
-    if "energy" not in series:
-        raise ValueError(f"stage '{name}' has no inertia: only stages with `dynamic` have energies")
+    _check_inertia(series, name, "energies")
     values = series["energy"].T
     columns = dict(zip(_ENERGIES, values, strict=True))
     _, kinetic, internal, contact, damping, work = values
@@ -122,10 +129,7 @@ def history(stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = F
     # Find the node
     if quantity not in _QUANTITIES:
         raise ValueError(f"quantity must be one of {', '.join(_QUANTITIES)}, not {quantity!r}")
-    if "energy" not in stage.series:
-        raise ValueError(
-            f"stage '{stage.name}' has no inertia: only stages with `dynamic` have histories"
-        )
+    _check_inertia(stage.series, stage.name, "histories")
     solids = list(solids_of(stage.forms).values())
     if not solids:
         raise ValueError("histories are of nodes of solids, and there is no solid")

@@ -379,10 +379,10 @@ def steps_of(
     forces = {name: response.force for name, response in responses.items()}
     log.add(began, motion, load, forces)
     if in_time.settings.explicit:
-        yield from _explicit_steps(stage, in_time, system, (last, motion), path, log)
+        yield from _explicit_steps(stage, in_time, system, plain, (last, motion), path, log)
         return
     if is_linear(plain, last.x, last.states):
-        yield from _linear_steps(in_time, system, responses, (last, motion), path, log)
+        yield from _linear_steps(in_time, system, plain, responses, (last, motion), path, log)
         return
     end = in_time.steps * _PARTS
     done, size = 0, _PARTS
@@ -423,6 +423,7 @@ def steps_of(
 def _linear_steps(
     in_time: InTime,
     system: System,
+    forms: Mapping[str, Form],
     responses: Mapping[str, Response],
     start: tuple[StageResult, Motion],
     path: Callable[[float], tuple[ndarray, ndarray]],
@@ -431,7 +432,6 @@ def _linear_steps(
     """Yield the steps of a linear model, whose states are computed where somebody asks for them."""
     last, motion = start
     began = last.time
-    forms = {name: form for name, form in system.forms.items() if name != INERTIA}
     states = last.states
     inertia = in_time.form().over(in_time.step)
     model = Linear(system, inertia, responses, motion, in_time.step)
@@ -444,7 +444,7 @@ def _linear_steps(
         found = Lazy(forms, partial(_states_at, forms, motion.x, states))
         last = _unchecked(last, forms, motion, load, found, k / in_time.steps, began + time)
         if k == in_time.steps:
-            last = replace(last, states=dict(found), summary=dict(last.summary))
+            last = _complete(last)
         yield last
 
 
@@ -452,6 +452,7 @@ def _explicit_steps(
     stage: Stage,
     in_time: InTime,
     system: System,
+    forms: Mapping[str, Form],
     start: tuple[StageResult, Motion],
     path: Callable[[float], tuple[ndarray, ndarray]],
     log: Log,
@@ -460,7 +461,6 @@ def _explicit_steps(
     # Choose the steps
     last, motion = start
     began = last.time
-    forms = {name: form for name, form in system.forms.items() if name != INERTIA}
     settings = in_time.settings
     try:
         model = Explicit(forms, system.layout, in_time.M, in_time.C, system.fixed, last)
@@ -494,7 +494,7 @@ def _explicit_steps(
             found = ChainMap(dict(model.states), Lazy(model.linear, linear))  # type: ignore[arg-type]
         last = _unchecked(last, forms, motion, load, found, k / steps, began + k * h)
         if k == steps:
-            last = replace(last, states=dict(found), summary=dict(last.summary))
+            last = _complete(last)
         yield last
 
 
@@ -525,6 +525,11 @@ def _unchecked(
         inertial=motion.force,
     )
     return new
+
+
+def _complete(last: StageResult) -> StageResult:
+    """Return the result of the last step with its states and its summary computed."""
+    return replace(last, states=dict(last.states), summary=dict(last.summary))
 
 
 def _states_at(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
 
 from ..results.fields import basis_of, solids
@@ -201,13 +202,11 @@ def compare(stage: Any, frd: Frd, dat: list[Printed] | None = None) -> Compariso
     ValueError
         If nodes of one mesh are not in the other one.
     """
-    from scipy.spatial import cKDTree
-
     basis = basis_of(stage)
     dim = basis.mesh.dim()
     nodes = basis.doflocs[:, ::dim].T
     size = np.ptp(nodes, axis=0).max()
-    distance, row = map(np.asarray, cKDTree(frd.points[:, :dim]).query(nodes))
+    distance, row = map(np.asarray, scipy.spatial.cKDTree(frd.points[:, :dim]).query(nodes))
     if distance.max() > _SAME * size:
         raise ValueError(
             f"{np.count_nonzero(distance > _SAME * size)} of {len(nodes)} nodes are not in the "

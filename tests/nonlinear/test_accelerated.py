@@ -60,7 +60,7 @@ def test_iterations_reach_the_solution_without_a_tangent() -> None:
     """[X] Linear equations are solved in a few iterations more than they are, and all are noted."""
     problem = linear_problem(8)
     noted: list[float] = []
-    solver = Accelerated(problem, 1e-8, lambda new: noted.append(new.norm))
+    solver = Accelerated(problem, problem.preconditioner, 1e-8, lambda new: noted.append(new.norm))
     last = solver.solve(problem.evaluate(np.zeros(8)))
     assert last.norm <= 1e-8
     assert len(noted) <= 16
@@ -73,7 +73,9 @@ def test_iterations_without_progress_return_the_best_evaluation() -> None:
     problem.preconditioner = lambda now: lambda b, rtol: np.zeros_like(b)
     noted: list[float] = []
     first = problem.evaluate(np.zeros(5))
-    last = Accelerated(problem, 1e-8, lambda new: noted.append(new.norm)).solve(first)
+    last = Accelerated(
+        problem, problem.preconditioner, 1e-8, lambda new: noted.append(new.norm)
+    ).solve(first)
     assert last is first
     assert 0 < len(noted) <= 200
 
@@ -83,7 +85,9 @@ def test_singular_preconditioner_ends_the_iterations() -> None:
     problem = linear_problem(5)
     problem.preconditioner = lambda now: problem.direction(now, False)
     first = problem.evaluate(np.zeros(5))
-    assert Accelerated(problem, 1e-8, lambda new: None).solve(first) is first
+    assert (
+        Accelerated(problem, problem.preconditioner, 1e-8, lambda new: None).solve(first) is first
+    )
 
 
 def footing(n: int = 10) -> tuple[sc.results.StageResult, np.ndarray]:

@@ -8,27 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..content import Content, check_names, numbers_of, parsed, point_text, rows, table_text
-from ..kinds import KINDS, Integers
+from ..kinds import BY_NODES, KINDS, Integers
 
-#: Kinds by the dimension of the element and its number of nodes.
-_KINDS = {
-    (1, 2): "line",
-    (1, 3): "line3",
-    (2, 3): "triangle",
-    (2, 6): "triangle6",
-    (2, 4): "quad",
-    (2, 8): "quad8",
-    (2, 9): "quad9",
-    (3, 4): "tetra",
-    (3, 10): "tetra10",
-    (3, 5): "pyramid",
-    (3, 13): "pyramid13",
-    (3, 6): "wedge",
-    (3, 15): "wedge15",
-    (3, 8): "hexahedron",
-    (3, 20): "hexahedron20",
-    (3, 27): "hexahedron27",
-}
 #: Kratos' nodes in the order of VTK, where the two differ: upright edges come before upper ones.
 _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
@@ -132,7 +113,7 @@ def _kind_of(word: str, name: str, n_nodes: int) -> str:
         dim = 2
     elif re.search(r"Line|Truss|Beam|Cable", name):
         dim = 1
-    return _KINDS.get((dim, n_nodes), "")
+    return BY_NODES.get((dim, n_nodes), "")
 
 
 def _name_parts(
