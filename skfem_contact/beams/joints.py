@@ -128,6 +128,17 @@ def _numbers(nodes: ndarray, k: int) -> ndarray:
     return (k * nodes[:, None] + np.arange(k)).ravel()
 
 
+def _joined_to(beam: Any, beams: Sequence[Any]) -> list[Any]:
+    """Return a beam, the beams joined to it, the beams joined to these, and so on."""
+    frame: list[Any] = []
+    more = [beam]
+    while more:
+        frame += more
+        others = [other for other in beams if other not in frame]
+        more = [other for other in others if any(_linked(member, other) for member in frame)]
+    return frame
+
+
 def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field]]:
     """Return a beam with the beams joined to it, and their fields that other forms act on.
 
@@ -142,12 +153,7 @@ def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field
             return [], []
         else:
             touched.update(borrowed_by(form))
-    frame: list[Any] = []
-    more = [beam]
-    while more:
-        frame += more
-        others = [other for other in beams if other not in frame]
-        more = [other for other in others if any(_linked(member, other) for member in frame)]
+    frame = _joined_to(beam, beams)
     fields = chain.from_iterable(member.fields for member in frame)
     return frame, [field for field in fields if field in touched]
 

@@ -32,19 +32,8 @@ def nodes_of(
     basis: CellBasis | None, line: Any, cells: Any, bonded: bool | None
 ) -> tuple[ndarray | None, ndarray, ndarray]:
     """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
-    alone = basis is None or cells is not None
     if isinstance(line, str):
-        if basis is not None:
-            check_plane(basis, "a beam along a named line")
-        if alone:
-            raise ValueError(
-                f"the line '{line}' needs a basis with this name, and gives its own cells"
-            )
-        shared, points, elements = line_of(basis, line)
-        if bonded is False:
-            return None, points, elements
-        return shared, points, elements
-
+        return _along_named(basis, line, cells, bonded)
     points = finite(line, "line")
     dims = (2, 3) if basis is None else (basis.mesh.dim(),)
     if points.ndim != 2 or points.shape[1] not in dims or len(points) < 2:
@@ -54,7 +43,7 @@ def nodes_of(
         )
     if not bonded:
         return None, *_elements_between(points, cells)
-    if alone:
+    if basis is None or cells is not None:
         raise ValueError(
             "a beam bonded along points needs the basis of the ground, whose edges are its elements"
         )
@@ -82,6 +71,20 @@ def _elements_between(points: ndarray, cells: Any) -> tuple[ndarray, ndarray]:
             f"the node of a beam at {format_point(points[unused[0]])} belongs to no element"
         )
     return points, elements
+
+
+def _along_named(
+    basis: CellBasis | None, line: str, cells: Any, bonded: bool | None
+) -> tuple[ndarray | None, ndarray, ndarray]:
+    """Return shared dofs, coordinates and elements along a named line of the mesh."""
+    if basis is not None:
+        check_plane(basis, "a beam along a named line")
+    if basis is None or cells is not None:
+        raise ValueError(f"the line '{line}' needs a basis with this name, and gives its own cells")
+    shared, points, elements = line_of(basis, line)
+    if bonded is False:
+        return None, points, elements
+    return shared, points, elements
 
 
 def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:

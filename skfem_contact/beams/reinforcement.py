@@ -114,13 +114,8 @@ class Reinforcement(BeamNodes, Regularised):
         cells: ArrayLike | None = None,
         bonded: bool | None = None,
     ) -> None:
-        for name, value in {
-            "EA": EA,
-            "Np": Np,
-            "spacing": 1.0 if spacing is None else spacing,
-        }.items():
-            if not (is_number(value, 0.0, np.inf) or (name == "Np" and value == np.inf)):
-                raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
+        self.spacing = 1.0 if spacing is None else spacing
+        _check_rows(EA=EA, Np=Np, spacing=self.spacing)
         self.parameters = {"EA": EA, "Np": Np, "spacing": spacing, "tension_only": tension_only}
         self.shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
         dim = self.dim
@@ -147,7 +142,6 @@ class Reinforcement(BeamNodes, Regularised):
             self._connect(self.shared.ravel())
 
         # Stiffness and strength of a row per unit of length
-        self.spacing = 1.0 if spacing is None else spacing
         self._EA = EA / self.spacing
         self._most = Np / self.spacing
         self._least = 0.0 if tension_only else -self._most
@@ -249,3 +243,11 @@ class Reinforcement(BeamNodes, Regularised):
         displacement = x[self._of_model()][self._rows].reshape(-1, self.dim)
         values = {"N": N.ravel(), "displacement": displacement}
         return self.points[self.cells].reshape(-1, self.dim), values
+
+
+def _check_rows(**values: float) -> None:
+    """Refuse values that are not positive; the strength alone may be infinite."""
+    for name, value in values.items():
+        without_limit = name == "Np" and value == np.inf
+        if not without_limit and not is_number(value, 0.0, np.inf):
+            raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")

@@ -126,24 +126,11 @@ def moment_curvature(
     section = _Section(b, h, bars, f_c, f_y, f_t, E_s, eps_c)
     number(normal, "normal")
 
-    # Find the largest curvature that neither concrete nor steel exceeds.
-    top = h / 2.0
-    deepest = bars[:, 1].max()
-    most = (eps_cu + eps_su) / deepest
-    least = 0.0
     _check_normal(section, normal)
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (least + most)
-        axis = section.axis(middle, normal)
-        crushed = -(axis - middle * top) > eps_cu
-        torn = axis + middle * (deepest - top) > eps_su
-        if crushed or torn:
-            most = middle
-        else:
-            least = middle
 
     # Follow the curve, closely at its beginning.
-    curvature = least * np.linspace(0.0, 1.0, _POINTS) ** 2
+    largest_curvature = _last_curvature(section, normal, eps_cu, eps_su)
+    curvature = largest_curvature * np.linspace(0.0, 1.0, _POINTS) ** 2
     moment = np.array([section.forces(section.axis(k, normal), k)[1] for k in curvature])
     largest = float(moment.max())
     rising = slice(0, int(moment.argmax()) + 1)
@@ -216,3 +203,21 @@ def _check_normal(section: _Section, normal: float) -> None:
         raise ValueError(
             f"the section resists normal forces between {low:.4g} and {high:.4g}, not {normal:g}"
         )
+
+
+def _last_curvature(section: _Section, normal: float, eps_cu: float, eps_su: float) -> float:
+    """Return the largest curvature that neither concrete nor steel exceeds."""
+    top = section.h / 2.0
+    deepest = section.bars[:, 1].max()
+    most = (eps_cu + eps_su) / deepest
+    least = 0.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (least + most)
+        axis = section.axis(middle, normal)
+        crushed = -(axis - middle * top) > eps_cu
+        torn = axis + middle * (deepest - top) > eps_su
+        if crushed or torn:
+            most = middle
+        else:
+            least = middle
+    return least

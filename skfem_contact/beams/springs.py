@@ -101,19 +101,15 @@ class PileSprings(Form, Couples, Staged):
         t_z: Curve | None = None,
         q_z: Curve | None = None,
     ) -> None:
-        if pile.dim != 2:
-            raise ValueError("springs along a pile are in the plane")
-        if pile.shared is not None:
-            raise ValueError("springs need a beam with nodes of its own, Beam(None, points, ...)")
-        if p_y is None and t_z is None and q_z is None:
-            raise ValueError("springs along a pile need a curve: p_y, t_z or q_z")
+        _check_pile(pile)
         self.coordinates = "plane"
         self.borrowed = (pile.displacement,)
-        self.parameters = {
-            name: curve
-            for name, curve in {"p_y": p_y, "t_z": t_z, "q_z": q_z}.items()
-            if curve is not None
-        }
+        self.parameters = {}
+        for name, curve in {"p_y": p_y, "t_z": t_z, "q_z": q_z}.items():
+            if curve is not None:
+                self.parameters[name] = curve
+        if not self.parameters:
+            raise ValueError("springs along a pile need a curve: p_y, t_z or q_z")
 
         # Find the nodes in their order, their directions and the lengths that belong to them.
         order, position, along, length = _along(pile)
@@ -292,3 +288,11 @@ def _along(pile: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     position[pile.cells[:, 1]] = start + size
     order = np.argsort(position, kind="stable")
     return order, position[order], direction[order], total[order]
+
+
+def _check_pile(pile: BeamNodes) -> None:
+    """Refuse piles in space and piles that share the nodes of the ground."""
+    if pile.dim != 2:
+        raise ValueError("springs along a pile are in the plane")
+    if pile.shared is not None:
+        raise ValueError("springs need a beam with nodes of its own, Beam(None, points, ...)")

@@ -204,11 +204,6 @@ def loaded_start(
     kept: dict[str, Any] = {"water_unit_weight": setup.water_unit_weight}
     if last is not None:
         kept.update((name, getattr(last, name)) for name in _KEPT)
-    begins = last
-    if begins is None:
-        states = {name: form.initial_state() for name, form in active.items()}
-        nothing = np.zeros(system.size)
-        begins = StageResult("start", nothing, nothing.copy(), states, (), 0.0)
     return SearchStart(
         forms=dict(active),
         system=system,
@@ -217,7 +212,7 @@ def loaded_start(
         load=on_top,
         kept=kept,
         at_rest=partial(setup.at_rest, active, water),
-        begins=begins,
+        begins=last or _at_first(system, active),
     )
 
 
@@ -517,3 +512,10 @@ class _Curve(Problem):
             raise NotConverged("no equilibrium: the forces do not depend on the parameter any more")
         change = lag / slope
         return np.append(balance + change * drift, change)
+
+
+def _at_first(system: System, active: Mapping[str, Form]) -> StageResult:
+    """Return the stage with which a search without a start begins: nothing has moved."""
+    states = {name: form.initial_state() for name, form in active.items()}
+    nothing = np.zeros(system.size)
+    return StageResult("start", nothing, nothing.copy(), states, (), 0.0)

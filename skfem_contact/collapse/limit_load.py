@@ -127,11 +127,7 @@ def limit_load(
     system = begun.system
     if not begun.load[system.free].any():
         raise ValueError("the load to be multiplied is zero, or acts on supports alone")
-    if flow != "given":
-        associated = changed(
-            system.forms, Reducible, lambda form: form.reduced(1.0, flow, form.strengths)
-        )
-        system = system.with_forms(associated)
+    system = _flowing(system, flow)
     branch = _Load(system, dead, begun.load)
 
     # prove bounds that were asked for
@@ -245,3 +241,11 @@ def is_stable(
             warn_of_errors(system, failure.x, states)
             return False
     return True
+
+
+def _flowing(system: System, flow: Flow) -> System:
+    """Return the system with the flow of a search in place of the flow of its materials."""
+    if flow == "given":
+        return system
+    forms = changed(system.forms, Reducible, lambda form: form.reduced(1.0, flow, form.strengths))
+    return system.with_forms(forms)

@@ -68,31 +68,43 @@ def strain_of(
         Other words, axial symmetry of a mesh in space, B-bar in axial symmetry or with finite
         kinematics, F-bar with small ones or of other elements than Quad1 and Hex1.
     """
-    known = {2: ("plane", "axisymmetric"), 3: ("space",)}[basis.mesh.dim()]
-    if coordinates is None:
-        coordinates = known[0]
-    if coordinates not in known:
-        raise ValueError(
-            f"coordinates of a {type(basis.mesh).__name__} must be "
-            f"{' or '.join(map(repr, known))}, not {coordinates!r}"
-        )
+    system = _coordinates_of(basis, coordinates)
     if kinematics not in ("small", "finite"):
         raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
     element = getattr(basis.elem, "elem", basis.elem)  # flow has elements without components
     corners = isinstance(element, (ElementQuad1, ElementHex1))
     if kinematics == "finite":
-        return _finite_strain(strain, flows and corners, corners), cast(Coordinates, coordinates)
+        return _finite_strain(strain, flows and corners, corners), system
+    return _small_strain(strain, flows and corners, system == "axisymmetric"), system
+
+
+def _small_strain(strain: str | None, locks: bool, axial: bool) -> Measure:
+    """Return the measure of small strains: B-bar by default where full strains would lock."""
+    if strain == "f_bar":
+        raise ValueError("strain 'f_bar' needs kinematics='finite'; take 'full' or 'b_bar'")
     if strain not in (None, "full", "b_bar"):
-        instead = ", which needs kinematics='finite'" if strain == "f_bar" else ""
-        raise ValueError(f"strain must be 'full' or 'b_bar', not {strain!r}{instead}")
-    axial = coordinates == "axisymmetric"
+        raise ValueError(f"strain must be 'full' or 'b_bar', not {strain!r}")
     if axial and strain == "b_bar":
         raise ValueError(
             "there is no strain 'b_bar' in axial symmetry: take elements of second order"
         )
-    if strain is None:
-        strain = "b_bar" if flows and corners and not axial else "full"
-    return cast(Measure, strain), cast(Coordinates, coordinates)
+    if strain is not None:
+        return cast(Measure, strain)
+    if locks and not axial:
+        return "b_bar"
+    return "full"
+
+
+def _coordinates_of(basis: CellBasis, given: str | None) -> Coordinates:
+    """Return the coordinate system as given, or the first one that suits the mesh."""
+    known = {2: ("plane", "axisymmetric"), 3: ("space",)}[basis.mesh.dim()]
+    coordinates = known[0] if given is None else given
+    if coordinates not in known:
+        raise ValueError(
+            f"coordinates of a {type(basis.mesh).__name__} must be "
+            f"{' or '.join(map(repr, known))}, not {given!r}"
+        )
+    return cast(Coordinates, coordinates)
 
 
 def _finite_strain(strain: str | None, locks: bool, corners: bool) -> Measure:

@@ -219,12 +219,16 @@ def _joined(
 ) -> list[tuple[str, float]]:
     """Return soils and lower ends of layers, the thinnest of which are joined to neighbours."""
     # Bounds lie between readings of different soils
-    starts = [0] + [k for k in range(1, len(names)) if names[k] != names[k - 1]]
+    changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
+    between = [0.5 * (depth[k - 1] + depth[k]) for k in changes]
+    starts = [0, *changes]
+    bounds = [0.0, *between, depth[-1]]
     layers = []
-    for start, end in zip(starts, [*starts[1:], len(names)]):
-        upper = 0.0 if start == 0 else 0.5 * (depth[start - 1] + depth[start])
-        lower = depth[-1] if end == len(names) else 0.5 * (depth[end - 1] + depth[end])
-        layers.append([names[start], upper, lower, float(index[start:end].mean())])
+    for k, start in enumerate(starts):
+        end = (*starts, len(names))[k + 1]
+        layers.append([names[start], bounds[k], bounds[k + 1], float(index[start:end].mean())])
+
+    # Join the thinnest layer to the neighbour with the nearer index until all are thick enough
     while len(layers) > 1:
         thickness = [lower - upper for _, upper, lower, _ in layers]
         thin = int(np.argmin(thickness))

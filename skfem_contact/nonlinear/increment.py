@@ -78,6 +78,19 @@ class Interval:
         return self.path(self.begin + PART * (self.end - self.begin))
 
 
+def _searches(system: System, try_recovery: bool) -> tuple[Search, ...]:
+    """Choose line searches: multipliers make equilibrium no minimum of the energy along a step."""
+    minimum = not any(pair.saddle for pair in having(system.forms, Touching).values())
+    searches: list[Search] = ["residual"]
+    if minimum and system.yields_beside_contact:
+        searches = ["either"]
+    if minimum and try_recovery:
+        searches.append("energy")
+    if system.finite:
+        searches.insert(0, "full")
+    return tuple(searches)
+
+
 def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Equilibrium:
     """Solve an increment, once or several times, until no form needs another solution.
 
@@ -93,12 +106,7 @@ def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Eq
     given = step.system
     step = replace(step, system=given.after(step.states, {}))
 
-    # Choose line searches: multipliers make equilibrium no minimum of the energy along a step.
-    minimum = not any(pair.saddle for pair in having(given.forms, Touching).values())
-    first: Search = "either" if minimum and given.yields_beside_contact else "residual"
-    searches: tuple[Search, ...] = (first, "energy") if try_recovery and minimum else (first,)
-    if given.finite:
-        searches = ("full", *searches)
+    searches = _searches(given, try_recovery)
 
     # Try the extrapolated start.
     from_x = replace(step, start=None)

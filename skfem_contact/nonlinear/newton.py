@@ -229,9 +229,16 @@ def unbalanced(new: Evaluation) -> float:
     return new.size * new.norm / whole
 
 
+def _bound(now: Evaluation, sizes: list[float]) -> float:
+    """Return the residual that a step may leave: the largest of the last few."""
+    if now.lag:
+        return np.inf
+    return max(sizes[-_MEMORY:])
+
+
 def backtrack(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem) -> Evaluation:
     """Halve the step while the residual is worse than all of the last few."""
-    bound = np.inf if now.lag else max(sizes[-_MEMORY:])
+    bound = _bound(now, sizes)
     best = new = problem.evaluate(now.z + step)
     length = 1.0
     while not unbalanced(new) <= bound and length > _SHORTEST:
@@ -251,35 +258,58 @@ def shorten(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem
     Ten times the last residuals are too far.
     """
     along = step[: len(now.residual)]
-    bound = np.inf if now.lag else max(sizes[-_MEMORY:])
+    bound = _bound(now, sizes)
     slope = abs(now.residual @ along)
-    best = now
-    least = np.inf  # smallest work so far
+    lengths = _Lengths(now, slope)
     acceptable: Evaluation | None = None
     length = 1.0
-    shortest, above = 0.0, slope  # a length that is too short, and the work there
-    longest, below = 1.0, -np.inf  # a length that is too long, and the work there
     for _ in range(_PROBES):
         new = problem.evaluate(now.z + length * step)
-        near = bool(np.isfinite(new.norm)) and unbalanced(new) <= _MANY * bound
-        work = float(new.residual @ along) if near else -np.inf
-        reduced = abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm
-        if reduced or (work > 0.0 and length == 1.0):
+        work = _work(new, along, bound)
+
+        # End at half of the work or of the norm, and where the whole step is too short.
+        if abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm:
             return new
-        if acceptable is None and near and unbalanced(new) <= bound:
+        if work > 0.0 and length == 1.0:
+            return new
+
+        # Keep the longest step that is no worse, in place of very short ones.
+        no_worse = work > -np.inf and unbalanced(new) <= bound
+        if no_worse and acceptable is None:
             acceptable = new
         if acceptable is not None and length <= _SHORTEST:
             return acceptable
-        if abs(work) < least:
-            least = abs(work)
-            best = new
+        length = lengths.after(length, work, new)
+    return acceptable or lengths.best
+
+
+def _work(new: Evaluation, along: ndarray, bound: float) -> float:
+    """Return the work of a residual along a step; -inf where the residual is far too large."""
+    if not np.isfinite(new.norm) or not unbalanced(new) <= _MANY * bound:
+        return -np.inf
+    return float(new.residual @ along)
+
+
+class _Lengths:
+    """Lengths of a step, between which the work of the residual changes its sign."""
+
+    def __init__(self, now: Evaluation, slope: float) -> None:
+        self.best = now  # evaluation with the least work so far
+        self._least = np.inf
+        self._short, self._above = 0.0, slope  # a length that is too short, and the work there
+        self._long, self._below = 1.0, -np.inf  # a length that is too long, and the work there
+
+    def after(self, length: float, work: float, new: Evaluation) -> float:
+        """Return the next length, after an evaluation."""
+        if abs(work) < self._least:
+            self._least = abs(work)
+            self.best = new
         if work > 0.0:
-            shortest, above = length, work
+            self._short, self._above = length, work
         else:
-            longest, below = length, work
-        share = float(np.clip(above / (above - below), *_SHARES))
-        length = shortest + share * (longest - shortest)
-    return acceptable or best
+            self._long, self._below = length, work
+        share = float(np.clip(self._above / (self._above - self._below), *_SHARES))
+        return self._short + share * (self._long - self._short)
 
 
 def full_step(now: Evaluation, step: ndarray, problem: Problem) -> Evaluation:
@@ -429,32 +459,46 @@ def iterate(
             raise history.failure("the active sets of contact return without progress", cycle)
 
         # Take a step of a length that the line search accepts.
-        norms = history.norms
-        try:
-            step = problem.direction(now, damped)
-            new = _along(search, now, step, history.sizes, problem)
-        except SingularSystem as error:
-            raise NotConverged(str(error), now.z, norms, int(error.dofs[0])) from error
-        except NotConverged as error:  # no response there: name the last evaluation
-            raise NotConverged(str(error), now.z, norms, now.worst) from error
-        if not np.isfinite(new.norm):
-            raise history.failure("the iterations run away")
+        new = _stepped(now, problem, search, history, damped)
         now = problem.improved(new) if history.iterations == 0 else new
         history.add(now)
         logger.debug("iteration %d: residual %.3e", history.iterations, now.norm)
-        if search == "energy" and now.norm > settings.tolerance and problem.far(now):
+        unsolved = now.norm > settings.tolerance
+        if search == "energy" and unsolved and problem.far(now):
             raise history.collapse()
 
         # Accelerate once where the tangent leads nowhere.
-        if may_accelerate and history.stagnates(_SLOW) and now.norm > settings.tolerance:
+        if may_accelerate and unsolved and history.stagnates(_SLOW):
             may_accelerate = False
-            made = history.iterations
-            nearer = problem.accelerated(history.firm, history.note)
-            if history.iterations > made:
-                now = nearer
-                history.restart(now)
+            now = _accelerated(now, problem, history)
         damped = damp or history.stagnates()
     return now, (*history.norms[:-1], now.norm + now.hidden)
+
+
+def _stepped(
+    now: Evaluation, problem: Problem, search: Search, history: _History, damped: bool
+) -> Evaluation:
+    """Return the evaluation after one step; an error has the last evaluation."""
+    try:
+        step = problem.direction(now, damped)
+        new = _along(search, now, step, history.sizes, problem)
+    except SingularSystem as error:
+        raise NotConverged(str(error), now.z, history.norms, int(error.dofs[0])) from error
+    except NotConverged as error:  # no response there
+        raise NotConverged(str(error), now.z, history.norms, now.worst) from error
+    if not np.isfinite(new.norm):
+        raise history.failure("the iterations run away")
+    return new
+
+
+def _accelerated(now: Evaluation, problem: Problem, history: _History) -> Evaluation:
+    """Return the evaluation that accelerated iterations reach, or the present one."""
+    made = history.iterations
+    nearer = problem.accelerated(history.firm, history.note)
+    if history.iterations == made:
+        return now
+    history.restart(nearer)
+    return nearer
 
 
 def _too_many(norms: list[float], counted: int, most: int) -> bool:

@@ -56,10 +56,7 @@ def soundings(
     """
     if not tests and section is None:
         raise ValueError("there is nothing to draw: give soundings or a section")
-    names = list(section.areas) if section is not None else []
-    for column in columns:
-        names += [soil for soil in column.soils if soil not in names]
-    colors = {name: _SOILS[k % len(_SOILS)] for k, name in enumerate(names)}
+    colors = _colors_of(columns, section)
     widths = [_PANEL] * len(tests) + [_SECTION] * (section is not None)
     figure, panels = plt.subplots(
         ncols=len(widths),
@@ -80,6 +77,16 @@ def soundings(
         figure.legend(handles, list(colors), loc="outside lower center", ncols=4, frameon=False)
     saved(figure, file)
     return figure
+
+
+def _colors_of(columns: Sequence[Any], section: Any) -> dict[str, Any]:
+    """Return the colours of the soils of a section and of columns."""
+    names: list[str] = []
+    if section is not None:
+        names += section.areas
+    for column in columns:
+        names += [soil for soil in column.soils if soil not in names]
+    return {name: _SOILS[k % len(_SOILS)] for k, name in enumerate(names)}
 
 
 def _draw_test(axes: Any, test: Any, column: Any, colors: dict[str, str]) -> None:

@@ -128,13 +128,22 @@ def region_field(
         own = None if elements is None else elements[key]
         parts.append(_of_form(form, stage, key, quantity, since, own))
     values = np.concatenate(parts)
-    if name != "pore":
-        return values
+    if name == "pore":
+        values = values + _of_water(stage, bodies, since, water)
+    return values
 
+
+def _of_water(
+    stage: StageData,
+    bodies: Mapping[str, SolidForm],
+    since: StageData | None,
+    water: Shown | None,
+) -> ndarray:
+    """Return the pore pressure that is no state of the solids, at the nodes of their mesh."""
     # Add the excess pressure of flowing water, and the pressure of the stage's water.
     basis = basis_of(stage)
     nodes = region_mesh(*bodies.values()).nodes
-    values = values + _excess(stage, nodes)
+    values = _excess(stage, nodes)
     if water is True:
         values = values + _own(stage, bodies)
         if since is not None:

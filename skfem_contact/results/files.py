@@ -355,10 +355,7 @@ def _stage(
         _warn_of_other_settings(head, forms)
 
     # Read the vectors.
-    vectors = {}
-    for name in (*_VECTORS, *_BEFORE):
-        if f"{key}/{name}" in arrays:
-            vectors[name] = arrays[f"{key}/{name}"]
+    vectors = _known_arrays(arrays, key, (*_VECTORS, *_BEFORE))
     placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
     _check_vectors(head["name"], vectors | placed, forms)
     before = None
@@ -368,11 +365,7 @@ def _stage(
     series = {name: arrays[f"{key}/series of {name}"] for name in head.get("series", ())}
 
     # Read the texts and the increments.
-    texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
-    texts["iterations"] = tuple(texts.get("iterations", ()))
-    texts["remarks"] = tuple(texts.get("remarks", ()))
-    if texts.get("gravity") is not None:
-        texts["gravity"] = tuple(texts["gravity"])
+    texts = _texts_of(head)
     increments = []
     for k, part in enumerate(head.get("increments", ())):
         increments.append(_stage(arrays, f"{key}.{k}", part, given, make))
@@ -408,14 +401,32 @@ def _states(
     return states
 
 
+def _known_arrays(
+    arrays: Mapping[str, ndarray], key: str, names: Iterable[str]
+) -> dict[str, ndarray]:
+    """Return the arrays of a key that the file has, by name."""
+    found = {}
+    for name in names:
+        if f"{key}/{name}" in arrays:
+            found[name] = arrays[f"{key}/{name}"]
+    return found
+
+
+def _texts_of(head: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the texts and figures of a stage; lists become tuples."""
+    texts = {name: head[text] for text, name in _TEXTS.items() if text in head}
+    texts["iterations"] = tuple(texts.get("iterations", ()))
+    texts["remarks"] = tuple(texts.get("remarks", ()))
+    if texts.get("gravity") is not None:
+        texts["gravity"] = tuple(texts["gravity"])
+    return texts
+
+
 def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> Any:
     """Make the state of a form of its arrays."""
     # Take the parts that the form expects; one that lacks a part is another form.
     initial = form.initial_state()
-    parts = {}
-    for part in arrays_of(initial):
-        if f"{key}/{part}" in arrays:
-            parts[part] = arrays[f"{key}/{part}"]
+    parts = _known_arrays(arrays, key, arrays_of(initial))
     saved = [part for part in arrays if part.startswith(f"{key}/")]
     expected = set(arrays_of(initial)) - (_ADDED - set(parts))
     is_complete = len(parts) == len(expected) == len(saved)

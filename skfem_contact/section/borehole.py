@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,15 +70,7 @@ def borehole(file: str | Path, surface: float = 0.0) -> Borehole:
     parameters: dict[str, dict[str, float]] = {}
     upper = surface
     for number, row in enumerate(rows[1:], 2):
-        # Read the cells of the layer
-        if len(row) != len(names) or not row[soil]:
-            raise ValueError(
-                f"line {number} of the borehole has {len(row)} cells, not {len(names)}, or no "
-                f"soil: {row}"
-            )
-        cells = dict(zip(names, row))
-        name = cells.pop(names[soil])
-        values = {key: _number(cell, key, number) for key, cell in cells.items() if cell}
+        name, values = _cells(row, names, soil, number)
 
         # Place it below the layer above
         bottom = surface - values.pop(names[depth], -float("inf"))
@@ -128,3 +121,17 @@ def _number(cell: str, name: str, line: int) -> float:
         raise ValueError(
             f"line {line} of the borehole: '{name}' must be a number, not {cell!r}"
         ) from error
+
+
+def _cells(
+    row: Sequence[str], names: Sequence[str], soil: int, number: int
+) -> tuple[str, dict[str, float]]:
+    """Return the name of the soil in a row, and the numbers of the other cells by column."""
+    if len(row) != len(names) or not row[soil]:
+        raise ValueError(
+            f"line {number} of the borehole has {len(row)} cells, not {len(names)}, or no "
+            f"soil: {row}"
+        )
+    cells = dict(zip(names, row))
+    name = cells.pop(names[soil])
+    return name, {key: _number(cell, key, number) for key, cell in cells.items() if cell}

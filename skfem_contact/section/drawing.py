@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from pathlib import Path
@@ -174,19 +174,12 @@ def from_dxf(
     areas = ground | of("area", "body")
     section = Section(areas, positive(size, "size"), **(options | more))
 
-    # Sort names by the number of the stage at their end
-    stages: dict[int, tuple[str, ...]] = {}
-    for name in kinds:
-        digits = re.search(r"\d+$", name)
-        if digits:
-            stage = int(digits[0])
-            stages[stage] = (*stages.get(stage, ()), name)
     water = {}
     for name, outlines in of("water").items():
         water[name] = np.vstack([outline.points for outline in outlines])
     return Drawing(
         section,
-        stages=dict(sorted(stages.items())),
+        stages=_stages_of(kinds),
         water=water,
         loads=tuple(of("load")),
         origin=origin,
@@ -223,6 +216,29 @@ def _unit_of(document: Any, unit: str | None) -> float:
     raise ValueError(f"unit must be one of {known}, not {unit!r}")
 
 
+def _tell_skipped(
+    skipped: Mapping[str, Counter[str]], layers: Mapping[str, _Layer], remarks: list[str]
+) -> None:
+    """Say which entities were left out."""
+    for name, kinds in skipped.items():
+        listed = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        why = "without a rule"
+        if layers[name].kind:
+            why = "not understood"
+        remarks.append(f"layer '{name}': {listed} {why}")
+
+
+def _stages_of(names: Iterable[str]) -> dict[int, tuple[str, ...]]:
+    """Sort names by the number of the stage at their end."""
+    stages: dict[int, tuple[str, ...]] = {}
+    for name in names:
+        digits = re.search(r"\d+$", name)
+        if digits:
+            stage = int(digits[0])
+            stages[stage] = (*stages.get(stage, ()), name)
+    return dict(sorted(stages.items()))
+
+
 def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_Layer]:
     """Return the layers of a drawing that have a rule."""
     drawn = list(entities(document.modelspace()))
@@ -237,11 +253,7 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
         if not rule or not _add(layer, entity, size):
             skipped.setdefault(name, Counter())[entity.dxftype()] += 1
 
-    # Say which entities were left out
-    for name, kinds in skipped.items():
-        listed = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        why = "not understood" if layers[name].kind else "without a rule"
-        remarks.append(f"layer '{name}': {listed} {why}")
+    _tell_skipped(skipped, layers, remarks)
     result = [layer for layer in layers.values() if layer.chains]
     if not result:
         raise ValueError(

@@ -116,13 +116,14 @@ def separate(
         mesh = split_along(mesh, name)
     boundaries = dict(mesh.boundaries or {})
     inside = np.flatnonzero(mesh.f2t[1] >= 0)
+    sides = [*OUTER, *(f"ground|{body}" for body in bodies)]
     for group in (areas, list(parts)):
         labels = _labels(mesh, group)
         owners = labels[mesh.f2t[0]]
         for name in slits:
             boundaries |= _sides_of_slit(boundaries, name, group, owners)
         if len(group) > 1:
-            for side in (*OUTER, *(f"ground|{body}" for body in bodies)):
+            for side in sides:
                 boundaries |= _shares(boundaries, side, group, owners)
         boundaries |= _interfaces(labels[mesh.f2t[:, inside]], inside, group)
     for body in bodies:

@@ -67,17 +67,12 @@ class Outline:
         if repeated:
             points = points[:-1]
         segments = len(points) - (not self.closed)
-        bulges = finite(self.bulges, f"bulges of '{self.name}'")
-        if bulges.ndim:
-            if repeated:
-                bulges = bulges[:segments]
-            if bulges.shape != (segments,):
-                raise ValueError(f"'{self.name}' has {segments} segments, but {bulges.size} bulges")
+        bulges = self._bulges_of(segments, repeated)
 
         # Drop segments without length
         steps = np.roll(points, -1, axis=0)[:segments] - points[:segments]
         kept = np.abs(steps).max(axis=1) > _SAME * size
-        bulges = np.broadcast_to(bulges, (segments,))[kept]
+        bulges = bulges[kept]
         if self.closed:
             points = points[kept]
             self._check_count(points, 2 if bulges.any() else 3)
@@ -91,6 +86,15 @@ class Outline:
             raise ValueError(
                 f"'{self.name}' has no area: its points lie on a line, or it crosses itself"
             )
+
+    def _bulges_of(self, segments: int, repeated: bool) -> ndarray:
+        """Return a bulge for each segment; a last point that repeats the first one has none."""
+        bulges = finite(self.bulges, f"bulges of '{self.name}'")
+        if bulges.ndim and repeated:
+            bulges = bulges[:segments]
+        if bulges.shape not in ((), (segments,)):
+            raise ValueError(f"'{self.name}' has {segments} segments, but {bulges.size} bulges")
+        return np.broadcast_to(bulges, (segments,))
 
     def _check_count(self, points: ndarray, least: int) -> None:
         """Refuse fewer points than an area or a line needs."""

@@ -274,19 +274,11 @@ class Section:
         missing = [name for name in self.areas if name not in laws]
         if missing:
             raise ValueError(f"there is no material for the areas {missing}")
-        weights = self._by_area(unit_weight)
-        for name in weights:
-            look_up(name, self.areas, "area with a unit weight")
-        weightless = [name for name in self.areas if name not in weights]
-        if weightless:
-            warn(f"{weightless} are weightless: name them too, with 0 if they are meant to be")
+        weights = self._unit_weights(unit_weight)
         coordinates = None if self.coordinates == "plane" else self.coordinates
         forms = {}
         for part, areas in self.parts.items():
-            weight = {}
-            for area in areas:
-                if weights.get(area) is not None:
-                    weight[area] = weights[area]
+            weight = {area: weights[area] for area in weights if area in areas}
             forms[part] = SolidForm(
                 basis.with_elements(part),
                 {area: laws[area] for area in areas},
@@ -295,6 +287,16 @@ class Section:
                 porous=porous,
             )
         return forms
+
+    def _unit_weights(self, given: float | Mapping[str, float] | None) -> dict[str, float]:
+        """Return the unit weights by area; report areas without one."""
+        weights = self._by_area(given)
+        for name in weights:
+            look_up(name, self.areas, "area with a unit weight")
+        weightless = [name for name in self.areas if name not in weights]
+        if weightless:
+            warn(f"{weightless} are weightless: name them too, with 0 if they are meant to be")
+        return {name: weight for name, weight in weights.items() if weight is not None}
 
     def _by_area(self, value: Any) -> Mapping[str, Any]:
         """Return values by area from one value or a mapping."""

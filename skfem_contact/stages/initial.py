@@ -502,6 +502,11 @@ def _layers(
             )
         known = mesh.subdomains or {}
         return [(k, look_up(k, known, "subdomain"), gamma) for k, gamma in unit_weights.items()]
+    return _own_layers(setup, mesh)
+
+
+def _own_layers(setup: Setup, mesh: Any) -> list[tuple[str, ndarray, float]]:
+    """Return name, elements and unit weight of every layer of the solids."""
     layers = []
     for name, form in setup.solids.items():
         if form.unit_weight is None:

@@ -131,10 +131,7 @@ class Planner:
         fixed = np.union1d(self._supports, self._inactive)
 
         # Add up weights, water and the load on top of them
-        if stage.water is not None:
-            self._water = own_arrays(stage.water)
-        if changes or self._first or stage.water is not None:
-            self._rest = self._at_rest(self._active)
+        self._set_water(stage, changes)
         in_time = None
         if stage.dynamic is not None:
             in_time = inertia_of(self._setup, stage, self._active, fixed)
@@ -159,12 +156,7 @@ class Planner:
             *self._of_weights(stage, before, load - self._rest),
         )
 
-        # Release forces of bodies that go
         self._unreleased = (changes or self._unreleased) and stage.released < 1.0
-        gone = np.zeros(len(load))
-        if self._unreleased and stage.deactivate:
-            gone = self._at_rest(before) - self._rest
-            gone[fixed] = 0.0
         phase = Phase(
             before=before,
             forms=self._active,
@@ -172,7 +164,7 @@ class Planner:
             load=load,
             prescribed=prescribed,
             changed=changes and (self._start is not None or not self._first),
-            gone=gone,
+            gone=self._gone(stage, before, fixed),
             on_top=on_top,
             jump=jump,
             remarks=remarks,
@@ -185,6 +177,21 @@ class Planner:
         self._on_top = load - self._rest
         self._last_load = load
         return phase
+
+    def _set_water(self, stage: Stage, changes: bool) -> None:
+        """Take over the water of a stage, and the load at rest where anything changes it."""
+        if stage.water is not None:
+            self._water = own_arrays(stage.water)
+        if changes or self._first or stage.water is not None:
+            self._rest = self._at_rest(self._active)
+
+    def _gone(self, stage: Stage, before: Mapping[str, Form], fixed: ndarray) -> ndarray:
+        """Return the weights and water of bodies that go and whose forces are held for a while."""
+        if not self._unreleased or not stage.deactivate:
+            return np.zeros(len(self._rest))
+        gone = self._at_rest(before) - self._rest
+        gone[fixed] = 0.0
+        return gone
 
     def _same_as_before(self, load: ndarray) -> bool:
         """Return True if a load is the load of the stage before."""
@@ -337,15 +344,10 @@ class Planner:
         active = having(self._active, Wet)
         if not waters:
             return
-        ground = np.concatenate([form.elements for form in solids_of(self._active).values()])
-        dry = [name for name, water in waters.items() if np.isin(water.elements, ground).any()]
-        if stage.duration and dry and not active:
-            yield Remark(
-                "dry",
-                len(dry),
-                f"{dry} is not active in a stage with a duration: the ground drains at once; "
-                "name it in `activate`",
-            )
+        if stage.duration and not active:
+            yield from self._of_drained(waters)
+
+        # Refuse elements whose water would count twice
         undrained = undrained_elements(self._active)
         twice = sum(int(np.isin(undrained, water.elements).sum()) for water in active.values())
         if twice:
@@ -353,15 +355,30 @@ class Planner:
                 f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: "
                 "their water would count twice; give the soil alone, or deactivate the water"
             )
-        is_level = isinstance(self._water, float | int) and self._water is not False
+
+        # Report suction that a level takes away
+        if isinstance(self._water, bool) or not isinstance(self._water, float | int):
+            return
         for name, water in active.items():
-            if is_level and water.suction > 0.0:
+            if water.suction > 0.0:
                 yield Remark(
                     "suction",
                     water.suction,
                     f"a level has none of the suction, up to {water.suction:.3g}, with which "
                     f"'{name}' begins: give water=model.forms['{name}'].initial",
                 )
+
+    def _of_drained(self, waters: Mapping[str, Wet]) -> Iterator[Remark]:
+        """Report ground whose pore water is not active."""
+        ground = np.concatenate([form.elements for form in solids_of(self._active).values()])
+        dry = [name for name, water in waters.items() if np.isin(water.elements, ground).any()]
+        if dry:
+            yield Remark(
+                "dry",
+                len(dry),
+                f"{dry} is not active in a stage with a duration: the ground drains at once; "
+                "name it in `activate`",
+            )
 
     def _of_pressures(
         self,

@@ -186,33 +186,14 @@ class _Follower:
 
     def stage(self, stage: Stage, phase: Phase, last: StageResult) -> StageResult:
         """Return the end of a stage."""
-        # Begin with other forms, bodies and supports.
-        lost = np.zeros(len(last.x))
         first = self._first
         self._first = False
-        if phase.changed or (first and state_changes(phase, last)):
-            x, states, lost = begin(self._setup.layout, phase, last)
-            last = replace(
-                last,
-                x=x,
-                states=states,
-                placed=_placed(phase, last, x),
-                next_step=np.inf,
-                before=None,
-            )
-        elif phase.in_time is None and last.inertial is not None:
-            self._remark_on_motion(stage, last)
-            lost = last.inertial.copy()
-            lost[phase.fixed] = 0.0
+        last, lost = self._changed(stage, phase, last, first)
         if phase.in_time is not None:
             return self._in_time(stage, phase, phase.in_time, last, lost)
-        if self._system is None or phase.changed:
-            self._system = self._setup.system(phase.forms, phase.fixed)
-            self._predictor = Predictor(self._system.fixed)
-            if first and last.before is not None:  # the run continues the one of the start
-                self._predictor.accept(*last.before)
-            self._predictor.accept(last.x, last.load - lost, last.time)
         system = self._system
+        if system is None or phase.changed:
+            system = self._assembled(phase, last, lost, first)
 
         # Release lost forces, but for the share that remains.
         last = self._begun(stage, phase, last, system.forms)
@@ -232,6 +213,40 @@ class _Follower:
         increments = _increments(system, self._predictor, ways, last, newton)
         last = self._followed(increments, stage, last)
         return replace(last, unreleased=remaining if remaining.any() else None)
+
+    def _changed(
+        self, stage: Stage, phase: Phase, last: StageResult, first: bool
+    ) -> tuple[StageResult, ndarray]:
+        """Begin with other forms, bodies and supports; return the forces that are lost, too."""
+        if phase.changed or (first and state_changes(phase, last)):
+            x, states, lost = begin(self._setup.layout, phase, last)
+            last = replace(
+                last,
+                x=x,
+                states=states,
+                placed=_placed(phase, last, x),
+                next_step=np.inf,
+                before=None,
+            )
+            return last, lost
+
+        # A static stage after one in time loses the forces of inertia
+        lost = np.zeros(len(last.x))
+        if phase.in_time is None and last.inertial is not None:
+            self._remark_on_motion(stage, last)
+            lost = last.inertial.copy()
+            lost[phase.fixed] = 0.0
+        return last, lost
+
+    def _assembled(self, phase: Phase, last: StageResult, lost: ndarray, first: bool) -> System:
+        """Return the system of a stage, and begin its extrapolation of displacements."""
+        system = self._setup.system(phase.forms, phase.fixed)
+        self._system = system
+        self._predictor = Predictor(system.fixed)
+        if first and last.before is not None:  # the run continues the one of the start
+            self._predictor.accept(*last.before)
+        self._predictor.accept(last.x, last.load - lost, last.time)
+        return system
 
     def _begun(
         self, stage: Stage, phase: Phase, last: StageResult, forms: Mapping[str, Form]

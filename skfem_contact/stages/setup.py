@@ -384,18 +384,23 @@ def _check_fields(forms: Mapping[str, Form]) -> None:
                     "forms, or share it by Field(..., shared=...)"
                 )
     for name, form in forms.items():
-        for field in borrowed_by(form):
-            if field not in owner:
-                raise ValueError(
-                    f"'{name}' acts on the field '{field.name}', which no form of the model brings"
-                )
-        taken = [other for field in form.fields for _, other in field.taken]
-        for other in taken:
-            if isinstance(other, FieldDofs) and other.field not in owner:
-                raise ValueError(
-                    f"'{name}' is joined to a form that is not in the model: it takes dofs of the "
-                    f"field '{other.field.name}'"
-                )
+        _check_borrowed(name, form, owner)
+
+
+def _check_borrowed(name: str, form: Form, owner: Mapping[Field, str]) -> None:
+    """Refuse a form that acts on a field, or takes dofs of one, that no form brings."""
+    for field in borrowed_by(form):
+        if field not in owner:
+            raise ValueError(
+                f"'{name}' acts on the field '{field.name}', which no form of the model brings"
+            )
+    taken = [other for field in form.fields for _, other in field.taken]
+    for other in taken:
+        if isinstance(other, FieldDofs) and other.field not in owner:
+            raise ValueError(
+                f"'{name}' is joined to a form that is not in the model: it takes dofs of the "
+                f"field '{other.field.name}'"
+            )
 
 
 def _check_different(forms: Mapping[str, Form]) -> None:
@@ -407,10 +412,8 @@ def _check_different(forms: Mapping[str, Form]) -> None:
         names[id(form)] = name
 
 
-def _check_bases(forms: Mapping[str, Form]) -> None:
-    """Refuse bad meshes, forms of different bases, and forms without a number of dofs."""
-    if not forms:
-        raise ValueError("there is no SolidForm among the forms: nothing resists load")
+def _check_sizes(forms: Mapping[str, Form]) -> None:
+    """Refuse forms with different numbers of dofs, and forms without any."""
     sizes = {name: form.size for name, form in forms.items() if form.size is not None}
     if not sizes and not any(form.fields for form in forms.values()):
         raise ValueError("no form knows how many dofs there are: give one of them a `size`")
@@ -419,6 +422,13 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
             f"the forms belong to different bases; their numbers of dofs are {sizes}; they "
             f"are {', '.join(map(repr, forms.values()))}"
         )
+
+
+def _check_bases(forms: Mapping[str, Form]) -> None:
+    """Refuse bad meshes, forms of different bases, and forms without a number of dofs."""
+    if not forms:
+        raise ValueError("there is no SolidForm among the forms: nothing resists load")
+    _check_sizes(forms)
     bases = {name: form.basis for name, form in solids_of(forms).items()}
     if not bases:
         return

@@ -168,11 +168,17 @@ def _check_numbers(stage: Stage) -> None:
         raise ValueError(
             f"{where}: keep must be 'last', 'all' or a whole number, not {stage.keep!r}"
         )
-    if stage.dynamic is not None:
+    if stage.dynamic is None:
+        _check_static(stage, where)
+    else:
         _check_time(stage, stage.dynamic, where)
-    elif stage.base is not None:
+
+
+def _check_static(stage: Stage, where: str) -> None:
+    """Refuse motion in a stage without inertia."""
+    if stage.base is not None:
         raise ValueError(f"{where}: a base moves in a stage with `dynamic` alone")
-    elif callable(stage.prescribed):
+    if callable(stage.prescribed):
         raise ValueError(f"{where}: prescribed may be a function in a stage with `dynamic` alone")
 
 

@@ -24,12 +24,17 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     hold any body.
     """
     solids = solids_of(forms)
-    joins = {name: joined_by(form) for name, form in forms.items()}
-    joined = [dofs for dofs in joins.values() if dofs is not None]
-    holding = [form for name, form in forms.items() if joins[name] is None]  # any body
+    joined = []
+    holding = []  # forms that may hold any body
+    for form in forms.values():
+        dofs = joined_by(form)
+        if dofs is None:
+            holding.append(form)
+        else:
+            joined.append(dofs)
+    if not solids and not holding:
+        raise ValueError("there is no SolidForm among the forms: nothing resists load")
     if not solids:
-        if not holding:
-            raise ValueError("there is no SolidForm among the forms: nothing resists load")
         return
     basis = next(solid.basis for solid in solids.values())
     covered = np.concatenate([form.elements for form in solids.values()])
@@ -121,9 +126,16 @@ def _groups(
         if not len(surfaces):
             continue
         met = {name for name in dofs if np.isin(surfaces, dofs[name]).any()}
-        apart = [group for group in groups if not group & met]
-        together = met.union(*(group for group in groups if group & met))
-        groups = [*apart, together] if together else apart
+        apart = []
+        together = set(met)
+        for group in groups:
+            if group & met:
+                together |= group
+            else:
+                apart.append(group)
+        groups = apart
+        if together:
+            groups.append(together)
         if (surfaces < 0).any():
             obstacles |= met
     return groups, obstacles

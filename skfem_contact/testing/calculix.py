@@ -115,43 +115,64 @@ def read_frd(file: str | Path) -> Frd:
     ValueError
         If the file is binary, damaged, or has no nodes.
     """
-    lines = _lines(file)
-    ids: list[int] = []
-    points: list[list[float]] = []
-    elements: dict[str, list[list[int]]] = {}
-    steps: list[tuple[float, dict[str, ndarray]]] = []
+    blocks = _Blocks()
     try:
-        position = 0
-        time = 0.0
-        while position < len(lines):
-            line = lines[position]
-            position += 1
-            if line[:6] in ("    2C", "    3C") and line.split()[-1] not in ("0", "1"):
-                raise ValueError("it is binary: use *NODE FILE without OUTPUT=BINARY")
-            if line.startswith("    2C"):
-                position = _read_nodes(lines, position, ids, points)
-                row = {number: k for k, number in enumerate(ids)}
-            elif line.startswith("    3C"):
-                position = _read_elements(lines, position, row, elements)
-            elif line.startswith("  100C"):
-                time = float(line[12:24])
-            elif line.startswith(" -4"):
-                name = line.split()[1]
-                position, values = _read_field(lines, position, row)
-                if not steps or steps[-1][0] != time or name in steps[-1][1]:
-                    steps.append((time, {}))
-                steps[-1][1][name] = values
-    except (IndexError, KeyError, UnboundLocalError) as error:
+        blocks.read(_lines(file))
+    except (IndexError, KeyError) as error:
         raise ValueError(f"{file} is damaged or not complete") from error
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from error
-    if not ids:
+    if not blocks.ids:
         raise ValueError(f"{file} is not a result file of CalculiX: it has no nodes")
     cells = {}
-    for kind, rows in elements.items():
+    for kind, rows in blocks.elements.items():
         nodes = np.array(rows)
-        cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
-    return Frd(np.array(ids), np.array(points), cells, tuple(steps))
+        if kind in _ORDER:
+            nodes = nodes[:, _ORDER[kind]]
+        cells[kind] = nodes
+    return Frd(np.array(blocks.ids), np.array(blocks.points), cells, tuple(blocks.steps))
+
+
+class _Blocks:
+    """Blocks of a result file: nodes, elements by kind, and fields by time."""
+
+    def __init__(self) -> None:
+        self.ids: list[int] = []
+        self.points: list[list[float]] = []
+        self.elements: dict[str, list[list[int]]] = {}
+        self.steps: list[tuple[float, dict[str, ndarray]]] = []
+        self._row: dict[int, int] = {}
+        self._time = 0.0
+
+    def read(self, lines: list[str]) -> None:
+        """Read all blocks."""
+        position = 0
+        while position < len(lines):
+            position = self._read_block(lines, position)
+
+    def _read_block(self, lines: list[str], position: int) -> int:
+        """Read the block that begins in a line, and return the line after it."""
+        line = lines[position]
+        position += 1
+        if line[:6] in ("    2C", "    3C") and line.split()[-1] not in ("0", "1"):
+            raise ValueError("it is binary: use *NODE FILE without OUTPUT=BINARY")
+        if line.startswith("    2C"):
+            position = _read_nodes(lines, position, self.ids, self.points)
+            self._row = {number: k for k, number in enumerate(self.ids)}
+        elif line.startswith("    3C"):
+            position = _read_elements(lines, position, self._row, self.elements)
+        elif line.startswith("  100C"):
+            self._time = float(line[12:24])
+        elif line.startswith(" -4"):
+            position, values = _read_field(lines, position, self._row)
+            self._add(line.split()[1], values)
+        return position
+
+    def _add(self, name: str, values: ndarray) -> None:
+        """Add a field; one that the last step has begins another step."""
+        if not self.steps or self.steps[-1][0] != self._time or name in self.steps[-1][1]:
+            self.steps.append((self._time, {}))
+        self.steps[-1][1][name] = values
 
 
 def read_dat(file: str | Path) -> list[Printed]:
