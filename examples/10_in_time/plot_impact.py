@@ -63,7 +63,7 @@ top.plot([0, 0, 2, 2, 3], [0, 1, 1, 0, 0], "k:", label="exact")
 top.set(ylabel=r"force / ($\rho$ c v A / 2)")
 top.legend(frameon=False)
 energy = impact.energy
-for name in ("kinetic", "internal", "contact"):
+for name in ("kinetic", "elastic"):
     bottom.plot(energy["time"] * c, energy[name] / energy["kinetic"][0], label=name)
 bottom.set(xlabel="time c / L", ylabel="energy / first energy")
 bottom.legend(frameon=False)
@@ -88,9 +88,8 @@ touching = time[-force > 0.02 * exact].max() * c
 assert abs(touching / 2 - 1) < 0.0101 * 100 / n, touching
 mean = -force[(time * c > 0.1) & (time * c < 1.9)].mean() / exact
 assert abs(mean - 1) < 0.01, mean
-total = energy["kinetic"] + energy["internal"] + energy["contact"]
-assert total.max() <= total[0] * (1 + 1e-9)
-assert abs(total[-1] / total[0] - 1) < 1e-6
+total = energy["kinetic"] + energy["elastic"]
+assert abs(total / total[0] - 1).max() < 2e-3, total / total[0]
 print(
     json.dumps(
         {

@@ -88,7 +88,7 @@ print(f"intensity of Arias {felt.arias(9.81):.2f} and {record.arias(9.81):.2f} m
 
 energy = shaken.energy
 fig, ax = plt.subplots(figsize=(7, 3.5), layout="constrained")
-for name in ("work", "damping", "kinetic", "internal"):
+for name in ("work", "damping", "kinetic", "elastic"):
     ax.plot(energy["time"], energy[name] - energy[name][0], label=name)
 ax.set(xlabel="time (s)", ylabel="energy (kJ/m)")
 ax.legend(frameon=False)

@@ -97,7 +97,7 @@ bottom.legend(frameon=False)
 energy = result["shake"].energy
 fig, ax = plt.subplots(figsize=(7, 3), layout="constrained")
 ax.plot(energy["time"], energy["work"], label="work of loads")
-ax.plot(energy["time"], energy["contact"], label="friction")
+ax.plot(energy["time"], energy["friction"], label="friction")
 ax.set(xlabel="time (s)", ylabel="energy (kJ/m)")
 ax.legend(frameon=False)
 
@@ -107,7 +107,7 @@ import json
 error = abs(slip[-1] / exact[-1] - 1)
 assert error < 0.005, (slip[-1], exact[-1])
 force = mu * 2.0 * 20.0 * np.cos(slope)
-assert energy["contact"][-1] >= force * abs(slip[-1]) * 0.98
+assert energy["friction"][-1] >= force * abs(slip[-1]) * 0.98
 print(
     json.dumps(
         {

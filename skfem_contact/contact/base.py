@@ -15,7 +15,7 @@ from typing_extensions import Self, override
 
 from ..checks import check_basis, is_number
 from ..forms.base import Form
-from ..forms.roles import Reducible, Regularised, Staged, Stiff, Touching, having
+from ..forms.roles import Dissipating, Reducible, Regularised, Staged, Stiff, Touching, having
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
@@ -47,7 +47,7 @@ _ON_AXIS = 1e-9
 _LARGEST_TRACTION = 0.1
 
 
-class ContactBase(Form, Touching, Staged, Reducible, Regularised):
+class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     """Data of a contact pair, for regularisation, diagnosis and prestress."""
 
     unilateral = True
@@ -344,6 +344,19 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised):
                 "`penalty=`, or take the pair from Model(forms).forms"
             )
         return self.enforcement.penalties(self, state)
+
+    @override
+    def dissipated(self, before: ContactState, after: ContactState, work: float) -> float:
+        return work - (self._stored(after) - self._stored(before))
+
+    def _stored(self, state: ContactState) -> float:
+        """Return the energy that penalties store: half of the tractions times their jumps."""
+        if not self.enforcement.keeps_penalty or not state.traction.any():
+            return 0.0
+        normal, tangential = self.penalties(state)
+        pressure, *shear = state.traction**2
+        twice = pressure / normal + sum(shear) / tangential
+        return 0.5 * self.share * float(self.points(state).weight @ twice)
 
     def penetration(self, state: ContactState) -> float:
         """Return the largest penetration as a share of its slave segment."""

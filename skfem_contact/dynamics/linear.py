@@ -12,6 +12,7 @@ itself, not from differences of displacements, so that short steps lose no digit
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -80,6 +81,13 @@ class Linear:
         Motion at the start.
     step
         Length of a step.
+
+    Attributes
+    ----------
+    length
+        Length of a step.
+    force
+        Internal forces at the end of the last step.
     """
 
     def __init__(
@@ -90,22 +98,33 @@ class Linear:
         motion: Motion,
         step: float,
     ) -> None:
-        self._inertia = inertia
-        self._step = step
+        self._system = system
         self._fixed = system.fixed
         self._K = Total().of([response.stiffness for response in responses.values()])
         self._start = motion.x
         self._begun = np.sum([response.force for response in responses.values()], axis=0)
-        self._whole = constant(Total().of([self._K, inertia.stiffness]))
         self._M = inertia.M
         self._masses: ndarray | None = None
         if inertia.M.nnz == np.count_nonzero(inertia.M.diagonal()):
             self._masses = inertia.M.diagonal()
+        self.force = self._begun
+        self._factor(inertia, motion, step)
+
+    def with_step(self, motion: Motion, step: float) -> Linear:
+        """Return the model for steps of another length, with a factor of its own."""
+        new = copy(self)
+        new._factor(self._inertia.over(step), motion, step)
+        return new
+
+    def _factor(self, inertia: Inertia, motion: Motion, step: float) -> None:
+        """Factor the matrix of a step."""
+        self._inertia = inertia
+        self.length = step
+        self._whole = constant(Total().of([self._K, inertia.stiffness]))
         try:
-            self._solve = system.factor(self._whole)
+            self._solve = self._system.factor(self._whole)
         except SingularSystem as error:
             raise NotConverged(str(error), motion.x, (), int(error.dofs[0])) from error
-        self.force = self._begun
         self._count = 0
         self._renew(motion)
 
@@ -131,7 +150,7 @@ class Linear:
         load, prescribed
             External forces and values of the fixed dofs at its end.
         """
-        h = self._step
+        h = self.length
         am, af, beta, gamma = self._inertia.scheme
         v, a = motion.velocity, motion.acceleration
         fixed = self._fixed

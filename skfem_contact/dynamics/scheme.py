@@ -52,6 +52,11 @@ class Scheme(NamedTuple):
         gamma = 0.5 - alpha_m + alpha_f
         return cls(alpha_m, alpha_f, beta, gamma)
 
+    @property
+    def error(self) -> float:
+        """Error of the displacement of a step over h^3 times the rate of the acceleration."""
+        return abs(self.beta + 0.5 * (self.alpha_m - self.alpha_f) - 1.0 / 6.0)
+
 
 @dataclass(frozen=True)
 class Motion:

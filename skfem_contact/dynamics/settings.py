@@ -112,6 +112,10 @@ class Dynamic:
     explicit
         True for central differences with lumped masses: many short steps without any system of
         equations, for impact and waves in large meshes. Contact acts by penalties.
+    tolerance
+        Error of a step, as a share of the largest displacement of the stage, such as 1e-3. Steps
+        are then parts of `step`, 1/2, 1/4, ...: shorter where they err by more, and while contact
+        closes; longer again afterwards. By default all steps have the same length.
 
     Raises
     ------
@@ -153,6 +157,7 @@ class Dynamic:
     velocity: ndarray | None = None
     points: Any = ()
     explicit: bool = False
+    tolerance: float | None = None
 
     def __post_init__(self) -> None:
         if self.step is None and not self.explicit:
@@ -161,6 +166,13 @@ class Dynamic:
             raise ValueError(f"the step in time must be positive, not {self.step!r}")
         if self.rho_inf not in (0.0, 1.0) and not is_number(self.rho_inf, 0.0, 1.0):
             raise ValueError(f"rho_inf must be between 0 and 1, not {self.rho_inf!r}")
+        if self.tolerance is not None and not is_number(self.tolerance, 0.0, 0.1):
+            raise ValueError(
+                f"the tolerance of a step must be a share between 0 and 0.1, not "
+                f"{self.tolerance!r}: 0.001 errs by 0.1 % of the largest displacement"
+            )
+        if self.tolerance is not None and self.explicit:
+            raise ValueError("explicit steps have one length: give no tolerance")
         if self.mass not in ("lumped", "consistent"):
             raise ValueError(f"mass must be 'lumped' or 'consistent', not {self.mass!r}")
         if self.contact_mass not in (None, "moved", "kept"):

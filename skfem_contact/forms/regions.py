@@ -171,16 +171,22 @@ def changed_moduli(
 def elastic_strain(material: Material, stress: ndarray, internal: ndarray) -> ndarray:
     """Return elastic strains of stresses, (ncomp, n_elements, n_points), engineering shear."""
     known = material.elastic_strain(stress, internal)
-    if known is not None:
-        return known
+    return known if known is not None else by_elasticity(material, stress, stress, internal)
+
+
+def by_elasticity(
+    material: Material, change: ndarray, stress: ndarray, internal: ndarray
+) -> ndarray:
+    """Return the strains of a change of stresses, with the elasticity of a state."""
     ncomp = len(stress)
     if material.stress_dependent:
         moduli = material.elasticity(ncomp, stress, internal)
     else:
         moduli = np.asarray(material.elasticity(ncomp))
-        if moduli.ndim == 3:
-            moduli = moduli[:, None]
-    strain = np.linalg.solve(moduli, np.moveaxis(stress, 0, -1)[..., None])[..., 0]
+        if moduli.ndim == 2:
+            return np.linalg.solve(moduli, change.reshape(ncomp, -1)).reshape(change.shape)
+        moduli = moduli[:, None]
+    strain = np.linalg.solve(moduli, np.moveaxis(change, 0, -1)[..., None])[..., 0]
     return np.moveaxis(strain, -1, 0)
 
 

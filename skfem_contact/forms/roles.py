@@ -23,6 +23,7 @@ __all__ = [
     "Absorbing",
     "Body",
     "Couples",
+    "Dissipating",
     "Draining",
     "Loaded",
     "Reducible",
@@ -345,6 +346,22 @@ class Timed:
         return 0.0, 0.0
 
 
+class Dissipating:
+    """Energy that a form does not give back: plastic flow, friction."""
+
+    def dissipated(self, before: Any, after: Any, work: float) -> float:
+        """Return the energy that is dissipated between two accepted states.
+
+        Parameters
+        ----------
+        before, after
+            The states.
+        work
+            Work of the internal forces of the form between them.
+        """
+        return 0.0
+
+
 class Reducible:
     """Search for a collapse: strength that can be reduced, and geometry that is fixed.
 
@@ -523,6 +540,7 @@ ROLES: tuple[type, ...] = (
     Slender,
     Wet,
     Absorbing,
+    Dissipating,
     Draining,
 )
 #: Members that forms may also have for themselves, without any role.

@@ -34,13 +34,14 @@ from .base import Coordinates, Form, Kinematics, Outputs, Response
 from .finite import Deformation, FiniteKinematics
 from .regions import (
     Region,
+    by_elasticity,
     by_region,
     changed_moduli,
     check_materials,
     elastic_strain,
     inherited,
 )
-from .roles import Body, Reducible, Staged, Timed
+from .roles import Body, Dissipating, Reducible, Staged, Timed
 
 #: Round-off of forces relative to the forces of single displacements.
 _ROUND_OFF = 8 * np.finfo(float).eps
@@ -95,7 +96,7 @@ class FiniteState(SolidState):
     gradient: ndarray
 
 
-class SolidForm(Form, Body, Staged, Timed, Reducible):
+class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     """Internal force and tangent of a body or of several, of small or of finite strains.
 
     Parameters
@@ -559,6 +560,23 @@ class SolidForm(Form, Body, Staged, Timed, Reducible):
                     after = before.copy()
                 after[: region.material.n_internal, region.elements] = update.internal
         return after
+
+    @override
+    def dissipated(self, before: SolidState, after: SolidState, work: float) -> float:
+        # mean stress times the strain that the elasticity of the mean state does not explain
+        mean = 0.5 * (before.stress + after.stress)
+        increment = after.strain - before.strain
+        change = after.stress - before.stress
+        lost = 0.0
+        for region, _, internal in self.at_regions(before):
+            law = region.material
+            if not law.n_internal and not law.time_dependent:
+                continue
+            part = region.elements
+            at = mean[:, part]
+            plastic = increment[:, part] - by_elasticity(law, change[:, part], at, internal)
+            lost += float((self.weight[part] * (at * plastic).sum(axis=0)).sum())
+        return lost
 
     def _summary(self, state: SolidState) -> str:
         yielded = self.variable(PLASTIC_STRAIN, state) > 0

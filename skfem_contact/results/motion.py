@@ -20,7 +20,7 @@ from ..layout import dofs_at
 Quantity = Literal["displacement", "velocity", "acceleration"]
 _QUANTITIES = ("displacement", "velocity", "acceleration")
 #: Columns of the recorded energies.
-_ENERGIES = ("time", "kinetic", "internal", "contact", "damping", "work")
+_ENERGIES = ("time", "kinetic", "elastic", "plastic", "friction", "damping", "work")
 
 
 class Lazy(Mapping[str, Any]):
@@ -113,8 +113,8 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
     _check_inertia(series, name, "energies")
     values = series["energy"].T
     columns = dict(zip(_ENERGIES, values, strict=True))
-    _, kinetic, internal, contact, damping, work = values
-    columns["missing"] = kinetic[0] + work - kinetic - internal - contact - damping
+    _, kinetic, *spent, work = values
+    columns["missing"] = kinetic[0] + work - kinetic - sum(spent)
     return Table.of(columns, f"energies, {name}")
 
 

@@ -101,10 +101,11 @@ class StageResult(files.StageData):
     def energy(self) -> Table:
         """Energies of a stage with ``dynamic``, a table with one row for each step.
 
-        Columns: ``time``; ``kinetic``; work since the start of the stage of ``internal`` forces,
-        elastic and plastic, of ``contact`` with friction, of ``damping``, and ``work`` of loads and
-        moved supports. ``missing``: kinetic energy at the start and work, less all others: the
-        damping of the scheme.
+        Columns: ``time``; ``kinetic``; since the start of the stage the change of the ``elastic``
+        energy of bodies, structures and penalties, what ``plastic`` flow, ``friction`` and
+        ``damping`` have taken, and the ``work`` of loads and moved supports. ``missing``: kinetic
+        energy at the start and work, less all others: the damping of the scheme. Members and links
+        that yield count as elastic.
 
         Raises
         ------

@@ -8,12 +8,14 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
+from typing_extensions import override
 
+from ..contact.laws import Status
 from ..dynamics.boundaries import Masses
 from ..dynamics.explicit import Explicit
 from ..dynamics.linear import Linear, is_linear
@@ -21,28 +23,24 @@ from ..dynamics.mass import accelerations, mass_and_damping, translation
 from ..dynamics.record import Record
 from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
+from ..dynamics.steps import Steps
 from ..errors import NotConverged, Remark
-from ..forms.base import Form, Response, responses_of, solids_of, summaries
-from ..forms.roles import Absorbing, Touching, Wet, having
+from ..forms.base import Form, responses_of, solids_of, summaries
+from ..forms.roles import Absorbing, Body, Touching, Wet, having
 from ..layout import Layout, dofs_at
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
-from ..nonlinear.step import Equilibrium, Step
+from ..nonlinear.step import Step
 from ..nonlinear.system import System
 from ..results.motion import Lazy
 from ..results.stage import StageResult
 from ..sparse import padded
+from .energies import INERTIA, Log
 from .setup import Setup
 from .stage import Stage
 
 logger = logging.getLogger("skfem_contact")
 
-#: Name of the form of inertia in the system of a stage; results have its forces as `inertial`.
-INERTIA = "inertia"
-#: Parts of a step: it is cut to a quarter where no equilibrium is found, and steps grow again once
-#: they end where a longer one may begin.
-_PARTS = 1024
-_CUT, _GROWTH = 4, 2
 #: Acceleration of a record over the one of gravity, and velocity at its end over the largest one,
 #: that are remarked on.
 _STRONGEST, _DRIFT = 3.0, 0.2
@@ -74,6 +72,8 @@ class InTime:
         velocity, (N,).
     of_rock
         True where the base moves rock below a viscous boundary.
+    transit
+        Time of a wave through an element.
     """
 
     settings: Dynamic
@@ -84,6 +84,7 @@ class InTime:
     points: ndarray
     base: tuple[tuple[int, Record, ndarray], ...] = ()
     of_rock: bool = False
+    transit: float = np.inf
 
     def with_base(self, load: ndarray, time: float) -> ndarray:
         """Return a load at a time, with the motion of the base, (N,)."""
@@ -132,7 +133,8 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
     if settings.explicit:
         return InTime(settings, M, C, 0, 0.0, points, base, absolute)
     steps = settings.steps(stage.duration)
-    return InTime(settings, M, C, steps, stage.duration / steps, points, base, absolute)
+    transit = _transit(forms, g)
+    return InTime(settings, M, C, steps, stage.duration / steps, points, base, absolute, transit)
 
 
 def _base(
@@ -240,88 +242,6 @@ def _points(forms: Mapping[str, Form], given: Any) -> ndarray:
     return dofs_at(solids[0].basis, given)
 
 
-class Log:
-    """Energies and motions of recorded nodes, step by step."""
-
-    def __init__(self, system: System, in_time: InTime) -> None:
-        self._pairs = set(having(system.forms, Touching))
-        self._fixed = system.fixed
-        self._M = in_time.M
-        self._points = in_time.points
-        self._rows: list[tuple[float, ...]] = []
-        self._motions: list[ndarray] = []
-        self._base: list[ndarray] = []
-        self._in_time = in_time
-        self._began = 0.0
-        self._internal = self._contact = self._work = 0.0
-        self._last: tuple[ndarray, ndarray, ndarray, ndarray, ndarray | None] | None = None
-
-    def add(
-        self, time: float, motion: Motion, load: ndarray, forces: Mapping[str, ndarray]
-    ) -> None:
-        """Record the end of a step, with the forces of all forms."""
-        if not self._rows:
-            self._began = time
-        kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
-        touching = [force for name, force in forces.items() if name in self._pairs]
-        others = [force for name, force in forces.items() if name not in {*self._pairs, INERTIA}]
-        bodies = others[0] if len(others) == 1 else np.sum(others, axis=0)
-        pairs = np.sum(touching, axis=0) if touching else None
-        at = self._fixed
-        reaction = bodies[at] + motion.force[at] - load[at]
-        if pairs is not None:
-            reaction += pairs[at]
-        now = load, reaction, bodies, pairs
-        if self._last is not None:
-            # The work of a mean force, exact for forces that change in proportion
-            x, outer, held, inner, contact = self._last
-            moved = motion.x - x
-            self._work += 0.5 * (float(outer @ moved) + float(load @ moved))
-            self._work += 0.5 * float((held + reaction) @ moved[at])
-            self._internal += 0.5 * (float(inner @ moved) + float(bodies @ moved))
-            if pairs is not None and contact is not None:
-                self._contact += 0.5 * (float(contact @ moved) + float(pairs @ moved))
-        self._last = (motion.x, *now)
-        self._rows.append((time, kinetic, self._internal, self._contact, motion.damped, self._work))
-        if self._points.size:
-            at_points = (motion.x, motion.velocity, motion.acceleration)
-            self._motions.append(np.array([values[self._points] for values in at_points]))
-            if self._in_time.base and not self._in_time.of_rock:
-                self._base.append(self._in_time.base_motion(time - self._began))
-
-    def series(self) -> dict[str, ndarray]:
-        """Return energies, (n, 6), motions, (n, 3, n_points, dim), and base, (n, 3, dim)."""
-        found = {"energy": np.array(self._rows)}
-        if self._motions:
-            found["motion"] = np.array(self._motions)
-            found["points"] = self._points
-        if self._base:
-            found["base"] = np.array(self._base)
-        return found
-
-    def gained(self) -> float:
-        """Return the energy that comes from nowhere, as a share of the largest one."""
-        _, kinetic, internal, contact, damped, work = self._rows[-1]
-        first = self._rows[0][1]
-        gained = kinetic + internal + contact + damped - first - work
-        return gained / max(kinetic, abs(internal), first, abs(work), 1e-300)
-
-    def missing(self) -> float:
-        """Return the energy that the scheme has taken, as a share of the largest one."""
-        _, kinetic, internal, contact, damped, work = np.array(self._rows).T
-        lost = kinetic[0] + work[-1] - kinetic[-1] - internal[-1] - contact[-1] - damped[-1]
-        largest = max(float(np.abs(each).max()) for each in (kinetic, internal, work))
-        return float(lost / largest) if largest > 0.0 else 0.0
-
-    def summary(self) -> str:
-        """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
-        kinetic = np.array(self._rows)[:, 1]
-        share = self.missing()
-        return (
-            f"kinetic energy {kinetic[-1]:.4g}, {round(share, 4) + 0.0:.2%} of the energy missing"
-        )
-
-
 def first_motion(
     in_time: InTime, last: StageResult, jump: ndarray, fixed: ndarray, layout: Layout
 ) -> Motion:
@@ -344,6 +264,133 @@ def first_motion(
     viscous = in_time.C @ v
     a = accelerations(M, force + jump - viscous, fixed)
     return Motion(last.x, v, a, M @ a + viscous)
+
+
+class _Taken(NamedTuple):
+    """A step: its motion, internal forces by form, states and iterations."""
+
+    motion: Motion
+    forces: Mapping[str, ndarray]
+    states: Mapping[str, Any]
+    iterations: int = 1
+    residual: float = 0.0
+
+
+class _Iterated:
+    """Steps by Newton's method."""
+
+    cuts = True
+
+    def __init__(self, system: System, forms: Mapping[str, Form], newton: Newton) -> None:
+        self._system = system
+        self._newton = newton
+        self._forms = forms
+
+    def begun(self, last: StageResult) -> dict[str, ndarray]:
+        """Return the internal forces at the start."""
+        responses = responses_of(self._forms, last.x, last.states)
+        return {name: response.force for name, response in responses.items()}
+
+    def take(
+        self, last: StageResult, motion: Motion, steps: Steps, load: ndarray, prescribed: ndarray
+    ) -> _Taken:
+        """Take a step."""
+        h = steps.length
+        states = {**last.states, INERTIA: motion}
+        ahead = None
+        if not steps.failed:
+            ahead = motion.x + h * motion.velocity + 0.5 * h**2 * motion.acceleration
+            ahead[self._system.fixed] = prescribed
+        step = Step(self._system.over(h), last.x, states, load, prescribed, ahead)
+        new = solve_increment(step, self._newton)
+        found = dict(new.states)
+        moved = found.pop(INERTIA)
+        return _Taken(moved, new.forces, found, new.iterations, new.residuals[-1])
+
+    def check(self, taken: int, log: Log) -> None:
+        """Check the energy now and then."""
+
+
+class _LinearSteps(_Iterated):
+    """Steps of a linear model, whose states are computed where somebody asks for them."""
+
+    def __init__(self, system: System, forms: Mapping[str, Form], in_time: InTime) -> None:
+        super().__init__(system, forms, Newton())
+        self._inertia = in_time.form()
+        self._model: Linear | None = None
+        self._start: Mapping[str, Any] = {}
+
+    @override
+    def begun(self, last: StageResult) -> dict[str, ndarray]:
+        self._start = last.states
+        return {"": np.sum([*super().begun(last).values()], axis=0)}
+
+    @override
+    def take(
+        self, last: StageResult, motion: Motion, steps: Steps, load: ndarray, prescribed: ndarray
+    ) -> _Taken:
+        h = steps.length
+        if self._model is None:
+            responses = responses_of(self._forms, last.x, last.states)
+            self._model = Linear(self._system, self._inertia.over(h), responses, motion, h)
+        elif self._model.length != h:
+            self._model = self._model.with_step(motion, h)
+        moved = self._model.step(motion, load, prescribed)
+        states = Lazy(self._forms, partial(_states_at, self._forms, moved.x, self._start))
+        return _Taken(moved, {"": self._model.force}, states)
+
+
+class _ExplicitSteps(_Iterated):
+    """Explicit steps, whose number follows from the longest stable one."""
+
+    cuts = False
+
+    def __init__(
+        self, system: System, forms: Mapping[str, Form], in_time: InTime, last: StageResult
+    ) -> None:
+        super().__init__(system, forms, Newton())
+        M, C = in_time.M, in_time.C
+        self._model = Explicit(forms, system.layout, M, C, system.fixed, last)
+        self._start = last.states
+        self._every = 1
+
+    def steps(self, stage: Stage, settings: Dynamic) -> tuple[float, int]:
+        """Return the length and the number of the steps of a stage."""
+        critical = self._model.critical
+        if settings.step is not None and settings.step > critical:
+            raise ValueError(
+                f"the step in time, {settings.step:.4g}, is longer than the longest stable one, "
+                f"{critical:.4g}: shorten it, or take implicit steps"
+            )
+        number = settings.steps(stage.duration, _STABLE * critical)
+        self._model.length = stage.duration / number
+        self._every = max(1, number // _SEEN)
+        logger.info("stage '%s': %d explicit steps of %.4g", stage.name, number, self._model.length)
+        return self._model.length, number
+
+    @override
+    def begun(self, last: StageResult) -> dict[str, ndarray]:
+        return self._model.forces(last.x)[0]
+
+    @override
+    def take(
+        self, last: StageResult, motion: Motion, steps: Steps, load: ndarray, prescribed: ndarray
+    ) -> _Taken:
+        moved, forces = self._model.step(motion, load, prescribed)
+        states: Mapping[str, Any] = {**self._model.states}
+        linear = self._model.linear
+        if linear:
+            rest = Lazy(linear, partial(_states_at, linear, moved.x, self._start))
+            states = ChainMap({**self._model.states}, rest)  # type: ignore[arg-type]
+        return _Taken(moved, forces, states)
+
+    @override
+    def check(self, taken: int, log: Log) -> None:
+        if taken % self._every == 0 and log.gained() > _GAINED:
+            raise NotConverged(
+                f"it gains energy: steps of {self._model.length:.4g} are too long for the "
+                "stiffness of its contacts or materials; give a shorter Dynamic(step=...)"
+            )
 
 
 def steps_of(
@@ -370,156 +417,83 @@ def steps_of(
     log
         Records of energies and motions.
     """
+    # Choose the method
     last, motion = start
-    began = last.time
-    load, _ = path(0.0)
-    plain = {name: form for name, form in system.forms.items() if name != INERTIA}
-    last = replace(last, layout=system.layout)
-    responses = responses_of(plain, last.x, last.states)
-    forces = {name: response.force for name, response in responses.items()}
-    log.add(began, motion, load, forces)
-    if in_time.settings.explicit:
-        yield from _explicit_steps(stage, in_time, system, plain, (last, motion), path, log)
-        return
-    if is_linear(plain, last.x, last.states):
-        yield from _linear_steps(in_time, system, plain, responses, (last, motion), path, log)
-        return
-    end = in_time.steps * _PARTS
-    done, size = 0, _PARTS
-
-    while done < end:
-        # Solve a step
-        h = in_time.step * size / _PARTS
-        time = in_time.step * ((done + size) / _PARTS)
-        load, prescribed = path(time)
-        states = {**last.states, INERTIA: motion}
-        ahead = motion.x + h * motion.velocity + 0.5 * h**2 * motion.acceleration
-        ahead[system.fixed] = prescribed
-        begin = ahead if size == _PARTS else None
-        step = Step(system.over(h), last.x, states, load, prescribed, begin)
+    settings = in_time.settings
+    forms = {name: form for name, form in system.forms.items() if name != INERTIA}
+    longest, number = in_time.step, in_time.steps
+    method = _Iterated(system, forms, newton)
+    if settings.explicit:
         try:
-            new = solve_increment(step, newton)
+            method = explicit = _ExplicitSteps(system, forms, in_time, last)
+            longest, number = explicit.steps(stage, settings)
+        except ValueError as error:
+            raise ValueError(f"stage '{stage.name}': {error}") from None
+    elif is_linear(forms, last.x, last.states):
+        method = _LinearSteps(system, forms, in_time)
+    scheme = Scheme.of(settings.rho_inf)
+    steps = Steps(longest, number, settings.tolerance, scheme, in_time.M, last.x, in_time.transit)
+
+    # Follow the steps
+    began = last.time
+    log.add(began, motion, path(0.0)[0], method.begun(last))
+    while not steps.finished:
+        time = steps.time
+        load, prescribed = path(time)
+        try:
+            taken = method.take(last, motion, steps, load, prescribed)
+            if steps.refuses(motion, taken.motion, _changed(forms, last.states, taken.states)):
+                logger.info("stage '%s': step to time %.6g errs, cut", stage.name, time)
+                continue
+            steps.accept()
+            motion = taken.motion
+            log.add(began + time, motion, load, taken.forces, taken.states)
+            method.check(len(last.iterations) + 1, log)
         except NotConverged as error:
             logger.info("stage '%s': step to time %.6g failed: %s", stage.name, time, error)
-            size //= _CUT
-            if size == 0:
-                raise NotConverged(
-                    f"stage '{stage.name}' stopped at the time {last.time:.6g}, "
-                    f"{done / end:.2%} of its duration, where steps of 1/{_PARTS} of "
-                    f"{in_time.step:g} find no equilibrium: {error}"
-                ) from error
+            where = f"stage '{stage.name}' stopped at the time {last.time:.6g}"
+            if not method.cuts:
+                error.args = (f"{where}: {error}",)
+                raise
+            steps.cut(error, where)
             continue
-
-        # Accept it
-        done += size
-        motion = new.states[INERTIA]
-        last = _accepted(last, plain, step, new, done / end, began + time)
-        log.add(last.time, motion, load, new.forces)
-        yield last
-        if size < _PARTS and done % (_GROWTH * size) == 0:
-            size *= _GROWTH
-
-
-def _linear_steps(
-    in_time: InTime,
-    system: System,
-    forms: Mapping[str, Form],
-    responses: Mapping[str, Response],
-    start: tuple[StageResult, Motion],
-    path: Callable[[float], tuple[ndarray, ndarray]],
-    log: Log,
-) -> Iterator[StageResult]:
-    """Yield the steps of a linear model, whose states are computed where somebody asks for them."""
-    last, motion = start
-    began = last.time
-    states = last.states
-    inertia = in_time.form().over(in_time.step)
-    model = Linear(system, inertia, responses, motion, in_time.step)
-
-    for k in range(1, in_time.steps + 1):
-        time = k * in_time.step
-        load, prescribed = path(time)
-        motion = model.step(motion, load, prescribed)
-        log.add(began + time, motion, load, {"": model.force})
-        found = Lazy(forms, partial(_states_at, forms, motion.x, states))
-        last = _unchecked(last, forms, motion, load, found, k / in_time.steps, began + time)
-        if k == in_time.steps:
+        last = _after(last, forms, taken, load, steps.fraction, began + time)
+        if steps.finished:
             last = _complete(last)
         yield last
 
 
-def _explicit_steps(
-    stage: Stage,
-    in_time: InTime,
-    system: System,
-    forms: Mapping[str, Form],
-    start: tuple[StageResult, Motion],
-    path: Callable[[float], tuple[ndarray, ndarray]],
-    log: Log,
-) -> Iterator[StageResult]:
-    """Yield explicit steps, whose number follows from the longest stable one."""
-    # Choose the steps
-    last, motion = start
-    began = last.time
-    settings = in_time.settings
-    try:
-        model = Explicit(forms, system.layout, in_time.M, in_time.C, system.fixed, last)
-    except ValueError as error:
-        raise ValueError(f"stage '{stage.name}': {error}") from None
-    if settings.step is not None and settings.step > model.critical:
-        raise ValueError(
-            f"stage '{stage.name}': the step in time, {settings.step:.4g}, is longer than the "
-            f"longest stable one, {model.critical:.4g}: shorten it, or take implicit steps"
-        )
-    steps = settings.steps(stage.duration, _STABLE * model.critical)
-    h = model.length = stage.duration / steps
-    logger.info("stage '%s': %d explicit steps of %.4g", stage.name, steps, h)
-    every = max(1, steps // _SEEN)
-
-    for k in range(1, steps + 1):
-        # Take a step, and look at its energy now and then
-        load, prescribed = path(k * h)
-        motion, forces = model.step(motion, load, prescribed)
-        log.add(began + k * h, motion, load, forces)
-        if k % every == 0 and log.gained() > _GAINED:
-            raise NotConverged(
-                f"stage '{stage.name}' gains energy at the time {began + k * h:.6g}: steps of "
-                f"{h:.4g} are too long for the stiffness of its contacts or materials; give a "
-                "shorter Dynamic(step=...)",
-                motion.x,
-            )
-        linear = partial(_states_at, model.linear, motion.x, start[0].states)
-        found: Mapping[str, Any] = {**model.states}
-        if model.linear:
-            found = ChainMap(dict(model.states), Lazy(model.linear, linear))  # type: ignore[arg-type]
-        last = _unchecked(last, forms, motion, load, found, k / steps, began + k * h)
-        if k == steps:
-            last = _complete(last)
-        yield last
+def _changed(
+    forms: Mapping[str, Form], before: Mapping[str, Any], after: Mapping[str, Any]
+) -> float:
+    """Return the largest share of the points of a pair that a step has closed or opened."""
+    shares = [0.0]
+    for name in having(forms, Touching):
+        closed = [np.mean(states[name].status != Status.OPEN) for states in (before, after)]
+        shares.append(abs(float(closed[1] - closed[0])))
+    return max(shares)
 
 
-def _unchecked(
+def _after(
     last: StageResult,
     forms: Mapping[str, Form],
-    motion: Motion,
+    taken: _Taken,
     load: ndarray,
-    states: Mapping[str, Any],
     fraction: float,
     time: float,
 ) -> StageResult:
     """Return the result of a step, as a copy: checks of a new one would compute the states."""
+    motion = taken.motion
     new = copy(last)
     vars(new).update(
         x=motion.x,
         load=load,
-        states=states,
-        iterations=(*last.iterations, 1),
-        residual=0.0,
+        states=taken.states,
+        iterations=(*last.iterations, taken.iterations),
+        residual=taken.residual,
         fraction=fraction,
-        summary=Lazy(forms, partial(summaries, forms, motion.x, states)),
-        forms=forms,
+        summary=Lazy(forms, partial(summaries, forms, motion.x, taken.states)),
         time=time,
-        before=None,
         velocity=motion.velocity,
         acceleration=motion.acceleration,
         inertial=motion.force,
@@ -537,31 +511,16 @@ def _states_at(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any])
     return {name: form.assemble(x[: form.size], states[name]).state for name, form in forms.items()}
 
 
-def _accepted(
-    last: StageResult,
-    forms: Mapping[str, Form],
-    step: Step,
-    new: Equilibrium,
-    fraction: float,
-    time: float,
-) -> StageResult:
-    """Return the result of a step that follows the last one."""
-    states = {name: state for name, state in new.states.items() if name != INERTIA}
-    motion = new.states[INERTIA]
-    return replace(
-        last,
-        x=new.x,
-        load=step.load,
-        states=states,
-        iterations=(*last.iterations, new.iterations),
-        residual=new.residuals[-1],
-        fraction=fraction,
-        summary=summaries(forms, new.x, states),
-        forms=forms,
-        time=time,
-        layout=step.system.layout,
-        before=None,
-        velocity=motion.velocity,
-        acceleration=motion.acceleration,
-        inertial=motion.force,
-    )
+def _transit(forms: Mapping[str, Form], acceleration: float) -> float:
+    """Return the time of a wave through an element, the median of the solid with the least one."""
+    times = [np.inf]
+    for form in having(forms, Body).values():
+        weights = getattr(form, "unit_weights", np.zeros(0))
+        heavy = np.flatnonzero(weights > 0.0)
+        if not len(heavy):
+            continue
+        volume = form.basis.dx.sum(axis=1)[heavy]
+        size = volume ** (1.0 / form.basis.mesh.dim())
+        velocity = np.sqrt(form.elastic_moduli[heavy, 0, 0] * acceleration / weights[heavy])
+        times.append(float(np.median(size / velocity)))
+    return min(times)

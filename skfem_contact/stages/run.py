@@ -28,7 +28,8 @@ from .accuracy import Parts
 from .activation import begin, check_start, state_changes
 from .buckling import buckling
 from .creep import creep_errors
-from .in_time import INERTIA, InTime, Log, first_motion, steps_of
+from .energies import INERTIA, Log
+from .in_time import InTime, first_motion, steps_of
 from .plan import Phase, plan, timeless
 from .setup import Setup
 from .stage import Stage, checked
@@ -301,11 +302,20 @@ class _Follower:
         path = _path_in_time(stage, phase, last.x[system.fixed], system.fixed, remaining)
 
         # Begin with the acceleration by the jump of the load
-        jump = path(0.0)[0] - (last.load - lost)
+        load, _ = path(0.0)
+        jump = load - (last.load - lost)
         motion = first_motion(in_time, last, jump, system.fixed, system.layout)
         plain = {name: form for name, form in system.forms.items() if name != INERTIA}
-        last = self._begun(stage, phase, last, plain)
-        log = Log(system, in_time)
+        last = replace(
+            self._begun(stage, phase, last, plain),
+            load=load,
+            layout=system.layout,
+            before=None,
+            velocity=motion.velocity,
+            acceleration=motion.acceleration,
+            inertial=motion.force,
+        )
+        log = Log(system, in_time, states)
         newton = self._setup.newton or Newton()
         self.parts = Parts(driven=False)
         increments = steps_of(stage, in_time, system, (last, motion), path, newton, log)

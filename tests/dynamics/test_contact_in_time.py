@@ -47,7 +47,7 @@ def test_impact_of_two_bars(enforcement):
         force = -stage.report("pair").force[0]
         rows.append((stage.time, abs(force)))
 
-    stage = sc.Stage("fly", duration=0.3, dynamic=sc.Dynamic(h / c, rho_inf=1.0, velocity=v))
+    stage = sc.Stage("fly", duration=0.3, dynamic=sc.Dynamic(h / c, velocity=v))
     found = model.run([stage], on_increment=watch, **QUIET)["fly"]
     time, force = np.array(rows).T
     exact = 0.5 * c * v0 * h
@@ -66,9 +66,11 @@ def test_impact_of_two_bars(enforcement):
     assert ends["a"] == pytest.approx(0.0, abs=0.01)
     assert ends["b"] == pytest.approx(1.0, abs=0.01)
     energy = found.energy
-    total = energy["kinetic"] + energy["internal"] + energy["contact"]
+    # bodies and penalties; the mean forces of steps in which contact opens do no work of their own
+    total = energy["kinetic"] + energy["elastic"]
     assert total.max() < total[0] * (1.0 + 1e-9)
-    assert total[-1] == pytest.approx(total[0], rel=1e-6)
+    assert total[-1] > 0.995 * total[0]
+    assert np.abs(energy["friction"]).max() < 1e-3 * total[0]
 
 
 @pytest.mark.slow
@@ -149,7 +151,7 @@ def test_block_on_a_plane_that_shakes(enforcement):
     energy = result["shake"].energy
     # friction takes mu N times the way
     force = mu * 0.5 * 2.0 * 9.81 * np.cos(slope)
-    assert energy["contact"][-1] == pytest.approx(force * moved, rel=0.02)
+    assert energy["friction"][-1] == pytest.approx(force * moved, rel=0.005)
 
 
 @pytest.mark.slow

@@ -84,7 +84,7 @@ def test_linear_steps_are_the_same(rho_inf, mass):
                 values = getattr(other, name)
                 size = np.abs(values).max()
                 np.testing.assert_allclose(getattr(stage, name), values, atol=1e-8 * size)
-            for column in ("kinetic", "internal", "damping", "work"):
+            for column in ("kinetic", "elastic", "damping", "work"):
                 values = other.energy[column]
                 size = np.abs(values).max()
                 np.testing.assert_allclose(stage.energy[column], values, atol=1e-8 * size)

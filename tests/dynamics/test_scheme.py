@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from tests.dynamics.cases import QUIET, bar, oscillator, pushed
@@ -74,6 +75,33 @@ def test_overshoot_of_damped_oscillator():
     lost = 0.5 * 3.0 * 3e-4 * (1.0 - np.exp(-4.0 * np.pi * 0.05))
     assert energy["damping"][-1] == pytest.approx(lost, rel=0.02)
     assert np.abs(energy["missing"]).max() < 1e-12 * largest
+
+
+def test_energies_of_a_body_that_yields():
+    """[X] Elastic energy is s : C^-1 : s / 2, what else the stresses do is plastic."""
+    mesh = MeshQuad.init_tensor([0.0, 1.0], np.linspace(0.0, 2.0, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    law = sc.MohrCoulomb(E=1e4, nu=0.2, c=20.0, phi=20.0, psi=0.0)
+    solid = sc.SolidForm(basis, law, unit_weight=20.0)
+    model = sc.Model({"solid": solid}, basis.get_dofs("bottom").all(), gravity_acceleration=10.0)
+    push = np.asarray(sc.traction(basis, "top", (15.0, 0.0)))
+    settings = sc.Dynamic(0.002, rho_inf=1.0)
+    shake = sc.Stage("shake", lambda t: push * (t < 0.1), duration=0.3, dynamic=settings)
+    result = model.run([sc.Stage("weight"), shake], **QUIET)
+    energy = result["shake"].energy
+
+    def stored(stage):
+        stress = stage.states["solid"].stress
+        strain = np.tensordot(np.linalg.inv(law.elasticity(4)), stress, 1)
+        return 0.5 * float((solid.weight * (stress * strain).sum(axis=0)).sum())
+
+    change = stored(result["shake"]) - stored(result["weight"])
+    assert energy["elastic"][-1] == pytest.approx(change, rel=1e-6)
+    plastic = energy["plastic"]
+    assert plastic[-1] > 0.1 * energy["work"].max()
+    assert np.diff(plastic).min() > -1e-9 * plastic[-1]
+    # the trapezoidal rule and steps in which points begin to flow
+    assert np.abs(energy["missing"]).max() < 1e-9 * plastic[-1]
 
 
 @pytest.mark.parametrize("case", [(False, "lumped"), (False, "consistent"), (True, "consistent")])
