@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import ast
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from skfem import Basis, ElementTriP2, ElementVector
 
 import skfem_contact
+from skfem_contact.solvers.direct import DirectSolver
 
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing
@@ -46,6 +50,16 @@ SHORTCUTS = {
     ("results.stage", "plot"),
     ("results.result", "plot"),
     ("section.section", "plot"),
+}
+#: Private members of other libraries and of named tuples.
+OUTSIDE = {
+    "_getframe",
+    "_replace",
+    "_asdict",
+    "_repr_html_",
+    "_repr_png_",
+    "_id_name",
+    "_ALL_PLOTTERS",
 }
 #: What these rooms ask a form, a state or a law they ask by its calls.
 ASKING = ("solvers", "nonlinear", "stages", "collapse", "results")
@@ -208,3 +222,68 @@ def test_materials_and_laws_are_asked_by_their_calls() -> None:
         "materials.base",
     }
     assert set(found) <= allowed, found
+
+
+def test_private_members_are_read_in_their_module() -> None:
+    """No module reads a private member that none of its own classes has."""
+    found = []
+    for name, tree in TREES.items():
+        own = set()
+        read = []
+        for node in ast.walk(tree):
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+                own.add(node.name)
+            elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                own.add(node.target.id)
+            elif isinstance(node, ast.Attribute):
+                of_self = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+                if of_self or isinstance(node.ctx, ast.Store):
+                    own.add(node.attr)
+                read.append(node)
+        for node in read:
+            private = node.attr.startswith("_") and not node.attr.endswith("_")
+            if private and node.attr not in own and node.attr not in OUTSIDE:
+                found.append(f"{name}:{node.lineno} {ast.unparse(node)}")
+    assert not found
+
+
+def test_functions_of_the_iterations_have_few_parameters() -> None:
+    """At most seven."""
+    found = {}
+    for name, tree in TREES.items():
+        if name.split(".")[0] != "nonlinear":
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                given = node.args
+                count = len(given.posonlyargs) + len(given.args) + len(given.kwonlyargs)
+                if count > 7:
+                    found[f"{name}.{node.name}"] = count
+    assert not found
+
+
+def test_few_calls_lie_between_a_run_and_the_factorisation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At most 15 from ``Model.run`` to ``factor`` of the solver, both of them counted."""
+    calls = []
+    factor = DirectSolver.factor
+
+    def counted(self: DirectSolver, *given: Any, **named: Any) -> Any:
+        names = ["factor"]
+        frame = sys._getframe().f_back
+        while frame is not None and names[-1] != "run":
+            names.append(frame.f_code.co_name)
+            frame = frame.f_back
+        calls.append(names)
+        return factor(self, *given, **named)
+
+    monkeypatch.setattr(DirectSolver, "factor", counted)
+    strip = skfem_contact.section.rectangle((0, 2), (0, 1))
+    mesh = skfem_contact.section.Section({"ground": strip}, size=1.0).mesh()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = skfem_contact.SolidForm(basis, skfem_contact.LinearElastic(1e4, 0.3), unit_weight=20.0)
+    model = skfem_contact.Model({"soil": soil}, skfem_contact.box_supports(basis), solver="superlu")
+    model.run([skfem_contact.Stage("weight")])
+    assert calls
+    assert max(len(names) for names in calls) <= 15

@@ -334,7 +334,7 @@ class CollapseResult:
         return np.array([(step.work, step.parameter, step.displacement) for step in found])
 
     def __str__(self) -> str:
-        return f"{self._head()}\n{self._table()}"
+        return f"{self.head}\n{self._table()}"
 
     __repr__ = __str__  # a notebook would show the arrays
 
@@ -351,10 +351,11 @@ class CollapseResult:
             for step in self.steps
         )
         columns = ("value", "outcome", "iterations", "residual", "displacement", "yielding")
-        return Table(columns, rows, self._head())._repr_html_()
+        return Table(columns, rows, self.head)._repr_html_()
 
-    def _head(self) -> str:
-        """Format everything but the steps as lines."""
+    @property
+    def head(self) -> str:
+        """Value, bounds, flow, mesh and end of the search as lines, without its steps."""
         low, high = self.bracket
         lines = [f"{self.what} {self.value:.4g}, bracket [{low:.4g}, {high:.4g}]"]
         if self.davis:

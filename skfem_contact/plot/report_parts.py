@@ -155,11 +155,10 @@ def _bent_beams(result: Result) -> Iterator[str]:
 def searches_of(searches: Mapping[str, Any]) -> Iterator[tuple[str, str, dict[str, Any]]]:
     """Yield the title, the end, and the pictures of each search."""
     for stage, search in searches.items():
-        lines = str(search).split("\n" + search._table())[0]
         pictures = {f"Curve of the {search.what}": load_curve(search)}
         if basis_of(search.end).mesh.dim() == 2:
             pictures = {"Mechanism": mechanism(search)} | pictures
-        yield f"{search.what}, {stage}", lines, pictures
+        yield f"{search.what}, {stage}", search.head, pictures
 
 
 def run_of(result: Result) -> Table:
