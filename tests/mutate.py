@@ -1,18 +1,26 @@
-"""One-token mutations of the package, drawn at random: the tests must fail for nearly all of them.
+"""One-token mutations of the package, drawn at random: tests must fail for nearly all of them.
 
     python -m tests.mutate --sample 300 --seed 1 [--room contact] [--jobs 2] [--resume FILE]
 
 A mutation changes one token of a copy of the package: a sign, a factor, a comparison, an index, a
-tolerance.  The tests of its room run first, then its slow tests, then the tests of other rooms that
-import the file or name what it defines.  A mutation that passes all of them survives.  A survivor
-is either caught by a new test or has no effect.  Outcomes are appended to the file of ``--resume``;
-a run with the same file and seed leaves out what is in it.
+tolerance.  The tests of its room that reach it run first, the quickest ones before others, then
+tests of other rooms that import the file or name what it defines, then slow tests.  Each run is for
+the mutations that pass the one before.  A mutation that passes all of them survives.  A survivor is
+either caught by a new test or has no effect; ``--again`` tries the survivors again after tests have
+been added.
+
+What the tests reach is found once, without a mutation (:mod:`tests.tools.reached`).  It is kept
+beside the file of ``--resume``, to which outcomes are appended: a run with the same file, seed and
+sources of the package leaves out what is in it.  Process times are limited by Unix.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import collections
+import contextlib
+import importlib.util
 import itertools
 import json
 import keyword
@@ -21,30 +29,42 @@ import queue
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import tokenize
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import pytest
+
+from tests.tools import forked, reached
 
 ROOT = Path(__file__).parents[1]
 ROOMS = (
     "beams",
     "collapse",
     "contact",
+    "design",
+    "dynamics",
     "forms",
+    "ground",
     "limit_analysis",
     "materials",
+    "mesh",
     "results",
     "stages",
     "water",
 )
-#: Seconds after which the tests of a mutation count as failed: the package may iterate without end.
-LONGEST = 3600.0
+#: Process time of tests with a mutation: ``LEAST + SLOWER * (time without)`` seconds.
+LEAST, SLOWER = 60.0, 10.0
+#: Process time of the tests of a mutation that run first, in seconds.
+QUICK = 3.0
 
 OPERATORS = {"+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}
 OPERATORS |= {"<": ">=", ">": "<=", "<=": ">", ">=": "<", "==": "!=", "!=": "=="}
@@ -217,93 +237,221 @@ def tests_that_touch(root: Path, mutation: Mutation) -> list[str]:
     return files
 
 
+class Run(NamedTuple):
+    """A run of tests: of the room or of others, with a mark."""
+
+    of_room: bool
+    marked: str
+
+    def __str__(self) -> str:
+        return f"{'room' if self.of_room else 'other rooms'}, {self.marked}"
+
+    def files(self, root: Path, mutation: Mutation) -> list[str]:
+        """List the test files that are asked."""
+        if self.of_room:
+            found = tests_of_room(root, mutation)
+            if not found:
+                raise ValueError(f"{mutation.file}: no tests for the room {mutation.room}")
+            return found
+        return tests_that_touch(root, mutation)
+
+
+#: Each run is for the mutations that pass the one before.
+RUNS = tuple(Run(of_room, marked) for marked in ("not slow", "slow") for of_room in (True, False))
+
+
+class Tests(NamedTuple):
+    """Process times of tests that reach a mutation, by their names."""
+
+    times: dict[str, float]
+
+    @property
+    def total(self) -> float:
+        """Process time of all tests."""
+        return sum(self.times.values())
+
+    @property
+    def quickest(self) -> list[str]:
+        """Tests that take :data:`QUICK` together, and at least five."""
+        names = sorted(self.times, key=self.times.__getitem__)
+        totals = itertools.accumulate(self.times[name] for name in names)
+        return [name for k, (name, t) in enumerate(zip(names, totals)) if k < 5 or t < QUICK]
+
+    @property
+    def others(self) -> list[str]:
+        """All others, in the order of the time of their files."""
+        files: dict[str, float] = collections.Counter()
+        for name, seconds in self.times.items():
+            files[name.split("::")[0]] += seconds
+        quickest = set(self.quickest)
+        names = [name for name in self.times if name not in quickest]
+        return sorted(names, key=lambda name: files[name.split("::")[0]])
+
+
 class Copy:
     """A copy of the project, in which one mutation at a time is tried."""
 
     def __init__(self, root: Path, folder: Path) -> None:
-        self.folder = folder
+        self.folder, self.output = folder, folder / "output"
         ignored = shutil.ignore_patterns(".*", "_build", "gallery", "__pycache__")
         shutil.copytree(root, folder, dirs_exist_ok=True, ignore=ignored)
+        variables = {**os.environ, "PYTHONPATH": str(folder)}
+        variables.pop("PYTEST_ADDOPTS", None)  # options of the tests of this project
+        variables.pop("PYTHONDONTWRITEBYTECODE", None)  # files are compiled once
+        self.server = subprocess.Popen(
+            [sys.executable, "-m", "tests.tools.forked"],
+            cwd=folder,
+            env=variables,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
 
-    def failure(self, tests: list[str], *options: str) -> str | None:
+    def close(self) -> None:
+        """End the server."""
+        self.server.communicate()
+
+    def run(self, tests: list[str], *options: str, seconds: float) -> tuple[int, str]:
+        """Run tests within a process time; return the status and the output."""
+        assert self.server.stdin is not None and self.server.stdout is not None
+        arguments = ["-q", "-rfE", "-p", "no:cacheprovider", *options, *tests]
+        task = {"arguments": arguments, "output": str(self.output), "seconds": round(seconds)}
+        print(json.dumps(task), file=self.server.stdin, flush=True)
+        status = int(self.server.stdout.readline())
+        return status, self.output.read_text(encoding="utf-8", errors="replace")
+
+    def write(self, file: str, source: str) -> None:
+        """Write a file of the package, and remove what Python has compiled."""
+        path = self.folder / "skfem_contact" / file
+        path.write_text(source, encoding="utf-8")
+        Path(importlib.util.cache_from_source(str(path))).unlink(missing_ok=True)
+
+    def failure(self, tests: list[str], marked: str, seconds: float) -> str | None:
         """Return the first test that fails, what else ended the run, or None if all pass."""
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-p", "no:cacheprovider"]
-        environment = {**os.environ, "PYTHONPATH": str(self.folder), "PYTHONDONTWRITEBYTECODE": "1"}
-        environment.pop("PYTEST_ADDOPTS", None)  # options of the tests of this project
-        try:
-            done = subprocess.run(
-                [*command, *options, *tests],
-                cwd=self.folder,
-                env=environment,
-                timeout=LONGEST,
-                capture_output=True,
-                text=True,
-            )
-        except subprocess.TimeoutExpired:
-            return "no end"
-        if done.returncode in (0, 5):  # all pass, or no test is selected
+        if not tests:
             return None
-        if done.returncode in (3, 4):
-            raise RuntimeError(f"pytest ends with status {done.returncode}: {done.stdout[-2000:]}")
-        named = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.MULTILINE)
-        return named[1] if named else f"exit status {done.returncode}"
+        limit = LEAST + SLOWER * seconds
+        status, output = self.run(tests, "-x", "-m", marked, seconds=limit)
+        if status in (0, 5):  # all pass, or no test is selected
+            return None
+        named = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.MULTILINE)
+        if named:
+            return named[1]
+        if status in (-signal.SIGXCPU, -signal.SIGKILL, -signal.SIGALRM):
+            return "no end"
+        if status == pytest.ExitCode.INTERNAL_ERROR:
+            raise RuntimeError(f"pytest ends with status {status}: {output[-2000:]}")
+        return f"exit status {status}"
 
-    def caught_by(self, mutation: Mutation) -> str | None:
+    def caught_by(self, mutation: Mutation, records: Records, run: Run) -> str | None:
         """Return the test that catches a mutation, or None."""
-        path = self.folder / "skfem_contact" / mutation.file
-        source = path.read_text(encoding="utf-8")
-        path.write_text(mutation.applied(source), encoding="utf-8")
-        of_room = tests_of_room(self.folder, mutation)
-        if not of_room:
-            raise ValueError(f"{mutation.file}: no tests for the room {mutation.room}")
-        touching = tests_that_touch(self.folder, mutation)
+        source = (self.folder / "skfem_contact" / mutation.file).read_text(encoding="utf-8")
+        tests = records.of(mutation, run.files(self.folder, mutation), run.marked)
+        self.write(mutation.file, mutation.applied(source))
         try:
-            failed = self.failure(of_room, "-m", "not slow") or self.failure(of_room, "-m", "slow")
-            if failed is None and touching:
-                failed = self.failure(touching, "-m", "slow or not slow")
+            failed = self.failure(tests.quickest, run.marked, tests.total)
+            return failed or self.failure(tests.others, run.marked, tests.total)
         finally:
-            path.write_text(source, encoding="utf-8")
-        named = failed is not None and failed.startswith("tests/")
-        if named and self.failure([failed], "-m", "slow or not slow"):
-            raise RuntimeError(f"{failed} fails without a mutation")
-        return failed
+            self.write(mutation.file, source)
+
+
+class Records:
+    """What the tests reach without a mutation: see :mod:`tests.tools.reached`."""
+
+    def __init__(self, root: Path, copy: Path, folder: Path) -> None:
+        self.root, self.folder = root, folder
+        self.copy = Copy(root, copy)
+        self.busy = threading.Lock()
+        reached.add_probes(copy)
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def place(self, file: str, marked: str) -> Path:
+        """Return the file of a record."""
+        return reached.file_of_record(self.folder, self.root, file, marked)
+
+    def read(self, file: str, marked: str) -> dict[str, Any]:
+        """Read what a test file reaches."""
+        return json.loads(self.place(file, marked).read_text(encoding="utf-8"))
+
+    def record(self, files: list[str], marked: str) -> None:
+        """Run test files that have not been run yet."""
+        with self.busy:
+            missing = [file for file in files if not self.place(file, marked).exists()]
+            if not missing:
+                return
+            print(f"without a mutation: {len(missing)} test files, {marked}", flush=True)
+            options = ("-p", "tests.tools.reached", f"--reached={self.folder}", "-m", marked)
+            status, output = self.copy.run(missing, *options, seconds=forked.LONGEST)
+            if status not in (0, 1, 5):
+                raise RuntimeError(f"pytest ends with status {status}: {output[-2000:]}")
+            # No test of the other files is marked so.
+            for place in (self.place(file, marked) for file in missing):
+                if not place.exists():
+                    place.write_text(json.dumps({"times": {}, "reached": {}, "failed": []}))
+
+    def of(self, mutation: Mutation, files: list[str], marked: str) -> Tests:
+        """Return the tests that reach a mutation; all tests of the files if it runs on import."""
+        self.record(files, marked)
+        source = (self.root / "skfem_contact" / mutation.file).read_text(encoding="utf-8")
+        line = reached.segment_of(source, mutation.line)
+        times: dict[str, float] = {}
+        for file in files:
+            found = self.read(file, marked)
+            names = list(found["times"])
+            indices = found["reached"].get(f"{mutation.file}:{line}", [])
+            chosen = names if line is None else [names[k] for k in indices]
+            times |= {name: found["times"][name] for name in chosen if name not in found["failed"]}
+        return Tests(times)
 
 
 # -- command line
 
 
-def recorded(file: Path | None) -> dict[Mutation, str | None]:
-    """Read what is in the file of a run."""
-    if file is None or not file.exists():
+def recorded(file: Path, run: Run) -> dict[Mutation, str | None]:
+    """Read the outcomes of a run."""
+    if not file.exists():
         return {}
     rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
-    return {Mutation(*row["mutation"]): row["caught_by"] for row in rows}
+    return {Mutation(*row["mutation"]): row["caught_by"] for row in rows if row["run"] == str(run)}
 
 
 def tried(
-    root: Path, chosen: list[Mutation], jobs: int, file: Path | None
+    root: Path, chosen: list[Mutation], jobs: int, file: Path, again: bool = False
 ) -> dict[Mutation, str | None]:
-    """Try mutations in parallel: by which tests they are caught."""
-    outcomes = {key: test for key, test in recorded(file).items() if key in chosen}
+    """Try mutations in parallel, run after run: by which tests they are caught."""
+    outcomes: dict[Mutation, str | None] = dict.fromkeys(chosen)
     copies: queue.SimpleQueue[Copy] = queue.SimpleQueue()
 
-    def outcome(mutation: Mutation) -> tuple[Mutation, str | None]:
+    def outcome(mutation: Mutation, run: Run) -> tuple[Mutation, str | None]:
         copy = copies.get()
         try:
-            return mutation, copy.caught_by(mutation)
+            return mutation, copy.caught_by(mutation, records, run)
         finally:
             copies.put(copy)
 
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as pool:
+    with contextlib.ExitStack() as opened:
+        folder = Path(opened.enter_context(tempfile.TemporaryDirectory()))
+        records = Records(root, folder / "probes", file.with_suffix(".reached"))
+        opened.callback(records.copy.close)
         for k in range(jobs):
-            copies.put(Copy(root, Path(folder) / str(k)))
-        remaining = [mutation for mutation in chosen if mutation not in outcomes]
-        for mutation, test in pool.map(outcome, remaining):
-            outcomes[mutation] = test
-            print(f"{test or 'SURVIVES'}: {mutation}", flush=True)
-            if file is not None:
+            copy = Copy(root, folder / str(k))
+            opened.callback(copy.close)
+            copies.put(copy)
+        pool = opened.enter_context(ThreadPoolExecutor(jobs))
+        for run in RUNS:
+            known = recorded(file, run)
+            outcomes |= {key: test for key, test in known.items() if test and key in outcomes}
+            remaining = [
+                mutation
+                for mutation in sorted(chosen)
+                if outcomes[mutation] is None and (again or mutation not in known)
+            ]
+            for mutation, test in pool.map(partial(outcome, run=run), remaining):
+                outcomes[mutation] = test
+                print(f"{test or f'PASSES ({run})'}: {mutation}", flush=True)
+                row = {"mutation": mutation, "run": str(run), "caught_by": test}
                 with file.open("a", encoding="utf-8") as stream:
-                    stream.write(json.dumps({"mutation": mutation, "caught_by": test}) + "\n")
+                    stream.write(json.dumps(row) + "\n")
     return outcomes
 
 
@@ -314,10 +462,13 @@ def main(arguments: list[str] | None = None, root: Path = ROOT) -> int:
     parser.add_argument("--seed", type=int, default=1, help="seed of the sample")
     parser.add_argument("--room", action="append", help="a room; several by repeating the option")
     parser.add_argument("--jobs", type=int, default=1, help="number of processes")
-    parser.add_argument("--resume", type=Path, help="file of outcomes, which is continued")
+    parser.add_argument(
+        "--resume", type=Path, default=Path(".mutations"), help="file of outcomes, continued"
+    )
+    parser.add_argument("--again", action="store_true", help="try survivors of the file again")
     given = parser.parse_args(arguments)
     chosen = drawn(root, tuple(given.room or ROOMS), given.sample, given.seed)
-    outcomes = tried(root, chosen, given.jobs, given.resume)
+    outcomes = tried(root, chosen, given.jobs, given.resume, given.again)
     survivors = sorted(mutation for mutation, test in outcomes.items() if test is None)
     print("\nSurvivors:" if survivors else "\nNo survivors.")
     for mutation in survivors:

@@ -1,5 +1,5 @@
-"""``python -m tests.fuzz --scenes 500 --seed 1``, or ``--scene 1000042`` for a single one;
-``--calls``: wrong calls.
+"""``python -m tests.fuzz --scenes 500 --seed 1``, in pieces with ``--start 100``, or
+``--scene 1000042`` for a single one; ``--calls``: wrong calls.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="tests.fuzz", description=__doc__)
     parser.add_argument("--scenes", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--start", type=int, default=0, help="number of the first scene")
     parser.add_argument("--scene", type=int, help="seed of a single scene")
     parser.add_argument(
         "--calls", action="store_true", help="wrong calls of public functions, 2 minutes"
@@ -32,7 +33,9 @@ def main() -> int:
     if given.scene is not None:
         trials = [trial(given.scene, len(COMPARISONS))]
     else:
-        trials = [trial(seed) for seed in tqdm(seeds(given.seed, given.scenes), disable=None)]
+        trials = [
+            trial(seed) for seed in tqdm(seeds(given.seed, given.scenes, given.start), disable=None)
+        ]
     violations, silent = verdict(trials)
     if violations:
         print(details(trials), end="\n\n")

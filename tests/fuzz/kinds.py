@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import arches, bars, blocks, joints, own, staged, wet
+from . import arches, bars, blocks, halves, held, joints, own, staged, wet
 from .cases import Case
 from .scenes import Scene, draw
 
-#: Of 25 scenes, those that are not pressed blocks; 40 of a thousand are joints with bounds.
+#: Of 25 scenes, those that are not pressed blocks; 40 of a thousand are of each that stands once.
 OTHERS: tuple[Callable[[int, np.random.Generator], Case], ...] = (
     arches.arch,
     *(blocks.stack,) * 2,
@@ -19,6 +19,8 @@ OTHERS: tuple[Callable[[int, np.random.Generator], Case], ...] = (
     *(bars.bars,) * 2,
     *(own.own,) * 2,
     joints.joints,
+    halves.half,
+    held.held,
 )
 OF = 25
 

@@ -120,9 +120,10 @@ class Scene:
         return ", ".join((*words, self.built) if self.built else words)
 
 
-def seeds(seed: int, number: int) -> range:
-    """Seeds of so many scenes."""
-    return range(1_000_000 * seed, 1_000_000 * seed + number)
+def seeds(seed: int, number: int, start: int = 0) -> range:
+    """Seeds of so many scenes, from one of them on."""
+    first = 1_000_000 * seed + start
+    return range(first, first + number)
 
 
 def draw(seed: int) -> Scene:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from tests.fuzz import calls
+import skfem_contact as sc
+from tests.fuzz import calls, halves, held
+from tests.fuzz.cases import Case
 from tests.fuzz.report import details
 from tests.fuzz.scenes import draw, seeds
 from tests.fuzz.trial import trial
@@ -54,6 +57,21 @@ def test_scenes_differ() -> None:
     ):
         values = [getattr(scene, name) for scene in scenes]
         assert all(values.count(value) >= 4 for value in set(values)), name
+
+
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_half_models_and_held_ends(monkeypatch) -> None:
+    """A half is like the whole only if supports along the joint count as a plane of symmetry."""
+
+    def violated(case: Case) -> list[str]:
+        return [finding.oracle for finding in case.findings() if not finding.holds]
+
+    drawn = halves.half(5, np.random.default_rng(5))
+    assert not violated(drawn)
+    assert not violated(held.held(1, np.random.default_rng(1)))
+    none = np.zeros(0, dtype=int)
+    monkeypatch.setattr(sc.ContactPair, "supported", lambda self, fixed: (self, none))
+    assert "half shear" in violated(drawn)
 
 
 def test_wrong_calls(tmp_path, monkeypatch) -> None:

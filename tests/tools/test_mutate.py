@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests import mutate
+from tests.tools import forked, reached
 
 MODULE = '''"""Sums, e.g. of 1 + 2."""
 
@@ -38,7 +41,7 @@ def test_refused():
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A package of one file, and its tests."""
-    for folder in ("skfem_contact", "skfem_contact/room", "tests", "tests/room"):
+    for folder in ("skfem_contact", "skfem_contact/room", "tests", "tests/room", "tests/tools"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "__init__.py").touch()
     (tmp_path / "pyproject.toml").write_text(
@@ -46,6 +49,9 @@ def project(tmp_path: Path) -> Path:
     )
     (tmp_path / "skfem_contact/room/sums.py").write_text(MODULE)
     (tmp_path / "tests/room/test_sums.py").write_text(TEST)
+    (tmp_path / "tests/__init__.py").touch()
+    for tool in (forked, reached):
+        shutil.copy(str(tool.__file__), tmp_path / "tests/tools")
     return tmp_path
 
 
@@ -67,6 +73,7 @@ def test_samples_repeat(project: Path) -> None:
     assert mutate.drawn(project, ("other",), 5, seed=1) == []
 
 
+@pytest.mark.slow
 def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
     """A default that no test uses survives; a changed factor is caught, and not tried twice."""
     by_token = {(m.line, m.old): m for m in mutate.mutations(project, "room/sums.py")}
@@ -78,7 +85,55 @@ def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
         "test_total",
         "test_refused",
     ]
-    assert mutate.recorded(file) == outcomes
+    assert mutate.recorded(file, mutate.RUNS[0]) == {**outcomes, chosen[2]: None}
+    assert mutate.recorded(file, mutate.RUNS[2]) == {
+        chosen[0]: None,
+        chosen[2]: outcomes[chosen[2]],
+    }
     capsys.readouterr()
     assert mutate.tried(project, chosen, 1, file) == outcomes
     assert not capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_survivors_are_tried_again(project: Path) -> None:
+    """A test that is added catches what has survived."""
+    default = next(m for m in mutate.mutations(project, "room/sums.py") if m.line == 6)
+    file = project / "outcomes"
+    assert mutate.tried(project, [default], 1, file) == {default: None}
+    added = "\n\ndef test_default():\n    assert total.__kwdefaults__ == {'sign': -1}\n"
+    (project / "tests/room/test_sums.py").write_text(TEST + added)
+    assert mutate.tried(project, [default], 1, file) == {default: None}
+    assert "test_default" in str(mutate.tried(project, [default], 1, file, again=True)[default])
+
+
+SEGMENTS = '''
+import math
+
+
+def root(x):
+    """Text."""
+    if x < 0:
+        raise ValueError
+    else:
+        y = math.sqrt(
+            x
+        )
+    return y
+'''
+
+
+def test_segments() -> None:
+    """A line belongs to the innermost run of statements; a condition to the one around it."""
+    lines = {line: reached.segment_of(SEGMENTS, line) for line in (2, 7, 8, 11, 13)}
+    assert lines == {2: None, 7: 7, 8: 8, 11: 10, 13: 13}
+
+
+def test_probes() -> None:
+    """Probes report the segments that are entered, and docstrings stay."""
+    space: dict[str, Any] = {}
+    exec(reached.probed(SEGMENTS, "roots.py"), space)
+    reached.HITS.clear()
+    assert space["root"](4.0) == 2.0
+    assert {"roots.py:7", "roots.py:10", "roots.py:13"} == reached.HITS
+    assert space["root"].__doc__ == "Text."

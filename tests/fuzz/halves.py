@@ -1,0 +1,184 @@
+"""Half models beside whole ones: a round body is pressed onto a block, and released in part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementQuad1,
+    ElementQuad2,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    Mesh,
+    MeshHex,
+    MeshQuad,
+    MeshTri,
+)
+
+import skfem_contact as sc
+from skfem_contact.results import StageResult
+from skfem_contact.results.tractions import Tractions
+
+from .cases import Case, Check, apart
+
+KINDS = {
+    "Q1": (MeshQuad, ElementQuad1),
+    "Q2": (MeshQuad, ElementQuad2),
+    "P1": (MeshTri, ElementTriP1),
+    "P2": (MeshTri, ElementTriP2),
+    "Hex8": (MeshHex, ElementHex1),
+}
+METHODS = {
+    "penalty": None,
+    "augmented": sc.AugmentedLagrangian(),
+    "multipliers": sc.DualMultipliers(),
+}
+#: Half the width of the block and of the body, and its height.
+BLOCK, BODY, HEIGHT = 4.0, 3.0, 2.0
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """A body of a radius on a block, with friction; numbers of elements along both, of a half."""
+
+    element: str
+    method: str
+    mu: float
+    radius: float
+    stiffer: float
+    depth: float
+    elements: tuple[int, int]
+
+    def __str__(self) -> str:
+        return (
+            f"half of a body of radius {self.radius:.1f} pressed by {self.depth:.3f}, "
+            f"{self.elements[0]} on {self.elements[1]}, mu {self.mu:.2f}, {self.element}, "
+            f"{self.method}, stiffer by {self.stiffer:.1f}"
+        )
+
+    @property
+    def dim(self) -> int:
+        return 3 if self.element == "Hex8" else 2
+
+    def grid(self, half: float, n: int, low: float, layers: int, mirrored: bool) -> Mesh:
+        """Mesh of one body: the half at positive x, with its image if asked for."""
+        kind = KINDS[self.element][0]
+        across = [np.linspace(0.0, half, n + 1)] * (self.dim - 1)
+        mesh = kind.init_tensor(*across, np.linspace(low, low + HEIGHT, layers + 1))
+        if mirrored:
+            mesh = mesh + mesh.mirrored(tuple(np.eye(self.dim)[0]))
+        ends = {"bottom": low, "top": low + HEIGHT}
+        return mesh.with_boundaries(
+            {name: lambda x, z=z: np.abs(x[-1] - z) < 1e-9 for name, z in ends.items()}
+        )
+
+    def stages(self, whole: bool) -> tuple[Basis, list[StageResult]]:
+        """Press the body down, and take back a third."""
+        body = self.grid(BODY, self.elements[0], 0.0, 2, whole)
+        share = 1.0 - body.p[-1] / HEIGHT
+        round_one = body.p.copy()
+        round_one[-1] += share * (body.p[:-1] ** 2).sum(axis=0) / (2.0 * self.radius)
+        block = self.grid(BLOCK, self.elements[1], -HEIGHT, 3, whole)
+        mesh = sc.join_bodies({"block": block, "body": replace(body, doflocs=round_one)})
+        order = 4 if self.element in ("Q2", "P2") else 2
+        basis = Basis(mesh, ElementVector(KINDS[self.element][1]()), intorder=order)
+        soft, stiff = (sc.LinearElastic(E=1e4 * factor, nu=0.3) for factor in (1.0, self.stiffer))
+        forms = {
+            "solid": sc.SolidForm(basis, {"block": soft, "body": stiff}),
+            "joint": sc.ContactPair(
+                basis,
+                "body:bottom",
+                "block:top",
+                sc.Coulomb(self.mu),
+                enforcement=METHODS[self.method],
+            ),
+        }
+
+        # Hold the planes of symmetry; the whole model at the ends of its middle alone
+        top, bottom = (
+            basis.get_dofs(side).all(f"u^{self.dim}") for side in ("body:top", "block:bottom")
+        )
+        fixed = [top, bottom]
+        for k in range(self.dim - 1):
+            dofs = basis.get_dofs(elements=True).all(f"u^{k + 1}")
+            places = basis.doflocs[:, dofs]
+            held = np.abs(places[k]) < 1e-9
+            if whole and k == 0:
+                held &= np.abs(places[-1]) > HEIGHT - 1e-9
+            fixed.append(dofs[held])
+        model = sc.Model(forms, np.unique(np.concatenate(fixed)))
+
+        x = basis.zeros()
+        x[top] = -self.depth
+        path = [sc.Stage("press", prescribed=x, increments=2), sc.Stage("back", prescribed=x / 1.5)]
+        return basis, list(model.run(path, progress=False))
+
+
+def half(seed: int, rng: np.random.Generator) -> Case:
+    """Draw a body that is pressed onto a block."""
+    element = str(rng.choice(list(KINDS), p=[0.25, 0.2, 0.2, 0.2, 0.15]))
+    most = {"Q1": 18, "P1": 18, "Q2": 9, "P2": 9, "Hex8": 5}[element]
+    radius, width = float(rng.uniform(10.0, 60.0)), float(rng.uniform(1.2, 2.2))
+    n, below = (int(rng.integers(most // 2 + 1, most + 1)) for _ in range(2))
+    drawn = Pressed(
+        element=element,
+        method=str(rng.choice(list(METHODS))),
+        mu=float(rng.uniform(0.1, 0.8)),
+        radius=radius,
+        stiffer=float(10 ** rng.uniform(-0.5, 2.0)),
+        depth=width**2 / radius,
+        elements=(n, below),
+    )
+    return Case(seed, str(drawn), partial(same, drawn))
+
+
+def same(drawn: Pressed) -> Iterator[Check]:
+    """Twice the forces, the same displacements and pressures, and no more shear at the plane.
+
+    The augmented method leaves displacements to its tolerance; measured 4e-3.  Its pressures, and
+    those of multipliers, belong to nodes, of which the last one is shown over half of a facet.
+    """
+    (part, halves), (whole, wholes) = (drawn.stages(k) for k in (False, True))
+    image = _numbers(part, whole)
+    for one, both in zip(halves, wholes, strict=True):
+        size = np.abs(both.x[: whole.N]).max()
+        yield Check("half", np.abs(one.x[: part.N] - both.x[image]).max() / size, 1e-2)
+        found, right = one.report("joint"), both.report("joint")
+        force = right.force[-1]
+        yield Check("half force", apart(2.0 * found.force[-1], force), 1e-2)
+        friction = abs(2.0 * found.friction - right.friction)
+        yield Check("half friction", friction / (drawn.mu * force), 5e-2)
+        joint, beside = one.tractions("joint"), both.tractions("joint")
+        largest = beside.pressure.max()
+        within = 0.05 if drawn.method == "penalty" else 0.5
+        yield Check("half pressure", apart(joint.pressure.max(), largest), within)
+        more = _shear_on_plane(joint) - _shear_on_plane(beside)
+        yield Check("half shear", more / (drawn.mu * largest), 0.15)
+
+
+def _shear_on_plane(joint: Tractions) -> float:
+    """Return the largest shear across the plane beside it."""
+    near = np.abs(joint.x) < 0.1
+    return float(np.abs(joint.shear.reshape(len(near), -1)[near, 0]).max(initial=0.0))
+
+
+def _numbers(part: Basis, whole: Basis) -> np.ndarray:
+    """Return the number in the whole model of each dof of the half."""
+    numbers = {row: k for k, row in enumerate(_rows(whole))}
+    return np.array([numbers[row] for row in _rows(part)])
+
+
+def _rows(basis: Basis) -> list[tuple[float, ...]]:
+    """Return coordinates, component and body of each dof."""
+    component, body = np.zeros(basis.N), np.zeros(basis.N)
+    for k in range(len(basis.doflocs)):
+        component[basis.get_dofs(elements=True).all(f"u^{k + 1}")] = k
+    body[basis.get_dofs(elements="body").all()] = 1
+    rows = np.vstack((basis.doflocs.round(6) + 0.0, component, body)).T
+    return [tuple(row) for row in rows.tolist()]
