@@ -58,7 +58,8 @@ def reflected(kind: str, angle: float, vp: float, vs: float, free: bool = False)
 def lamb(x: float, times: ndarray, force, vp: float, vs: float, density: float) -> ndarray:
     """Return the surface's displacement in the direction of a line load that begins at t = 0.
 
-    H. Lamb (1904): with q = t / x, a^2 = q^2 - vp^-2, b^2 = vs^-2 - q^2 the response to an impulse is
+    H. Lamb (1904): with q = t / x, a^2 = q^2 - vp^-2, b^2 = vs^-2 - q^2 the response to an impulse
+    is
 
         g = -a (vs^-2 - 2 q^2)^2 / |(vs^-2 - 2 q^2)^2 + 4 i q^2 a b|^2      before the shear wave,
         g = -a / ((vs^-2 - 2 q^2)^2 - 4 q^2 a |b|)                          after it,
