@@ -127,10 +127,12 @@ def bounds(
     >>> print(f"{found.lower:.3f} {found.upper:.3f}")
     2.000 2.000
     """
+    # Check the flow, and take the weights of the forms where none are given.
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
     gamma: Any = _own(forms) if weight is None else weight
     multiplied = names_of(live)
+    # Loads by name are integrated on each mesh.
     loads = partial(
         named_loads,
         weight=gamma,
@@ -365,12 +367,14 @@ def _blocked(search: Search) -> str:
 
     No velocity without jumps can begin at such a point.
     """
+    # Find the corners of facets that are held in both directions.
     triangles = search.upper.triangles
     shape = search.problem.geometry
     tags = triangles.tags
     facets = triangles.mesh.facets
     first, second = (facets[:, tags["held", k]] for k in (0, 1))
     held = np.intersect1d(first, second)
+    # Contact must not end there.
     sides = [held[:0]]
     for contact in search.model.contacts:
         sides += [facets[:, tags[side]].ravel() for side in (contact.slave, contact.master)]
@@ -415,6 +419,7 @@ def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds
 def _named(problem: Problem, triangles: Triangles) -> MeshTri:
     """Return a mesh in the user's coordinates, with the names of the given mesh."""
     shape = problem.geometry
+    # Keep the names of sides; elements keep those of the element that they come from.
     boundaries = {}
     for tag, facets in triangles.tags.items():
         if isinstance(tag, str):

@@ -51,6 +51,7 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
 
     With a multiplied load the bound is a multiplier.
     """
+    # Balance the stresses; a plainer balance follows where round-off leaves a residual.
     theta = found.theta if live else 1.0
     for plain in _PLAIN:
         stress, residual = _balanced(program, found, theta, plain)
@@ -58,9 +59,11 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
             break
     else:
         return Proof(-np.inf, stress, residual)
+    # Scale the stresses until they are admissible everywhere.
     round_off = _NO_STRESS * np.abs(stress).max(initial=0.0)
     if not live:
         return Proof(_admitted(program, stress, round_off), stress, residual)
+    # With a dead load the stresses are admissible or prove nothing.
     if np.any(program.dead):
         holds = _admitted(program, stress, round_off) >= 1.0
         return Proof(theta if holds else -np.inf, stress, residual)

@@ -158,6 +158,7 @@ def _check_live(live: Collection[str], known: set[str]) -> None:
 
 def _traction(name: str, value: TractionLike) -> Field:
     """Return a traction as a function of coordinates, checked."""
+    # Check a function at every call.
     if callable(value):
 
         def field(x: ndarray) -> ndarray:
@@ -169,6 +170,7 @@ def _traction(name: str, value: TractionLike) -> Field:
             return result
 
         return field
+    # A constant is checked once.
     constant = np.asarray(value, dtype=float)
     if constant.shape != (2,) or not np.isfinite(constant).all():
         raise ValueError(
@@ -180,6 +182,7 @@ def _traction(name: str, value: TractionLike) -> Field:
 
 def _pressure(water: Pressure | None, mesh: Mesh) -> PressureField | None:
     """Return the pressure of water as a function of coordinates and elements."""
+    # Check the shape of values at nodes.
     if water is None:
         return None
     if not callable(water) and np.shape(water) != (mesh.nvertices,):

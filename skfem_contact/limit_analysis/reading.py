@@ -161,6 +161,7 @@ def _missing(model: LimitModel) -> str:
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
     """Return solids and contact pairs; refuse other forms."""
+    # Sort the forms by kind.
     forms = as_forms(forms)
     solids: dict[str, Any] = {name: form for name, form in forms.items() if materials_of(form)}
     pairs: dict[str, Any] = having(forms, Touching)
@@ -169,6 +170,7 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
             f"there are no bounds with '{name}', a {type(forms[name]).__name__}: they know solids "
             "and contact pairs"
         )
+    # All solids are parts of one mesh.
     if not solids:
         raise ValueError("there is no solid among the forms")
     meshes = [form.basis.mesh for form in solids.values()]
@@ -215,10 +217,12 @@ def _strengths(
 
     Lines inside or outside of a curved strength replace it, for compression up to about a stress.
     """
+    # Begin without strength limits, as of rigid bodies.
     n = next(iter(solids.values())).basis.mesh.nelements
     unlimited = np.full(n, np.inf)
     soil = Strength(unlimited, np.zeros(n), unlimited.copy(), np.zeros(n, bool))
     for name, form in solids.items():
+        # Set the strengths by region, from the criterion of the material.
         for region in form.regions:
             where = form.elements[region.elements]
             soil.reduced[where] = region.name in targets.get(name, ())
@@ -357,6 +361,7 @@ def _contacts(
     pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float
 ) -> tuple[Contact, ...]:
     """Return contacts in units of the model."""
+    # Refuse rigid obstacles and sides that two pairs share.
     contacts = []
     seen: set[str] = set()
     for name, pair in pairs.items():
@@ -376,9 +381,11 @@ def _contacts(
 
 def _contact(name: str, pair: ContactPair, stress: float, reduced: bool) -> Contact:
     """Return a contact in units of the model."""
+    # A tied contact has no limit.
     law = pair.law
     if isinstance(law, Tied):
         return Contact(pair.slave.name, pair.master.name, tied=True)
+    # Refuse other laws, and strengths that vary.
     if not isinstance(law, Coulomb):
         raise ValueError(
             f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
@@ -388,6 +395,7 @@ def _contact(name: str, pair: ContactPair, stress: float, reduced: bool) -> Cont
         raise ValueError(
             f"contact '{name}' has another strength at every point: bounds know one for a contact"
         )
+    # Scale strengths by the stress of the model.
     return Contact(
         pair.slave.name,
         pair.master.name,
@@ -469,6 +477,7 @@ def _remarks(
 ) -> tuple[str, ...]:
     """Return the simplifications."""
     remarks = []
+    # Tell elastic bodies and ground without cohesion.
     if elastic := _names(solids, soil.rigid):
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
     if cohesionless:
@@ -476,6 +485,7 @@ def _remarks(
             "soil without cohesion: at a free surface the lower bound is zero; a small cohesion "
             "mends it"
         )
+    # Tell what is simplified between nodes.
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")
     regions = chain.from_iterable(form.regions for form in solids.values())

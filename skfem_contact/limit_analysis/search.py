@@ -122,19 +122,23 @@ class Search:
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
         while self.gap > gap and not self.overloaded:
+            # Refine where the gap arises, within the limits of elements and time.
             finer = self.triangles.refined(_marked(self._gap_of_elements()))
             finer = self._fanned(matched(self.model.contacts, finer))
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
                 break
             self.triangles = finer
+            # The upper bound is cheap, and follows every mesh.
             known = self.upper.proof.value
             self._note(upper=self._solve_upper())
             if self._futile(known, gap):
                 break
+            # The lower bound follows when it may gain enough.
             before = self.last[0].triangles.mesh
             grown = finer.mesh.nelements > _GROWN * before.nelements
             if grown or self._gain > _GAIN * self.gap or self.gap < gap + 2 * self._gain:
                 self._note(lower=self._solve_lower(self.model))
+        # Close the gap on the last mesh.
         if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
             self._note(lower=self._solve_lower(self.model))
 
@@ -229,8 +233,10 @@ class Search:
 
     def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Bound:
         """Record a bound on the present triangles."""
+        # The next solution begins from this factor.
         if not self.live:
             self._factor = float(np.clip(solution.factor, 1.0 / HIGHEST, HIGHEST))
+        # Write down the bound with its proof.
         n = self.triangles.mesh.nelements
         certificate = Certificate(
             kind,

@@ -117,18 +117,21 @@ def by_element(
     mesh: Mesh, values: float | Mapping[str, float], what: str = "weight", missing: float = 0.0
 ) -> ndarray:
     """Return checked values of all elements, (n_elements,), from one number or by subdomain."""
+    # One value for all is that of one part.
     if isinstance(values, Mapping):
         parts = mesh.subdomains or {}
         given = values
     else:
         parts = {"all": np.arange(mesh.nelements)}
         given = {"all": values}
+    # Set the values by part, and count them.
     result = np.full(mesh.nelements, missing)
     count = np.zeros(mesh.nelements, dtype=int)
     for name, value in given.items():
         elements = look_up(name, parts, "subdomain")
         result[elements] = value
         count[elements] += 1
+    # Refuse elements with two values, and values that are no numbers.
     if count.max() > 1:
         raise ValueError(
             f"{(count > 1).sum()} elements get their {what} twice: the subdomains {list(given)} "

@@ -92,6 +92,7 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
     >>> round(float((sc.weight(basis, 20.) + water).sum()), 9)
     -10.0
     """
+    # Find the boundaries, none of which is empty.
     basis, axisymmetric = basis_of(body)
     mesh = basis.mesh
     names = names_of(boundaries)
@@ -99,6 +100,7 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
     empty = [name for name, part in zip(names, facets) if len(part) == 0]
     if empty:
         raise ValueError(f"water cannot press on the boundaries {empty}: they are empty")
+    # Add the load of the pores, and of the water that presses from outside.
     _warn_of_flooding(basis, pressure, np.concatenate([np.zeros(0, int), *facets]))
     load = pore_load(basis, at_points(basis, pressure), axisymmetric)
     for part in facets:
@@ -158,6 +160,7 @@ def loads_at_rest(
 def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     """Return a seepage, a function of coordinates or values at vertices, or a mapping by region."""
     if isinstance(water, str):
+        # Look up water by region.
         raise ValueError(f"the water of the start is {water}: give the first stage its `water`")
     if isinstance(water, Mapping):
         for name in water:
@@ -166,9 +169,11 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
         for name, level in water.items():
             by_region[name] = as_pressure(getattr(level, "pressure", level), mesh, unit_weight)
         return by_region
+    # Return what already is a pressure.
     given = isinstance(water, SteadyFlow) or callable(water)
     if given or np.shape(water) == (mesh.nvertices,):
         return water
+    # A level needs the unit weight of water.
     if unit_weight is None:
         raise ValueError(
             "a water level needs the unit weight of water: give the model `water_unit_weight`"
@@ -347,6 +352,7 @@ def _warn_of_suction(pressure: Any, inside: ndarray) -> None:
 
 def _check_slits(outside: FacetBasis, porous: ndarray, pressing: ndarray, beams: ndarray) -> None:
     """Report slits without a beam whose sides have different pressures: nothing resists them."""
+    # Find facets that lie on each other.
     sides = Sides(*(values[porous] for values in Sides.of(outside)))
     pressure = pressing[porous]
     distance = _SAME * sides.size.min(initial=np.inf)
@@ -354,10 +360,12 @@ def _check_slits(outside: FacetBasis, porous: ndarray, pressing: ndarray, beams:
     first, second = tree.query_pairs(distance, output_type="ndarray").T
     if len(first) == 0:
         return
+    # A beam between the sides resists the difference.
     if len(beams):
         to_beam = np.asarray(scipy.spatial.cKDTree(beams).query(sides.middle[first])[0])
     else:
         to_beam = np.full(len(first), np.inf)
+    # Compare the pressures of opposite sides.
     cosine = np.einsum("nc,nc->n", sides.normal[first], sides.normal[second])
     open_ = (cosine < 0.0) & (to_beam > sides.size[first])
     lost = np.abs(pressure[first] - pressure[second]) * open_

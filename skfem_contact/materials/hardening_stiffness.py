@@ -146,6 +146,7 @@ def elastic_scale(t: Points, k: Constants) -> Array:
     if k.m == 0.0:
         return start
 
+    # x = (factor / 2) (scale + scale at the reached stress), solved for x.
     def missing(x: Array, t: Points) -> tuple[Array, Array, Array]:
         frame = t.trial(x)
         least = k.shift - frame.values[0]
@@ -156,6 +157,7 @@ def elastic_scale(t: Points, k: Constants) -> Array:
         good = slope > _GOOD
         return -excess, -np.where(good, slope, 1.0), np.where(good, _LAST_STEP, ROUND_OFF) * x
 
+    # Begin at the scale of the start, which is the root where the stiffness is constant.
     return bracketed_root(missing, start, 0.5 * start, _LARGEST * start, (t,), _ITERATIONS)[0]
 
 

@@ -73,6 +73,7 @@ class Joint:
     tension: float = 0.0
 
     def __post_init__(self) -> None:
+        # Check the values one by one.
         for name in ("dip", "c", "phi", "psi", "tension"):
             value = getattr(self, name)
             if not is_number(value):
@@ -81,6 +82,7 @@ class Joint:
             require(f"{name} of a joint", getattr(self, name), getattr(self, name) >= 0.0, ">= 0")
         require("phi of a joint", self.phi, self.phi < 90.0, "lie in [0, 90) degrees")
         require("psi of a joint", self.psi, self.psi <= self.phi, "not exceed phi")
+        # Tension ends at the apex of the cone.
         if self.phi > 0.0:
             most = self.c / np.tan(np.radians(self.phi))
             enough = self.tension <= most * (1.0 + 1e-12)
@@ -285,12 +287,15 @@ def _solved(G: Array, excess: Array, slack: Array) -> tuple[NDArray[np.bool_], A
     active = np.zeros((m, n), bool)
     multipliers = np.zeros((m, n))
     left = np.arange(n)
+    # Try one active surface first, then two, then three, at the points that are left.
     sets = chain.from_iterable(combinations(range(m), k) for k in (1, 2, 3))
     for chosen in sets:
         own = np.array(chosen)
         block = G[np.ix_(own, own)]
+        # Parallel surfaces are active one at a time.
         if np.linalg.cond(block) > _SINGULAR:
             continue
+        # Multipliers are positive, and other surfaces are not exceeded.
         found: Array = np.linalg.solve(block, excess[np.ix_(own, left)])
         rest = excess[:, left] - G[:, own] @ found
         fits = (found >= 0.0).all(axis=0) & (rest <= slack[left]).all(axis=0)

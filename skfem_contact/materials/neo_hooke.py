@@ -79,11 +79,13 @@ class NeoHooke(Isotropic):
         ``ln J`` solves ``sum ln(1 + (tau_i - lambda ln J) / mu) / 2 = ln J``, whose residual is
         concave: iterations from the linear solution fall to the root.
         """
+        # Begin from the growth of small strains, within the range of the logarithm.
         lam, mu = (np.broadcast_to(value, shape[1:]) for value in self._constants(shape))
         growth = stress.sum(axis=-1) / (3.0 * lam + 2.0 * mu)
         with np.errstate(divide="ignore", invalid="ignore"):
             limit = (stress.min(axis=-1) + (1.0 - _LEAST) * mu) / lam
         growth = np.where(lam > 0.0, np.minimum(growth, limit), growth)
+        # Solve sum of log1p(z) / 2 = growth by Newton's method.
         for _ in range(_ITERATIONS):
             z = (stress - (lam * growth)[..., None]) / mu[..., None]
             residual = 0.5 * np.log1p(z).sum(axis=-1) - growth

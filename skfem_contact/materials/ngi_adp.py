@@ -137,6 +137,7 @@ class NgiAdp(Isotropic):
         ('E', 's_uA', 's_uDSS', 's_uP')
         """
 
+        # Ratios multiply a number or a function of coordinates.
         def times(ratio: float) -> Given:
             if callable(s_uA):
                 return lambda x: ratio * np.asarray(s_uA(x))

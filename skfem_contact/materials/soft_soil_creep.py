@@ -116,6 +116,7 @@ class SoftSoilCreep(CamClay):
 
 def _creep(trial: Trial, mu: Array, time: Array, begin: Array) -> Rate:
     """Return the plastic strain y after a time over tau, from ln(R) at its start."""
+    # Scale of the creep rate: β = 1 / (hardening μ*).
     c = trial.c
     beta = 1 / (c.hardening * mu)
     passed = np.maximum(time, 1e-300)
@@ -123,18 +124,21 @@ def _creep(trial: Trial, mu: Array, time: Array, begin: Array) -> Rate:
     search = Search(trial)
     times = mu, beta, log_time, begin
 
+    # The unknown is log y, as y spans many powers of ten.
     def function(
         log_y: Array, points: NDArray[np.intp], trial: Trial, times: tuple[Array, ...]
     ) -> tuple[Array, Array, float]:
         at = search.at(np.exp(log_y), points, trial)
         return *_equation(at, trial, *times)[:2], _LAST
 
+    # Begin from the creep of a constant stress.
     base = trial.base + c.k * trial.volume
     start = np.clip(log_time + beta * base, _LEAST, 0.0)
     low = np.full(base.shape, _LEAST)
     high = np.full(base.shape, _MOST)
     data = *search.data, times
     log_y, _ = bracketed_root(function, start, low, high, data, _ITERATIONS)
+    # Points that do not creep keep y = 0.
     creeps = (time > 0) & (log_y > _LEAST + 1)
     y = np.where(creeps, np.exp(log_y), 0.0)
     at = search.at(np.exp(log_y), *search.data)

@@ -133,12 +133,14 @@ class Sections:
         n
             Number of cuts; their positions are ``360 / n`` degrees apart.
         """
+        # Check the ring.
         if not 0.0 < inner < outer:
             raise ValueError(
                 f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}"
             )
         center = _point(center, "the center")
         _check_number(n, 1)
+        # Place the cuts clockwise from the crown.
         middle = 0.5 * (inner + outer)
         position = np.arange(n) * 360.0 / n
         angle = np.radians(position)
@@ -165,6 +167,7 @@ class Sections:
         n
             Number of cuts, both ends included.
         """
+        # Check the ends.
         dim = 3 if np.size(start) == 3 else 2
         start = _point(start, "the start", dim)
         end = _point(end, "the end", dim)
@@ -174,6 +177,7 @@ class Sections:
             raise ValueError(
                 f"a line of sections needs two different ends and a positive depth, not {depth!r}"
             )
+        # Place the cuts at equal distances.
         position = np.linspace(0.0, length, n)
         axis = (end - start) / length
         return cls(

@@ -113,6 +113,7 @@ def region_field(
 
     Where some elements of each solid are given by its name, only their nodes have values.
     """
+    # Check what is asked for.
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError(
@@ -123,6 +124,7 @@ def region_field(
     bodies = solids(stage)
     if since is not None:
         _check_same_mesh(stage, since, bodies)
+    # Evaluate the field of each solid, at its own nodes.
     parts = []
     for key, form in bodies.items():
         own = None if elements is None else elements[key]

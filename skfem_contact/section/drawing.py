@@ -245,6 +245,7 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
     size = _size_of([entity for entity, _ in drawn])
     layers: dict[str, _Layer] = {}
     skipped: dict[str, Counter[str]] = {}
+    # Sort curves and texts by layer.
     for entity, name in drawn:
         rule = _rule_of(name, rules)
         if rule == "ignore":
@@ -254,6 +255,7 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
             skipped.setdefault(name, Counter())[entity.dxftype()] += 1
 
     _tell_skipped(skipped, layers, remarks)
+    # Keep the layers that have curves.
     result = [layer for layer in layers.values() if layer.chains]
     if not result:
         raise ValueError(
@@ -319,10 +321,12 @@ def _in_metres(
     high = x.max(axis=0)
     size = (high - low).max()
     origin = np.zeros(2)
+    # Move drawings in coordinates of a map to the origin, where round-off is small.
     if np.abs(x).max() > _FAR * size:
         far = np.abs(0.5 * (low + high)) > _FAR * size
         origin = np.where(far, np.round(low), 0.0)
         remarks.append(f"moved: {format_point(origin)} m of the drawing is the origin")
+    # Scale and move all points.
     moved = []
     for layer in layers:
         new = layer._replace(chains=[], texts=[])
@@ -354,6 +358,7 @@ def _snapped(layers: list[_Layer], near: float) -> list[_Layer]:
 
 def _shapes(layer: _Layer, near: float, remarks: list[str]) -> dict[str, list[Outline]]:
     """Return the outlines of a layer by name."""
+    # Join the curves; outlines must be closed.
     chains, doubles = joined(layer.chains, near)
     if doubles:
         remarks.append(f"layer '{layer.name}': {doubles} doubles left out")
@@ -364,6 +369,7 @@ def _shapes(layer: _Layer, near: float, remarks: list[str]) -> dict[str, list[Ou
                 f"{len(gaps)} of {len(chains)} outlines of layer '{layer.name}' are open, one "
                 f"{gaps[0]}: close them, or give the layer another rule"
             )
+    # Name outlines by the texts in them, or by the layer.
     outlines = [Outline(*chain, name=layer.name) for chain in chains]
     if layer.texts and layer.kind in _CLOSED:
         return _by_text(layer, outlines)

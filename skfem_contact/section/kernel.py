@@ -41,11 +41,13 @@ def load_gmsh() -> Any:
 def gmsh_model() -> Iterator[Any]:
     """Yield Gmsh with an empty model, which is removed at the end; a user's session remains."""
     gmsh = load_gmsh()
+    # Keep the state of a Gmsh that is in use.
     began = bool(gmsh.isInitialized())
     if not began:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
     before = gmsh.model.getCurrent() if began else ""
     options = {name: gmsh.option.getNumber(name) for name in _OPTIONS}
+    # Set our options in a model of our own.
     try:
         for name, value in _OPTIONS.items():
             gmsh.option.setNumber(name, value)

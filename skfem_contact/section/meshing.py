@@ -38,6 +38,7 @@ class Sizing(NamedTuple):
 def meshed(plan: Plan, sizing: Sizing, slits: Collection[str], order: int, scale: float) -> Mesh:
     """Return the mesh of a section with all names."""
     for trial in _TRIALS:
+        # Mesh curves first, then faces, with sizes that follow the outlines.
         with gmsh_model() as gmsh:
             pieces = cut_up(gmsh, plan)
             sizes = Sizes(gmsh, plan, pieces, *sizing, trial * scale)
@@ -47,6 +48,7 @@ def meshed(plan: Plan, sizing: Sizing, slits: Collection[str], order: int, scale
             gmsh.model.mesh.generate(2)
             gmsh.model.mesh.setOrder(order)
             mesh, faces, curves = _read(gmsh, pieces, order)
+        # Refuse angles that no element fits into, and try another size for sharp ones.
         angle, corner = sharpest(mesh)
         place = format_point(corner + plan.shift)
         if angle < _TOUCH:

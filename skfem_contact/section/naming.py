@@ -110,11 +110,13 @@ def separate(
     Parts are the lifts and the remaining ground, if any; the other subdomains are areas.
     """
     areas = [name for name in mesh.subdomains if name not in parts]
+    # Double the nodes.
     if len(bodies) > 1:
         mesh = join_bodies(mesh, bodies)
     for name in slits:
         mesh = split_along(mesh, name)
     boundaries = dict(mesh.boundaries or {})
+    # Name the sides of areas, then of lifts.
     inside = np.flatnonzero(mesh.f2t[1] >= 0)
     sides = [*OUTER, *(f"ground|{body}" for body in bodies)]
     for group in (areas, list(parts)):
@@ -126,6 +128,7 @@ def separate(
             for side in sides:
                 boundaries |= _shares(boundaries, side, group, owners)
         boundaries |= _interfaces(labels[mesh.f2t[:, inside]], inside, group)
+    # Name the top and the sides of bodies.
     for body in bodies:
         boundaries |= _top_and_sides(mesh, boundaries, body)
     return replace(mesh, _boundaries=boundaries)

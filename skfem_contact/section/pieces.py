@@ -99,12 +99,14 @@ def _added(occ: Any, plan: Plan) -> list[_Shape]:
     def add(kind: str, name: str, outline: Outline) -> None:
         shapes.append(_Shape(kind, name, (2, add_face(occ, outline, plan.shift))))
 
+    # Add faces in the order in which later ones replace earlier ones.
     for kind, outlines in (("area", plan.areas), ("lift", plan.lifts), ("hole", plan.holes)):
         for name, pieces in outlines.items():
             for outline in pieces:
                 add(kind, name, outline)
     if plan.below:
         add("below", "", plan.below)
+    # Add the curves of lines.
     for name, pieces in plan.lines.items():
         for outline in pieces:
             for curve in add_curves(occ, outline, plan.shift):
@@ -155,8 +157,10 @@ def _faces(gmsh: Any, plan: Plan, owners: Mapping[int, Owners]) -> dict[int, tup
 
 def _area_and_lift(gmsh: Any, plan: Plan, face: int, kinds: Owners) -> tuple[str, str] | None:
     """Return the area and the lift of a face, None outside of the section."""
+    # Leave out holes and what lies above the surface.
     if "hole" in kinds or (plan.below and "below" not in kinds):
         return None
+    # The last of several areas counts if it may replace the others.
     areas = kinds.get("area", [])
     lifts = kinds.get("lift", [])
     if not set(areas[1:]) <= plan.replacing:
@@ -168,6 +172,7 @@ def _area_and_lift(gmsh: Any, plan: Plan, face: int, kinds: Owners) -> tuple[str
         if lifts:
             raise ValueError(f"the lift '{lifts[0]}' leaves the areas{_where(gmsh, plan, face)}")
         return None
+    # Bodies have no lifts, and lifts do not overlap.
     area = areas[-1]
     if area in plan.bodies or not lifts:
         return area, ""
@@ -222,10 +227,12 @@ def _check_together(
 def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
     """Refuse lines outside of the section and holes that cut nothing; remove stray curves."""
     occ = gmsh.model.occ
+    # Collect the curves that bound faces or lie in them.
     used: set[int] = set()
     for face in pieces.faces:
         used.update(sides_of(gmsh, face), _inside(gmsh, face))
 
+    # Lines must lie in the areas.
     for name, outlines in plan.lines.items():
         length = sum(outline.length for outline in outlines)
         outside = sorted(set(pieces.lines[name]) - used)
@@ -236,11 +243,13 @@ def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
                 f"{excess:.4g} of the {length:.4g} of line '{name}' lie outside of the areas, "
                 f"near {format_point(middle)}"
             )
+    # Holes must cut something out.
     for name, curves in pieces.holes.items():
         if not curves:
             raise ValueError(
                 f"the hole '{name}' cuts nothing: it lies outside of the areas or in another hole"
             )
+    # Remove what is left over.
     strays = [(1, curve) for _, curve in gmsh.model.getEntities(1) if curve not in used]
     gmsh.model.removeEntities(strays, recursive=True)
 

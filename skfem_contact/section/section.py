@@ -138,11 +138,13 @@ class Section:
     @cached_property
     def plan(self) -> Plan:
         """Outlines in the order in which they are cut."""
+        # All areas but the first may replace others if it is asked for.
         replacing: Collection[str] | str = ()
         if self.replace is True:
             replacing = list(self.areas)[1:]
         elif self.replace:
             replacing = self.replace
+        # Move the outlines to the origin.
         areas = self._of(self.areas)
         corners = np.vstack([outline.points for outline in chain(*areas.values())])
         return Plan(
@@ -214,11 +216,13 @@ class Section:
             Triangles with an angle below 5 degrees, because outlines or lines meet at such an
             angle.
         """
+        # Arcs need elements of second order.
         if order is None:
             order = 1
             for outline in chain(*self.outlines.values()):
                 if outline.bulges.any():
                     order = 2
+        # Move the points with sizes as the plan is moved.
         near = []
         for point, value in self.near:
             near.append((vector(point, 2, "near") - self.plan.shift, value))
@@ -270,12 +274,14 @@ class Section:
         >>> list(footing.solids(basis, soils, unit_weight=20.))
         ['ground', 'footing']
         """
+        # Every area has a material; weights are reported where they lack.
         laws = self._by_area(materials)
         missing = [name for name in self.areas if name not in laws]
         if missing:
             raise ValueError(f"there is no material for the areas {missing}")
         weights = self._unit_weights(unit_weight)
         coordinates = None if self.coordinates == "plane" else self.coordinates
+        # Make a solid for each part.
         forms = {}
         for part, areas in self.parts.items():
             weight = {area: weights[area] for area in weights if area in areas}
@@ -382,6 +388,7 @@ class Section:
 
 def _check_names(section: Section) -> None:
     """Refuse names that are not unique, or that the mesh gives to other things."""
+    # Check each name.
     given = [*section.areas, *section.lifts, *section.lines, *section.holes]
     if not section.areas:
         raise ValueError("a section needs at least one area")
@@ -394,6 +401,7 @@ def _check_names(section: Section) -> None:
             raise ValueError(
                 f"'{name}' is the name of a part of every mesh of a section: choose another one"
             )
+    # Check the names that refer to others.
     bodies = names(section.bodies, section.areas, "area")
     soils = set(section.areas).difference(bodies)
     if "ground" in given and soils != {"ground"}:
@@ -410,6 +418,7 @@ def _below(surface: Any, areas: Mapping[str, tuple[Outline, ...]]) -> Outline | 
     """Return the outline of the space below the surface."""
     if surface is None:
         return None
+    # Check that the surface is simple and covers all areas.
     profile = Outline(surface, closed=False, name="surface")
     profile.check_simple("surface")
     corners = _corners(chain(*areas.values()))
@@ -421,6 +430,7 @@ def _below(surface: Any, areas: Mapping[str, tuple[Outline, ...]]) -> Outline | 
             f"the surface reaches from x = {first:.4g} to {last:.4g}, the areas from {left:.4g} to "
             f"{right:.4g}: it must cover them, from the left to the right"
         )
+    # Close it below everything.
     depth = min(low, profile.points[:, 1].min()) - 0.1 * (right - left)
     points = np.vstack((profile.points, [(last, depth), (first, depth)]))
     return Outline(points, closed=True, name="surface")

@@ -148,6 +148,7 @@ def _heads(
     result = np.full(n, np.nan)
     owner = np.zeros(n, dtype=object)
     for name, value in given.items():
+        # Nodes above the given head are dry.
         x = mesh.p[:, nodes[name]]
         heads = values_at(value, x, f"head of boundary '{name}'")
         wet = x[-1] <= heads + tolerance
@@ -157,6 +158,7 @@ def _heads(
                 f"from {x[-1].min():.4g} up: it is dry; name it in seepage_face= if water may leave"
             )
         indices = nodes[name][wet]
+        # Refuse two heads at one node.
         clash = np.flatnonzero(np.abs(result[indices] - heads[wet]) > tolerance)
         if len(clash):
             node = indices[clash[0]]
@@ -235,6 +237,7 @@ def pumped(
     first = np.arange(basis.N)
     for name, discharge in wells.items():
         nodes = nodes_on(basis, name)
+        # The nodes of a well have one head, that of the first of them.
         taken = nodes[given.held[nodes] | (first[nodes] != nodes)]
         if len(taken):
             raise ValueError(
@@ -242,6 +245,7 @@ def pumped(
                 "a head or another well"
             )
         first[nodes] = nodes[0]
+        # Water leaves through the well alone, at its rate.
         face[nodes] = False
         supply[nodes[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
         passing[name] = np.asarray(basis.mesh.boundaries[name])
@@ -363,15 +367,18 @@ def exchange(basis: CellBasis, connected: Sequence[tuple[str, str]]) -> tuple[cs
     """
     mesh = basis.mesh
     n = basis.N
+    # Tie the heads of both sides; the differences drive the exchange.
     apart = csr_matrix(eye(n) - tied_heads(basis, connected, np.zeros(n, dtype=bool)))
     facets = [np.zeros(0, int)]
     both_ways = [sides for pair in connected for sides in (pair, pair[::-1])]
     for name, opposite in both_ways:
+        # Both sides must be porous.
         side = np.asarray(mesh.boundaries[name])
         if not np.isin(mesh.f2t[0, side], elements_of(basis)).all():
             raise ValueError(
                 f"connected boundaries have porous ground on both sides, but not on '{name}'"
             )
+        # Facets across are counted once, by the nearest of the other side.
         middles = mesh.p[:, mesh.facets[:, side]].mean(axis=1)
         near = _nearest(mesh, middles, np.asarray(mesh.boundaries[opposite]))[2]
         facets.append(side[near])

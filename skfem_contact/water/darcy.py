@@ -36,6 +36,7 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
     here = elements_of(basis)
     if not isinstance(values, Mapping):
         return [(np.arange(len(here)), values)]
+    # Count the values that every element is given.
     subdomains = basis.mesh.subdomains or {}
     count = np.zeros(len(here), dtype=int)
     result = []
@@ -43,6 +44,7 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
         part = np.flatnonzero(np.isin(here, look_up(name, subdomains, "subdomain")))
         count[part] += 1
         result.append((part, value))
+    # Refuse elements with none or several.
     for wrong, text in ((count == 0, f"have no {what}"), (count > 1, f"have more than one {what}")):
         if wrong.any():
             missing = here[wrong]
@@ -67,11 +69,13 @@ def permeability_tensors(basis: CellBasis, permeability: Tensor | Mapping[str, T
     dim = basis.mesh.dim()
     tensors = np.empty((basis.nelems, dim, dim))
     values: list[float] = []
+    # Collect the principal values of all tensors.
     for part, value in regions(basis, permeability, "permeability"):
         tensor = _tensor(value, dim)
         tensors[part] = tensor
         if len(part):
             values += np.linalg.eigvalsh(tensor).tolist()
+    # Refuse contrasts that round-off would hide.
     least = min(values)
     most = max(values)
     if most > _MOST * least:
@@ -83,6 +87,7 @@ def permeability_tensors(basis: CellBasis, permeability: Tensor | Mapping[str, T
 
 
 def _tensor(value: object, dim: int) -> ndarray:
+    # Anything that is no array of numbers is refused below.
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
@@ -92,6 +97,7 @@ def _tensor(value: object, dim: int) -> ndarray:
             f"a permeability is a number, {dim} numbers along the axes or a tensor ({dim}, {dim}), "
             f"not {value!r}"
         )
+    # A number or one for each axis is a diagonal tensor.
     tensor = array if array.ndim == 2 else array * np.eye(dim)
     symmetric = np.isfinite(tensor).all() and np.allclose(tensor, tensor.T, rtol=1e-12, atol=0.0)
     if not symmetric or np.linalg.eigvalsh(tensor).min() <= 0.0:

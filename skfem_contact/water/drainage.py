@@ -51,15 +51,18 @@ def check_step(
     The grounds are the elements of the basis, and further active ones. Drained nodes have given
     pressures, and water leaves by leaks. The pressures begin at the dof `first`.
     """
+    # Water must be able to leave somewhere.
     own = grounds[0]
     ground = Ground(*map(np.hstack, zip(*grounds, strict=True)))
     if not np.isin(drained, ground.corners).any() and not len(leaks):
         yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+    # Elements beside drains resolve the change after h² / 3 c_v.
     element, size = _at_drains(basis, ground, own, np.union1d(drained, leaks), duration)
     times = size**2 * _RESOLVED / own.diffusivity[element]
     shortest = float(times.max(initial=0.0))
     if duration >= shortest:
         return
+    # Estimate the excess of the change in shorter stages, which counts where pressures differ.
     excess = 0.5 * np.clip(1.0 - duration / times, 0.0, None) ** _POWER
 
     def holds(x: ndarray) -> bool:
@@ -132,6 +135,7 @@ def pulled(
     name: str, pair: Any, state: Any, coordinates: ndarray, pressure: ndarray
 ) -> Iterator[Remark]:
     """Report tight contact whose pressure is less than the excess pressure at nodes, (n,)."""
+    # Compare the total pressure of contact with the water at the nearest node.
     points = pair.points(state)
     closed = state.status > 0
     positions = points.positions(pair.slave.nodes)[closed]

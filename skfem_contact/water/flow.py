@@ -216,6 +216,7 @@ class Flow:
         NotConverged
             The water does not balance in the shortest step.
         """
+        # Check the times and the conditions.
         porous = self._porous
         number(error, "error", 0.0, 1.0)
         at = finite(times, "times")
@@ -225,6 +226,7 @@ class Flow:
             )
         if conditions.drains:
             raise ValueError("drains are a condition of steady flow")
+        # Begin from the head of the start, measured from the middle height.
         laws = laws_with_content(porous, self._retention)
         head = self._head(start)
         datum = float(porous.mesh.p[-1].mean())

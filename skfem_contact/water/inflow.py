@@ -99,6 +99,7 @@ class Inflow(AtNodes):
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+        # A rate where the pressure is held does nothing.
         rate = np.abs(self._rates)
         around = self.water.around
         at_fixed = np.isin(self._dofs, fixed)
@@ -114,6 +115,7 @@ class Inflow(AtNodes):
                 idle,
                 f"{idle:.0%} of the rate acts where the pressure is held, and does nothing",
             )
+        # Water that enters sealed ground can only make it grow.
         total = float(self._rates.sum())
         sealed = around is not None and not len(around.leaks) and not at_fixed.any()
         if sealed and total != 0.0:

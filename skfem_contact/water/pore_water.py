@@ -400,6 +400,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+        # Check that the ground is there, and that time passes.
         if not duration > 0.0:
             raise ValueError(
                 "PoreWater needs time: give Stage(duration=...), a short one for an instantaneous "
@@ -407,6 +408,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
             )
         if np.isin(self.ground.element_dofs, held).any():
             raise ValueError(f"PoreWater is active in inactive ground: {self!r}")
+        # Refuse pressures that nothing determines.
         around = self.around
         assert around is not None
         drained = fixed[(fixed >= self.first) & (fixed < self.size)] - self.first
@@ -417,6 +419,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
                 "compressed, and the ground can neither grow nor shrink; hold a pressure, `fixed` "
                 "with water.dofs(...), or give a storage"
             )
+        # Report steps that are too short, and friction of undrained ground.
         own = self.drainage(around.modulus)
         yield from check_units(self.ground, own.diffusivity, duration)
         yield from self._undrained_friction(around, drained)

@@ -128,6 +128,7 @@ class Porous:
         u = self.basis.element_dofs.T
         p = first + self.corners
         squeezed = coupling if squeezed is None else squeezed
+        # Add the blocks of displacements and pressures, and of pressures alone.
         rows, columns, data = [], [], []
         for row, column, values in (
             (u, p, coupling),
@@ -137,9 +138,11 @@ class Porous:
             rows.append(np.broadcast_to(row[:, :, None], values.shape).ravel())
             columns.append(np.broadcast_to(column[:, None], values.shape).ravel())
             data.append(values.ravel())
+        # Add the exchange between both sides of connected boundaries.
         rows.append(first + self.across.row)
         columns.append(first + self.across.col)
         data.append(across * self.across.data)
+        # Sum up by rows and columns.
         n = first + self.pressures.N
         indices = (np.concatenate(rows), np.concatenate(columns))
         return csr_matrix(coo_matrix((np.concatenate(data), indices), (n, n)))

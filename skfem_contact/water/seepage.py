@@ -134,6 +134,7 @@ class Seepage:
         prism: as deep as the foot of a wall at it, and half as wide. The unit weight is the one of
         saturated ground. The factor is infinite where the water does not flow upwards.
         """
+        # Check the part: porous, heavier than water, and below the free surface.
         mesh = self.basis.mesh
         subdomain = look_up(part, mesh.subdomains or {}, "subdomain")
         here = np.isin(elements_of(self.basis), subdomain)
@@ -151,6 +152,7 @@ class Seepage:
                 f"subdomain '{part}' lies above the free surface in part: heave is of ground below "
                 "water"
             )
+        # Compare the submerged weight with the seepage force upwards, γ_w ∂h/∂y dV.
         rise = np.asarray(self.basis.interpolate(np.nan_to_num(self.head)).grad)[-1][here]
         volume = (self.basis.dx * radius(self.basis, self._axisymmetric))[here]
         upward = -self._unit_weight * float((rise * volume).sum())

@@ -64,10 +64,12 @@ class Surroundings(NamedTuple):
         """Collect the forms around the ground of a basis, all of which must belong to solids."""
         here = elements_of(basis)
         modulus, shear, measure = _stiffness(basis, forms)
+        # Contact of the ground carries its pressures, too.
         touching = {}
         for name, pair in having(forms, Touching).items():
             if np.isin(pair.joins, basis.element_dofs).any():
                 touching[name] = pair
+        # Collect the drains, and the other waters with their diffusivity.
         drains = having(forms, Draining).values()
         leaks = [np.zeros(0, int), *(drain.leaks for drain in drains)]
         further = []
@@ -95,6 +97,7 @@ def _stiffness(
     modulus = np.full(mesh.nelements, np.nan)
     shear = np.full(mesh.nelements, np.nan)
     measures = set()
+    # Collect the elastic moduli of the solids.
     for name, form in solids_of(forms).items():
         if not form.materials:
             continue
@@ -107,11 +110,13 @@ def _stiffness(
                 continue
             assert form.coordinates is not None
             measures.add((form.strain, form.coordinates))
+            # Refuse regions whose water would count twice.
             if region.material.undrained:
                 raise ValueError(
                     f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
                     "water would count twice; give its soil alone"
                 )
+    # Refuse pore water outside of solids, and in solids of different strains.
     missing = here[np.isnan(modulus[here])]
     if len(missing):
         middle = mesh.p[:, mesh.t[:, missing[0]]].mean(axis=1)

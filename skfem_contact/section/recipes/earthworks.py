@@ -87,9 +87,11 @@ def embankment(
     >>> sc.section.embankment(4., 5., 2., {"clay": -8.}, size=2., lifts=2).parts
     {'remaining': ('clay',), 'lift 1': ('fill',), 'lift 2': ('fill',)}
     """
+    # Compute the levels of the lifts, and half of their widths.
     base = positive(crest, "crest") + positive(run, "run") * positive(height, "height")
     levels = np.linspace(0.0, height, lifts + 1)
     widths = base - run * levels
+    # Draw each lift as a trapezium.
     placed = {}
     for k in range(lifts):
         low, high = levels[k : k + 2]
@@ -146,6 +148,7 @@ def pit(
     >>> sc.section.pit(10., [-2., -5.], -8., {"sand": -15.}, size=3.)
     <Section areas: sand; lifts: lift 1, lift 2; lines: wall>
     """
+    # Check that floors and wall descend.
     levels = np.append(0.0, finite(floors, "floors"))
     heights = np.append(0.0, finite(wall, "wall"))
     descending = (np.diff(levels) < 0.0).all() and (np.diff(heights[heights < 0.0]) < 0.0).all()
@@ -154,6 +157,7 @@ def pit(
             "heights of floors and of the wall must descend from 0, to the toe of the wall, not "
             f"{floors!r} and {wall!r}"
         )
+    # Dig in lifts between floors.
     left = -positive(width, "width")
     right = chosen(beyond, "beyond", -3.0 * heights[-1])
     lifts = {

@@ -53,9 +53,11 @@ def trench(
     >>> sc.section.trench(2., 4., {"clay": -9.}, size=1.5, outer=1.2, thickness=.1)
     <Section areas: clay, backfill, pipe; holes: inside>
     """
+    # Find the floor of the trench and the edge of the ground.
     half = 0.5 * positive(width, "width")
     floor = chosen(bedding, "bedding", 0.1 * depth) - positive(depth, "depth")
     right = half + chosen(beyond, "beyond", 3.0 * depth)
+    # Draw a box of two sizes, or a pipe of a diameter.
     if np.ndim(outer):
         wide, high = finite(outer, "outer")
         shell = rectangle((-wide / 2, wide / 2), (floor, floor + high))
@@ -259,9 +261,11 @@ def retaining_wall(
     >>> sc.section.retaining_wall(4., 3., {"sand": -6.}, size=2., **wall)
     <Section areas: sand, backfill, wall>
     """
+    # Find the edges of the ground, three heights beyond the heel and the toe.
     heel = base - toe
     free = chosen(beyond, "beyond", 3.0 * (height + depth))
     right = heel + free
+    # Draw footing, stem and the ground behind.
     wall = [
         (-toe, -depth),
         (heel, -depth),
