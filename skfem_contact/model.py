@@ -11,11 +11,11 @@ from .collapse import limit_load as limits
 from .collapse import strength
 from .limit_analysis import Bounds, bounds
 from .limit_analysis.model import TractionLike
-from .loads.water_at_rest import Pressure
 from .solvers import single_threaded
 from .stages import initial, vibrations
 from .stages import run as running
 from .stages.setup import Setup
+from .stages.stage import AtRest
 
 
 class Model(Setup):
@@ -98,7 +98,7 @@ class Model(Setup):
         weight: float | np.ndarray | Mapping[str, float] | None = None,
         *,
         tractions: Mapping[str, TractionLike] | None = None,
-        water: Pressure | None = None,
+        water: AtRest = None,
         submerged: str | Collection[str] = (),
         seismic: float | None = None,
         reduce: str | Collection[str] | None = None,
@@ -112,16 +112,18 @@ class Model(Setup):
     ) -> Bounds:
         """Return proven bounds of the factor of safety or of the limit load.
 
-        See :func:`~.limit_analysis.bounds`; by default the acceleration is that of the model.
+        See :func:`~.limit_analysis.bounds`; by default the acceleration is that of the model, and
+        `water` may be a level, a line or a seepage as well.
         """
         horizontal: Any = self.seismic if seismic is None else seismic
         given: Any = weight
+        pressure = None if water is None else self.one_pressure(water)
         return bounds(
             self.forms,
             self.fixed,
             given,
             tractions=tractions,
-            water=water,
+            water=pressure,
             submerged=submerged,
             seismic=horizontal,
             reduce=reduce,

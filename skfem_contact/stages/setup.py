@@ -262,15 +262,24 @@ class Setup:
         if water is None or water is False:
             return None
         solids = solids_of(forms)
-        mesh = next(iter(solids.values())).basis.mesh
-        pressure = as_pressure(water, mesh, self.water_unit_weight)
         dry = [name for name, form in solids.items() if not form.porous and form.strengths]
-        why = "one pressure, but it is by region" if isinstance(pressure, Mapping) else ""
         if dry:
-            why = f"pores in all that yields, but '{dry[0]}' has none"
-        if why:
-            raise ValueError(f"bounds beside a search know water with {why}: leave out `certify`")
-        return getattr(pressure, "pressure", pressure), self.water_on(forms, water)
+            raise ValueError(
+                "bounds beside a search know water with pores in all that yields, but "
+                f"'{dry[0]}' has none: leave out `certify`"
+            )
+        return self.one_pressure(water), self.water_on(forms, water)
+
+    def one_pressure(self, water: Any) -> Any:
+        """Return water at rest as a function of coordinates or values at vertices, for bounds."""
+        mesh = next(iter(self.solids.values())).basis.mesh
+        pressure = as_pressure(water, mesh, self.water_unit_weight)
+        if isinstance(pressure, Mapping):
+            raise ValueError(
+                "bounds know water with one pressure, but it is by region: give one level, or "
+                "leave out `certify`"
+            )
+        return getattr(pressure, "pressure", pressure)
 
     def vector(self, values: Any, what: str) -> ndarray:
         """Return values of all dofs, given up to the end of any field.

@@ -561,3 +561,16 @@ def test_rigid_parts_are_named() -> None:
     found = model.bounds(tractions={"top": (0.0, -1.0)}, live="top", gap=0.1, progress=False)
     assert found.lower < 2 + np.pi < found.upper
     assert found.remarks == ("elastic bodies have no limit and count as rigid: strip",)
+
+
+def test_bounds_take_water_as_every_search_does() -> None:
+    """[X] A level, a line and the function of a level give the same bounds; regions are refused."""
+    forms, fixed, _ = column()
+    model = sc.Model(forms, fixed, water_unit_weight=10.0)
+    found = []
+    for water in (0.4, [(0.0, 0.4), (1.0, 0.4)], sc.hydrostatic(0.4, 10.0)):
+        bounds = model.bounds(20.0, water=water, elements=1)
+        found.append((bounds.lower, bounds.upper))
+    np.testing.assert_allclose(found, found[:1] * 3, rtol=1e-6)
+    with pytest.raises(ValueError, match="one pressure, but it is by region"):
+        model.bounds(20.0, water={"low": 0.4})
