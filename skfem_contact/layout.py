@@ -140,6 +140,7 @@ class Layout:
     @classmethod
     def of(cls, displacements: ndarray, brought: Iterable[Field] = ()) -> Layout:
         """Give numbers to the fields after the displacements at their coordinates, (dim, N)."""
+        # Fields that forms share are one.
         fields = [Field("displacement", displacements)]
         for new in brought:
             if new.taken:
@@ -151,6 +152,7 @@ class Layout:
                 raise ValueError(
                     f"two forms share the field '{new.shared}', but at other coordinates"
                 )
+        # Number the fields one after the other.
         parts = []
         start = 0
         for f in fields:
@@ -192,6 +194,7 @@ class Layout:
 
     def _numbers_of(self, part: Any) -> ndarray:
         """Return dofs from numbers, or from dofs of a field."""
+        # Dofs of a field become numbers.
         if isinstance(part, FieldDofs):
             known = self.numbers([part.field])
             if not known:
@@ -200,6 +203,7 @@ class Layout:
                     "the model brings"
                 )
             part = known[part.field][part.indices]
+        # Check that they are whole numbers.
         numbers = np.asarray(part).ravel()
         if len(numbers) and numbers.dtype.kind not in "iu":
             raise ValueError(
@@ -322,6 +326,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     >>> sc.dofs_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
     [[2, 3]]
     """
+    # Find the nearest nodes.
     dim = basis.mesh.dim()
     x = np.atleast_2d(finite(coordinates, "coordinates"))
     if x.ndim != 2 or x.shape[1] != dim:
@@ -332,6 +337,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     nodes = basis.doflocs[:, numbers]
     tree = scipy.spatial.cKDTree(nodes.T)
     nearest = np.asarray(tree.query(x)[1])
+    # Refuse points without a node, and with several.
     for point, node, found in zip(x, nearest, tree.query_ball_point(x, _near(basis))):
         if len(found) == 1:
             continue

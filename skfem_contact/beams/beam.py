@@ -531,6 +531,7 @@ def _elements_of(
     corners: ndarray, shell: bool, nu: float, spacing: float | None, Mp: float, thickness: float
 ) -> BeamElements:
     """Return elements in the plane, of a shell or in space, and refuse values they have not."""
+    # Only shells have nu, and rows and hinges are in the plane.
     of_row_or_hinged = spacing is not None or bool(np.isfinite(Mp))
     wrong = nu != 0.0
     if shell:
@@ -539,6 +540,7 @@ def _elements_of(
         raise ValueError(
             f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp"
         )
+    # Choose the elements by dimension and symmetry.
     if corners.shape[2] == 3:
         if shell or of_row_or_hinged or thickness:
             raise ValueError("a beam in space has no spacing, Mp or thickness, and is no shell")

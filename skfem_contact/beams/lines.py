@@ -52,19 +52,23 @@ def nodes_of(
 
 def _elements_between(points: ndarray, cells: Any) -> tuple[ndarray, ndarray]:
     """Return coordinates and elements of three nodes, by default of a chain of points."""
+    # Elements follow the points unless they are given.
     n = len(points)
     if cells is None:
         elements = np.column_stack((np.arange(n - 1), np.arange(1, n)))
     else:
         elements = np.asarray(cells)
+    # Check the numbers of nodes.
     whole = elements.dtype.kind in "iu" and elements.ndim == 2 and len(elements) > 0
     if not whole or elements.shape[1] not in (2, 3) or elements.min() < 0 or elements.max() >= n:
         raise ValueError(
             f"cells of a beam must be numbers of 2 or 3 of its {n} nodes, not {cells!r}"
         )
+    # Put a node into the middle of elements of two.
     if elements.shape[1] == 2:
         points = np.vstack((points, points[elements].mean(axis=1)))
         elements = np.column_stack((elements, n + np.arange(len(elements))))
+    # Every node belongs to an element.
     unused = np.setdiff1d(np.arange(len(points)), elements)
     if len(unused):
         raise ValueError(
@@ -220,6 +224,7 @@ def touching(
     mesh: Mesh, boundaries: str | Sequence[str] | None, points: ndarray, half: float
 ) -> dict[str, int]:
     """Return boundaries, by default all, on a side of beams, (m, 3, 2), and which: 1 or -1."""
+    # Sort boundaries by the side on which they lie.
     given = list(mesh.boundaries or {})
     if boundaries is not None:
         given = list(names_of(boundaries))
@@ -231,6 +236,7 @@ def touching(
             away.append(name)
         else:
             sides[name] = side
+    # Boundaries by name must lie on a side, and some boundary must.
     if boundaries is not None and away:
         raise ValueError(f"{away} lie on neither side of the beam, {half:g} off its axis")
     if not sides:
@@ -238,6 +244,7 @@ def touching(
             f"no boundary lies on a side of the beam, {half:g} off its axis; existing: "
             f"{', '.join(given)}"
         )
+    # A facet lies on one side alone.
     facets = np.concatenate([np.unique(facets_of(mesh, name)) for name in sides])
     if len(np.unique(facets)) < len(facets):
         raise ValueError(

@@ -138,6 +138,7 @@ class BeamNodes(Form, Couples, Loaded, Staged):
                 raise ValueError(
                     f"a node of the beam has the dofs {', '.join(known)}, not {name!r}"
                 )
+            # Count the dofs of rotations, of nodes of its own, or of shared nodes.
             k = known.index(name)
             if k >= self.dim:
                 turn = self._turns * node + k - self.dim

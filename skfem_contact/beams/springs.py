@@ -231,6 +231,7 @@ class PileSprings(Form, Couples, Staged):
 
 def checked(curve: Curve, position: float, name: str) -> ndarray:
     """Return the curve at a distance from the head, (m, 2); refuse curves that fall or stiffen."""
+    # A curve begins at the origin.
     points = finite(curve(position) if callable(curve) else curve, f"a {name}")
     where = f"a {name} at {position:.4g} from the head"
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or points[0].any():
@@ -238,11 +239,13 @@ def checked(curve: Curve, position: float, name: str) -> ndarray:
             f"{where} must be pairs of displacement and resistance that begin with (0, 0), not of "
             f"shape {points.shape}"
         )
+    # Displacements grow, and the resistance does not fall.
     steps = np.diff(points, axis=0)
     if not (steps[:, 0] > 0.0).all():
         raise ValueError(f"{where}: displacements must grow, unlike {points[:, 0].tolist()}")
     if (steps[:, 1] < 0.0).any():
         raise ValueError(f"{where}: the resistance must not fall, unlike {points[:, 1].tolist()}")
+    # Slopes fall: springs in parallel have no softer start.
     slopes = steps[:, 1] / steps[:, 0]
     if (np.diff(slopes) > _CONCAVE * slopes[0]).any():
         raise ValueError(

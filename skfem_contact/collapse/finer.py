@@ -38,6 +38,7 @@ class Finer(NamedTuple):
 
 def check(setup: Setup, forms: Mapping[str, Form], undrained: bool) -> None:
     """Refuse models that cannot be built anew on a finer mesh."""
+    # Only solids can be built anew.
     if undrained:
         raise ValueError("refine=True is for drained searches: leave out undrained=True")
     solids: dict[str, Any] = {}
@@ -48,6 +49,7 @@ def check(setup: Setup, forms: Mapping[str, Form], undrained: bool) -> None:
                 "section along the mechanism, sizes={...}, and search again"
             )
         solids[name] = form
+    # Triangles are divided, and weights act downwards.
     mesh = next(iter(solids.values())).basis.mesh
     if type(mesh) is not MeshTri1:
         raise ValueError(
@@ -55,6 +57,7 @@ def check(setup: Setup, forms: Mapping[str, Form], undrained: bool) -> None:
         )
     if setup.gravity[-1] != -1.0:
         raise ValueError("refine=True needs gravity against the last axis")
+    # Strengths must be known on the finer mesh as well.
     for name, form in solids.items():
         for region in form.regions:
             if region.material.undrained:

@@ -225,10 +225,12 @@ def is_stable(
         Neither an equilibrium nor a collapse was found; :meth:`limit_load` proceeds by
         steps. Every error has the stage that the search began with as its attribute ``result``.
     """
+    # Put the load on the structure.
     begun = loaded_start(setup, load, start, water, undrained)
     system, origin = begun.system, begun.origin
     whole = begun.weight + begun.load
     newton = setup.newton or Newton(tolerance=3e-4, max_iterations=60)
+    # A collapse is a result; other failures are errors.
     with kept_in_errors(begun.begins):
         try:
             step = Step(system, origin.x, origin.states, whole, origin.x[system.fixed])

@@ -150,11 +150,13 @@ def warn_of_motion(
     what: str, value: float, curve: ndarray, tolerance: float, end: StageResult
 ) -> None:
     """Raise a warning if the curve, (n, 3), still rises at displacements that are not small."""
+    # Displacements of a tenth of the model are far.
     coordinates = end.layout.coordinates if end.layout else np.zeros((2, 1))
     near = _FAR * np.ptp(coordinates, axis=1).max()
     moved = np.maximum.accumulate(curve[1:, 2])
     if not len(moved) or not moved[-1] > near > 0.0:
         return
+    # Compare the limit with the values that near displacements reach.
     values = curve[:, 1]
     is_near = curve[:, 2] <= near
     at_end = np.interp(near, moved, values[1:])

@@ -356,6 +356,7 @@ class CollapseResult:
     @property
     def head(self) -> str:
         """Value, bounds, flow, mesh and end of the search as lines, without its steps."""
+        # Begin with value and bounds.
         low, high = self.bracket
         lines = [f"{self.what} {self.value:.4g}, bracket [{low:.4g}, {high:.4g}]"]
         if self.davis:
@@ -364,6 +365,7 @@ class CollapseResult:
             lines.append(f"bounds: {str(self.proven).splitlines()[0]}")
         elif self.unproven:
             lines.append(f"no bounds: {self.unproven}")
+        # Add what belongs to the search.
         lines.append(f"flow {self.flow}")
         if self.reduced:
             lines.append(f"reduced: {', '.join(self.reduced)}")
@@ -390,6 +392,7 @@ class CollapseResult:
 
     def _advice(self) -> str:
         """Return advice where no limit was shown, for a message."""
+        # Ends without a limit have their own causes.
         if self.stop.kind in ("max_value", "steps"):
             return (
                 "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced "
@@ -398,6 +401,7 @@ class CollapseResult:
         for name, form in having(self.end.forms, Body).items():
             if self.stop.kind == "stall" and form.quadrature_advice:
                 return f"; {name}: {form.quadrature_advice}"
+        # A path without normality may end.
         if self.flow == "given" and self.dilates_less:
             safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
             lagged = " or 'lagged'" if self.what == LOAD else ""

@@ -305,6 +305,7 @@ class _Prepared(NamedTuple):
 
 def _prepared(setup: Setup, load: Force, start: Any, water: AtRest, options: _Options) -> _Prepared:
     """Read the structure and its load."""
+    # Put the load on the structure, and find what is reduced.
     o = options
     begun = loaded_start(setup, load, start, water, o.undrained, o.flow)
     forms = begun.system.forms
@@ -312,6 +313,7 @@ def _prepared(setup: Setup, load: Force, start: Any, water: AtRest, options: _Op
     branch = _Strength(begun.system, whole, reduced_parts(forms, o.reduce, o.exclude), o.flow)
     if o.reduce is None:
         _warn_of_kept_strength(forms, o.exclude)
+    # Keep what bounds of the same structure need.
     structure: dict[str, Any] = {
         "forms": begun.forms,
         "fixed": begun.system.fixed,

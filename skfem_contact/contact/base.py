@@ -81,6 +81,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         share: float = 1.0,
         tangent: Literal["exact", "primary"] = "exact",
     ) -> None:
+        # Find the surfaces, and smooth the master.
         if basis is not None or isinstance(slave, str) or isinstance(master, str):
             check_basis(basis)
         self.mesh_dofs = 0 if basis is None else int(basis.N)
@@ -88,6 +89,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         self.facets = _surface(basis, master)
         curves = self.facets if smoothing is None else smoothed(self.facets, smoothing)
         self.master = curves.facing(self.slave)
+        # Check how they are to be joined.
         self.law = law
         self.quadrature = quadrature
         self.tangent = tangent
@@ -99,6 +101,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         _check_law(law, len(self.slave.nodes))
         self.enforcement.check(self.slave, law, quadrature, share)
 
+        # Multipliers are fields of the pair.
         self.saddle = self.enforcement.saddle
         self.fields = self.enforcement.fields(self.slave)
         self.penalty: tuple[float, float] | None = None
@@ -356,12 +359,14 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         normal, tangential = self.penalties(state)
         pressure, *shear = state.traction**2
         twice = pressure / normal + sum(shear) / tangential
+        # The memory has as many rows as the law.
         return 0.5 * self.share * float(self.points(state).weight @ twice)
 
     def penetration(self, state: ContactState) -> float:
         """Return the largest penetration as a share of its slave segment."""
         closed = state.status != Status.OPEN
         depth = (state.clearance - state.gap)[closed]
+        # Broken bonds, clearance and soft friction of the pair count before the state's own.
         return float(np.max(depth / self.points(state).size[closed], initial=0.0))
 
     def effective(self, state: ContactState) -> ContactState:

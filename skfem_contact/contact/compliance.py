@@ -50,6 +50,7 @@ def on_penetration(pair: Any, state: ContactState) -> Iterator[Remark]:
 
 def on_compliance(pair: Any, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on a penalty softer than the surfaces, or one that yields visibly."""
+    # A penalty softer than the surfaces yields more than they do.
     penalties = pair.penalties(state)
     stiffness = pair.stiffness or penalties[0]
     if pair.penetration(state) > 0.0 and penalties[0] < stiffness:
@@ -62,6 +63,7 @@ def on_compliance(pair: Any, x: ndarray, state: ContactState) -> Iterator[Remark
             "times E/h",
         )
         return
+    # Compare the elastic parts of gap and slip with the displacements.
     parts = _compliance(pair, x, state)
     if max(parts) > _COMPLIANCE:
         part, penalty, which = max(zip(parts, penalties, ("", "tangential ")))
@@ -93,10 +95,12 @@ def on_gaps_between_nodes(
     pair: Any, x: ndarray, state: ContactState, meshed: ndarray
 ) -> Iterator[Remark]:
     """Yield a remark on the mean gap that multipliers at nodes leave where pressure acts."""
+    # Only closed points count.
     closed = state.traction[0] < 0.0
     largest = _largest(pair, x)
     if largest == 0.0 or not closed.any():
         return
+    # Average the gap by area, without the gap of the mesh itself.
     depth = (state.clearance - state.gap)[closed]
     since = np.abs(depth - (state.clearance - meshed)[closed])
     gap = np.minimum(np.abs(depth), since)

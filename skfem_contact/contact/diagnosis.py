@@ -78,11 +78,13 @@ def _on_bonds(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 def _on_distance(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on points too deep in the master, or on bodies that do not touch."""
+    # Name the deepest point.
     points = pair.points(state)
     slave = pair.slave.name
     master = pair.master.name
     deepest = points.positions(pair.slave.nodes)[np.argmin(state.gap)]
     place = f"{format_point(deepest)} of the mesh"
+    # Points deeper than an element lie behind the surface.
     deep = state.gap < -pair.interface.depth(points)
     if deep.any():
         yield Remark(
@@ -150,11 +152,13 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
 
 def _on_joints(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on nodes that face joints of the master and press along the surface."""
+    # Only nodes can face a joint.
     points = pair.points(state)
     force = points.weight * np.abs(state.traction[0])
     is_nodal = points.nodes.shape[1] == 1
     if not is_nodal or not force.any():
         return
+    # Average the slope at joints by the force.
     sideways = float(force @ _slope_at_joints(pair, state) / force.sum())
     if sideways > _SIDEWAYS:
         smooth = ', or smoothing=0.1 and initial="adjusted",' if pair.slave.dim == 2 else ""
@@ -169,6 +173,7 @@ def _on_joints(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on points that have just closed, without shear, while others have slid."""
+    # Find points that have just closed, and how far others have slid.
     no_slip = ~state.slip.any(axis=0)
     no_shear = ~state.traction[1:].any(axis=0)
     closed = (state.status == Status.STICK) & no_slip & no_shear
@@ -176,6 +181,7 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     slid = float(np.linalg.norm(state.slip[:, slides], axis=0).max(initial=0.0))
     if slid <= pair.slave.spacing:
         return
+    # Weigh them by their share of the force.
     force = pair.points(state).weight * np.abs(state.traction[0])
     share = float(force[closed].sum() / force.sum())
     if share > _CLOSED:
@@ -218,11 +224,13 @@ def _on_closing(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on round fits whose pressure transfers torque, by corners or as they turn."""
+    # Only round fits with friction transfer torque.
     on = np.flatnonzero(state.traction[0])
     mu = float(np.max(getattr(pair.law, "mu", 0.0)))
     is_fit = not isinstance(pair.initial, str) and pair.slave.closed
     if not is_fit or mu == 0.0 or len(on) == 0:
         return
+    # Compare the torque of pressures with that of full friction.
     points = pair.points(state)
     _, nodes = pair.interface.positions(x)
     normal = pair.master.at(*state.closest.take(on), nodes).normal
@@ -243,8 +251,10 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
 
 def _on_flat_facets(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on fits of flat facets that turn at joints, whose pressure errs."""
+    # Only fits are this sensitive.
     if isinstance(pair.initial, str) or not state.traction[0].any():
         return
+    # Compare the normals of facets and of nodes, away from edges.
     slave = pair.slave
     m, k = slave.facets.shape
     facet = np.repeat(np.arange(m), k)

@@ -58,6 +58,7 @@ class DualMultipliers(Enforcement):
     @override
     def check(self, slave: Surface, law: InterfaceLaw, quadrature: Any, share: float) -> None:
         """Refuse more multipliers than motions, and directions of slip that differ at a node."""
+        # Count the multipliers: one for each node that deforms.
         check_corners(slave)
         if slave.rigid:
             raise ValueError(
@@ -69,12 +70,14 @@ class DualMultipliers(Enforcement):
                 "DualMultipliers hold both surfaces in one pass: share must be 1, and no second "
                 "pair"
             )
+        # Dual shape functions need enough points on each facet.
         order = slave.shape.exponents.max()
         if not isinstance(quadrature, str) and quadrature <= order:
             raise ValueError(
                 f'DualMultipliers need quadrature="segments", or at least {order + 1} points along '
                 f"a facet, not {quadrature}"
             )
+        # Slip is counted from an axis along all facets.
         if slave.dim == 3 and not law.symmetric and (slave.directions != slave.directions[0]).any():
             raise ValueError(
                 f"DualMultipliers with friction: the facets of '{slave.name}' have no axis that "

@@ -118,6 +118,7 @@ class ContactState:
 
         Open points stick to their closest points.
         """
+        # Set the points that are updated; the others are open.
         closest = found.closest
         stick_facet = closest.facet.copy()
         stick_xi = closest.xi.copy()
@@ -128,6 +129,7 @@ class ContactState:
         status[at] = update.status
         internal = self.internal.copy()
         internal[:, at] = update.internal
+        # An open point has no slip, and keeps the slip at which it closed.
         slip = np.where(status == Status.OPEN, 0.0, slip)
         closing_slip = np.where(
             self.status == Status.OPEN, np.linalg.norm(slip, axis=0), self.closing_slip
@@ -443,6 +445,7 @@ class Interface:
 
         Positions on the master and fields that are not smooth come from the nearest old point.
         """
+        # Interpolate tractions and slips between the points of both cuts.
         old = self.points(state.cuts)
         new = self.points(cuts)
         elastic = self.elastic_slip(state)
@@ -450,10 +453,12 @@ class Interface:
         slip, closing_slip, traction, clearance, elastic = self.interpolated(
             old, new, (state.slip, state.closing_slip, state.traction, clearance, elastic)
         )
+        # Place the new points on the master.
         slave, master = self.positions(x)
         at = self.nearest(old, new)
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
+        # The clearance of round facets follows from the new coordinates.
         rounded = self.faceting(new, closest)
         state = replace(
             state,

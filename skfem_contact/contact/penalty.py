@@ -64,6 +64,7 @@ def chosen(
     AnalysisWarning
         A given penalty is so hard that round-off hides the penetration.
     """
+    # Surfaces without elements need a penalty of the user.
     stiffness = _in_series(slave, master, bodies)
     if stiffness is None:
         if penalty is None:
@@ -72,10 +73,12 @@ def chosen(
                 "ContactPair, or `stiffness=` to Surface.from_cells"
             )
         return penalty, None
+    # Choose a penalty in proportion to the stiffness, softer along beams.
     if penalty is None:
         at_beam = not all(surface.meshed or surface.rigid for surface in (slave, master))
         along = _ALONG_BEAM if at_beam else 1.0
         penalty = (_RATIO * stiffness, along * _RATIO * stiffness)
+    # Report penalties that hide the penetration.
     if warns and max(penalty) > _TOO_HARD * stiffness:
         warn(
             f"contact of '{slave.name}' on '{master.name}': the penalty, {max(penalty):.3g}, is "
@@ -91,12 +94,14 @@ def _in_series(slave: Surface, master: Surface, bodies: Sequence[csr_matrix]) ->
     It is one value for the whole surface: a uniform pressure stays uniform, whatever the sizes of
     the elements.
     """
+    # Rigid surfaces do not yield.
     moving = [surface for surface in (slave, master) if not surface.rigid]
     known = []
     for surface in moving:
         stiffness = _per_area(surface, bodies, slave.axisymmetric)
         if stiffness is not None:
             known.append(stiffness)
+    # Two surfaces in series: 1 / k = 1 / k_1 + 1 / k_2.
     if len(known) == 2:
         return 1.0 / (1.0 / known[0] + 1.0 / known[1])
     if known:

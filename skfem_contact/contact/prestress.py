@@ -286,6 +286,7 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
         update = pair.law.take(near.take(on)).update(jump, internal[:, at], pair.penalties(state))
 
         def candidate() -> ContactState:
+            # Move the points, and begin the elastic slip of those that are updated.
             position = state.position.copy()
             position[:, self._at] = moved
             origin = state.stick_point.copy()
@@ -293,6 +294,7 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
             origin[:, at] -= update.elastic_slip
             gaps = state.gap.copy()
             gaps[self._at] = gap + self._closing
+            # Write tractions, status and memory of these points.
             traction = np.zeros_like(state.traction)
             traction[:, at] = update.traction
             status = np.full(len(gaps), int(Status.OPEN))
@@ -328,10 +330,12 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
 
     def _remarks(self, state: ContactState) -> Iterator[Remark]:
         """Yield a remark where a joint's last point, inside of its end, has all of the pressure."""
+        # Only points inside of the ends leave a lever.
         points = self._points
         has_points_at_ends = points.nodes.shape[1] == 1
         if self.pair.slave.dim > 2 or has_points_at_ends:
             return
+        # Compare the resultant with the outer points, over the distance to the next ones.
         force = points.weight * np.abs(state.traction[0])
         along = points.facet + 0.5 * (1.0 + points.xi[:, 0])
         positions = np.unique(along[self._at])

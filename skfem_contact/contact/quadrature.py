@@ -82,6 +82,7 @@ class SlavePoints:
     @classmethod
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
         """Return points given by facet and local coordinates, with weights in their measure."""
+        # Multiply areas |x_,1 x x_,2| by the weights of the rule, and by the radius about an axis.
         mapping = surface.at(facet, xi, surface.nodes)
         x, a = mapping.x[:2]
         area = np.linalg.norm(across(a), axis=1)

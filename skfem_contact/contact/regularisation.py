@@ -125,6 +125,7 @@ def _start_springs(
     pair: ContactBase, accepted: ContactState, failure: Failure | None
 ) -> ContactBase | None:
     """Return a pair with the stiffest springs where bodies are loose, unless a bond holds them."""
+    # Springs are for loose bodies and contact without bonds.
     if failure is None or not failure.loose or pair.law.bonds or isinstance(pair.law, Stabilised):
         return None
     logger.info(
@@ -132,6 +133,7 @@ def _start_springs(
         "are then taken away",
         pair.slave.name,
     )
+    # Report contact that is far away.
     nearest = (accepted.gap - accepted.clearance).min()
     if np.isfinite(nearest) and nearest > _APART * pair.slave.spacing:
         warn(

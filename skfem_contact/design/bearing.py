@@ -106,6 +106,7 @@ def bearing_resistance(
 
 def _undrained(B: float, L: float, H: float, cu: float, q: float) -> BearingResistance:
     """Return the resistance of the undrained strength, (D.1)."""
+    # Check the strength against sliding.
     area = B if np.isinf(L) else B * L
     if not cu > 0.0:
         raise ValueError("the ground has no strength: give c, or phi as well")
@@ -114,6 +115,7 @@ def _undrained(B: float, L: float, H: float, cu: float, q: float) -> BearingResi
             f"the horizontal force {H:g} is larger than the shear resistance {area * cu:g} of the "
             "effective area: the footing slides"
         )
+    # Factors of shape and inclination, EN 1997-1 D.3.
     sc = 1.0 if np.isinf(L) else 1.0 + 0.2 * B / L
     ic = 0.5 * (1.0 + np.sqrt(1.0 - H / (area * cu)))
     pressure = (np.pi + 2.0) * cu * sc * ic + q

@@ -449,12 +449,14 @@ def _bearing(
     surcharge: float,
 ) -> BearingResistance:
     """Return the bearing resistance with the design strength of the ground."""
+    # Divide the strength by its factors.
     design = divided(ground, factors)
     known = parameters_of(design)
     known = parameters_of(known["soil"]) if "soil" in known else known
     c = known.get("c")
     if c is None or np.ndim(c) or callable(c):
         raise ValueError(f"bearing needs ground with one c and phi, not {ground!r}")
+    # Multiply the effects by theirs.
     return bearing_resistance(
         width - 2.0 * abs(eccentricity),
         vertical=factors.effect(vertical),

@@ -87,6 +87,7 @@ class PartialFactors:
         permanent, variable, favourable
             Characteristic load vectors, (N,).
         """
+        # Factors of loads, or of their effects relative to permanent ones.
         shares = {
             "permanent": (permanent, self.permanent),
             "variable": (variable, self.variable),

@@ -248,6 +248,7 @@ def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> 
     transpose of the matrix of the strains.
     """
     data, indices, counts = [], [], []
+    # Collect weight B by component, without columns of zeros.
     for component in range(B.shape[2]):
         rows = B[:, :, component]
         used = np.flatnonzero(rows.any(axis=(0, 1)))
@@ -255,6 +256,7 @@ def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> 
         data.append((rows[..., used] * weight[..., None]).ravel())
         indices.append(np.broadcast_to(dofs, (*weight.shape, len(used))).ravel())
         counts.append(np.full(weight.size, len(used)))
+    # The rows of the transpose are stresses.
     indptr = np.concatenate(([0], np.cumsum(np.concatenate(counts))))
     entries = (
         np.concatenate(data),

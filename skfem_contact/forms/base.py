@@ -107,6 +107,7 @@ class Response:
         if dofs is None and len(self.force) == n:
             return self
 
+        # Vectors and matrices are spread over n dofs.
         def spread(values: ndarray) -> ndarray:
             if dofs is None:
                 return np.concatenate((values, np.zeros(n - len(values))))
@@ -320,6 +321,7 @@ def as_forms(forms: Mapping[str, Any]) -> dict[str, Form]:
 
 def _check_form(name: str, form: Any) -> None:
     """Refuse an object that is no form, or a form that lacks a role."""
+    # Refuse classes, and objects without the call that every form has.
     if isinstance(form, type):
         raise ValueError(
             f"'{name}' is no form: {form!r} has no values; give an object of the class"
@@ -334,11 +336,13 @@ def _check_form(name: str, form: Any) -> None:
             f"'{name}' is no form: {type(form).__name__} has assemble, but does not derive from "
             "skfem_contact.Form"
         )
+    # Refuse members whose role is missing.
     for member, role in missing_roles(form).items():
         raise ValueError(
             f"'{name}' has `{member}`, but not its role: derive {type(form).__name__} from "
             f"skfem_contact.roles.{role} as well, or choose another name"
         )
+    # Refuse members of former versions.
     for member in _FORMER:
         if callable(getattr(form, member, None)):
             raise ValueError(
@@ -389,10 +393,12 @@ def reduced_parts(
     ValueError
         A name that does not exist or has no strength, or nothing to reduce.
     """
+    # Check the names.
     excluded = set(names_of(exclude))
     named = set(names_of(reduce or ()))
     _check_reducible(forms, named, excluded)
     targets = {}
+    # Take the parts that are named and not excluded.
     for name, form in having(forms, Reducible).items():
         parts = set(form.strengths)
         if reduce is not None and name not in named:

@@ -114,10 +114,12 @@ class FiniteKinematics:
 
         Components are xx, yy, zz, xy, yx in the plane and row by row in space.
         """
+        # Gather the displacements of each element.
         G = self.G_centre if centre else self.G
         assert G is not None
         n_elements, n_points, n_axes, n_functions = G.shape
         u = x.take(self.element_dofs).reshape(n_elements, n_functions, self.dim)
+        # Multiply by the gradients of shape functions: H_iJ = u_i,J.
         flat = G.reshape(n_elements, n_points * n_axes, n_functions)
         T = np.matmul(flat, u).reshape(n_elements, n_points, n_axes, self.dim)
         H = np.zeros((5 if self.dim == 2 else 9, n_elements, n_points))
@@ -126,6 +128,7 @@ class FiniteKinematics:
                 i, J = divmod(row, 3)
                 H[row] = T[:, :, J, i]
             return H
+        # Plane strain has no third gradient but the hoop strain of axial symmetry.
         for row, (i, J) in {0: (0, 0), 1: (1, 1), 3: (0, 1), 4: (1, 0)}.items():
             H[row] = T[:, :, J, i]
         if self.axial:
@@ -282,12 +285,14 @@ class Deformation:
         n_axes, n_functions = k.G.shape[2:]
         K = np.empty((len(k.G), n_functions, k.dim, k.dim, n_functions))
         for batch in self._batches:
+            # Pull stress and moduli back to the undeformed body.
             part = batch.elements
             n = part.stop - part.start
             S = self._second(batch, stress)
             C = batch.stretch.moduli(moduli(part), S)
             S = S * self._share(batch, 2 - k.scaled)
             C = C * np.reshape(self._share(batch, 4 - k.scaled), (-1, 1, 1))
+            # Integrate G^T A G by element.
             F = self._own[:, part].reshape(len(self._own), -1)
             A = _tangent(F, S, C, k.dim, k.axial)
             A *= k.weight[part].reshape(-1, 1, 1)
@@ -383,6 +388,7 @@ def _tangent(F: ndarray, S: ndarray, C: ndarray, dim: int, axial: bool) -> ndarr
 
     With ``dE = Phi dF``, ``dP / dF = Phi^T (dS / dE) Phi + 1 x S``.
     """
+    # Variation of the strain: dE = Phi : dF with the rows of F.
     rows = _rows(F, dim)
     n_axes = dim + axial
     n = C.shape[1]
@@ -394,9 +400,11 @@ def _tangent(F: ndarray, S: ndarray, C: ndarray, dim: int, axial: bool) -> ndarr
                 Phi[:, at[I][L], k, L] = rows[k][I]
     if axial:
         Phi[:, 2, 0, 2] = 1.0 + F[2]
+    # Material part: Phi^T C Phi.
     left = Phi.transpose(0, 1, 3, 2).reshape(len(C), n, -1)
     A = np.matmul(left.transpose(0, 2, 1), np.matmul(C, Phi.reshape(len(C), n, -1)))
     A = A.reshape(len(C), n_axes, dim, dim, n_axes)
+    # Geometric part: S times the unit matrix.
     at = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
     for J in range(dim):
         for L in range(dim):

@@ -171,9 +171,11 @@ class Pressure(Form, Couples):
         self, pressure: float, unit: ndarray, cofactors: ndarray, slope: ndarray, weight: ndarray
     ) -> csr_matrix:
         """Return the tangent, not symmetric: moving boundaries, and the column of the pressure."""
+        # Normals turn: the load is p cof(F) N, and its slope follows F.
         K = np.einsum(
             "eqa,eqijJ,eqJb,eq->eaibj", self._N, slope, self._G, pressure * weight, optimize=True
         )
+        # In axial symmetry the circumference grows, too.
         if self._axial:
             growth = np.einsum(
                 "eqa,eqi,eqb,eq->eaib",
@@ -184,6 +186,7 @@ class Pressure(Form, Couples):
                 optimize=True,
             )
             K += growth[..., None] * np.eye(self._dim)[0]
+        # The last column is the derivative by the amplitude.
         n_local = self._local.shape[-1]
         rows = np.repeat(self._local, n_local, axis=1).ravel()
         columns = np.tile(self._local, (1, n_local)).ravel()

@@ -196,19 +196,23 @@ def inherited(old: Region, new: Region, stress: ndarray, internal: ndarray) -> b
     Variables of the same name keep their values, others start from the stress. Ground that was
     undrained and is drained now loses its excess pore pressure.
     """
+    # Find the elements that both regions have.
     every = range(stress.shape[1])
     before, after = every[old.elements], every[new.elements]
     common = slice(max(before.start, after.start), min(before.stop, after.stop))
     if common.start >= common.stop or old.material is new.material:
         return False
+    # Memory of the same variables stays.
     names = [variable.name for variable in new.material.internal]
     known = [variable.name for variable in old.material.internal]
     drains = old.material.undrained and not new.material.undrained
     if names == known[: len(names)] and not drains:
         return False
+    # Effective stresses replace those of undrained ground.
     if drains:
         drained = old.material.drained(stress[:, common], internal[:, common])
         stress[:, common], internal[:, common] = drained
+    # Keep the variables that both laws know, and begin the others.
     memory = internal[:, common].copy()
     first = new.material.initial_internal(stress[:, common])
     for row, name in enumerate(names):

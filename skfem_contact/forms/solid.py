@@ -658,6 +658,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
     def _remarks_on_size(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Yield remarks on large rotations and strains that are taken for small."""
+        # Half the skew part of the gradient is the rotation.
         moved = zip(x[self.basis.element_dofs], self.basis.basis)
         gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
         skew = np.abs(gradient - gradient.swapaxes(0, 1))
@@ -670,6 +671,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
                 f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}: take finite "
                 "kinematics",
             )
+        # Large strains may be an error of units.
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
             advice = ": take finite kinematics"

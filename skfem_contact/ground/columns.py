@@ -179,12 +179,14 @@ def _positions(columns: Sequence[Column], along: Any) -> ndarray:
 
 def _order_of_layers(columns: Sequence[Column]) -> list[str]:
     """Return all soils from the top to the bottom; every column must have them in this order."""
+    # Collect what lies below each soil.
     below: dict[str, set[str]] = {}
     for column in columns:
         for name in column.soils:
             below.setdefault(name, set())
         for upper, lower in pairwise(column.soils):
             below[upper].add(lower)
+    # Take soils that nothing covers, one after the other.
     order: list[str] = []
     remaining = dict(below)
     while remaining:

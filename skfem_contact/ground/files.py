@@ -70,6 +70,7 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
     ImportError
         If python-ags4 is missing: install the extra ``ground``.
     """
+    # Find the locations.
     tables = _ags_tables(str(file))
     with _named(file):
         if "LOCA" not in tables:
@@ -77,10 +78,12 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
         places = {row["LOCA_ID"]: row for row in _rows(tables["LOCA"])}
         remarks: list[str] = []
         boreholes = {}
+        # Read the layers of boreholes.
         for (hole,), rows in _by_location(tables.get("GEOL"), ("LOCA_ID",)).items():
             units = _units(tables["GEOL"])
             boreholes[hole] = _borehole(hole, rows, units, places, _units(tables["LOCA"]), soil)
         soundings = {}
+        # Read the cone penetration tests.
         tests = _by_location(tables.get("SCPT"), ("LOCA_ID", "SCPG_TESN"))
         heads = _by_location(tables.get("SCPG"), ("LOCA_ID", "SCPG_TESN"))
         for key, rows in tests.items():
@@ -90,6 +93,7 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
             soundings[name] = _sounding(
                 name, key[0], rows, head, units, places, _units(tables["LOCA"])
             )
+        # Report what is missing.
         if not boreholes and not soundings:
             raise ValueError("it has no layers (GEOL) and no cone penetration tests (SCPT)")
         for name in places:
@@ -225,6 +229,7 @@ def _borehole(
     soil: str,
 ) -> Column:
     """Return the layers of a borehole; a layer without an end reaches to the next one."""
+    # Sort the layers by depth.
     position, level = _located(name, places, place_units)
     tops = [_number(row, "GEOL_TOP", units, _LENGTHS) for row in rows]
     ends = [_number(row, "GEOL_BASE", units, _LENGTHS) for row in rows]
@@ -235,6 +240,7 @@ def _borehole(
         text = str(rows[k].get(soil, "")).strip()
         if not text:
             raise ValueError(f"a layer of '{name}' at {tops[k]:g} has no {soil}")
+        # A layer without a base ends at the next one.
         lower = ends[k]
         following = tops[order[position_of + 1]] if position_of + 1 < len(order) else float("nan")
         if np.isnan(lower):
@@ -242,6 +248,7 @@ def _borehole(
             if np.isnan(lower):
                 raise ValueError(f"the last layer of '{name}' has no GEOL_BASE")
             remarks.append(f"'{name}': {text} has no base; it ends at the top of the next layer")
+        # Report gaps, and join layers of the same soil.
         if following - lower > 0.0:
             remarks.append(
                 f"'{name}': nothing is described from {lower:g} to {following:g} m; {text} above "
@@ -278,6 +285,7 @@ def _sounding(
 
 def _from_pygef(name: str, data: Any) -> Sounding:
     """Return the test that pygef read, in MPa, with its voids."""
+    # Check what the file must have.
     table = data.data
     if "coneResistance" not in table.columns:
         raise ValueError("it has no cone resistance")
@@ -286,6 +294,7 @@ def _from_pygef(name: str, data: Any) -> Sounding:
         raise ValueError("it has no level of the surface")
     place = data.delivered_location
     position = (float(place.x), float(place.y))
+    # Depths are corrected for inclination where the file has them.
     length = _column(table, "penetrationLength", None)
     depth = length
     remarks = []
@@ -296,6 +305,7 @@ def _from_pygef(name: str, data: Any) -> Sounding:
             remarks.append(
                 f"'{name}': depths are corrected for the inclination, by up to {off:.3g} m"
             )
+    # Read the columns in MPa, voids as NaN.
     headers = data.raw_headers or {}
     voids = (data.column_void_mapping or {}) if "COLUMNVOID" in headers else {}
     readings = []
@@ -305,6 +315,7 @@ def _from_pygef(name: str, data: Any) -> Sounding:
             factor = _factor_of(headers, quantity)
             values = factor * _column(table, key, voids.get(key))
         readings.append(values)
+    # Keep water table and area ratio where they are known.
     water = data.groundwater_level
     depth_of_water = None if water is None else float(water)
     quotient = data.cone_surface_quotient
@@ -345,6 +356,7 @@ def _checked(
     remarks: list[str],
 ) -> Sounding:
     """Return a test in the order of its depths, with remarks on missing readings."""
+    # Replace voids, and sort by depth.
     readings = [np.where(values <= 1e3 * _VOID, np.nan, values) for values in readings]
     usable = np.isfinite(depth)
     order = np.argsort(depth[usable], kind="stable")
@@ -353,6 +365,7 @@ def _checked(
         raise ValueError(f"'{name}' has no depths")
     if (order != np.arange(len(order))).any():
         remarks.append(f"'{name}': readings are sorted by their depths")
+    # Report missing readings and missing rows.
     cone, sleeve, pore = (values[usable][order] for values in readings)
     missing = ~(np.isfinite(cone) & np.isfinite(sleeve))
     if missing.any():

@@ -112,11 +112,13 @@ class Sounding:
             I_c = \sqrt{(3.47 - \lg Q_{tn})^2 + (\lg F_r + 1.22)^2}, \quad
             n = 0.381 I_c + 0.05 \frac{\sigma'_{v0}}{p_a} - 0.15 \le 1
         """
+        # Only positive resistances have an index.
         total, effective = self._stresses(unit_weight, water)
         net = self.resistance - total
         with np.errstate(divide="ignore", invalid="ignore"):
             usable = self.measured & (net > 0.0) & (self.sleeve > 0.0) & (effective > 0.0)
             ratio = np.where(usable, 100.0 * self.sleeve / net, np.nan)
+            # Iterate the exponent n = 0.381 I_c + 0.05 σ'/p_a - 0.15 <= 1 (Robertson 2009).
             exponent = np.ones(len(net))
             for _ in range(_ITERATIONS):
                 scale = (ATMOSPHERE / effective) ** exponent
@@ -127,6 +129,7 @@ class Sounding:
                 exponent = new
                 if change < _CLOSE:
                     break
+        # Zones follow from the limits of the index.
         zone = np.where(np.isfinite(index), 7 - np.searchsorted(_LIMITS, index, side="right"), 0)
         return {
             "Q_tn": normalised,
@@ -197,11 +200,13 @@ class Sounding:
 
     def _stresses(self, unit_weight: float | None, water: float | None) -> tuple[ndarray, ndarray]:
         """Return total and effective vertical stresses, with water at rest below its table."""
+        # Choose the water table.
         table = self.water if water is None else water
         if table is None:
             raise ValueError(
                 f"'{self.name}' has no water table: give its depth as water=, or a large one"
             )
+        # Choose unit weights, by correlation where none is given.
         if unit_weight is None:
             weights = CORRELATIONS["unit_weight"].values(self, {}, {})
             known = np.isfinite(weights)
@@ -210,6 +215,7 @@ class Sounding:
             weights = np.interp(self.depth, self.depth[known], weights[known])
         else:
             weights = np.full(len(self.depth), positive(unit_weight, "unit_weight"))
+        # Add up: σ = ∫ γ dz, u = γ_w (z - z_w).
         total = np.cumsum(weights * np.diff(self.depth, prepend=0.0))
         return total, total - WATER * np.maximum(self.depth - table, 0.0)
 

@@ -477,7 +477,7 @@ def _remarks(
 ) -> tuple[str, ...]:
     """Return the simplifications."""
     remarks = []
-    # Tell elastic bodies and ground without cohesion.
+    # Report elastic bodies and ground without cohesion.
     if elastic := _names(solids, soil.rigid):
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
     if cohesionless:
@@ -485,7 +485,7 @@ def _remarks(
             "soil without cohesion: at a free surface the lower bound is zero; a small cohesion "
             "mends it"
         )
-    # Tell what is simplified between nodes.
+    # Report what is simplified between nodes.
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")
     regions = chain.from_iterable(form.regions for form in solids.values())

@@ -124,7 +124,7 @@ def _creep(trial: Trial, mu: Array, time: Array, begin: Array) -> Rate:
     search = Search(trial)
     times = mu, beta, log_time, begin
 
-    # The unknown is log y, as y spans many powers of ten.
+    # Solve for log y, as y spans many powers of ten.
     def function(
         log_y: Array, points: NDArray[np.intp], trial: Trial, times: tuple[Array, ...]
     ) -> tuple[Array, Array, float]:

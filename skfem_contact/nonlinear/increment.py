@@ -179,6 +179,7 @@ def _improved(
 
 def check(given: System, step: Step, found: Equilibrium, newton: Newton) -> None:
     """Refuse an equilibrium of regularised forms that is none of the forms as given."""
+    # Evaluate the forms as given at this equilibrium.
     others = {k: form for k, form in step.system.forms.items() if form is not given.forms[k]}
     if not others:
         return

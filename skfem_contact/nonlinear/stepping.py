@@ -134,6 +134,7 @@ class Stepping:
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""
+        # Forget failures that have been passed.
         self._last = fraction - self._reached
         self._reached = fraction
         self.cut = False
@@ -142,6 +143,7 @@ class Stepping:
             self._failed = np.inf
         if not self._collapsed > fraction + _ROUND_OFF:
             self._collapsed = np.inf
+        # Grow or shrink the increment by the iterations it took.
         if self._growth < 1.0:
             self._size = self._even(self._growth * self._size, fraction)
         elif iterations <= _EASY * equilibria and self._growth >= _WORTH:
@@ -217,6 +219,7 @@ class Predictor:
         """
         if len(self._accepted) < 2:
             return None
+        # The last two equilibria must lie on a proportional path.
         (x_before, load_before, then), (x, load_last, last) = self._accepted
         moved = x - x_before
         held = self._fixed
@@ -231,6 +234,7 @@ class Predictor:
         for old, new in changes:
             if np.linalg.norm(new - ratios[0] * old) > _PROPORTIONAL * np.linalg.norm(new):
                 return None
+        # Continue in proportion.
         start = x + ratios[0] * moved
         start[held] = prescribed
         return start

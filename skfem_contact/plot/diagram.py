@@ -298,6 +298,7 @@ def _along(series: Mapping[str, Any], quantity: str | None, along: str, upright:
 
 def _panels(n: int, upright: bool) -> tuple[Figure, ndarray]:
     """Return n axes side by side over an upright coordinate, or below each other."""
+    # Choose the arrangement.
     if upright:
         shape = (1, n)
         size = (6.0 + n, 6.0)
@@ -503,6 +504,7 @@ def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
 
 def _write_extremes(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
     """Write the largest and the smallest value next to their ordinates."""
+    # Write the value on the outer side.
     extremes = (int(line.ordinate.argmax()), int(line.ordinate.argmin()))
     for i in dict.fromkeys(extremes):
         value = line.ordinate[i]

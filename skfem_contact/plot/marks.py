@@ -91,6 +91,7 @@ class Marks:
 
     def legend(self) -> list[tuple[str, dict[str, Any]]]:
         """Return labels and matplotlib's line styles of the marks that need an explanation."""
+        # List what is drawn: water, points that yield, contact by status.
         entries: list[tuple[str, dict[str, Any]]] = []
         if self.water is not None:
             dashed = {"color": WATER, "linewidth": 3, "linestyle": "--"}

@@ -67,6 +67,7 @@ def values(
 
 def _lines(found: PointValues, coordinate: ndarray, label: str, upright: bool) -> Figure:
     """Draw a panel for each field over a coordinate."""
+    # Choose the arrangement.
     n = len(found.titles)
     shape = (1, n) if upright else (n, 1)
     size = (3.0 + 2.5 * n, 5.5) if upright else (8.0, 1.5 + 2.2 * n)
@@ -80,6 +81,7 @@ def _lines(found: PointValues, coordinate: ndarray, label: str, upright: bool) -
     )
     axes = panels.ravel()
     style = styles(1)[0]
+    # Draw the fields, and name the axes.
     for ax, (name, title) in zip(axes, found.titles.items(), strict=True):
         curve = (found[name], coordinate) if upright else (coordinate, found[name])
         ax.plot(*curve, **style)

@@ -47,6 +47,7 @@ def written(value: Any) -> str:
 
 def parameters(result: Result, colors: Mapping[str, Shade]) -> Table:
     """Return all parameters of materials and other forms, with units and defaults."""
+    # List materials, then other forms.
     rows: list[tuple[str, str, str, str, str]] = []
     for shade in colors.values():
         own = as_given(shade.material)
@@ -104,6 +105,7 @@ def loads(result: Result) -> Table:
 
 def _resultants(stage: StageResult) -> list[tuple[str, ndarray, str]]:
     """Return names, forces, (dim,), and coordinates of the vertical ones."""
+    # Take known parts off the load.
     total = stage.load
     rest = np.array(total)
     parts: list[tuple[str, ndarray]] = []
@@ -116,6 +118,7 @@ def _resultants(stage: StageResult) -> list[tuple[str, ndarray, str]]:
     if water is not None and water.any():
         parts.append(("water", water))
         rest = rest - water
+    # What is left has other causes.
     others = "all loads" if stage.gravity is None else "other loads"
     parts.append((others, rest))
     parts.append(("reactions", stage.reactions()))
@@ -189,6 +192,7 @@ def _weight_of(stage: StageResult) -> str:
 
 def in_words(given: Any) -> str:
     """Return water at rest in words: its level, points, regions, or kind."""
+    # Say the kind of water, or its values.
     if isinstance(given, str):
         return given
     if isinstance(given, Mapping):
@@ -211,6 +215,7 @@ def at_rest(result: Result) -> Table:
 
     Each has the mean over the elements, weighted by their sizes, and the range of the middle 90 %.
     """
+    # Ratios are known once a stage has stresses.
     stage = next((one for one in result if has_solids(one)), None)
     head = ("region", "K0, mean", "5 %", "95 %", "stage")
     if stage is None:
@@ -219,6 +224,7 @@ def at_rest(result: Result) -> Table:
     for form_name, form in solids(stage).items():
         state = stage.states[form_name]
         dim = form.basis.mesh.dim()
+        # Only soils have a K0, at points with vertical pressure.
         for region, stress, internal in form.at_regions(state):
             if not region.material.n_internal:
                 continue
@@ -251,6 +257,7 @@ def supports(result: Result) -> Table:
 
 def _held(stage: StageResult) -> Iterable[tuple[str, str]]:
     """Yield boundaries and their supported components."""
+    # Mark supported dofs, and take off those of named boundaries.
     basis = basis_of(stage)
     mesh = basis.mesh
     dim = mesh.dim()
@@ -268,6 +275,7 @@ def _held(stage: StageResult) -> Iterable[tuple[str, str]]:
         for axis, part in zip("xyz", dofs.T, strict=False):
             if axis in held:
                 left[part] = False
+    # Report the rest by number.
     if left.any():
         yield "other nodes", f"{left.sum()} dofs"
     others = int(fixed[basis.N :].sum())

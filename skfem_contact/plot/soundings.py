@@ -57,6 +57,7 @@ def soundings(
     if not tests and section is None:
         raise ValueError("there is nothing to draw: give soundings or a section")
     colors = _colors_of(columns, section)
+    # Arrange tests and section side by side.
     widths = [_PANEL] * len(tests) + [_SECTION] * (section is not None)
     figure, panels = plt.subplots(
         ncols=len(widths),
@@ -66,6 +67,7 @@ def soundings(
         squeeze=False,
         layout="constrained",
     )
+    # Draw them.
     by_name = {column.name: column for column in columns}
     for axes, test in zip(panels[0], tests):
         _draw_test(axes, test, by_name.get(test.name), colors)

@@ -185,12 +185,14 @@ class _Call:
     def __call__(
         self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray
     ) -> None:
+        # Wrap the arguments as arrays of Fortran's integers.
         one, zero, error, kind, phases, size = (
             np.array([value], dtype=np.int32)
             for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
         )
         b, x = vectors or (np.zeros(1), np.zeros(1))
         matrix = kind, phases, size, values, rows, columns
+        # Use the threads of the analysis for this call alone.
         before = self._library.limit(self._threads)
         self._library.pardiso(
             self._handle, one, one, *matrix, zero, one, self._options, zero, b, x, error

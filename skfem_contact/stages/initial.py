@@ -332,9 +332,11 @@ def _without_still_fields(setup: Setup) -> tuple[Setup, ndarray]:
 
 def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
     """Return a result of the forms that move, of all forms and among all dofs."""
+    # Forms that do not move keep their initial states.
     last = result[-1]
     forms = {key: last.forms.get(key, form) for key, form in setup.forms.items()}
     states = {key: last.states.get(key, form.initial_state()) for key, form in forms.items()}
+    # Spread the vectors over all dofs.
     x, load = np.zeros(setup.layout.size), np.zeros(setup.layout.size)
     x[kept], load[kept] = last.x, last.load
     summary = summaries(forms, x, states)
@@ -527,12 +529,14 @@ def _overburden(
     mesh: Any, layers: list[tuple[str, ndarray, float]]
 ) -> Callable[[ndarray], ndarray]:
     """Return the weight above a height, from layers that must be level."""
+    # Find the upper and lower ends of the layers.
     extent = []
     for name, elements, gamma in layers:
         heights = mesh.p[-1, mesh.t[:, elements]]
         extent.append((name, gamma, float(heights.min()), float(heights.max())))
     levels = np.unique(np.array([layer[2:] for layer in extent]))
     weights = np.zeros(len(levels) - 1)
+    # Layers at one height must have one unit weight.
     for k, (bottom, top) in enumerate(pairwise(levels)):
         here = {}
         for name, gamma, low, high in extent:
@@ -545,6 +549,7 @@ def _overburden(
                 "later stage"
             )
         weights[k] = next(iter(here.values()), 0.0)
+    # Add up the weights from the top.
     of_layers = weights * np.diff(levels)
     above = np.append(np.cumsum(of_layers[::-1])[::-1], 0.0)
     return lambda y: np.interp(y, levels, above)

@@ -211,6 +211,7 @@ class Planner:
 
         Bodies must be active and held.
         """
+        # Change the supports, then the forms, and check what is left.
         old = self._supports
         try:
             if stage.fixed is not None:
@@ -263,6 +264,7 @@ class Planner:
 
     def _loads(self, stage: Stage) -> tuple[ndarray, Callable[[float], ndarray] | None]:
         """Return the load at the end of a stage, and as a function where it is given as one."""
+        # A load is checked against the bodies that are active.
         what = f"stage '{stage.name}': the load"
         setup = self._setup
         rest = self._rest
@@ -278,11 +280,13 @@ class Planner:
                 )
             return load + rest
 
+        # A load that is constant needs no function, but in time.
         function = stage.load
         if not callable(function):
             constant = whole(function)
             return constant, None if stage.dynamic is None else lambda time: constant
 
+        # A function is checked at every call.
         def at(share: float) -> ndarray:
             given = function(share)
             if given is None:

@@ -371,6 +371,7 @@ class _Follower:
 
 
 def _remarked(
+    # Collect the remarks of the plan, of the forms and of the way.
     remarks: Remarks,
     phase: Phase,
     last: StageResult,
@@ -382,6 +383,7 @@ def _remarked(
     Contact may be the reason of a failure.
     """
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
+    # Write them down, each once.
     for name, form in last.forms.items():
         found[name] = [*last.outputs(name).remarks]
         if isinstance(form, Wet):
@@ -601,6 +603,7 @@ def _path(
         values = held + fraction * (target - held)
         if on_top is None:
             return load + fraction * (end - load) - (1.0 - fraction) * lost, values
+        # Loads and motions of a stage in time begin at its start.
         faded = (1.0 - fraction) * (load - lost - start)  # weights and water that change, too
         return on_top(fraction) - fraction * remaining + faded, values
 

@@ -54,6 +54,7 @@ class Setup:
         water_unit_weight: float | None = None,
         gravity_acceleration: float | None = None,
     ) -> None:
+        # Check the forms together.
         given = as_forms(forms)
         self.solver = solver
         self.newton = newton
@@ -61,12 +62,14 @@ class Setup:
         self.finite = _is_finite(given)
         _check_different(given)
         _check_bases(given)
+        # Complete each form by the others, and number their dofs.
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
         self.forms = self.own = {
             name: self._numbered(form) for name, form in self._completed.items()
         }
+        # Check what needs numbers.
         _check_joints(self.forms)
         self.fixed = self.layout.dofs(fixed)
         self.water_unit_weight = water_unit_weight
@@ -141,6 +144,7 @@ class Setup:
         self, gravity: Sequence[float] | None, seismic: float | Sequence[float]
     ) -> ndarray:
         """Return the acceleration of all weights over that of gravity, (dim,)."""
+        # Add horizontal parts to the direction of gravity.
         dim = len(self.layout.coordinates)
         down = -np.eye(dim)[-1] if gravity is None else unit_vector(gravity, dim, "gravity")
         horizontal = np.zeros(dim)
@@ -207,12 +211,14 @@ class Setup:
 
     def adopted(self, new: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
         """Return forms that replace present ones, completed and numbered like these."""
+        # Complete the new form.
         found = {}
         for name, form in as_forms(new).items():
             old = now[name]
             if self._change is not None:
                 form = self._change(name, form)
             form = continued(form, old)
+            # It takes over the dofs of the old one.
             if form is not old and (form.fields or borrowed_by(form)):
                 numbers = dict(self.layout.numbers(borrowed_by(form)))
                 taken = self.layout.numbers(old.fields)
@@ -289,6 +295,7 @@ class Setup:
         ValueError
             Another shape, other coordinates, or values that are not finite.
         """
+        # Vectors of a form know their coordinate system.
         n = self.layout.size
         n_first = self.layout.n_displacements
         given = getattr(values, "coordinates", None)
@@ -298,6 +305,7 @@ class Setup:
                 f"{self.coordinates}: make loads by the model, or from a solid form instead of a "
                 "basis"
             )
+        # Check numbers and shape; missing fields are zero.
         if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)

@@ -152,6 +152,7 @@ def checked(stages: Sequence[Stage], before: Sequence[str]) -> Sequence[Stage]:
 
 def _check_numbers(stage: Stage) -> None:
     """Check increments, duration, release and keep of a stage."""
+    # Check each number.
     where = f"stage '{stage.name}'"
     if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
         raise ValueError(

@@ -91,18 +91,21 @@ def _check_bodies(
     Without some of its elements a body may fall apart into several. In axial symmetry the one rigid
     motion is the one along the axis.
     """
+    # Find the dofs of each body.
     mesh = basis.mesh
     if len(elements) < mesh.nelements:
         mesh = mesh.restrict(elements, skip_boundaries=True)
     dofs = {}
     for name, part in bodies(mesh).items():
         dofs[name] = different(basis.N, basis.dofs.element_dofs[:, elements[part]])
+    # Check the bodies that are joined, as one.
     groups, obstacles = _groups(dofs, joined)
     for group in groups:
         held = np.intersect1d(np.concatenate([dofs[name] for name in group]), fixed)
         modes = rigid_modes(basis.doflocs, held)
         if axial:
             modes = modes[:, 1:2]
+        # The rank is how many rigid motions the supports hold.
         free = modes.shape[1] - int(np.linalg.matrix_rank(modes, tol=1e-9))
         if free and not group & obstacles:
             listed = " and ".join(f"'{name}'" for name in sorted(group))
@@ -120,6 +123,7 @@ def _groups(
     dofs: Mapping[str, ndarray], joined: Sequence[ndarray]
 ) -> tuple[list[set[str]], set[str]]:
     """Return groups of bodies that are joined, and the bodies that meet a rigid obstacle."""
+    # Begin with each body alone; each contact joins what it meets.
     groups = [{name} for name in dofs]
     obstacles: set[str] = set()
     for surfaces in joined:

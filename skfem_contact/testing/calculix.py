@@ -185,6 +185,7 @@ def read_dat(file: str | Path) -> list[Printed]:
     ValueError
         If the file has no printed results.
     """
+    # A title ends the block before it.
     blocks = []
     title = re.compile(r"^ (.+?) \((.+?)\) for set (\S+) and time\s+(\S+)")
     current: tuple[str, str, str, float] | None = None
@@ -223,6 +224,7 @@ def compare(stage: Any, frd: Frd, dat: list[Printed] | None = None) -> Compariso
     ValueError
         If nodes of one mesh are not in the other one.
     """
+    # Find the nodes of both results.
     basis = basis_of(stage)
     dim = basis.mesh.dim()
     nodes = basis.doflocs[:, ::dim].T
@@ -233,6 +235,7 @@ def compare(stage: Any, frd: Frd, dat: list[Printed] | None = None) -> Compariso
             f"{np.count_nonzero(distance > _SAME * size)} of {len(nodes)} nodes are not in the "
             f"result of CalculiX, by up to {distance.max():.3g}"
         )
+    # Compare the last displacements, then the stresses.
     moved = [fields["DISP"] for _, fields in frd.steps if "DISP" in fields]
     if not moved:
         raise ValueError("the result of CalculiX has no displacements: add *NODE FILE with U")
@@ -319,11 +322,13 @@ def _read_elements(
 
 def _read_field(lines: list[str], position: int, row: dict[int, int]) -> tuple[int, ndarray]:
     """Read the names of components and the lines of a field."""
+    # Count the components, without the total.
     components = 0
     while lines[position][:3] == " -5":
         words = lines[position].split()
         components += not words[-1].endswith("ALL")
         position += 1
+    # Read the values, which continue on lines of their own.
     values = np.full((len(row), components), np.nan)
     while lines[position][:3] == " -1":
         line = lines[position]

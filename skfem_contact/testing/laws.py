@@ -231,6 +231,7 @@ def _material_tangent(
     tolerance: float,
 ) -> float:
     """Return the largest error of the tangent at smooth points."""
+    # Compare each column with differences of the stress.
     ncomp = len(increment)
 
     def stress_at(step: float, j: int) -> ndarray:
@@ -245,6 +246,7 @@ def _material_tangent(
         difference = np.abs(slope.reshape(ncomp, -1) - tangent[:, :, j].T)
         error = np.maximum(error, difference.max(axis=0))
         kink = np.maximum(kink, gap.reshape(ncomp, -1).max(axis=0))
+    # Judge differences at kinks by the size of the kink.
     message = "the tangent differs from the differences of the stress"
     return largest_error(error / modulus, kink / modulus, tolerance, message)
 
@@ -384,6 +386,7 @@ def _law_tangent(
     tolerance: float,
 ) -> float:
     """Return the largest difference between tangent and differences, component by component."""
+    # Compare each column with differences of the traction.
     units = np.eye(len(jump))[:, :, None]
 
     def traction(step: float, j: int) -> ndarray:

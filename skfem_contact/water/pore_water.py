@@ -400,7 +400,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
-        # Check that the ground is there, and that time passes.
+        # Check that the ground is active, and that time passes.
         if not duration > 0.0:
             raise ValueError(
                 "PoreWater needs time: give Stage(duration=...), a short one for an instantaneous "

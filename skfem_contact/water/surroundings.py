@@ -64,7 +64,7 @@ class Surroundings(NamedTuple):
         """Collect the forms around the ground of a basis, all of which must belong to solids."""
         here = elements_of(basis)
         modulus, shear, measure = _stiffness(basis, forms)
-        # Contact of the ground carries its pressures, too.
+        # Find the contact pairs that join the ground.
         touching = {}
         for name, pair in having(forms, Touching).items():
             if np.isin(pair.joins, basis.element_dofs).any():
