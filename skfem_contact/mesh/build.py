@@ -46,10 +46,12 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
 
     # Number the nodes by scikit-fem, and tag elements and sides
     mesh, node = _bare_mesh(content, kind)
+    content.cells[kind] = content.cells[kind][:1].copy()  # one for its kind: the mesh has them all
     subdomains = {}
     for name, group in content.groups.items():
         if kind in group and len(group[kind]):
-            subdomains[name] = group[kind].astype(np.int32)
+            group[kind] = group[kind].astype(np.int32)
+            subdomains[name] = group[kind]
     boundaries = _boundaries(content, mesh, node)
     _tell_left_out(content, boundaries)
     # No tags are None; a copy by `replace` would lose the facets

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,10 @@ _SEED = 9176
 #: Distance of a node in the middle from its regular position, over the size of the element, up to
 #: which the shape is the same: round-off of coordinates.
 _SAME = 1e-9
+#: Bytes of a piece of a text.
+_PIECE = 1 << 22
+#: Numbers below this one, and their differences, have room in four bytes.
+_ROOM = 2**30
 #: Corners and edges around the nodes in the middle of the sides of a hexahedron, in their order.
 FACES_OF_27 = (
     (0, 4, 7, 3, 16, 15, 19, 11),
@@ -122,10 +126,13 @@ def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
     if len(ids) == 0:
         raise ValueError(f"the file has no {what}")
     # Numbers mostly count from a first one on
-    first = ids[0]
-    if ids[-1] - first == len(ids) - 1 and (np.diff(ids) == 1).all():
-        positions = wanted - first
-        wrong = (positions < 0) | (positions >= len(ids))
+    wanted = compact(wanted)
+    first = int(ids[0])
+    if first == ids[0] and ids[-1] - first == len(ids) - 1 and (np.diff(ids) == 1).all():
+        positions = wanted - (first if 0 <= first < _ROOM else np.int64(first))
+        wrong: Any = False
+        if wanted.size and (positions.min() < 0 or positions.max() >= len(ids)):
+            wrong = (positions < 0) | (positions >= len(ids))
     else:
         order = np.argsort(ids, kind="stable")
         found = np.searchsorted(ids, wanted, sorter=order)
@@ -137,7 +144,16 @@ def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
             f"{what} {missing[0]} does not exist, {len(missing)} in all: it is out of bounds, or "
             "the file is not complete"
         )
-    return positions.astype(np.int32)  # half of the memory
+    return positions.astype(np.int32, copy=False)
+
+
+def compact(numbers: Integers) -> Integers:
+    """Return whole numbers with four bytes each, where they have room."""
+    if numbers.dtype.itemsize <= 4 or numbers.size == 0:
+        return numbers
+    if numbers.min() < 0 or numbers.max() >= _ROOM:
+        return numbers
+    return numbers.astype(np.int32)
 
 
 def rows(numbers: Any, width: int, what: str) -> Any:
@@ -147,16 +163,37 @@ def rows(numbers: Any, width: int, what: str) -> Any:
     return numbers.reshape(-1, width)
 
 
-def parsed(text: bytes, what: str, dtype: type = float) -> Any:
-    """Return the numbers of a text between blanks, (n,)."""
+def parsed(text: bytes, what: str, dtype: type = float, commas: bool = False) -> Any:
+    """Return the numbers of a text between blanks, or between commas and blanks, (n,).
+
+    A long text is read in pieces, so that it is never copied as a whole.
+    """
     import warnings
 
+    found = []
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        try:
-            return np.fromstring(text, dtype=dtype, sep=" ")
-        except (DeprecationWarning, ValueError) as error:
-            raise ValueError(f"{what} are not all numbers") from error
+        for piece in pieces(text):
+            words = piece.replace(b",", b" ") if commas else piece
+            try:
+                numbers: Any = np.fromstring(words, dtype=dtype, sep=" ")
+            except (DeprecationWarning, ValueError) as error:
+                raise ValueError(f"{what} are not all numbers") from error
+            found.append(numbers if dtype is float else compact(numbers))
+    if not found:
+        return np.zeros(0, dtype)
+    return found[0] if len(found) == 1 else np.concatenate(found)
+
+
+def pieces(text: bytes) -> Iterator[bytes]:
+    """Yield a text in pieces of whole lines, without blank ones."""
+    start = 0
+    while start < len(text):
+        end = text.find(b"\n", start + _PIECE)
+        piece = text[start:] if end < 0 else text[start:end]
+        start = len(text) if end < 0 else end + 1
+        if piece and not piece.isspace():
+            yield piece
 
 
 def check_count(count: int, size: int, what: str) -> int:
@@ -258,9 +295,13 @@ def combinations(content: Content, kind: str) -> list[tuple[tuple[str, ...], Int
     inside = np.zeros((len(content.cells[kind]), len(names)), dtype=bool)
     for column, name in enumerate(names):
         inside[content.groups[name][kind], column] = True
-    rows_of, same = np.unique(inside, axis=0, return_inverse=True)
+    # Number the combinations column by column, in the order of rows
+    same = np.zeros(len(inside), dtype=np.int64)
+    for chosen in inside.T:
+        same = np.unique(2 * same + chosen, return_inverse=True)[1].ravel()
     found: list[tuple[tuple[str, ...], Integers]] = []
-    for number, row in enumerate(rows_of):
-        groups = tuple(name for name, chosen in zip(names, row) if chosen)
-        found.append((groups, np.flatnonzero(same.ravel() == number)))
+    for number in range(int(same.max(initial=-1)) + 1):
+        members = np.flatnonzero(same == number)
+        groups = tuple(name for name, has in zip(names, inside[members[0]]) if has)
+        found.append((groups, members))
     return found

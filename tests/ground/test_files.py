@@ -172,3 +172,123 @@ def test_wrong_gef_files(tmp_path):
         (tmp_path / "two.gef").write_bytes(text)
         with pytest.raises(ValueError, match=r"two.gef: it is no cone penetration test"):
             sc.ground.read_cpt(tmp_path / "two.gef")
+
+
+#: Columns of a cone penetration test of BRO, in their fixed order.
+COLUMNS = [
+    "penetrationLength",
+    "depth",
+    "elapsedTime",
+    "coneResistance",
+    "correctedConeResistance",
+    "netConeResistance",
+    "magneticFieldStrengthX",
+    "magneticFieldStrengthY",
+    "magneticFieldStrengthZ",
+    "magneticFieldStrengthTotal",
+    "electricalConductivity",
+    "inclinationEW",
+    "inclinationNS",
+    "inclinationX",
+    "inclinationY",
+    "inclinationResultant",
+    "magneticInclination",
+    "magneticDeclination",
+    "localFriction",
+    "poreRatio",
+    "temperature",
+    "porePressureU1",
+    "porePressureU2",
+    "porePressureU3",
+    "frictionRatio",
+]
+
+BRO = """<?xml version="1.0" encoding="UTF-8"?>
+<dispatchDataResponse xmlns="http://www.broservices.nl/xsd/dscpt/1.1"
+  xmlns:brocom="http://www.broservices.nl/xsd/brocommon/3.0"
+  xmlns:cptcommon="http://www.broservices.nl/xsd/cptcommon/1.1"
+  xmlns:gml="http://www.opengis.net/gml/3.2" xmlns:swe="http://www.opengis.net/swe/2.0">
+<brocom:responseType>dispatch</brocom:responseType>
+<dispatchDocument><CPT_O>
+<brocom:broId>CPT000000000001</brocom:broId>
+<deliveredLocation><cptcommon:location srsName="urn:ogc:def:crs:EPSG::28992" gml:id="L1">
+<gml:pos>100000.0 400000.0</gml:pos></cptcommon:location></deliveredLocation>
+<deliveredVerticalPosition>
+<cptcommon:localVerticalReferencePoint>maaiveld</cptcommon:localVerticalReferencePoint>
+<cptcommon:offset uom="m">{level}</cptcommon:offset>
+<cptcommon:verticalDatum>NAP</cptcommon:verticalDatum></deliveredVerticalPosition>
+<conePenetrometerSurvey>
+<cptcommon:trajectory><cptcommon:predrilledDepth uom="m">0.0</cptcommon:predrilledDepth>
+<cptcommon:finalDepth uom="m">10.0</cptcommon:finalDepth></cptcommon:trajectory>
+<cptcommon:conePenetrometer>
+<cptcommon:coneSurfaceQuotient uom="1">0.8</cptcommon:coneSurfaceQuotient>
+</cptcommon:conePenetrometer>
+<cptcommon:parameters>{parameters}</cptcommon:parameters>
+<cptcommon:conePenetrationTest><cptcommon:cptResult>
+<swe:encoding><swe:TextEncoding collapseWhiteSpaces="true" decimalSeparator="."
+ tokenSeparator="," blockSeparator=";"/></swe:encoding>
+<cptcommon:values>{values}</cptcommon:values>
+</cptcommon:cptResult></cptcommon:conePenetrationTest>
+</conePenetrometerSurvey></CPT_O></dispatchDocument></dispatchDataResponse>
+"""
+
+
+def bro(path, level=1.5, depth=True, friction=True):
+    """Write a sounding at 10 degrees: sand to 4 m, no readings to 6 m, clay with pore pressures."""
+    there = {"penetrationLength", "coneResistance", "porePressureU2"}
+    there |= ({"depth"} if depth else set()) | ({"localFriction"} if friction else set())
+    parameters = "".join(
+        f"<cptcommon:{name}>{'ja' if name in there else 'nee'}</cptcommon:{name}>"
+        for name in COLUMNS
+    )
+    blocks = []
+    for step in range(101):
+        sand = step <= 40
+        row = dict.fromkeys(COLUMNS, "-999999")
+        row["penetrationLength"] = f"{0.1 * step:.3f}"
+        row["depth"] = f"{0.1 * step * np.cos(np.deg2rad(10.0)):.6f}"
+        if not 40 < step < 60:
+            row["coneResistance"] = "10.0" if sand else "0.5"
+            row["localFriction"] = "0.05" if sand else "0.02"
+            if not sand:
+                row["porePressureU2"] = "0.1"
+        blocks.append(",".join(row.values()))
+    text = BRO.format(level=level, parameters=parameters, values=";".join(blocks) + ";")
+    path.write_text(text)
+    return path
+
+
+def test_bro_xml(tmp_path):
+    """[X] Units of MPa, voids of -999999, the depth of the file, and total resistance with u2."""
+    test = sc.ground.read_cpt(bro(tmp_path / "one.xml"))
+    assert (test.name, test.level, test.position) == ("one", 1.5, (100000.0, 400000.0))
+    assert test.area_ratio == 0.8 and test.water is None
+    np.testing.assert_allclose(test.cone[[0, -1]], [10000.0, 500.0])
+    np.testing.assert_allclose(test.sleeve[[0, -1]], [50.0, 20.0])
+    np.testing.assert_allclose(test.resistance[-1], 500.0 + 0.2 * 100.0)
+    assert np.isnan(test.pore[0]) and test.pore[-1] == pytest.approx(100.0)
+    assert test.depth[-1] == pytest.approx(10.0 * np.cos(np.deg2rad(10.0)), abs=1e-6)
+    assert any("corrected for the inclination, by up to 0.152 m" in text for text in test.remarks)
+    # pygef leaves out the rows without a cone resistance
+    assert not test.measured[(test.depth > 3.95) & (test.depth < 5.9)].any()
+    assert any("no rows from 3.93" in text for text in test.remarks)
+
+
+def test_bro_xml_without_a_corrected_depth_or_friction(tmp_path):
+    """[X] The length along the rods stands for the depth; friction is missing, not zero."""
+    test = sc.ground.read_cpt(bro(tmp_path / "one.xml", depth=False, friction=False))
+    assert test.depth[-1] == pytest.approx(10.0)
+    assert np.isnan(test.sleeve).all() and not test.measured.any()
+
+
+def test_wrong_bro_files(tmp_path):
+    """[X] Cut, without a test, without a level: one sentence with the name of the file."""
+    text = bro(tmp_path / "one.xml").read_text()
+    for wrong in (text[:600], text.replace("dispatchDocument", "other"), "<a/>"):
+        (tmp_path / "two.xml").write_text(wrong)
+        with pytest.raises(ValueError, match=r"two.xml: it is no cone penetration test of GEF"):
+            sc.ground.read_cpt(tmp_path / "two.xml")
+    start, end = text.index("<deliveredVertical"), text.index("<conePenetrometerSurvey")
+    (tmp_path / "two.xml").write_text(text[:start] + text[end:])
+    with pytest.raises(ValueError, match=r"two.xml: it has no level of the surface"):
+        sc.ground.read_cpt(tmp_path / "two.xml")

@@ -34,3 +34,13 @@ def test_other_meshes_are_left_to_scikit_fem():
     mesh = MeshQuad1(mesh.p, mesh.t)
     number_facets(mesh)
     assert not hasattr(mesh, "_facets")
+
+
+def test_elements_on_top_of_each_other():
+    """[N] Three elements at one side: the first and the last of them are its neighbours."""
+    tet = MeshTet1()
+    tet = MeshTet1(tet.p, np.hstack((tet.t, tet.t[:, :2], tet.t[:, :1])), validate=False)
+    other = MeshTet1(tet.p, tet.t, validate=False)
+    number_facets(other)
+    np.testing.assert_array_equal(other._f2t, tet.f2t)
+    np.testing.assert_array_equal(other._t2f, tet.t2f)

@@ -336,6 +336,40 @@ def test_gmsh_reads_what_is_saved(tmp_path, model):
     }
 
 
+@pytest.mark.parametrize("end", [".msh", ".inp", ".mdpa", ".f3grid"])
+def test_texts_are_read_in_pieces(tmp_path, monkeypatch, end):
+    """[X] Pieces of a few lines give what the whole text gives."""
+    from skfem import MeshTet1
+
+    line = np.linspace(0, 1, 4)
+    mesh = MeshTet1.init_tensor(line, line, line).with_defaults()
+    save_mesh(mesh.with_subdomains({"low": lambda x: x[2] < 0.5}), tmp_path / f"cube{end}")
+    whole = load_mesh(tmp_path / f"cube{end}")
+    monkeypatch.setattr("skfem_contact.mesh.content._PIECE", 50)
+    again = load_mesh(tmp_path / f"cube{end}")
+    np.testing.assert_array_equal(again.p, whole.p)
+    np.testing.assert_array_equal(again.t, whole.t)
+    for name, facets in whole.boundaries.items():
+        np.testing.assert_array_equal(again.boundaries[name], facets)
+    np.testing.assert_array_equal(again.subdomains["low"], whole.subdomains["low"])
+
+
+def test_numbers_without_room_in_four_bytes(tmp_path):
+    """[X] Nodes are numbered from four thousand millions on."""
+    first = 4 * 10**9
+    text = "*NODE\n" + "".join(
+        f"{first + k}, {x}, {y}, 0\n" for k, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1)))
+    )
+    nodes = ", ".join(str(first + k) for k in range(4))
+    (tmp_path / "far.inp").write_text(f"{text}*ELEMENT, TYPE=CPE4, ELSET=soil\n1, {nodes}\n")
+    mesh = load_mesh(tmp_path / "far.inp")
+    assert size_of(mesh, "soil") == pytest.approx(1.0, rel=1e-12)
+    wrong = nodes.replace(str(first), "1")
+    (tmp_path / "far.inp").write_text(f"{text}*ELEMENT, TYPE=CPE4, ELSET=soil\n1, {wrong}\n")
+    with pytest.raises(ValueError, match=r"far.inp: node 1 does not exist, 1 in all"):
+        load_mesh(tmp_path / "far.inp")
+
+
 @pytest.mark.parametrize("end", ENDS)
 def test_names_of_joined_bodies(tmp_path, end):
     """[X] Both sides of an interface, with colons and bars in their names."""

@@ -106,7 +106,7 @@ def read(path: str) -> Content:
         rb"^\s*\*NODE\b(?!\s*(PRINT|FILE|OUTPUT))", text, re.MULTILINE | re.IGNORECASE
     ):
         raise ValueError("it is not an input file of Abaqus or CalculiX: it has no *NODE")
-    last = re.split(rb"^\s*\*", text, flags=re.MULTILINE)[-1]
+    last = re.sub(rb"^\s*\*", b"", text[text.rfind(b"\n*") + 1 :])
     if not text.endswith(b"\n") and re.match(rb"(?i)(NODE|ELEMENT|NSET|ELSET|SURFACE)\b", last):
         raise ValueError(
             "it ends within a line of the mesh: it is not complete, or needs an empty line"
@@ -120,8 +120,13 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
     if depth > _DEEPEST:
         raise ValueError(f"its *INCLUDE are nested more than {_DEEPEST} times")
     text = re.sub(rb"^\*\*.*\n?", b"", text.replace(b"\r", b""), flags=re.MULTILINE)
-    for chunk in re.split(rb"^[ \t]*\*(?=[A-Za-z])", text, flags=re.MULTILINE)[1:]:
-        head, _, data = chunk.partition(b"\n")
+    marks = list(re.finditer(rb"^[ \t]*\*(?=[A-Za-z])", text, flags=re.MULTILINE))
+    ends = [*(mark.start() for mark in marks[1:]), len(text)]
+    for mark, end in zip(marks, ends):
+        line = text.find(b"\n", mark.end(), end)
+        line = end if line < 0 else line
+        head = text[mark.end() : line]
+        data = text[line + 1 : end]
         while head.rstrip().endswith(b","):
             more, _, data = data.partition(b"\n")
             head += more
@@ -186,11 +191,11 @@ def _moved(part: _Part, data: bytes) -> _Part:
     points = [np.array(x) for x in part.points]
     if lines:
         first = np.zeros(3)
-        values = parsed(lines[0].replace(b",", b" "), "the lines of an instance")
+        values = parsed(lines[0], "the lines of an instance", commas=True)
         first[: len(values)] = values[:3]
         points = [x + first for x in points]
     if len(lines) > 1:
-        values = parsed(lines[1].replace(b",", b" "), "the lines of an instance")
+        values = parsed(lines[1], "the lines of an instance", commas=True)
         if len(values) != 7:
             raise ValueError("the rotation of an instance needs two points and an angle")
         points = [_turned(x, values[:3], values[3:6], np.deg2rad(values[6])) for x in points]
@@ -259,7 +264,7 @@ def _read_nodes(part: _Part, card: _Card) -> None:
         if not card.data.strip():
             return
         raise ValueError("a line of *NODE has fewer than a number and two coordinates")
-    numbers = parsed(card.data.replace(b",", b" "), "the lines of *NODE")
+    numbers = parsed(card.data, "the lines of *NODE", commas=True)
     table = rows(numbers, width, "*NODE")
     points = np.zeros((len(table), 3))
     points[:, : min(width - 1, 3)] = table[:, 1:4]
@@ -273,7 +278,7 @@ def _read_nodes(part: _Part, card: _Card) -> None:
 def _read_elements(part: _Part, card: _Card) -> None:
     """Read elements of one type, each with as many nodes as the type says."""
     name = card.options.get("TYPE", "").upper()
-    numbers = parsed(card.data.replace(b",", b" "), f"the lines of *ELEMENT, TYPE={name}", np.int64)
+    numbers = parsed(card.data, f"the lines of *ELEMENT, TYPE={name}", np.int64, commas=True)
     if len(numbers) == 0:
         return
     kind, n_nodes = _kind_of(name)
@@ -318,7 +323,7 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
                 found.append(np.arange(first, last + 1, *step[:1]))
         return shift + np.concatenate(found) if found else np.zeros(0, int)
     if not re.search(rb"[A-Za-z_]", card.data):
-        return shift + np.asarray(parsed(card.data.replace(b",", b" "), "the set", np.int64))
+        return shift + np.asarray(parsed(card.data, "the set", np.int64, commas=True))
     words = [word.strip() for word in re.split(rb"[,\n]", card.data) if word.strip()]
     numbers = [int(word) for word in words if word.lstrip(b"-").isdigit()]
     parts = [np.array(numbers, dtype=int) + shift]
@@ -496,14 +501,18 @@ def _behind(
     corners: int,
 ) -> Integers:
     """Return the faces, by their positions in `every`, of the elements behind sides."""
-    keys = _row_keys(np.concatenate((every, np.sort(sides[:, :corners], axis=1))))
-    own, wanted = keys[: len(every)], keys[len(every) :]
+    # Compare the faces whose corners all belong to the sides
+    chosen = np.zeros(len(content.points), dtype=bool)
+    chosen[sides[:, :corners]] = True
+    near = np.flatnonzero(chosen[every].all(axis=1))
+    keys = _row_keys(np.concatenate((every[near], np.sort(sides[:, :corners], axis=1))))
+    own, wanted = keys[: len(near)], keys[len(near) :]
     order = np.argsort(own, kind="stable")
     first = np.searchsorted(own, wanted, sorter=order)
     last = np.searchsorted(own, wanted, side="right", sorter=order) - 1
     # Of two elements take the one from which the normal of the side points away
-    choice = order[first]
-    other = order[last]
+    choice = near[order[first]]
+    other = near[order[last]]
     x = content.points[sides[:, :corners]]
     along = x[:, 1] - x[:, 0]
     if content.dim == 2:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, check_names, numbers_of, parsed, point_text, rows
+from ..content import Content, check_names, numbers_of, parsed, pieces, point_text, rows
 from ..kinds import KINDS, Integers
 
 #: Kinds of zones and faces, and their nodes in the order of VTK (z upwards, right-handed).
@@ -24,30 +24,33 @@ _ZONES = {
 
 def read(path: str) -> Content:
     """Read grid points, zones, faces and their groups."""
-    lines, groups = _sorted_lines(_text(path))
-    if b"G" not in lines:
+    groups: list[tuple[str, str]] = []
+    tables: dict[bytes | int, list[np.ndarray]] = {}
+    for piece in pieces(_text(path)):
+        for head, lines in _sorted_lines(piece, groups).items():
+            tables.setdefault(head, []).append(_table(head, lines, groups))
+    if b"G" not in tables:
         raise ValueError("it is not a grid of FLAC3D, or has no points")
 
-    # read the points: number and coordinates
-    points = b"\n".join(line[1:] for line in lines.pop(b"G"))
-    table = rows(parsed(points, "the lines of points"), 4, "the points")
+    # Join the points: number and coordinates
+    table = np.concatenate(tables.pop(b"G"))
     ids = table[:, 0].astype(int)
     content = Content(table[:, 1:], {})
 
-    # read zones and faces by their type, then the groups that name them
+    # Join zones and faces by their type, then name them by the groups, which may come first
     numbers: dict[tuple[str, str], Integers] = {}
-    for head, same in lines.items():
+    members: dict[int, Integers] = {}
+    for head, parts in tables.items():
+        if isinstance(head, int):
+            members[head] = np.concatenate(parts)
+            continue
         letter, _, word = head.partition(b" ")
-        if word not in _ZONES:
-            raise ValueError(f"zones of type {head.decode('ascii', 'replace')} are not read")
         kind, order = _ZONES[word]
-        body = b"\n".join(line[len(head) :] for line in same)
-        cells = rows(parsed(body, "the lines of zones", np.int64), 1 + len(order), "the zones")
+        cells = np.concatenate(parts)
         content.cells[kind] = numbers_of(ids, cells[:, 1:][:, order], "grid point")
         numbers[letter.decode(), kind] = cells[:, 0]
-    for letter_of_group, name, members in groups:
-        ids_of = parsed(b" ".join(members), f"the members of group '{name}'", np.int64)
-        _add_group(content, numbers, letter_of_group, name, ids_of)
+    for number, ids_of in members.items():
+        _add_group(content, numbers, *groups[number], ids_of)
     return content
 
 
@@ -58,31 +61,47 @@ def _text(path: str) -> bytes:
         raise ValueError("it is a binary grid: export it from FLAC3D as text")
     if not data.endswith(b"\n"):
         raise ValueError("it ends within a line: it is not complete, or needs an empty line")
-    return re.sub(rb"^[ \t]*[*;].*", b"", data.replace(b"\r", b""), flags=re.MULTILINE)
+    if b"\r" in data:
+        data = data.replace(b"\r", b"")
+    return re.sub(rb"^[ \t]*[*;].*", b"", data, flags=re.MULTILINE)
 
 
-def _sorted_lines(
-    text: bytes,
-) -> tuple[dict[bytes, list[bytes]], list[tuple[str, str, list[bytes]]]]:
-    """Return lines by the type of their zone, and groups: letter, name, lines of members."""
-    lines: dict[bytes, list[bytes]] = {}
-    groups: list[tuple[str, str, list[bytes]]] = []
+def _sorted_lines(text: bytes, groups: list[tuple[str, str]]) -> dict[bytes | int, list[bytes]]:
+    """Return lines by the type of their zone, or by the number of the group that they list.
+
+    Letters and names of groups are appended to `groups`; its last one may go on.
+    """
+    lines: dict[bytes | int, list[bytes]] = {}
     for line in map(bytes.strip, text.split(b"\n")):
         if not line:
             continue
         key = line[:1]
         if line[1:6] == b"GROUP":
-            kind, name = _group(line)
-            groups.append((kind, name, []))
+            groups.append(_group(line))
         elif key in b"GZF":
             lines.setdefault(key if key == b"G" else line[:4], []).append(line)
         elif key.isdigit() and groups:
-            groups[-1][2].append(line)
+            lines.setdefault(len(groups) - 1, []).append(line)
         else:
             raise ValueError(
                 f"it is not a grid of FLAC3D: '{line[:40].decode('ascii', 'replace')}'"
             )
-    return lines, groups
+    return lines
+
+
+def _table(head: bytes | int, lines: list[bytes], groups: list[tuple[str, str]]) -> np.ndarray:
+    """Return the numbers of points or zones, one a row, or the members of a group."""
+    if isinstance(head, int):
+        body = b" ".join(lines)
+        return np.asarray(parsed(body, f"the members of group '{groups[head][1]}'", np.int64))
+    body = b"\n".join(line[len(head) :] for line in lines)
+    if head == b"G":
+        return np.asarray(rows(parsed(body, "the lines of points"), 4, "the points"))
+    word = head.partition(b" ")[2]
+    if word not in _ZONES:
+        raise ValueError(f"zones of type {head.decode('ascii', 'replace')} are not read")
+    width = 1 + len(_ZONES[word][1])
+    return np.asarray(rows(parsed(body, "the lines of zones", np.int64), width, "the zones"))
 
 
 def _add_group(

@@ -16,6 +16,7 @@ from ..content import (
     check_count,
     check_names,
     combinations,
+    compact,
     numbers_of,
     parsed,
     table_text,
@@ -135,7 +136,8 @@ def _read(file: BinaryIO, data: mmap.mmap) -> Content:
         ids, points = _nodes_41(reader("Nodes"))
         blocks = _elements_41(reader("Elements"), groups)
     content = _content(ids, points, blocks, names)
-    add_encoded(content, _element_data(data, is_text))
+    if "ElementData" in sections:
+        add_encoded(content, _element_data(data, is_text))
     return content
 
 
@@ -178,7 +180,7 @@ class _Numbers:
 
     def sizes(self, count: int) -> Integers:
         """Return the next numbers of things, which binary files have with 8 bytes."""
-        return self._next(count, np.int64 if self.is_text else np.dtype("<u8")).astype(np.int64)
+        return self._next(count, np.int64 if self.is_text else np.dtype("<i8"))
 
     def floats(self, count: int) -> Floats:
         """Return the next numbers."""
@@ -224,16 +226,32 @@ def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
     if section.is_text:
         text = data[section.file.tell() : section.end]
         return _lines_22(np.asarray(parsed(text, "elements", np.int64)), count)
+    # Heads "kind, number of elements, number of tags" stand before blocks, mostly of one element
+    numbers = section.ints((section.end - section.file.tell()) // 4)
     blocks = []
+    position = 0
     done = 0
     while done < count:
-        number, many, n_tags = section.ints(3).tolist()
-        kind = _kind(number)
-        check_count(many, section.size, "elements")
-        table = section.ints(many * (1 + n_tags + _NODES[kind])).reshape(many, -1)
-        tag = table[:, 1] if n_tags else np.zeros(many, int)
+        head = numbers[position : position + 3]
+        if len(head) < 3:
+            raise ValueError("it is not complete: the section of elements ends too early")
+        kind = _kind(int(head[0]))
+        many = check_count(int(head[1]), section.size, "elements")
+        n_tags = check_count(int(head[2]), section.size, "tags")
+        width = 1 + n_tags + _NODES[kind]
+        # Read the blocks that follow with the same head at once
+        length = 3 + many * width
+        longest = min((len(numbers) - position) // length, (count - done) // max(many, 1))
+        if longest == 0:
+            raise ValueError("it is not complete: an element has too few nodes")
+        run = numbers[position : position + longest * length].reshape(longest, length)
+        same = (run[:, :3] == head).all(axis=1)
+        repeated = longest if same.all() else int(np.argmin(same))
+        table = run[:repeated, 3:].reshape(-1, width)
+        tag = table[:, 1] if n_tags else np.zeros(len(table), int)
         blocks.append(_Blocks(kind, table[:, 1 + n_tags :], (tag,)))
-        done += max(many, 1)
+        position += repeated * length
+        done += repeated * max(many, 1)
     return blocks
 
 
@@ -289,7 +307,7 @@ def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) 
         kind = _kind(number)
         table = section.sizes(many * (1 + _NODES[kind])).reshape(many, -1)
         tags = groups.get((dim, entity), np.zeros(0, int))
-        blocks.append(_Blocks(kind, table[:, 1:], tuple(tags.tolist())))
+        blocks.append(_Blocks(kind, compact(table[:, 1:]), tuple(tags.tolist())))
     return blocks
 
 

@@ -20,7 +20,9 @@ _BLOCK = re.compile(rb"^[ \t]*(Begin|End)[ \t]+(\w+)[ \t]*(.*)$", re.MULTILINE)
 
 def read(path: str) -> Content:
     """Read nodes, elements, conditions, geometries and sub-model parts."""
-    text = re.sub(rb"//.*", b"", Path(path).read_bytes())
+    text = Path(path).read_bytes()
+    if b"//" in text:
+        text = re.sub(rb"//.*", b"", text)
     if not _BLOCK.search(text):
         raise ValueError("it is not a file of Kratos: it has no block that begins")
     ids = np.zeros(0, int)
@@ -74,11 +76,11 @@ def _read_elements(
     properties: dict[str, list[Integers]],
 ) -> None:
     """Read one block, whose name ends with dimension and number of nodes, "Element2D3N"."""
-    lines = [line.split() for line in body.strip().split(b"\n")[:1]]
-    if not lines or not lines[0]:
+    first_line = body.lstrip().partition(b"\n")[0].split()
+    if not first_line:
         return
     head = 1 if word == "Geometries" else 2
-    table = rows(parsed(body, f"the lines of {name}", np.int64), len(lines[0]), name)
+    table = rows(parsed(body, f"the lines of {name}", np.int64), len(first_line), name)
     kind = _kind_of(word, name, table.shape[1] - head)
     if not kind:
         content.left_out.append(f"{len(table)} {word.lower()} {name}")
