@@ -23,6 +23,7 @@ from ..surfaces.vectors import dot
 from .augmented import AugmentedLagrangian
 from .dual import DualMultipliers
 from .enforcement import Enforcement
+from .fold import Fold
 from .interface import ContactState, Interface
 from .laws import InterfaceLaw, Status
 from .multipliers import Nodes
@@ -38,6 +39,8 @@ Fit = NamedFit | float
 TOUCHING = 1e-8
 #: Gaps below this share of it are those of one surface meshed twice.
 _ADJUSTED = 0.5
+#: Gauss points on each facet, in the plane and in space, of a surface that touches itself.
+_POINTS = {2: 5, 3: 3}
 #: Cosine of the angle between facets, above which they face the same way.
 _SAME_WAY = 0.5
 #: Round-off of the axis, as a share of a facet.
@@ -86,19 +89,31 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
             check_basis(basis)
         self.mesh_dofs = 0 if basis is None else int(basis.N)
         self.slave = _surface(basis, slave)
-        self.facets = _surface(basis, master)
+        self.folds = master is slave or (isinstance(master, str) and master == slave)
+        self.facets = self.slave if self.folds else _surface(basis, master)
         curves = self.facets if smoothing is None else smoothed(self.facets, smoothing)
         self.master = curves.facing(self.slave)
         # Check how they are to be joined.
         self.law = law
         self.quadrature = quadrature
+        if self.folds:
+            # Each wall is slave and master: each has half of the work, at points that stay
+            share = 0.5 * share
+            if quadrature == "segments":
+                self.quadrature = quadrature = _POINTS[self.slave.dim]
         self.tangent = tangent
         self.enforcement: Enforcement = Penalty() if enforcement is None else enforcement
         self.initial = initial
         self.share = share
-        _check_surfaces(self.slave, self.master)
+        if not self.folds:
+            _check_surfaces(self.slave, self.master)
         _check_settings(quadrature, initial, share)
         _check_law(law, len(self.slave.nodes))
+        if self.folds and self.enforcement.saddle:
+            raise ValueError(
+                f"'{self.slave.name}' against itself takes the penalty method or "
+                "AugmentedLagrangian, not DualMultipliers: each wall is slave and master"
+            )
         self.enforcement.check(self.slave, law, quadrature, share)
 
         # Multipliers are fields of the pair.
@@ -117,11 +132,19 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     def _connect(self) -> None:
         adjusted = _adjusted(self.initial, self.law.bonds)
         rounds = (
-            self.initial in ("as meshed", "ramped")
+            not self.folds
+            and self.initial in ("as meshed", "ramped")
             and not self.law.bonds
             and self.master.facets is self.facets.facets
         )
-        self.interface = Interface(self.slave, self.master, self.quadrature, adjusted, rounds)
+        self.interface = Interface(
+            self.slave,
+            self.master,
+            rule=self.quadrature,
+            adjusted=adjusted,
+            rounds=rounds,
+            fold=Fold.of(self.slave, self.master) if self.folds else None,
+        )
         size = max(
             self.mesh_dofs,
             self.slave.end,
@@ -406,7 +429,8 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
     if not (slave.fields or master.fields) and np.isin(known, master.dofs).any():
         raise ValueError(
             f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
-            "itself there; separate the bodies with join_bodies"
+            "itself there; separate the bodies with join_bodies, or give the whole boundary of a "
+            "body that folds as both"
         )
     # Compare each facet of the slave with the nearest one; a run refuses what is not finite
     slave_centres = np.nan_to_num(slave.centres.x[0])

@@ -94,7 +94,7 @@ def _on_distance(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
             f"element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
             f"{place}",
         )
-    elif (state.status == Status.OPEN).all():
+    elif (state.status == Status.OPEN).all() and pair.interface.fold is None:
         gap = float((state.gap - state.clearance).min())
         found = f"gap is {gap:.3g} between '{slave}' and '{master}', smallest at {place}"
         if np.isinf(gap):

@@ -22,6 +22,7 @@ from ..surfaces.material_points import (
 )
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import dot, frame
+from .fold import Fold
 from .kinematics import Kinematics, variations
 from .laws import LawUpdate, Status
 from .neighbours import ON_FACET, NeighbourList, Neighbours
@@ -167,6 +168,7 @@ class Interface:
     """Slave and master with a quadrature rule, and the share of a facet that gaps may have.
 
     With `rounds` gaps count between smooth curves where facets in the plane approximate these.
+    With a `fold` both are one surface, which touches itself.
     """
 
     slave: Surface
@@ -174,6 +176,20 @@ class Interface:
     rule: Literal["nodal", "segments"] | int
     adjusted: float = 0.0
     rounds: bool = False
+    fold: Fold | None = None
+
+    def _around(
+        self, candidates: NeighbourList, points: SlavePoints, nodes: ndarray, positions: ndarray
+    ) -> Neighbours:
+        """Return candidates for closest points: on a folded surface no neighbours."""
+        fold = self.fold
+        if fold is None:
+            return candidates.at(nodes, positions, points.facing)
+
+        def excludes(row: ndarray, facet: ndarray) -> ndarray:
+            return fold.adjoins(points.facet[row], facet)
+
+        return candidates.at(nodes, positions, points.facing, excludes)
 
     @cached_property
     def _facetings(self) -> tuple[Faceting, Faceting] | None:
@@ -270,7 +286,20 @@ class Interface:
 
     def depth(self, points: SlavePoints) -> ndarray:
         """Return the largest penetration: a deeper point belongs to the other side of the body."""
-        return np.maximum(points.size, self.master.spacing)
+        depth = np.maximum(points.size, self.master.spacing)
+        return np.minimum(depth, self._half_thickness) if self.fold is not None else depth
+
+    @cached_property
+    def _half_thickness(self) -> ndarray:
+        """Half the distance of points from the opposite side of their own wall, shape (n,)."""
+        points = self._everywhere
+        slave, nodes = self.positions(None)
+        positions = points.positions(slave)
+        around = self._around(self._meshed, points, nodes, positions)
+        unlimited = np.full(len(positions), np.inf)
+        found = self.project(points, nodes, positions, unlimited, None, around)
+        behind = found.found & (found.gap < -ROUND_OFF * np.abs(nodes).max())
+        return np.where(behind, -0.5 * found.gap, np.inf)
 
     def project(
         self,
@@ -288,7 +317,18 @@ class Interface:
         if faces.any():
             frozen = faces
             previous = np.where(faces, points.facing, -1 if previous is None else previous)
-        return project(self.master, nodes, positions, depth, previous, frozen, among, held)
+        return project(
+            self.master,
+            nodes,
+            points=positions,
+            depth=depth,
+            previous=previous,
+            frozen=frozen,
+            among=among,
+            held=held,
+            fold=self.fold,
+            own_facets=points.facet,
+        )
 
     def within_facets(self, state: ContactState) -> ndarray:
         """Return a mask of the points with a closest point on no side of their facet."""
@@ -330,7 +370,7 @@ class Interface:
         """
         points = self.points(state.cuts)
         positions = points.positions(slave)
-        around = self.neighbours.at(nodes, positions, points.facing)
+        around = self._around(self.neighbours, points, nodes, positions)
         near = (state.status != Status.OPEN) | around.within(reach, depth)
 
         def projected(chosen: ndarray) -> Projection:
@@ -372,7 +412,7 @@ class Interface:
         points = self.points(cuts)
         positions = points.positions(slave)
         candidates = self._meshed if x is None else self.neighbours
-        around = candidates.at(nodes, positions, points.facing)
+        around = self._around(candidates, points, nodes, positions)
         return self.project(points, nodes, positions, self.depth(points), previous, around)
 
     def variations(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import chain, product
 from typing import NamedTuple
 
@@ -24,6 +25,11 @@ _AT_ONCE = 10_000  # points whose samples are in memory, some hundred each
 #: Share of a facet's size by which a point that is frozen on it may be beyond it.
 FROZEN = 0.25
 ON_FACET = 1e-9  # round-off of xi at a joint
+#: Samples among which one is looked for that a point may touch, at first.
+_FIRST_SAMPLES = 32
+
+#: Mask of pairs (point, facet) that do not touch: neighbours on one surface.
+Excludes = Callable[[ndarray, ndarray], ndarray]
 
 
 class Neighbours(NamedTuple):
@@ -68,7 +74,13 @@ class NeighbourList:
         self._moved = 0.0
         self._list: _Searched | None = None
 
-    def at(self, nodes: ndarray, points: ndarray, own: ndarray | None = None) -> Neighbours:
+    def at(
+        self,
+        nodes: ndarray,
+        points: ndarray,
+        own: ndarray | None = None,
+        excludes: Excludes | None = None,
+    ) -> Neighbours:
         """Return neighbours at present coordinates of the surface's nodes and of the points.
 
         `own` : ndarray, shape (n,), are the facets on which pieces in space lie, -1 for none.
@@ -79,7 +91,7 @@ class NeighbourList:
             if self._moved <= last.lasts:
                 return last.found._replace(clearance=last.found.clearance - self._moved)
         if own is None or (own < 0).all():
-            found, lasts = neighbours(self._surface, nodes, points, _SLACK)
+            found, lasts = neighbours(self._surface, nodes, points, _SLACK, excludes)
         else:
             found, lasts = _neighbours_of_pieces(self._surface, nodes, points, own)
         self._list = _Searched(found, lasts, own, nodes, points)
@@ -113,14 +125,18 @@ def _relative_motion(nodes: ndarray, points: ndarray) -> float:
 
 
 def neighbours(
-    surface: Surface, nodes: ndarray, points: ndarray, slack: float = 0.0
+    surface: Surface,
+    nodes: ndarray,
+    points: ndarray,
+    slack: float = 0.0,
+    excludes: Excludes | None = None,
 ) -> tuple[Neighbours, float]:
     """Return neighbours of points (n, dim), and the motion for which they last.
 
     The facets are sampled at a uniform spacing.  The sample next to the closest point is at most
     half a spacing (half a diagonal in space) farther away than that point.  So all samples within
     this distance of the nearest one, and a margin for curved facets, are candidates.  The motion is
-    `slack` times the spacing.
+    `slack` times the spacing. Samples of excluded facets do not count.
     """
     # Sample the facets
     m = len(surface.facets)
@@ -133,7 +149,16 @@ def neighbours(
     stretch = np.maximum(1.0, gap / spacing)
     margin = 0.75 * np.sqrt(surface.dim - 1) * spacing * stretch
     motion = slack * spacing
-    row, sample, distance = _nearest(samples, points, margin[facet] + 2.0 * motion)
+    reach = margin[facet] + 2.0 * motion
+    tree = scipy.spatial.cKDTree(samples)
+    nearest = np.asarray(tree.query(points)[0])
+    if excludes is not None:
+        nearest = _nearest_allowed(tree, points, facet, excludes)
+    row, sample, distance = _around(tree, points, nearest, reach)
+    if excludes is not None:
+        kept = ~excludes(row, facet[sample])
+        row = row[kept]
+        sample = sample[kept]
     pair = row * m + facet[sample]
     pair = pair[np.diff(pair, prepend=-1) != 0]  # samples of a facet follow each other
     point, neighbour = np.divmod(np.unique(pair), m)
@@ -322,15 +347,41 @@ def _lattice(shape: Shape, n: int) -> tuple[ndarray, tuple[ndarray, ...]]:
     return low + (high - low) * numbers / n, pairs
 
 
-def _nearest(
-    samples: ndarray, points: ndarray, margin: ndarray
+def _nearest_allowed(
+    tree: scipy.spatial.cKDTree, points: ndarray, facet: ndarray, excludes: Excludes
+) -> ndarray:
+    """Return distances of points from the nearest samples of facets that are not excluded.
+
+    They are infinite where all facets are.
+    """
+    nearest = np.full(len(points), np.inf)
+    left = np.arange(len(points))
+    count = _FIRST_SAMPLES
+    while len(left):
+        count = min(count, len(facet))
+        farther = []
+        for some in np.array_split(left, len(left) * count // (100 * _AT_ONCE) + 1):
+            distance, sample = tree.query(points[some], np.arange(1, count + 1))
+            row = np.repeat(some, count)
+            excluded = excludes(row, facet[sample.ravel()]).reshape(distance.shape)
+            first = np.where(excluded, np.inf, distance).min(axis=1)
+            nearest[some] = first
+            farther.append(some[np.isinf(first)])
+        left = np.concatenate(farther)
+        if count == len(facet):
+            break
+        count *= 4
+    return nearest
+
+
+def _around(
+    tree: scipy.spatial.cKDTree, points: ndarray, nearest: ndarray, margin: ndarray
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return pairs (point, sample) within a margin of the nearest sample, and its distance."""
-    tree = scipy.spatial.cKDTree(samples)
-    nearest = np.asarray(tree.query(points)[0])
+    samples = tree.data
     rows = []
     found = []
-    for some in np.array_split(np.arange(len(points)), len(points) // _AT_ONCE + 1):
+    for some in np.array_split(np.flatnonzero(np.isfinite(nearest)), len(points) // _AT_ONCE + 1):
         reach = nearest[some] + margin.max()
         around = tree.query_ball_point(points[some], reach, return_sorted=True)
         row = np.repeat(some, [len(numbers) for numbers in around])

@@ -11,6 +11,7 @@ from numpy import ndarray
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import across, determinant, dot, products, solve, unit
+from .fold import Fold
 from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promising
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in
@@ -83,6 +84,8 @@ def project(
     frozen: ndarray | None = None,
     among: Neighbours | None = None,
     held: ndarray | None = None,
+    fold: Fold | None = None,
+    own_facets: ndarray | None = None,
 ) -> Projection:
     """Return closest points of points (n, dim) on a surface at present coordinates of its nodes.
 
@@ -97,6 +100,8 @@ def project(
         Candidates; points without any are not projected.
     held : ndarray, shape (n,), optional
         True for points that leave their facets between increments.
+    fold, own_facets : Fold and ndarray, shape (n,), optional
+        Neighbours on a surface that touches itself, and the facets on which the points lie.
     """
     n = len(points)
     accepted = np.full(n, -1) if previous is None else previous
@@ -126,6 +131,8 @@ def project(
         keeps = (own & held[row])[:, None] & (beyond <= 2.0 * HELD)
         stays[keeps] = HELD
     xi, feature, off = _on_facets(surface, nodes, r, facet, foot, beyond, stays)
+    if fold is not None and own_facets is not None:
+        off |= fold.beside(surface, own_facets[row], facet, feature)
     mapping = surface.at(facet, xi, nodes)
     offset = r - mapping.x[0]
     distance = np.sqrt(dot(offset, offset))
@@ -161,6 +168,9 @@ def project(
     result.gap[indices] = gap
     result.feature[indices] = feature[best]
     result.found[indices] = (gap >= -depth[indices]) & ~lost[indices]
+    if fold is not None:
+        # A deeper point of a thin wall has found the back of its own wall
+        result.gap[~result.found] = np.inf
     np.minimum.at(result.distance, row, distance)
     return result
 
