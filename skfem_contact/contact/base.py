@@ -19,7 +19,7 @@ from ..forms.roles import Dissipating, Reducible, Regularised, Staged, Stiff, To
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import dot
+from ..surfaces.vectors import dot, unit
 from .augmented import AugmentedLagrangian
 from .dual import DualMultipliers
 from .enforcement import Enforcement
@@ -105,7 +105,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         self.enforcement: Enforcement = Penalty() if enforcement is None else enforcement
         self.initial = initial
         self.share = share
-        if not self.folds:
+        if self.folds:
+            _check_fold(self.slave)
+        else:
             _check_surfaces(self.slave, self.master)
         _check_settings(quadrature, initial, share)
         _check_law(law, len(self.slave.nodes))
@@ -442,6 +444,17 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
             f"slave '{slave.name}' and master '{master.name}' face the same way, and cannot touch: "
             "take the boundary on the other side of the body; a rigid line is free to the left of "
             "its way"
+        )
+
+
+def _check_fold(surface: Surface) -> None:
+    """Refuse a surface that faces one way, given as slave and master by mistake."""
+    normal = surface.centres.normal
+    cosine = normal @ unit(surface.area @ normal)
+    if len(normal) > 1 and (cosine > _SAME_WAY).all():
+        raise ValueError(
+            f"all facets of '{surface.name}' face the same way: it cannot touch itself; take "
+            "another master, or a boundary with both sides of the fold"
         )
 
 

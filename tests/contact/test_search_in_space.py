@@ -374,7 +374,7 @@ NO_SURFACE = {
         lambda: sc.ContactPair(
             space.facing("Q1", np.random.default_rng(1)), "lower:top", "lower:top", sc.Coulomb()
         ),
-        "share nodes",
+        "all facets of 'lower:top' face the same way",
     ),
     "a slave beside its master": (
         lambda: sc.ContactPair(

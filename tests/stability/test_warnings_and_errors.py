@@ -94,7 +94,7 @@ REFUSED = {
     "half a point": (lambda: in_contact(blocks(), quadrature=2.5), "quadrature must be one of"),
     "master is slave": (
         lambda: sc.ContactPair(blocks(), "upper:top", "upper:top", sc.Coulomb()),
-        "share nodes",
+        "face the same way: it cannot touch itself",
     ),
     "no such boundary": (
         lambda: sc.ContactPair(blocks(), "uper:top", "lower:top", sc.Coulomb()),
