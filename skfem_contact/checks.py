@@ -286,6 +286,8 @@ _INFINITE = Kind("a number", _is_number_or_infinite)
 
 def kind_of(hint: Any) -> Kind:
     """Return the kind of values that an annotation allows."""
+    if isinstance(hint, TypeVar):
+        hint = hint.__bound__ or Any
     origin = get_origin(hint)
     inner = get_args(hint)
     if hint in _KINDS:

@@ -3,11 +3,11 @@
     python -m tests.mutate --sample 300 --seed 1 [--room contact] [--jobs 2] [--resume FILE]
 
 A mutation changes one token of a copy of the package: a sign, a factor, a comparison, an index, a
-tolerance.  The tests of its room that reach it run first, the quickest ones before others, then
-tests of other rooms that import the file or name what it defines, then slow tests.  Each run is for
-the mutations that pass the one before.  A mutation that passes all of them survives.  A survivor is
-either caught by a new test or has no effect; ``--again`` tries the survivors again after tests have
-been added.
+tolerance.  The tests named after its file run first, then the tests of its room, then tests of
+other rooms that import the file or name what it defines, then slow tests; of each only those that
+reach the token, the quickest ones before others.  Each run is for the mutations that pass the one
+before.  A mutation that passes all of them survives.  A survivor is either caught by a new test or
+has no effect; ``--again`` tries the survivors again after tests have been added.
 
 What the tests reach is found once, without a mutation (:mod:`tests.tools.reached`).  It is kept
 beside the file of ``--resume``, to which outcomes are appended: a run with the same file, seed and
@@ -35,7 +35,7 @@ import sys
 import tempfile
 import threading
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -203,16 +203,16 @@ def drawn(root: Path, rooms: tuple[str, ...], sample: int, seed: int) -> list[Mu
 
 
 def tests_of_room(root: Path, mutation: Mutation) -> list[str]:
-    """List the test files of a room; those that are named after the file come first."""
+    """List the test files of a room."""
     tests = root / "tests"
-    stem = Path(mutation.file).stem
-    files = [*tests.glob(f"{mutation.room}/test_*.py"), *tests.glob(f"test_{mutation.room}*.py")]
-    files.sort(key=lambda path: (not path.stem.startswith(f"test_{stem}"), path))
-    return [path.relative_to(root).as_posix() for path in files]
+    files = {*tests.glob(f"{mutation.room}/test_*.py"), *tests.glob(f"test_{mutation.room}*.py")}
+    if not files:
+        raise ValueError(f"{mutation.file}: no tests for the room {mutation.room}")
+    return sorted(path.relative_to(root).as_posix() for path in files)
 
 
 def tests_that_touch(root: Path, mutation: Mutation) -> list[str]:
-    """List the test files of other rooms that import a file or name what it defines."""
+    """List the test files that import a file or name what it defines."""
     path = root / "skfem_contact" / mutation.file
     tree = ast.parse(path.read_text(encoding="utf-8"))
     names = [
@@ -224,40 +224,46 @@ def tests_that_touch(root: Path, mutation: Mutation) -> list[str]:
     pattern = re.compile(
         rf"skfem_contact\.{re.escape(module)}\b|\b(?:{'|'.join(names) or '(?!)'})\b"
     )
-    of_room = tests_of_room(root, mutation)
     files = []
     for test in sorted((root / "tests").rglob("test_*.py")):
         name = test.relative_to(root).as_posix()
-        if (
-            name not in of_room
-            and not name.startswith("tests/docs/")
-            and pattern.search(test.read_text(encoding="utf-8"))
-        ):
+        if not name.startswith("tests/docs/") and pattern.search(test.read_text(encoding="utf-8")):
             files.append(name)
     return files
 
 
-class Run(NamedTuple):
-    """A run of tests: of the room or of others, with a mark."""
+def tests_of_file(root: Path, mutation: Mutation) -> list[str]:
+    """List the test files that are named after a file, or else those of its room that touch it."""
+    room = tests_of_room(root, mutation)
+    named = [test for test in room if f"/test_{Path(mutation.file).stem}" in test]
+    return named or [test for test in tests_that_touch(root, mutation) if test in room]
 
-    of_room: bool
+
+def tests_of_others(root: Path, mutation: Mutation) -> list[str]:
+    """List the test files of other rooms that touch a file."""
+    room = tests_of_room(root, mutation)
+    return [test for test in tests_that_touch(root, mutation) if test not in room]
+
+
+class Run(NamedTuple):
+    """A run of tests of some files, with a mark."""
+
+    name: str
     marked: str
+    files: Callable[[Path, Mutation], list[str]]
 
     def __str__(self) -> str:
-        return f"{'room' if self.of_room else 'other rooms'}, {self.marked}"
-
-    def files(self, root: Path, mutation: Mutation) -> list[str]:
-        """List the test files that are asked."""
-        if self.of_room:
-            found = tests_of_room(root, mutation)
-            if not found:
-                raise ValueError(f"{mutation.file}: no tests for the room {mutation.room}")
-            return found
-        return tests_that_touch(root, mutation)
+        return f"{self.name}, {self.marked}"
 
 
 #: Each run is for the mutations that pass the one before.
-RUNS = tuple(Run(of_room, marked) for marked in ("not slow", "slow") for of_room in (True, False))
+RUNS = (
+    Run("file", "not slow", tests_of_file),
+    Run("room", "not slow", tests_of_room),
+    Run("other rooms", "not slow", tests_of_others),
+    Run("room", "slow", tests_of_room),
+    Run("other rooms", "slow", tests_of_others),
+)
 
 
 class Tests(NamedTuple):

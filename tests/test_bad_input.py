@@ -29,6 +29,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+import skfem_contact.plot as plot
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 from tests.tools.helpers import grid, run_stages, unknowns_of, vector_basis
@@ -615,3 +616,65 @@ def test_too_few_integration_points(mesh, element, points):
     basis = Basis(mesh.refined(1), ElementVector(element), quadrature=(places, weights))
     with pytest.raises(ValueError, match="integration points are too few"):
         sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
+
+
+# -- shapes, and objects of other kinds
+
+
+def shapes() -> dict[str, tuple]:
+    """Calls with one wrong argument, and what their messages say."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 1, 3)), "Q1", intorder=2)
+    beam = sc.Beam(None, [[0.0, 0.0], [1.0, 0.0]], EI=1.0, EA=1.0)
+    frame = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0))).forms["beam"]
+    factors = sc.design.PartialFactors("own")
+    flow = sc.water.Flow(basis, 1e-4, unit_weight=10.0)
+    steady = flow.steady(sc.water.Conditions({"left": 2.0, "right": 1.0}))
+    record = sc.Record(0.1, np.sin(np.arange(40)))
+    columns = [sc.ground.Column(n, (x, 0.0), 0.0, (("clay", -5.0),)) for n, x in (("A", 0.0),)]
+    arc = sc.section.three_centres
+    trench = {"bottoms": {"clay": -9.0}, "size": 2.0, "thickness": 0.1}
+    return {
+        "solid": (lambda: sc.ViscousBoundary(1.0, "left"), "solid must be a SolidForm"),
+        "column": (lambda: sc.FreeField("ground", "left"), "solid must be a SolidForm"),
+        "model": (lambda: sc.design.factored(basis, factors), "model must be a Model"),
+        "section": (lambda: plot.sketch(basis), "section must be a Section"),
+        "along": (lambda: sc.ground.section(columns, 2.0, along=3.0), "along must be 2 values"),
+        "loads": (
+            lambda: factors.load(np.ones(4), np.ones(3)),
+            r"variable load has the shape \(3,\), the others \(4,\)",
+        ),
+        "coordinates": (
+            lambda: steady.head_at(np.ones(7)),
+            r"coordinates have the shape \(2, ...\), not \(7,\)",
+        ),
+        "periods": (
+            lambda: record.spectrum(np.ones((2, 2))),
+            r"periods have the shape \(n,\), not \(2, 2\)",
+        ),
+        "moment": (lambda: frame.load((0.0, 1.0), (1.0, 0.0), [1.0, 2.0]), "moment must have"),
+        "angles": (lambda: arc(2.0, 2.0, (60.0,)), r"angles must have the shape \(2,\)"),
+        "centre": (lambda: arc(2.0, 2.0, (60.0, 80.0), (1.0,)), r"centre must have the shape"),
+        "outer": (
+            lambda: sc.section.trench(2.0, 4.0, outer=(1.0,), **trench),
+            r"outer must have the shape \(2,\)",
+        ),
+        "joined": (lambda: sc.mesh.check_mesh(basis.mesh, 3), r"numbers of nodes, \(n,\), not 3"),
+        "level set": (
+            lambda: sc.rigid.level_set(lambda x, y: 1.0, (0.0, 1.0, 0.0, 1.0), 9),
+            "must return numbers of that shape",
+        ),
+        "picture": (
+            lambda: plot.sketch(
+                sc.section.Section({"a": sc.section.rectangle((0, 1), (0, 1))}, size=1.0), "a.abc"
+            ),
+            "pictures end in .*png.*, not in 'abc'",
+        ),
+    }
+
+
+@pytest.mark.parametrize("name", shapes())
+def test_other_shapes_and_kinds_are_refused(name):
+    """The message has the argument, and what it must be."""
+    call, message = shapes()[name]
+    with pytest.raises(ValueError, match=message):
+        call()

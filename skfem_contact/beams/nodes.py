@@ -177,8 +177,11 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         The moment is anticlockwise, in space a vector (3,).
         """
         load = np.zeros(self._of_model().max() + 1)
-        turn = np.broadcast_to(finite(moment, "moment"), (self._turns,))
-        load[self.numbers(at)] = [*vector(force, self.dim, "force"), *turn]
+        turn = finite(moment, "moment")
+        if turn.ndim:
+            turn = vector(turn, self._turns, "moment")
+        turns = np.broadcast_to(turn, (self._turns,))
+        load[self.numbers(at)] = [*vector(force, self.dim, "force"), *turns]
         return load
 
     def _distributed(self, forces: ndarray) -> ndarray:

@@ -100,6 +100,10 @@ class PartialFactors:
             if self.on == "effects":
                 factor = self.variable / self.permanent if kind == "variable" else 1.0
             part = factor * np.asarray(load, float)
+            if total is not None and part.shape != total.shape:
+                raise ValueError(
+                    f"the {kind} load has the shape {part.shape}, the others {total.shape}"
+                )
             total = part if total is None else total + part
         if total is None:
             raise ValueError("give a load: permanent=, variable= or favourable=")

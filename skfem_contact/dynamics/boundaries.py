@@ -15,6 +15,7 @@ from typing_extensions import override
 from ..checks import facets_of, format_point, number, positive
 from ..forms.base import Form, Response
 from ..forms.roles import Absorbing, Couples
+from ..forms.solid import SolidForm
 from .settings import Rayleigh
 
 
@@ -109,7 +110,7 @@ class ViscousBoundary(Form, Couples, Absorbing):
 
     symmetric = True
 
-    def __init__(self, solid: Any, boundary: str, rock: Rock | None = None) -> None:
+    def __init__(self, solid: SolidForm, boundary: str, rock: Rock | None = None) -> None:
         basis = solid.basis
         mesh = basis.mesh
         facets = facets_of(mesh, boundary)

@@ -84,7 +84,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
     <FreeField at 'left', 4 elements>
     """
 
-    def __init__(self, solid: Any, boundary: str, rock: Rock | None = None) -> None:
+    def __init__(self, solid: SolidForm, boundary: str, rock: Rock | None = None) -> None:
         if solid.coordinates != "plane":
             raise ValueError(f"a free field is of plane ground, not {solid.coordinates}")
         self._dashpots = ViscousBoundary(solid, boundary)

@@ -73,6 +73,8 @@ def response_spectrum(step: float, values: ndarray, periods: ndarray, ratio: flo
     from scipy.signal import cont2discrete, lfilter, ss2tf
 
     periods = np.atleast_1d(periods)
+    if periods.ndim != 1:
+        raise ValueError(f"periods have the shape (n,), not {periods.shape}")
     if not (periods > 0.0).all():
         raise ValueError(f"periods must be positive, not {periods.min():g}")
     if ratio != 0.0 and not is_number(ratio, 0.0, 1.0):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
 
 from ..checks import format_point, vector
 from ..section import Section
@@ -89,7 +90,7 @@ def section(
     columns: Sequence[Column],
     size: float,
     *,
-    along: Any = None,
+    along: tuple[ArrayLike, ArrayLike] | None = None,
     width: float = 0.0,
     bottom: float | None = None,
     **more: Any,
@@ -161,7 +162,7 @@ def section(
     return Section(areas, size, **more)
 
 
-def _positions(columns: Sequence[Column], along: Any) -> ndarray:
+def _positions(columns: Sequence[Column], along: tuple[ArrayLike, ArrayLike] | None) -> ndarray:
     """Return the positions of columns along the section."""
     if along is None and all(len(column.position) == 1 for column in columns):
         return np.array([column.position[0] for column in columns])

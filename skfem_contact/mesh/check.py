@@ -95,7 +95,10 @@ def check_mesh(mesh: Mesh, joined: ArrayLike | None = None) -> None:
     if joined is None:
         named = [np.zeros(0, int), *own_tags(mesh.boundaries).values()]
         joined = mesh.facets[:, np.concatenate(named)].ravel()
-    check_connections(mesh, np.asarray(joined, dtype=int))
+    nodes = np.asarray(joined)
+    if nodes.ndim != 1 or (nodes.size and nodes.dtype.kind not in "iu"):
+        raise ValueError(f"joined must be numbers of nodes, (n,), not {joined!r}")
+    check_connections(mesh, nodes.astype(int))
 
 
 def check_elements(mesh: Mesh) -> None:

@@ -549,8 +549,17 @@ def tidy(ax: Axes, n: int) -> None:
         ax.legend(frameon=False)
 
 
+def check_ending(figure: Figure, file: str | Path) -> None:
+    """Refuse files whose endings Matplotlib does not know; it adds ``.png`` where there is none."""
+    known = figure.canvas.get_supported_filetypes()
+    ending = Path(file).suffix[1:].lower()
+    if ending and ending not in known:
+        raise ValueError(f"pictures end in {', '.join(sorted(known))}, not in '{ending}': {file}")
+
+
 def saved(figure: Figure, file: str | Path | None) -> Figure:
     """Write the figure to a file if one is given, and return it."""
     if file is not None:
+        check_ending(figure, file)
         figure.savefig(file, dpi=160)
     return figure

@@ -13,6 +13,7 @@ from matplotlib.path import Path as Outlines
 from numpy import ndarray
 
 from ..section.outline import Outline
+from ..section.section import Section
 from ..units import labelled
 from .diagram import saved
 
@@ -26,7 +27,7 @@ _LOW = 2.6
 _HIGH = 8.0
 
 
-def sketch(section: Any, file: str | Path | None = None, show: bool = False) -> Figure:
+def sketch(section: Section, file: str | Path | None = None, show: bool = False) -> Figure:
     """Draw the areas, lifts, lines and holes of a section with their names.
 
     Parameters

@@ -143,6 +143,8 @@ def _filled(parts: Sequence[Mapping[str, ndarray]], sizes: Sequence[int]) -> dic
 def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
     """Write a ``.pvd`` file and a ``.vtu`` file for each stage, and return their names."""
     file = Path(file)
+    if not file.name:
+        raise ValueError("the file of a series needs a name, such as 'result.pvd'")
     # Write the meshes; regions have the same numbers in all of them.
     known: dict[str, SolidForm] = {}
     for stage in stages:

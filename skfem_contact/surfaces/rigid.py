@@ -151,7 +151,12 @@ def level_set(
         raise ValueError(f"'{name}': the resolution must be at least 2, not {resolution}")
     # trace the zero line on a grid
     X, Y = np.meshgrid(np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution))
-    lines = contour_generator(X, Y, function(X, Y)).lines(0.0)
+    values = np.asarray(function(X, Y))
+    if values.shape != X.shape or values.dtype.kind not in "biuf":
+        raise ValueError(
+            f"'{name}': the function of x and y, {X.shape}, must return numbers of that shape"
+        )
+    lines = contour_generator(X, Y, values).lines(0.0)
     if len(lines) != 1:
         raise ValueError(
             f"'{name}': the function has {len(lines)} zero lines in the window, not one"

@@ -285,6 +285,8 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
 
     def pressure(self, x: ndarray) -> ndarray:
         """Return the excess pore pressure at the vertices, (n_vertices,), NaN outside."""
+        if np.ndim(x) != 1 or len(x) < self.first + self.fields[0].n:
+            raise ValueError(f"x has the shape {np.shape(x)}, and not that of a stage's x")
         values = np.full(self.fields[0].n, np.nan)
         values[self._vertices] = x[self.first + self._vertices]
         return values

@@ -227,7 +227,10 @@ class Seepage:
     def _at(self, x: ndarray, nodal: ndarray, outside: ndarray | None = None) -> ndarray:
         """Return nodal values at coordinates (dim, ...)."""
         x = np.asarray(x, dtype=float)
-        points = x.reshape(len(x), -1)
+        dim = self.basis.mesh.dim()
+        if x.ndim == 0 or len(x) != dim:
+            raise ValueError(f"coordinates have the shape ({dim}, ...), not {x.shape}")
+        points = x.reshape(dim, -1)
         beyond = None
         if outside is not None:
             beyond = np.broadcast_to(outside, x.shape[1:]).ravel()

@@ -1206,6 +1206,10 @@ def test_temperature_of_a_beam_that_is_held(spacing):
             abs(forces.V).max() < 1e-9
             and abs(result["autumn"].section_forces("beam").N).max() < 1e-12
         )
+    beam = sc.Beam(None, line, EI=50.0, EA=1e4, spacing=spacing)
+    model = sc.Model({"beam": beam}, [*beam.dofs(line[0]), *beam.dofs(line[-1])])
+    summer = sc.Stage("summer", change={"beam": beam.heated(2e-4)})
+    assert abs(model.run([summer], progress=False)[-1].section_forces("beam").M).max() < 1e-9
     line = np.linspace((0.0, 0.0, 0.0), (1.0, 2.0, 2.0), 4)
     if spacing is None:
         _, result = warm(line, (line[0], line[-1]), 2e-4)

@@ -12,6 +12,7 @@ from skfem import MeshHex, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.beams.joints import of_a_line
 from tests.tools.helpers import grid, vector_basis
 
 QUIET = {"progress": False}
@@ -267,6 +268,17 @@ def test_a_line_in_space_has_no_stiffness():
     told = float(str(caught[0].message).split("moves by ")[1].split("%")[0]) / 100.0
     assert told == pytest.approx(fine / coarse - 1.0, rel=0.33)
     assert len(caught) == 2
+
+
+def test_share_of_a_line_under_a_uniform_load():
+    """[X] A load q and its reaction move a line by u, with the same work: q log(2) / (4 pi G u)."""
+    length, cells = np.array([1.0, 2.0]), np.array([[0, 1, 3], [1, 2, 4]])
+    q, u, G = 5.0, 0.02, 100.0
+    force, moved = np.zeros((2, 3, 3)), np.zeros((2, 3, 3))
+    force[..., 2] = q * np.outer(length, [1.0, 1.0, 4.0]) / 6.0
+    moved[..., 2] = u
+    [remark] = of_a_line(length, cells, force.reshape(2, 9), moved.reshape(2, 9), G)
+    assert remark.figure == pytest.approx(q * np.log(2.0) / (4.0 * np.pi * G * u), rel=1e-12)
 
 
 def test_points_and_names_of_a_line_are_the_same():

@@ -151,6 +151,23 @@ def test_curves_of_the_api():
     assert np.isclose(cyclic[-1, 1], 0.9 * (2.97 * 4.0 + 3.42 * 1.0) * 10.0 * 4.0, rtol=2e-3)
 
 
+def test_curves_are_the_same_in_all_units():
+    """[X] In GN a curve has the displacements of that in kN, and 1e-6 of the forces."""
+    in_kN = sc.curves.sand_p_y(4.0, 1.0, phi=35.0, unit_weight=10.0, k=2e4)
+    in_GN = sc.curves.sand_p_y(4.0, 1.0, phi=35.0, unit_weight=1e-5, k=2e-2)
+    np.testing.assert_allclose(in_GN, in_kN * [1.0, 1e-6], rtol=1e-12)
+
+
+def test_mobilised_share_is_told():
+    """[X] Rigid supports of 10 per length under a push of 12 over a length of 2 give 60 %."""
+    beam = sc.Beam(None, [[0.0, 0.0], [0.0, -1.0], [0.0, -2.0]], EI=1e9, EA=1e9)
+    ground = sc.PileSprings(beam, p_y=np.array([[0.0, 0.0], [0.1, 10.0]]))
+    model = sc.Model({"pile": beam, "ground": ground}, beam.dofs((0.0, -2.0), ["u^2"]))
+    load = model.forms["pile"].line_load((6.0, 0.0))
+    stage = model.run([sc.Stage("push", load)], progress=False)["push"]
+    assert stage.summary["ground"] == "springs up to 60% of their resistance"
+
+
 @pytest.mark.parametrize(
     ("curve", "message"),
     [

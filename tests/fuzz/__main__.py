@@ -25,7 +25,7 @@ def main() -> int:
     parser.add_argument("--start", type=int, default=0, help="number of the first scene")
     parser.add_argument("--scene", type=int, help="seed of a single scene")
     parser.add_argument(
-        "--calls", action="store_true", help="wrong calls of public functions, 2 minutes"
+        "--calls", action="store_true", help="wrong calls of public functions, 3 minutes"
     )
     given, began = parser.parse_args(), time.process_time()
     if given.calls:

@@ -75,13 +75,13 @@ def test_half_models_and_held_ends(monkeypatch) -> None:
 
 
 def test_wrong_calls(tmp_path, monkeypatch) -> None:
-    """Some 300 of the 7,700 wrong calls of public functions: no silence, and hardly an error from
-    deep inside.
+    """Some 300 of the 17,800 wrong calls of public functions: no silence, hardly an error from
+    deep inside, and no sound call that fails.
     """
     monkeypatch.chdir(tmp_path)
-    found = calls.calls(0.04, seed=1)
+    found = calls.calls(0.018, seed=1)
     assert len(found) > 250
-    assert not [line for end, line in found if end == "silent"]
+    assert not [line for end, line in found if end in ("silent", "unsound")]
     deep = [line for end, line in found if end.startswith(("deep", "no end"))]
     assert len(deep) <= 0.02 * len(found), (
         deep

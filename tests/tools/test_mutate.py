@@ -86,7 +86,7 @@ def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
         "test_refused",
     ]
     assert mutate.recorded(file, mutate.RUNS[0]) == {**outcomes, chosen[2]: None}
-    assert mutate.recorded(file, mutate.RUNS[2]) == {
+    assert mutate.recorded(file, mutate.RUNS[3]) == {
         chosen[0]: None,
         chosen[2]: outcomes[chosen[2]],
     }

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ...checks import finite, positive
+from ...checks import positive, vector
 from ..outline import Outline, circle, rectangle
 from ..section import Section
 from .builder import Layers, chosen, in_layers
@@ -59,7 +59,7 @@ def trench(
     right = half + chosen(beyond, "beyond", 3.0 * depth)
     # Draw a box of two sizes, or a pipe of a diameter.
     if np.ndim(outer):
-        wide, high = finite(outer, "outer")
+        wide, high = vector(outer, 2, "outer")
         shell = rectangle((-wide / 2, wide / 2), (floor, floor + high))
         inside = rectangle(
             (thickness - wide / 2, wide / 2 - thickness),
@@ -105,14 +105,15 @@ def three_centres(
     >>> f"{sc.section.three_centres(2., 2., (60., 80.)).area / 4:.6f}"
     '3.141593'
     """
-    first, second = np.radians(finite(angles, "angles"))
+    first, second = np.radians(vector(angles, 2, "angles"))
+    centre = vector(centre, 2, "centre")
     total = first + second
     if not 0.0 < first < total < np.pi:
         raise ValueError(f"angles are positive and below 180 degrees together, not {angles!r}")
     # Right half: the arcs of crown and side meet in `upper`, the arcs of side and invert in `lower`
     at_upper: ndarray = np.array([np.sin(first), np.cos(first)])
     at_lower: ndarray = np.array([np.sin(total), np.cos(total)])
-    upper = np.asarray(centre) + crown * at_upper
+    upper = centre + crown * at_upper
     lower = upper + side * (at_lower - at_upper)
 
     # Mirror it about the middle, anticlockwise
