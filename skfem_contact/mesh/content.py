@@ -15,6 +15,8 @@ _SEED = 9176
 #: Distance of a node in the middle from its regular position, over the size of the element, up to
 #: which the shape is the same: round-off of coordinates.
 _SAME = 1e-9
+#: Below this number a table of real numbers has whole numbers exactly.
+_EXACT = 2.0**53
 #: Bytes of a piece of a text.
 _PIECE = 1 << 22
 #: Numbers below this one, and their differences, have room in four bytes.
@@ -145,6 +147,17 @@ def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
             "the file is not complete"
         )
     return positions.astype(np.int32, copy=False)
+
+
+def whole(values: Floats, what: str) -> Integers:
+    """Return numbers of a table as whole numbers."""
+    if len(values) and not (np.abs(values) < _EXACT).all():
+        raise ValueError(f"a {what} has a number that is too large")
+    numbers = values.astype(np.int64)
+    if (numbers != values).any():
+        wrong = values[np.argmax(numbers != values)]
+        raise ValueError(f"a {what} has the number {wrong:g}, which is not whole")
+    return numbers
 
 
 def compact(numbers: Integers) -> Integers:

@@ -116,6 +116,8 @@ def load_mesh(
         raise FileNotFoundError(f"there is no file {file}")
     if Path(file).stat().st_size == 0:
         raise ValueError(f"{file} is empty")
+    if name is not None and reader is not med.read:
+        raise ValueError(f"{file}: name= chooses a mesh of a file of Salome (.med): leave it out")
     try:
         content = reader(file) if reader is not med.read else med.read(file, name)
         return mesh_of(content, plane, scale, split)

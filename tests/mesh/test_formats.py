@@ -737,3 +737,79 @@ def test_files_with_several_meshes(tmp_path):
     assert list(load_mesh(file, name="other").subdomains) == ["soil"]
     with pytest.raises(ValueError, match=r"there is no mesh 'pit'; existing: mesh, other"):
         load_mesh(file, name="pit")
+
+
+HEAD = "$MeshFormat\n{} {} 8\n{}$EndMeshFormat\n"
+GRID = "BEGIN BULK\nGRID,{},,0.,0.,0.\nCTRIA3,1,1,1,2,3\n"
+TRIANGLE = "*NODE\n1,0,0\n2,1,0\n3,0,1\n*ELEMENT,TYPE=CPE3,ELSET=A\n1,1,2,3\n*NSET,NSET=B"
+PIECE = """<VTKFile type="UnstructuredGrid" version="{}"><UnstructuredGrid>
+<Piece NumberOfPoints="{}" NumberOfCells="1"><Points><DataArray type="Float64"
+NumberOfComponents="3" format="ascii">0 0 0</DataArray></Points><Cells><DataArray
+Name="connectivity" type="Int64" format="ascii">0</DataArray></Cells></Piece></UnstructuredGrid>
+</VTKFile>"""
+LEGACY = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET {}\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        # Other versions and kinds
+        ("a.msh", HEAD.format("1.0", 0, ""), "Gmsh format 1.0; formats 2.2 and 4.1 are read: in"),
+        ("a.msh", HEAD.format("4.1", 1, "\0\0\0\1\n"), "bytes of another machine: save it as"),
+        ("a.vtu", PIECE.format("9.9", 1), "not a file of VTK that can be read"),
+        ("a.vtk", LEGACY.format("POLYDATA"), "not a file of VTK that can be read"),
+        ("a.mdpa", "solid\n", "not a file of Kratos"),
+        ("a.f3grid", "\1\2\0\0" * 99, "a binary grid: export it from FLAC3D as text"),
+        ("a.inp", "$MeshFormat\n", "not an input file of Abaqus or CalculiX: it has no"),
+        ("a.bdf", "hello\n", "not bulk data of Nastran"),
+        # Numbers that are too large, or not whole
+        ("a.vtk", LEGACY.format("UNSTRUCTURED_GRID") + "POINTS 100000000000000 double\n", "memory"),
+        ("a.mdpa", "Begin Nodes\n1e30 0 0 0\nEnd Nodes\n", "a node has a number that is too large"),
+        ("a.mdpa", "Begin Nodes\n1.5 0 0 0\nEnd Nodes\n", "the number 1.5, which is not whole"),
+        ("a.f3grid", "G 1 0 0 0\nZ T4 1 1 1 1 9999999999999\n", "point 9999999999999 does not"),
+        ("a.inp", TRIANGLE + ",GENERATE\n1,999999999999\n", "counts from 1 to 999999999999: these"),
+        ("a.bdf", GRID.format("9" * 30), "is damaged or not complete"),
+        # Ends too early
+        ("a.mdpa", "Begin Nodes\n1 0 0 0\n", "not complete: it ends within the block Nodes"),
+        ("a.f3grid", "G 1 0 0 0\nG 2 0", "ends within a line"),
+        ("a.bdf", GRID.format(1), "grid point 2 does not exist, 2 in all"),
+        ("a.nas", "GRID,1,,0.,0.,0.\nCTRIA3,1,1,1", "CTRIA3 1 has 1 nodes, but needs 3"),
+        *((f"a.{end}", "", "is empty") for end in ("msh", "inp", "vtu", "vtk", "med", "mdpa")),
+        *((f"a.{end}", "", "is empty") for end in ("f3grid", "bdf", "nas", "dat")),
+    ],
+)
+def test_files_that_are_refused(tmp_path, name, text, message):
+    """[X] One sentence with the name of the file; nothing is written."""
+    (tmp_path / name).write_bytes(text.encode("latin-1"))
+    with pytest.raises(ValueError, match=rf"{name}.*{message}"):
+        load_mesh(tmp_path / name)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_files_of_salome_without_a_mesh(tmp_path):
+    """[X] No mesh at all, and one without nodes."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "none.med", "w") as file:
+        file.create_group("ENS_MAA")
+    with pytest.raises(ValueError, match=r"none.med: it has no mesh"):
+        load_mesh(tmp_path / "none.med")
+    with h5py.File(tmp_path / "empty.med", "w") as file:
+        file.create_group("ENS_MAA/pit").attrs["ESP"] = 3
+    with pytest.raises(ValueError, match=r"empty.med: the mesh 'pit' has no nodes or no elements"):
+        load_mesh(tmp_path / "empty.med")
+    with pytest.raises(ValueError, match=r"culvert.msh: name= chooses a mesh of a file of Salome"):
+        load_mesh(FILE, name="pit")
+
+
+def test_files_of_scikit_fem_keep_names_with_colons(tmp_path):
+    """[X] `Mesh.load` cuts the names of joined bodies at their colon; `load_mesh` reads them."""
+    from skfem import Mesh, MeshQuad1
+
+    square = MeshQuad1().refined(1).with_defaults()
+    mesh = sc.join_bodies({"base": square, "block": square.translated((0.0, 1.0))})
+    mesh.save(tmp_path / "joined.vtu")
+    assert set(Mesh.load(tmp_path / "joined.vtu").boundaries) == {"base", "block"}
+    again = load_mesh(tmp_path / "joined.vtu")
+    lengths = {name: side_of(again, name) for name in again.boundaries}
+    assert lengths == {name: pytest.approx(1.0) for name in mesh.boundaries}
+    assert len(lengths) == 8

@@ -16,6 +16,7 @@ from ..content import (
     parsed,
     point_text,
     rows,
+    whole,
     without_middles,
 )
 from ..kinds import KINDS, Floats, Integers
@@ -59,6 +60,8 @@ _FACES = {
 #: Cards that make nodes or elements of others, or in other coordinates.
 _MAKERS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBSTRUCTURE")
 _DEEPEST = 8
+#: Most numbers of a line of a set that is generated.
+_MOST = 10**8
 
 
 @dataclass
@@ -268,7 +271,7 @@ def _read_nodes(part: _Part, card: _Card) -> None:
     table = rows(numbers, width, "*NODE")
     points = np.zeros((len(table), 3))
     points[:, : min(width - 1, 3)] = table[:, 1:4]
-    ids = table[:, 0].astype(int)
+    ids = whole(table[:, 0], "node")
     part.ids.append(ids)
     part.points.append(points)
     if card.options.get("NSET"):
@@ -320,6 +323,8 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
             bounds = [int(word) for word in line.replace(b",", b" ").split()]
             if bounds:
                 first, last, *step = bounds
+                if last - first > _MOST:
+                    raise ValueError(f"a set counts from {first} to {last}: these are too many")
                 found.append(np.arange(first, last + 1, *step[:1]))
         return shift + np.concatenate(found) if found else np.zeros(0, int)
     if not re.search(rb"[A-Za-z_]", card.data):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, check_names, numbers_of, parsed, pieces, point_text, rows
+from ..content import Content, check_names, numbers_of, parsed, pieces, point_text, rows, whole
 from ..kinds import KINDS, Integers
 
 #: Kinds of zones and faces, and their nodes in the order of VTK (z upwards, right-handed).
@@ -34,7 +34,7 @@ def read(path: str) -> Content:
 
     # Join the points: number and coordinates
     table = np.concatenate(tables.pop(b"G"))
-    ids = table[:, 0].astype(int)
+    ids = whole(table[:, 0], "grid point")
     content = Content(table[:, 1:], {})
 
     # Join zones and faces by their type, then name them by the groups, which may come first
@@ -69,7 +69,7 @@ def _text(path: str) -> bytes:
 def _sorted_lines(text: bytes, groups: list[tuple[str, str]]) -> dict[bytes | int, list[bytes]]:
     """Return lines by the type of their zone, or by the number of the group that they list.
 
-    Letters and names of groups are appended to `groups`; its last one may go on.
+    Letters and names of groups are appended to `groups`; its last one may continue.
     """
     lines: dict[bytes | int, list[bytes]] = {}
     for line in map(bytes.strip, text.split(b"\n")):

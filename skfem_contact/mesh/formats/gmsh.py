@@ -20,6 +20,7 @@ from ..content import (
     numbers_of,
     parsed,
     table_text,
+    whole,
 )
 from ..kinds import KINDS, Floats, Integers
 from .scikit_fem import add_encoded
@@ -216,7 +217,7 @@ def _nodes_22(section: _Numbers) -> tuple[Integers, Floats]:
     count = section.count_of_22()
     if section.is_text:
         table = section.floats(4 * count).reshape(count, 4)
-        return table[:, 0].astype(int), table[:, 1:]
+        return whole(table[:, 0], "node"), table[:, 1:]
     table = section.records(count)
     return table["id"].astype(int), table["x"]
 
@@ -226,7 +227,7 @@ def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
     if section.is_text:
         text = data[section.file.tell() : section.end]
         return _lines_22(np.asarray(parsed(text, "elements", np.int64)), count)
-    # Heads "kind, number of elements, number of tags" stand before blocks, mostly of one element
+    # Heads "kind, number of elements, number of tags" are before blocks, mostly of one element
     numbers = section.ints((section.end - section.file.tell()) // 4)
     blocks = []
     position = 0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, check_names, numbers_of, parsed, point_text, rows, table_text
+from ..content import Content, check_names, numbers_of, parsed, point_text, rows, table_text, whole
 from ..kinds import BY_NODES, KINDS, Integers
 
 #: Kratos' nodes in the order of VTK, where the two differ: upright edges come before upper ones.
@@ -51,7 +51,7 @@ def read(path: str) -> Content:
         position = end.end()
         if word == "Nodes":
             table = rows(parsed(body, "the lines of Nodes"), 4, "Nodes")
-            ids = np.concatenate((ids, table[:, 0].astype(int)))
+            ids = np.concatenate((ids, whole(table[:, 0], "node")))
             content.points = np.concatenate((content.points, table[:, 1:]))
         elif word in ("Elements", "Conditions", "Geometries"):
             _read_elements(content, word, name, body, ids, numbers, properties)

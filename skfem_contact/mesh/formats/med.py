@@ -66,6 +66,8 @@ def read(path: str, name: str | None = None) -> Content:
         if "ENS_MAA" not in file:
             raise ValueError("it is not a file of MED: it has no mesh")
         meshes = list(file["ENS_MAA"])
+        if not meshes:
+            raise ValueError("it has no mesh")
         if name is None and len(meshes) != 1:
             raise ValueError(f"it has {len(meshes)} meshes, {', '.join(meshes)}: give one as name=")
         chosen = meshes[0] if name is None else name
@@ -73,7 +75,10 @@ def read(path: str, name: str | None = None) -> Content:
         mesh = file["ENS_MAA"][chosen]
         dim = int(mesh.attrs["ESP"])
         families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
-        step = mesh if "NOE" in mesh else mesh[next(iter(mesh))]
+        steps = [mesh, *mesh.values()]
+        step = next((part for part in steps if "NOE" in part and "MAI" in part), None)
+        if step is None:
+            raise ValueError(f"the mesh '{chosen}' has no nodes or no elements")
         return _content(step, dim, families)
 
 
