@@ -106,6 +106,7 @@ def _complete(content: Content, kind: str, complete: str) -> None:
 
 def _kind_of(content: Content, split: bool) -> str:
     """Return the only kind of elements of the highest dimension, after a division on request."""
+    # Count the elements of each kind.
     counts = {}
     for kind, cells in content.cells.items():
         if KINDS[kind].dim == content.dim and len(cells):
@@ -113,6 +114,7 @@ def _kind_of(content: Content, split: bool) -> str:
     only = next(iter(counts)) if len(counts) == 1 else ""
     if only and KINDS[only].mesh is not None:
         return only
+    # Divide several kinds into one, or refuse them with the remedy.
     if split:
         return split_elements(content)
     found = ", ".join(f"{count} {kind}" for kind, count in counts.items())
@@ -163,19 +165,23 @@ def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Integ
     """Return the facets of all groups of sides and of nodes."""
     boundaries: dict[str, Integers] = {}
     named: dict[str, list[OrientedBoundary]] = {}
+    # Skip the numbering of facets where no side has a name.
     if not any(KINDS[kind].dim < content.dim for kind in content.cells) and not content.node_groups:
         return boundaries
     number_facets(mesh)
     finder = _Finder(mesh)
+    # Find the facets of the elements of sides.
     for kind, cells in content.cells.items():
         groups = {name: group[kind] for name, group in content.groups.items() if kind in group}
         if KINDS[kind].dim == content.dim - 1 and groups:
             sides = node[cells[:, : KINDS[kind].corners]]
             for name, part in finder.facets(sides, groups).items():
                 named.setdefault(name, []).append(part)
+    # Keep the order of the file.
     for name in content.groups:
         if name in named:
             boundaries[name] = _joined(named[name])
+    # A set of nodes names the sides between them, unless it has all nodes.
     for name, nodes in content.node_groups.items():
         found = finder.between(node[nodes])
         if len(found):
@@ -257,11 +263,13 @@ class _Finder:
         found = np.full(len(sides), -1)
         if sides.shape[1] != len(mesh.facets):
             return found
+        # Compare only facets all of whose corners occur.
         chosen = np.zeros(mesh.nvertices, dtype=bool)
         chosen[sides[sides >= 0]] = True
         known = np.flatnonzero(chosen[mesh.facets].all(axis=0))
         keys = _keys(np.vstack((mesh.facets[:, known].T, sides)), mesh.nvertices)
         own, wanted = keys[: len(known)], keys[len(known) :]
+        # Look up the keys of the sides among those of the facets.
         order = np.argsort(own)
         place = np.searchsorted(own, wanted, sorter=order)
         inside = place < len(own)

@@ -145,10 +145,12 @@ def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = No
     Outer sides of the `elements`, by default of all, may lie on each other at nodes that are
     joined.
     """
+    # Compare elements with each other.
     doubled = doubled_elements(mesh)
     if len(doubled):
         middles = mesh.p[:, mesh.t].mean(axis=1)
         _tell("elements on top of others, each of which is stiff", "element", doubled, middles)
+    # Find nodes inside of sides of other elements.
     outside = outside_of(mesh)
     hanging = hanging_nodes(outside, mesh.p.T)
     if len(hanging):
@@ -159,10 +161,12 @@ def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = No
             hanging,
             mesh.p,
         )
+    # Outer sides of solids must not lie on each other without contact.
     if elements is not None:
         solid = np.isin(mesh.f2t[0, outside.facets], elements)
         outside = outside.part(solid)
     _check_touching(mesh, outside, np.concatenate((hanging, joined)))
+    # Report parts that hinge on nodes.
     links = loose_links(mesh)
     if len(links) and not len(hanging):
         _tell(
@@ -177,10 +181,12 @@ def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = No
 def _check_touching(mesh: Mesh, outside: Outside, known: Indices) -> None:
     """Warn of outer sides on each other, none of whose nodes are known."""
     first, second = touching_sides(outside)
+    # Leave out sides with nodes that contact or hanging nodes explain.
     is_known = np.zeros(mesh.nvertices, dtype=bool)
     is_known[known[known < mesh.nvertices]] = True
     unknown = ~is_known[outside.nodes]
     free = unknown[first].all(axis=1) & unknown[second].all(axis=1)
+    # Name the subdomains at these sides.
     if free.any():
         sides = np.unique(np.concatenate((first[free], second[free])))
         element = mesh.f2t[0, outside.facets[sides]]
@@ -204,11 +210,13 @@ def _tell(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> 
 
 def check_topology(mesh: Mesh) -> None:
     """Check element type and numbers of nodes, facets and tags, which new numbers rely on."""
+    # Check the type.
     if type(mesh) not in _MESH_TYPES:
         names = ", ".join(kind.__name__ for kind in _MESH_TYPES)
         raise ValueError(
             f"{type(mesh).__name__} is not supported; supported are {names}, one type in all"
         )
+    # Check the numbers of nodes.
     if mesh.t.size == 0:
         raise ValueError("the mesh has no elements")
     n_nodes = mesh.doflocs.shape[1]
@@ -217,6 +225,7 @@ def check_topology(mesh: Mesh) -> None:
             f"the mesh has {n_nodes} nodes, but its elements need {mesh.dofs.N} "
             f"and have the corners {mesh.t.min()} to {mesh.t.max()}"
         )
+    # A side belongs to one or two elements.
     crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
     if len(crowded):
         elements = np.flatnonzero(np.isin(mesh.t2f, crowded).any(axis=0))
@@ -224,6 +233,7 @@ def check_topology(mesh: Mesh) -> None:
             "elements on top of each other (three or more share a side; was a surface saved twice?)"
         )
         raise _error(problem, "element", elements, mesh.p[:, mesh.t].mean(axis=1))
+    # Check the tags.
     _check_tags(own_tags(mesh.boundaries), "boundary", mesh.nfacets)
     _check_tags(own_tags(mesh.subdomains), "subdomain", mesh.nelements)
 

@@ -106,6 +106,7 @@ def without_doubles(content: Content, kind: str) -> None:
 
     Doubles have the same random combination of their nodes, without regard to their order.
     """
+    # Give each element a random key that does not depend on the order of its nodes.
     cells = content.cells[kind]
     weights = np.random.default_rng(_SEED).integers(1, 2**62, len(content.points), dtype=np.uint64)
     keys = weights[cells[:, 0]]
@@ -114,6 +115,7 @@ def without_doubles(content: Content, kind: str) -> None:
     ordered = np.sort(keys)
     if not (ordered[1:] == ordered[:-1]).any():
         return
+    # Keep the first of each, and number the members of groups anew.
     _, first, same = np.unique(keys, return_index=True, return_inverse=True)
     kept = np.sort(first)
     number = np.searchsorted(kept, first)[same.ravel()]
@@ -186,6 +188,7 @@ def parsed(text: bytes, what: str, dtype: type = float, commas: bool = False) ->
     found = []
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        # Parse pieces, which are small beside the file.
         for piece in pieces(text):
             words = piece.replace(b",", b" ") if commas else piece
             try:
@@ -241,6 +244,7 @@ def middles_of(x: Floats, kind: str) -> Floats:
 
 def without_middles(content: Content, format_name: str) -> None:
     """Leave out nodes in the middle, for formats without them, where the shape stays the same."""
+    # Only nodes in the middle between others may be left out.
     for kind, other, count in (("quad9", "quad8", 8), ("hexahedron27", "hexahedron20", 20)):
         cells = content.cells.pop(kind, None)
         if cells is None:
@@ -256,6 +260,7 @@ def without_middles(content: Content, format_name: str) -> None:
                     f"{format_name} has no elements with nodes in the middle, and {off:.3g} is the "
                     "distance of one from where elements without it have it"
                 )
+        # The other elements have the same corners and edges.
         content.cells[other] = cells[:, :count]
         for group in content.groups.values():
             if kind in group:

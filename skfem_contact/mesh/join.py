@@ -169,11 +169,13 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
         kinds = ", ".join(f"'{name}': {type(part).__name__}" for name, part in meshes.items())
         raise ValueError(f"meshes of different types cannot be joined ({kinds})")
 
+    # Number the nodes of one mesh after those of another.
     counts = [part.nelements for part in meshes.values()]
     mesh = renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
     subdomains: Tags = {}
     boundaries: Tags = {}
     first = 0
+    # Move the tags, with the name of the mesh before them.
     for name, part in meshes.items():
         _add(subdomains, name, np.arange(first, first + part.nelements))
         for tag, elements in own_tags(part.subdomains).items():
@@ -229,6 +231,7 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
     """Return the number of the one body of every element."""
     names = list(parts)
     body = np.full(mesh.nelements, -1)
+    # Give each element its body.
     for k, elements in enumerate(parts.values()):
         twice = elements[body[elements] >= 0]
         if len(twice):
@@ -237,6 +240,7 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
                 f"'{names[k]}' (element {twice[0]} is the first)"
             )
         body[elements] = k
+    # Refuse elements without a body.
     missing = np.flatnonzero(body < 0)
     if len(missing):
         subdomains = own_tags(mesh.subdomains)

@@ -17,6 +17,7 @@ _RESULT = {(2, 1): "triangle", (2, 2): "triangle6", (3, 1): "tetra"}
 
 def split(content: Content) -> str:
     """Divide the elements of the highest dimension, and sides of bodies; return their kind."""
+    # Find the kind of the parts.
     dim = content.dim
     kinds = [kind for kind in content.cells if KINDS[kind].dim == dim and len(content.cells[kind])]
     orders = {KINDS[kind].order for kind in kinds}
@@ -26,6 +27,7 @@ def split(content: Content) -> str:
             f"elements of the kinds {', '.join(kinds)} are not split: in space all must be of "
             "first order, in the plane of one order"
         )
+    # Divide the bodies, and their sides in space.
     _replace(content, kinds, result)
     if dim == 3:
         _replace(
@@ -39,6 +41,7 @@ def _replace(content: Content, kinds: list[str], result: str) -> None:
     cells = []
     groups: dict[str, list[Integers]] = {}
     first = 0
+    # Divide each kind, and keep its groups.
     for kind in kinds:
         parts, parent = _divided(content.cells.pop(kind), kind, content.points)
         cells.append(parts)
@@ -47,6 +50,7 @@ def _replace(content: Content, kinds: list[str], result: str) -> None:
             if members is not None:
                 groups.setdefault(name, []).append(first + np.flatnonzero(np.isin(parent, members)))
         first += len(parts)
+    # Put the parts together.
     if cells:
         content.cells[result] = np.concatenate(cells)
         for name, members_of in groups.items():
@@ -103,6 +107,7 @@ def _pulled(cells: Integers, kind: str) -> tuple[Integers, Integers]:
 
     The diagonal of a quadrilateral side starts at the lowest corner of that side.
     """
+    # Pull all other sides to the lowest corner, so that neighbours divide their common side alike.
     shape = KINDS[kind]
     corners = cells[:, : shape.corners]
     lowest = np.argmin(corners, axis=1)
@@ -112,6 +117,7 @@ def _pulled(cells: Integers, kind: str) -> tuple[Integers, Integers]:
         chosen = np.flatnonzero(lowest == apex)
         if len(chosen) == 0:
             continue
+        # Divide the sides that do not touch the corner.
         for side in shape.sides:
             if apex in side:
                 continue

@@ -128,6 +128,7 @@ def _sides_of(
     mesh: Mesh, cells: Integers, kind: str, facets: Integers, owners: Integers
 ) -> tuple[Integers, str]:
     """Return the nodes of facets, which go round as seen from outside of their owners."""
+    # Find the side of its element with the same corners.
     shape = KINDS[kind]
     wanted = np.sort(mesh.facets[:, facets].T, axis=1)
     lists = _side_nodes(kind)
@@ -136,6 +137,7 @@ def _sides_of(
         corners = np.sort(cells[owners][:, list(local)], axis=1)
         here = (corners == wanted).all(axis=1)
         sides[here] = cells[owners[here]][:, nodes]
+    # Name the kind by its nodes.
     names = {
         (2, 2): "line",
         (2, 3): "line3",

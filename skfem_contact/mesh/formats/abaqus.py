@@ -122,10 +122,12 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
     """Yield the cards of a file, and of files that it includes."""
     if depth > _DEEPEST:
         raise ValueError(f"its *INCLUDE are nested more than {_DEEPEST} times")
+    # Find the cards; lines of comments begin with two stars.
     text = re.sub(rb"^\*\*.*\n?", b"", text.replace(b"\r", b""), flags=re.MULTILINE)
     marks = list(re.finditer(rb"^[ \t]*\*(?=[A-Za-z])", text, flags=re.MULTILINE))
     ends = [*(mark.start() for mark in marks[1:]), len(text)]
     for mark, end in zip(marks, ends):
+        # Separate the line of a card from its data; a comma at its end continues it.
         line = text.find(b"\n", mark.end(), end)
         line = end if line < 0 else line
         head = text[mark.end() : line]
@@ -133,12 +135,14 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
         while head.rstrip().endswith(b","):
             more, _, data = data.partition(b"\n")
             head += more
+        # Read the keyword and its options.
         keyword, *parts = head.decode("utf-8", "replace").split(",")
         options = {}
         for part in parts:
             name, _, value = part.partition("=")
             options["".join(name.upper().split())] = value.strip()
         keyword = " ".join(keyword.upper().split())
+        # Follow other files.
         if keyword == "INCLUDE":
             other = folder / options.get("INPUT", "").strip('"')
             if not other.is_file():
@@ -160,6 +164,7 @@ def _assembled(cards: Iterator[_Card]) -> _Part:
     instances: dict[str, tuple[int, _Part]] = {}
     target = whole
     shift = 0
+    # Collect the parts, then place their instances.
     for card in cards:
         if card.keyword == "PART":
             target = parts[card.options.get("NAME", "").strip('"').upper()] = _Part()
@@ -218,12 +223,15 @@ def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
 
     Its sets are known by their own names and by "instance.set".
     """
+    # Number nodes and elements above all others.
     shift = max(shift, _span(whole)) if whole.ids else shift
     whole.ids += [ids + shift for ids in part.ids]
     whole.points += part.points
     whole.elements += [(kind, ids + shift, nodes + shift) for kind, ids, nodes in part.elements]
+    # The elements of an instance are a set, too.
     every = [ids + shift for _, ids, _ in part.elements]
     whole.element_sets.setdefault(whole.key(name), []).extend(every)
+    # Sets have the name as given, and the name behind that of the instance.
     for own, known in (
         (part.node_sets, whole.node_sets),
         (part.element_sets, whole.element_sets),
@@ -232,6 +240,7 @@ def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
             moved = [numbers + shift for numbers in members]
             known.setdefault(whole.key(part.spelled[key]), []).extend(moved)
             known.setdefault(whole.key(f"{name}.{part.spelled[key]}"), []).extend(moved)
+    # Surfaces refer to moved elements, or to sets of the instance.
     for key, lines in part.surfaces.items():
         moved_lines = []
         for entry, face in lines:
@@ -261,6 +270,7 @@ def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Par
 
 def _read_nodes(part: _Part, card: _Card) -> None:
     """Read numbers and coordinates, of which plane files have two."""
+    # The first line has the number of columns.
     lines = card.data.split(b"\n", 1)[0]
     width = len([word for word in lines.split(b",") if word.strip()])
     if width < 3:
@@ -274,6 +284,7 @@ def _read_nodes(part: _Part, card: _Card) -> None:
     ids = whole(table[:, 0], "node")
     part.ids.append(ids)
     part.points.append(points)
+    # A card may name its nodes.
     if card.options.get("NSET"):
         part.node_sets.setdefault(part.key(card.options["NSET"]), []).append(ids)
 
@@ -317,6 +328,7 @@ def _kind_of(name: str) -> tuple[str, int]:
 
 def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift: int) -> Integers:
     """Return the numbers of a set, which may name other sets, or steps of a sequence."""
+    # Count from a first to a last number by steps.
     if card.flag("GENERATE"):
         found = []
         for line in card.data.split(b"\n"):
@@ -327,8 +339,10 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
                     raise ValueError(f"a set counts from {first} to {last}: these are too many")
                 found.append(np.arange(first, last + 1, *step[:1]))
         return shift + np.concatenate(found) if found else np.zeros(0, int)
+    # Most sets have numbers alone.
     if not re.search(rb"[A-Za-z_]", card.data):
         return shift + np.asarray(parsed(card.data, "the set", np.int64, commas=True))
+    # Other sets may be among the members.
     words = [word.strip() for word in re.split(rb"[,\n]", card.data) if word.strip()]
     numbers = [int(word) for word in words if word.lstrip(b"-").isdigit()]
     parts = [np.array(numbers, dtype=int) + shift]
@@ -409,15 +423,18 @@ def _add_face(
     members: Integers,
 ) -> None:
     """Add one face of some elements to a surface."""
+    # Surfaces of nodes are sets of nodes.
     if face == "NODE":
         nodes = numbers_of(ids, members, "node")
         known = content.node_groups.get(name, np.zeros(0, int))
         content.node_groups[name] = np.union1d(known, nodes).astype(int)
         return
+    # Other surfaces name faces by number.
     number = re.fullmatch(r"S(\d)", face)
     if number is None:
         content.left_out.append(f"face {face or 'of no number'} of surface '{name}'")
         return
+    # Take the nodes of this face from each kind of elements.
     for kind, numbers in numbers_by_kind.items():
         if KINDS[kind].dim < 2:
             continue
@@ -453,6 +470,7 @@ _ON_A_LINE = 12
 def write(content: Content, path: str) -> None:
     """Write nodes, elements, element sets, and surfaces of elements and faces."""
     check_names(content, ',=*\n"', "input files")
+    # Names differ by more than capitals.
     folded: dict[str, str] = {}
     for name in content.groups:
         other = folded.setdefault(name.upper(), name)
@@ -461,12 +479,14 @@ def write(content: Content, path: str) -> None:
     without_middles(content, "Abaqus")
     kind = next(kind for kind in content.cells if KINDS[kind].dim == content.dim)
     cells = content.cells[kind]
+    # Write nodes and elements, on lines of limited length.
     lines = ["*NODE", point_text(content.points, ", ").rstrip(), f"*ELEMENT, TYPE={_TYPES[kind]}"]
     for number, nodes in enumerate((cells + 1).tolist(), start=1):
         words = [str(number), *map(str, nodes)]
         lines.append(", ".join(words[:_ON_A_LINE]) + ("," if len(words) > _ON_A_LINE else ""))
         if len(words) > _ON_A_LINE:
             lines.append(", ".join(words[_ON_A_LINE:]))
+    # Write the sets of elements, then the surfaces.
     for name, group in content.groups.items():
         members = group.get(kind, np.zeros(0, int)) + 1
         if len(members):
@@ -479,6 +499,7 @@ def write(content: Content, path: str) -> None:
 
 def _surfaces(content: Content, kind: str) -> list[str]:
     """Return the cards of the groups of sides, as elements and numbers of faces."""
+    # List all faces of all elements.
     straight = _straight(kind)
     cells = content.cells[kind][:, : KINDS[kind].corners]
     faces = [np.sort(cells[:, list(face)], axis=1) for face in _FACES[straight]]
@@ -486,6 +507,7 @@ def _surfaces(content: Content, kind: str) -> list[str]:
     element = np.tile(np.arange(1, len(cells) + 1), len(faces))
     every = np.concatenate(faces)
     lines = []
+    # Find each side among them.
     for name, group in content.groups.items():
         for side_kind, members in group.items():
             if KINDS[side_kind].dim != content.dim - 1 or len(members) == 0:

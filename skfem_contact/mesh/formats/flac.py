@@ -75,6 +75,7 @@ def _sorted_lines(text: bytes, groups: list[tuple[str, str]]) -> dict[bytes | in
     for line in map(bytes.strip, text.split(b"\n")):
         if not line:
             continue
+        # Sort by the first letters; lines of numbers belong to the last group.
         key = line[:1]
         if line[1:6] == b"GROUP":
             groups.append(_group(line))
@@ -130,12 +131,14 @@ def _group(line: bytes) -> tuple[str, str]:
 
 def write(content: Content, path: str) -> None:
     """Write grid points, zones, named faces and groups, with a slot for groups that overlap."""
+    # Refuse what the format does not have.
     check_names(content, '"\n', "grids of FLAC3D")
     words = {kind: (word.decode(), order) for word, (kind, order) in _ZONES.items()}
     others = [kind for kind in content.cells if kind not in words]
     if content.dim < 3 or others:
         found = ", ".join(content.cells)
         raise ValueError(f"grids of FLAC3D have zones of first order in space, not {found}")
+    # Write grid points, zones and faces.
     lines = ["* GRIDPOINTS"]
     lines += [f"G {line}" for line in point_text(content.points).rstrip().split("\n")]
     first = {}
@@ -148,6 +151,7 @@ def write(content: Content, path: str) -> None:
         for nodes in (cells[:, np.argsort(order)] + 1).tolist():
             lines.append(f"{letter} {word} {counts[letter]} {' '.join(map(str, nodes))}")
             counts[letter] += 1
+    # A zone is in one group of each slot.
     taken: dict[str, list[Integers]] = {"Z": [], "F": []}
     for name, group in content.groups.items():
         for kind, members in group.items():

@@ -20,6 +20,7 @@ _BLOCK = re.compile(rb"^[ \t]*(Begin|End)[ \t]+(\w+)[ \t]*(.*)$", re.MULTILINE)
 
 def read(path: str) -> Content:
     """Read nodes, elements, conditions, geometries and sub-model parts."""
+    # Drop comments, and check that it has blocks.
     text = Path(path).read_bytes()
     if b"//" in text:
         text = re.sub(rb"//.*", b"", text)
@@ -33,6 +34,7 @@ def read(path: str) -> Content:
     open_parts: list[str] = []
     position = 0
     while match := _BLOCK.search(text, position):
+        # Follow the beginning and the end of sub-model parts.
         position = match.end()
         word, name = match[2].decode(), match[3].decode("utf-8", "replace").strip()
         if match[1] == b"End":
@@ -42,6 +44,7 @@ def read(path: str) -> Content:
         if word == "SubModelPart":
             open_parts.append(name)
             continue
+        # Take the text of any other block.
         end = re.compile(rb"^[ \t]*End[ \t]+" + match[2] + rb"\b", re.MULTILINE).search(
             text, position
         )
@@ -49,6 +52,7 @@ def read(path: str) -> Content:
             raise ValueError(f"it is not complete: it ends within the block {word} {name}".rstrip())
         body = text[position : end.start()]
         position = end.end()
+        # Read nodes, elements, or members of sub-model parts.
         if word == "Nodes":
             table = rows(parsed(body, "the lines of Nodes"), 4, "Nodes")
             ids = np.concatenate((ids, whole(table[:, 0], "node")))
@@ -126,10 +130,12 @@ def _name_parts(
     properties: dict[str, list[Integers]],
 ) -> None:
     """Name elements by their sub-model parts, or by their properties if no part has elements."""
+    # Join the blocks of each kind.
     joined = {}
     for kind, kinds in numbers.items():
         joined[kind] = {word: np.concatenate(found) for word, found in kinds.items()}
     with_sides = {name for name, what, members in parts if what != "Nodes" and len(members)}
+    # Sub-model parts with elements need no nodes.
     for name, what, members in parts:
         if what == "Nodes":
             if name not in with_sides and len(members):
@@ -139,6 +145,7 @@ def _name_parts(
             found = np.flatnonzero(np.isin(words[what], members))
             if len(found):
                 content.add(name, kind, found)
+    # Without names of bodies the properties name them.
     dim = content.dim
     named = any(KINDS[kind].dim == dim for group in content.groups.values() for kind in group)
     for kind, tags in properties.items():
@@ -162,6 +169,7 @@ _NAMES = {
 
 def write(content: Content, path: str) -> None:
     """Write nodes, elements, named sides as conditions, and a sub-model part for each name."""
+    # Write the head and the nodes.
     check_names(content, " .\n", "Kratos' files")
     lines = [
         "Begin ModelPartData",
@@ -172,6 +180,7 @@ def write(content: Content, path: str) -> None:
         "",
     ]
     lines += ["Begin Nodes", point_text(content.points).rstrip(), "End Nodes", ""]
+    # Count elements and conditions separately.
     first = {"Elements": 1, "Conditions": 1}
     start = {}
     for kind, cells in content.cells.items():
@@ -188,6 +197,7 @@ def write(content: Content, path: str) -> None:
             f"End {word}",
             "",
         ]
+    # Name nodes, elements and conditions by sub-model parts.
     for name, group in content.groups.items():
         parts = [content.cells[kind][members].ravel() for kind, members in group.items()]
         every = np.unique(np.concatenate(parts)) + 1

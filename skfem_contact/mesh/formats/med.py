@@ -54,6 +54,7 @@ _LENGTH = 80
 
 def read(path: str, name: str | None = None) -> Content:
     """Read the only mesh of a file, or the one of a name, with the groups of its families."""
+    # Open the file.
     try:
         import h5py
     except ImportError as error:
@@ -65,6 +66,7 @@ def read(path: str, name: str | None = None) -> Content:
     with file:
         if "ENS_MAA" not in file:
             raise ValueError("it is not a file of MED: it has no mesh")
+        # Choose the mesh.
         meshes = list(file["ENS_MAA"])
         if not meshes:
             raise ValueError("it has no mesh")
@@ -75,6 +77,7 @@ def read(path: str, name: str | None = None) -> Content:
         mesh = file["ENS_MAA"][chosen]
         dim = int(mesh.attrs["ESP"])
         families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
+        # Take the first step of it that has nodes and elements.
         steps = [mesh, *mesh.values()]
         step = next((part for part in steps if "NOE" in part and "MAI" in part), None)
         if step is None:
@@ -84,9 +87,11 @@ def read(path: str, name: str | None = None) -> Content:
 
 def _content(step: Any, dim: int, families: Any) -> Content:
     """Read nodes and elements, which are stored component by component."""
+    # Read the nodes.
     points = np.asarray(step["NOE"]["COO"]).reshape(dim, -1).T
     content = Content(np.pad(points, ((0, 0), (0, 3 - dim))), {})
     names = _names(families.get("ELEME", {}))
+    # Read the elements, with the groups of their families.
     for word, block in step["MAI"].items():
         if word not in _KINDS:
             raise ValueError(f"it has elements of type {word}, which are not read")
@@ -99,6 +104,7 @@ def _content(step: Any, dim: int, families: Any) -> Content:
             for number in np.unique(family).tolist():
                 for name in names.get(number, ()):
                     content.add(name, kind, np.flatnonzero(family == number))
+    # Read the groups of nodes.
     if "FAM" in step["NOE"]:
         family = np.asarray(step["NOE"]["FAM"])
         for number, group in _names(families.get("NOEUD", {})).items():
@@ -136,11 +142,13 @@ def write(content: Content, path: str) -> None:
         import h5py
     except ImportError as error:
         raise ImportError("h5py writes files of MED: pip install h5py") from error
+    # Refuse names that do not fit.
     check_names(content, "\n", "files of MED")
     long = [name for name in content.groups if len(name.encode()) > _LENGTH]
     if long:
         raise ValueError(f"names in files of MED have {_LENGTH} letters: shorten '{long[0]}'")
     families: dict[tuple[str, ...], int] = {}
+    # Write the head, the nodes and the elements.
     with h5py.File(path, "w") as file:
         head = file.create_group("INFOS_GENERALES")
         for name, value in (("MAJ", 4), ("MIN", 1), ("REL", 0)):
@@ -185,6 +193,7 @@ def _write_cells(
     parent: Any, content: Content, kind: str, families: dict[tuple[str, ...], int]
 ) -> None:
     """Write elements of one kind, bodies in the direction of the format."""
+    # Bodies are numbered the other way round.
     cells = content.cells[kind]
     if KINDS[kind].dim == 3:
         cells = cells[:, list(KINDS[kind].mirrored)]
@@ -196,10 +205,12 @@ def _write_cells(
     group.attrs["CGS"] = np.int32(1)
     group.attrs["GEO"] = np.int32(_SHAPES[kind])
     group.attrs["PFL"] = np.bytes_(b"MED_NO_PROFILE_INTERNAL")
+    # Elements with the same names are a family.
     family = np.zeros(len(cells), dtype=int)
     for names, members in combinations(content, kind):
         if names:
             family[members] = families.setdefault(names, -len(families) - 1)
+    # Write the arrays with their sizes.
     for name, values in (("NOD", (cells + 1).T.ravel()), ("FAM", family)):
         data = group.create_dataset(name, data=values)
         data.attrs["CGT"] = np.int32(1)

@@ -43,6 +43,7 @@ _ORDER = {
 def read(path: str) -> Content:
     """Read grid points and elements; properties are groups."""
     text = Path(path).read_text(encoding="utf-8", errors="replace")
+    # Read names of components from comments of HyperMesh.
     names: dict[int, str] = {}
     for kind, number, name in re.findall(
         r'^\$HMNAME\s+(COMP|PROP)\s+(\d+)\s*"([^"]+)"', text, re.M
@@ -52,6 +53,7 @@ def read(path: str) -> Content:
     points = []
     cells: dict[str, list[list[int]]] = {}
     properties: dict[str, list[int]] = {}
+    # Read points and elements.
     for card in _cards(text):
         if card[0] == "GRID":
             if card[2] not in ("", "0"):
@@ -68,6 +70,7 @@ def read(path: str) -> Content:
             properties.setdefault(kind, []).append(_integer(card[2] or card[1]))
     if not ids or not cells:
         raise ValueError("it is not bulk data of Nastran: it has no GRID or no elements")
+    # Number the nodes, and name elements by their properties.
     content = Content(np.array(points), {})
     for kind, rows_of in cells.items():
         numbers = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
@@ -81,16 +84,19 @@ def read(path: str) -> Content:
 
 def _cards(text: str) -> Iterator[list[str]]:
     """Yield the fields of every card; a continuation begins with blanks, "+" or "*"."""
+    # Begin after the case control.
     begin = re.search(r"^\s*BEGIN\s+(BULK|SUPER).*$", text, re.M | re.I)
     lines = text[begin.end() :].split("\n") if begin else text.split("\n")
     card: list[str] = []
     for line in lines:
+        # Drop comments, and end at the last card.
         line = line.split("$", 1)[0].rstrip()
         if not line.strip():
             continue
         if line.strip().upper().startswith("ENDDATA"):
             break
         fields = _fields(line)
+        # A continuation adds to the card before.
         if fields[0] in ("", "+", "*") or fields[0][0] in "+*":
             card += fields[1:]
             continue

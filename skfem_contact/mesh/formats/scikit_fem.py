@@ -19,6 +19,7 @@ def add_encoded(content: Content, data: Mapping[str, Integers]) -> None:
     to it.  Names may have colons.
     """
     kinds = [kind for kind in content.cells if KINDS[kind].dim == content.dim]
+    # Keys are marked by the package, then by the letter of their kind.
     for key, values in data.items():
         mark, _, rest = key.partition(":")
         letter, _, name = rest.partition(":")
@@ -29,6 +30,7 @@ def add_encoded(content: Content, data: Mapping[str, Integers]) -> None:
             raise ValueError(
                 f"'{key}' has {len(values)} values for {len(content.cells[kind])} elements"
             )
+        # Subdomains are masks, boundaries are numbers of sides by bits.
         if letter == "s":
             content.add(name, kind, np.flatnonzero(values))
         else:

@@ -31,6 +31,7 @@ _MOST = 256
 def read(path: str) -> Content:
     """Read cells and their data."""
     file = _meshio(path)
+    # Read points and cells, blocks of a kind after each other.
     points = np.asarray(file.points, dtype=float)
     content = Content(np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), {})
     blocks: list[tuple[str, Integers]] = []
@@ -42,6 +43,7 @@ def read(path: str) -> Content:
         cells = np.asarray(block.data, dtype=int)
         content.cells[block.type] = cells if known is None else np.concatenate((known, cells))
         blocks.append((block.type, first + np.arange(len(cells))))
+    # Read groups from data of cells.
     encoded = {}
     for key, parts in file.cell_data.items():
         if key.startswith("skfem:"):
@@ -79,14 +81,17 @@ def _add_data(
     Ones among zeros are the cells of the group of that name, else every value is a group.  meshio
     joins the names of sets by "-", and numbers them from zero.
     """
+    # Two values 0 and 1 are a mask, many values are no groups.
     low = min((int(part.min(initial=0)) for part in parts), default=0)
     high = max((int(part.max(initial=0)) for part in parts), default=0)
     masks = low == 0 and high == 1 and key not in _REGIONS
     values = np.arange(2) if masks else np.unique(np.concatenate(parts).astype(int))
     if len(values) > _MOST:
         return
+    # Names joined by a hyphen are numbered in their order.
     joined = key.split("-")
     numbered = len(joined) > 1 and set(values.tolist()) <= set(range(-1, len(joined)))
+    # Choose the cells of each value.
     for (kind, members), part in zip(blocks, parts):
         if masks:
             chosen = {key: part == 1}
