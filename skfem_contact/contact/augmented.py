@@ -16,7 +16,7 @@ from typing_extensions import override
 from ..checks import is_number
 from ..errors import Remark
 from ..surfaces.surface import Surface
-from .compliance import on_gaps_between_nodes, on_peaks, on_penetration, on_round_off
+from .compliance import on_gaps_between_nodes, on_penetration, on_round_off
 from .enforcement import check_corners
 from .interface import ContactState
 from .laws import InterfaceLaw, Status
@@ -209,7 +209,6 @@ class AugmentedLagrangian(Penalty):
                 "largest traction: at some nodes they do not converge, and the penalty acts there",
             )
         yield from on_gaps_between_nodes(pair, x, state, meshed)
-        yield from on_peaks(pair, state)
         yield from on_penetration(pair, state)
         yield from on_round_off(pair, state)
 

@@ -31,9 +31,6 @@ _LOST = 1e-3
 #: Tractions below this share of what round-off may leave are none: a broken bond, contact without
 #: traction.
 _NONE = 0.1
-#: Facets inside the contact with open points, and their share of the closed area, beside which
-#: peaks are remarked on; and such a peak over the mean pressure, which is 1.5 below a sphere.
-_SEVERAL, _MUCH, _PEAK = 2, 0.1, 1.8
 
 
 def on_penetration(pair: Any, state: ContactState) -> Iterator[Remark]:
@@ -177,41 +174,3 @@ def _moved_apart(pair: Any, x: ndarray, state: ContactState) -> ndarray:
     points = pair.points(state).positions(slave - slave_0)
     closest = state.closest.positions(pair.master, master - master_0)
     return np.asarray(np.linalg.norm(points - closest, axis=1))
-
-
-def on_peaks(pair: Any, state: ContactState) -> Iterator[Remark]:
-    """Yield a remark on points that are open between closed ones, beside peaks of pressure.
-
-    A facet at the edge of contact has both kinds of points, too: but not all of its nodes belong to
-    further facets with closed points.
-    """
-    points = pair.points(state)
-    if points.nodes.shape[1] == 1:
-        return
-    facets = pair.slave.facets
-    n = len(facets)
-    weight = np.bincount(points.facet, points.weight, n)
-    open_points = (state.status == Status.OPEN) & np.isfinite(state.gap)
-    closed = np.bincount(points.facet, state.status != Status.OPEN, n) > 0
-    mixed = closed & (np.bincount(points.facet, open_points, n) > 0)
-
-    # Find facets with open points all of whose neighbours are closed in part
-    around = np.bincount(facets[closed].ravel(), minlength=len(pair.slave.nodes))
-    inside = mixed & (around[facets[:, : len(pair.slave.shape.corners)]] > 1).all(axis=1)
-    if np.count_nonzero(inside) < _SEVERAL or weight[inside].sum() < _MUCH * weight[closed].sum():
-        return
-
-    # Compare the largest pressure with the mean over the closed facets
-    pressure = np.maximum(-state.traction[0], 0.0)
-    force = np.bincount(points.facet, points.weight * pressure, n)
-    peak = float(pressure[inside[points.facet]].max())
-    ratio = peak * weight[closed].sum() / max(float(force[closed].sum()), np.finfo(float).tiny)
-    if ratio > _PEAK:
-        yield Remark(
-            "peaks",
-            ratio,
-            f"the pressure of '{pair.slave.name}' has peaks of {ratio:.1f} times its mean between "
-            f"open points on {np.count_nonzero(inside)} facets inside the contact: the slave is "
-            f"stiffer or finer than '{pair.master.name}'; exchange slave and master, or take "
-            "DualMultipliers()",
-        )

@@ -15,7 +15,7 @@ from .base import TOUCHING, ContactBase
 from .interface import ContactState
 from .laws import Status
 from .quadrature import SlavePoints
-from .ripple import on_ripple
+from .ripple import on_peaks, on_ripple
 from .search import normals_at_joint
 
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found,
@@ -51,7 +51,8 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
         meshed = pair.interface.meshed_gap(state)
     yield from pair.enforcement.remarks(pair, x, state, meshed)
     yield from _on_facets(pair, state, meshed)
-    yield from on_ripple(pair, state, meshed)
+    ripples = list(on_ripple(pair, state, meshed))
+    yield from ripples or on_peaks(pair, state)
     yield from _on_joints(pair, state)
     yield from _on_sliding(pair, state)
     yield from _on_closing(pair, state)

@@ -60,7 +60,7 @@ def foreseen(
 def _closes_late(now: ndarray, then: ndarray, reached: ndarray) -> ndarray:
     """Return a mask of nodes that a step reaches late, counted from the first that it reaches."""
     share = np.zeros(len(now))
-    share[reached] = now[reached] / (now - then)[reached]
+    share[reached] = now[reached] / (now[reached] - then[reached])
     first = share[reached].min()
     return share > first + _LATE * (1.0 - first)
 

@@ -320,3 +320,25 @@ def test_elastic_body_has_nothing_to_reduce():
     elastic = {"soil": sc.SolidForm(forms["soil"].basis, sc.LinearElastic(E=1e4, nu=0.3))}
     with pytest.raises(ValueError, match="LinearElastic has no strength"):
         reduce(elastic, fixed, load, reduce={"all"})
+
+
+@pytest.mark.parametrize(("phi", "c", "exact"), [(0.0, 25.0, 1.25), (10.0, 20.0, 1.16298)])
+def test_vertical_cut_without_tensile_strength(phi: float, c: float, exact: float) -> None:
+    """[X] Drucker (1953): the face slides off behind a crack when gamma H = 2 c tan(45 + phi / 2),
+    with the reduced strength; elements at the toe of H / 40 add 1 %.
+    """
+    steps = 0.05 * 1.4 ** np.arange(10)
+    away = np.concatenate(([0.0], np.cumsum(steps)))
+    up = np.append(away[away < 2.0][:-1], 2.0)
+    mesh = MeshTri.init_tensor(
+        np.concatenate((-away[:0:-1], away)), np.concatenate((-away[away < 2.0][:0:-1], up))
+    )
+    outside = mesh.elements_satisfying(lambda x: (x[0] < 0) & (x[1] > 0))
+    basis = Basis(mesh.remove_elements(outside), ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=c, phi=phi, psi=phi, tension=0.0)
+    model = sc.Model({"cut": sc.SolidForm(basis, soil, unit_weight=20.0)}, sc.box_supports(basis))
+    found = model.strength_reduction(tolerance=0.02, certify=False, progress=False)
+    assert found.stop.shows_limit
+    assert exact < found.factor < 1.02 * exact
+    assert found.iterations <= 150
+    assert 0.5 * (found.factor / exact - 1.0) < found.added
