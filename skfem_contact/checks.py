@@ -9,6 +9,7 @@ import sys
 from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import cycle
+from threading import local
 from types import FunctionType, NoneType, UnionType
 from typing import (
     Annotated,
@@ -18,6 +19,7 @@ from typing import (
     NoReturn,
     TypeVar,
     Union,
+    cast,
     get_args,
     get_origin,
     get_type_hints,
@@ -31,6 +33,7 @@ from skfem import CellBasis, ElementVector, Mesh
 from skfem.quadrature import get_quadrature
 
 T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
 #: Likeness of names, of 1, from which a message suggests one: "lft" and "left" have .86, "fill"
 #: and "hill" .75, "clay" and "sand" .25.
 _ALIKE = 0.7
@@ -450,13 +453,43 @@ def _refuse(name: str, kind: Kind, value: Any) -> NoReturn:
     raise ValueError(f"{name} must be {kind.name}, not {shown}")
 
 
+class _Calls(local):
+    """Calls of this thread, whose arguments are trusted while iterations make them."""
+
+    trusted = False
+
+
+_calls = _Calls()
+
+
+def trusting(function: F) -> F:
+    """Return a function within which calls are trusted: their arguments are not checked.
+
+    Iterations evaluate the same forms again and again, whose first evaluation was checked.
+    """
+
+    @functools.wraps(function)
+    def trusted(*args: Any, **named: Any) -> Any:
+        before = _calls.trusted
+        _calls.trusted = True
+        try:
+            return function(*args, **named)
+        finally:
+            _calls.trusted = before
+
+    return cast(F, trusted)
+
+
 @functools.cache
 def _checked(function: Any, owner: type | None = None) -> Any:
     """Return a function that checks its arguments first."""
     check = _check_arguments
 
+    calls = _calls
+
     def checked(*args: Any, **named: Any) -> Any:
-        check(function, owner, args, named)
+        if not calls.trusted:
+            check(function, owner, args, named)
         return function(*args, **named)
 
     # doctest finds functions by their globals

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Any, Literal
 
@@ -235,6 +236,27 @@ class Layout:
         if len(self.fields) == 1:
             return None
         return np.concatenate([np.full(f.n, f.scale) for f in self.fields])
+
+    @cached_property
+    def scales(self) -> ndarray:
+        """Scales of the fields, (n_fields,)."""
+        return np.array([f.scale for f in self.fields])
+
+    @cached_property
+    def _filled(self) -> tuple[ndarray, ndarray]:
+        """Numbers of the fields with dofs, and the first dofs of these."""
+        starts = np.array([part.start for part in self.parts])
+        filled = np.flatnonzero([part.stop > part.start for part in self.parts])
+        return filled, starts[filled]
+
+    def norms(self, values: ndarray) -> ndarray:
+        """Return the norms of the fields' parts of a vector, (n_fields,)."""
+        if len(self.fields) == 1:
+            return np.array([np.linalg.norm(values)])
+        norms = np.zeros(len(self.fields))
+        filled, starts = self._filled
+        norms[filled] = np.sqrt(np.add.reduceat(values * values, starts))
+        return norms
 
     @property
     def still(self) -> ndarray:

@@ -39,6 +39,66 @@ def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
     return coo_matrix(entries, shape=(n, n)).tocsr()
 
 
+class Scattering:
+    """Places of a form's matrices among n dofs, found again only for another pattern."""
+
+    def __init__(self) -> None:
+        self._last: tuple[csr_matrix, csr_matrix] | None = None  # of the form, and among all dofs
+        self._dofs: ndarray | None = None
+        self._slots: ndarray | None = None
+
+    def of(self, K: csr_matrix, dofs: ndarray | None, n: int) -> csr_matrix:
+        """Return a matrix of some dofs, by default of the first ones, among n dofs."""
+        if self._last is None or not self._serves(K, dofs, n):
+            self._last = K, self._found(K, dofs, n)
+        local, wide = self._last
+        constant = K.data is local.data and not K.data.flags.writeable
+        if constant and not wide.data.flags.writeable:
+            return wide
+        data = K.data
+        if self._slots is not None:
+            data = float_bincount(self._slots, K.data, wide.nnz)
+            data.flags.writeable = K.data.flags.writeable
+        wide = with_data(wide, data)
+        self._last = K, wide
+        return wide
+
+    def _serves(self, K: csr_matrix, dofs: ndarray | None, n: int) -> bool:
+        """Return True if the entries of K have the places of the last ones."""
+        assert self._last is not None
+        local, wide = self._last
+        if wide.shape[0] != n or local.shape != K.shape:
+            return False
+        if dofs is not self._dofs and not np.array_equal(dofs, self._dofs):
+            return False
+        return local is K or (K.has_canonical_format and same_pattern(K, local))
+
+    def _found(self, K: csr_matrix, dofs: ndarray | None, n: int) -> csr_matrix:
+        """Find the places of the entries, and return a matrix that has their pattern."""
+        self._dofs = dofs
+        self._slots = None
+        if dofs is None:
+            return padded(K, n)
+        local = K.tocoo()
+        numbers = dofs.astype(np.int64)
+        keys = numbers[local.row] * n + numbers[local.col]
+        entries, self._slots = np.unique(keys, return_inverse=True)
+        return _with_entries(entries, n)
+
+
+def _with_entries(entries: ndarray, n: int) -> csr_matrix:
+    """Return a matrix of n rows with ones at sorted entries, row times n plus column."""
+    row, column = np.divmod(entries, n)
+    ends = np.append(0, np.cumsum(np.bincount(row, minlength=n)))
+    pattern = np.ones(len(row)), column.astype(np.int32), ends.astype(np.int32)
+    matrix = csr_matrix(pattern, shape=(n, n))
+    matrix.has_canonical_format = True
+    # a pattern that cannot change need not be compared again
+    matrix.indices.flags.writeable = False
+    matrix.indptr.flags.writeable = False
+    return matrix
+
+
 def float_bincount(numbers: ndarray, values: ndarray, n: int) -> ndarray:
     """Sum values by their numbers, shape (n,).
 
@@ -97,12 +157,7 @@ class Gathering:
         self._moving = moving[number]
         self._slots = slots[number][self._moving]
 
-        # the sorted entries are the pattern
-        row, column = np.divmod(entries, n)
-        ends = np.append(0, np.cumsum(np.bincount(row, minlength=n)))
-        ones = np.ones(len(row))
-        pattern = ones, column.astype(np.int32), ends.astype(np.int32)
-        self._pattern = csr_matrix(pattern, shape=(n, n))
+        self._pattern = _with_entries(entries, n)
 
 
 def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
@@ -173,6 +228,7 @@ class Total:
         self._parts: list[tuple[csr_matrix, ndarray]] = []
         self._sum: tuple[list[ref[ndarray]], csr_matrix] | None = None
         self._scaled: tuple[csr_matrix, csr_matrix] | None = None
+        self._factors: tuple[ndarray, ndarray] | None = None  # of the entries on one pattern
 
     def of(self, matrices: Sequence[csr_matrix]) -> csr_matrix:
         """Return the sum; its index arrays stay as long as they serve."""
@@ -205,9 +261,14 @@ class Total:
 
     def scaled(self, K: csr_matrix, scale: ndarray) -> csr_matrix:
         """Return a matrix with its rows and columns multiplied by a scale, (n,)."""
-        if self._scaled is None or self._scaled[0] is not K:
-            data = K.data * np.repeat(scale, np.diff(K.indptr)) * scale[K.indices]
-            self._scaled = K, constant(with_data(K, data))
+        if self._scaled is not None and self._scaled[0] is K:
+            return self._scaled[1]
+        known = self._factors is not None and K.indices is self._factors[0]
+        if not known:
+            factors = np.repeat(scale, np.diff(K.indptr)) * scale[K.indices]
+            self._factors = K.indices, factors
+        assert self._factors is not None
+        self._scaled = K, constant(with_data(K, K.data * self._factors[1]))
         return self._scaled[1]
 
     def _slots(self, matrices: Sequence[csr_matrix]) -> list[ndarray] | None:

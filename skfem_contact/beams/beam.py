@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 from typing import Any, Literal
 
@@ -20,7 +21,7 @@ from ..errors import Remark
 from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Slender, Touching, having
 from ..layout import Field
-from ..sparse import Gathering
+from ..sparse import Gathering, constant
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
 from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by, turning_ends
 from .lines import nodes_of
@@ -130,6 +131,7 @@ class Beam(BeamNodes, Slender):
         "_elements",
         "_root",
         "_stiffness",
+        "_elastic",
         "_section",
         "_hinges",
         "_weight",
@@ -406,10 +408,14 @@ class Beam(BeamNodes, Slender):
         )
 
     def _tangent(self, flows: list[Flow]) -> csr_matrix:
-        blocks = self._stiffness
-        if self._hinges:
-            blocks = self._hinges.tangent(blocks, flows)
-        return self._gathering.matrix(self._rows, blocks)
+        if not self._hinges:
+            return self._elastic
+        return self._gathering.matrix(self._rows, self._hinges.tangent(self._stiffness, flows))
+
+    @cached_property
+    def _elastic(self) -> csr_matrix:
+        """Elastic stiffness among the dofs of the beam."""
+        return constant(self._gathering.matrix(self._rows, self._stiffness))
 
     def _own(self, x: ndarray) -> ndarray:
         if self._dofs is None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -142,7 +143,7 @@ class BeamElements:
         along = np.einsum("ek,mkc->mec", dN, self.points)
         return np.asarray(along / np.linalg.norm(along, axis=2, keepdims=True))
 
-    @property
+    @cached_property
     def rigid(self) -> ndarray:
         """Dofs in rigid motions of unit motions of the middle node, (m, 9, 3)."""
         motion = np.zeros((len(self.points), 9, 3))
@@ -269,7 +270,7 @@ class ShellElements(BeamElements):
         M_h = self.nu * M - full * EI * turned
         return np.concatenate((per_width, N_h[:, :, None], M_h[:, :, None]), axis=2)
 
-    @property
+    @cached_property
     @override
     def rigid(self) -> ndarray:
         motion = super().rigid
@@ -315,7 +316,7 @@ class SpaceElements(BeamElements):
         D = (self.weights[:, :, None] * np.array([EA, GA, GA, EI, EI, GJ])).reshape(-1, 12)
         return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
 
-    @property
+    @cached_property
     @override
     def rigid(self) -> ndarray:
         motion = np.zeros((len(self.points), 6, 3, 6))

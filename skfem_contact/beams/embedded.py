@@ -18,6 +18,7 @@ from ..checks import check_basis, finite, format_point, is_number, positive
 from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Couples, Regularised, Staged
 from ..layout import Field
+from ..sparse import constant
 from .element import across, shapes
 from .nodes import BeamNodes, stiffest
 
@@ -130,6 +131,8 @@ class Embedded(Form, Couples, Staged, Regularised):
     _across: ndarray
     _at_foot: float
     _dofs: ndarray
+    #: Active set and stiffness of the last iteration, by the share that slipping points keep.
+    _known: dict[float, tuple[bytes, csr_matrix]]
     _same = ("_where", "_given", "radius")
     _brought = ("parameters", "T_max", "F_max")
 
@@ -203,6 +206,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         if C is None and (self._given is None or self.radius is not None):
             raise ValueError("an embedded beam needs ground: a SolidForm among the forms")
         new = copy(self)
+        new._known = {}
         if C is None or self.radius is None:
             G = 0.0 if C is None else C[-1, -1]
             length = float(np.median(self._lengths))
@@ -285,27 +289,44 @@ class Embedded(Form, Couples, Staged, Regularised):
                 free_foot = foot - force / self._at_foot
             return EmbeddedState(skin, free, np.array([force, free_foot]))
 
-        def stiffness(kept: float = _KEPT) -> csr_matrix:
-            tt = t[:, :, None] * t[:, None]  # (n, dim, dim)
-            along = np.where(slips, kept, 1.0) * self._k
-            skin_blocks = self._weight[:, None, None] * (
-                self._across[:, None, None] * (np.eye(t.shape[1]) - tt) + along[:, None, None] * tt
-            )
-            foot_block = self._at_foot * (1.0 if stands else kept) * np.outer(t_foot, t_foot)
-            blocks = np.concatenate((skin_blocks, foot_block[None])) / self._spacing
-            n = np.arange(len(blocks))
-            D = bsr_matrix((blocks, n, np.append(n, len(n))))
-            return csr_matrix(self._jump.T @ D.tocsr() @ self._jump)
-
         return Response(
             self._jump.T @ forces,
             after,
-            stiffness,
-            lambda: stiffness(_DAMPED),
+            lambda: self._tangent(slips, stands, _KEPT),
+            lambda: self._tangent(slips, stands, _DAMPED),
             active=slips.tobytes() + bytes([int(stands)]),
             measure=abs(self._jump).T @ abs(forces),
             dofs=self._dofs,
         )
+
+    def _tangent(self, slips: ndarray, stands: bool, kept: float) -> csr_matrix:
+        """Return the stiffness, of which points that slip or a foot without force keep a share.
+
+        It is known where they are those of the last iteration.
+        """
+        key = slips.tobytes() + bytes([int(stands)])
+        known = self._known.get(kept)
+        if known is not None and known[0] == key:
+            return known[1]
+
+        # Springs along the beam and across it, and of the foot
+        t = self._along[:-1]
+        t_foot = self._along[-1]
+        tt = t[:, :, None] * t[:, None]  # (n, dim, dim)
+        along = np.where(slips, kept, 1.0) * self._k
+        skin = self._weight[:, None, None] * (
+            self._across[:, None, None] * (np.eye(t.shape[1]) - tt) + along[:, None, None] * tt
+        )
+        foot = self._at_foot * (1.0 if stands else kept) * np.outer(t_foot, t_foot)
+        blocks = np.concatenate((skin, foot[None])) / self._spacing
+
+        # K = J' D J with the jumps J
+        n = np.arange(len(blocks))
+        D = bsr_matrix((blocks, n, np.append(n, len(n)))).tocsr()
+        K = csr_matrix(self._jump.T @ D @ self._jump)
+        K.sum_duplicates()
+        self._known[kept] = key, constant(K)
+        return K
 
     @override
     def rebased(self, x: ndarray, state: EmbeddedState) -> EmbeddedState:

@@ -366,15 +366,21 @@ def _follow(
         try:
             point = _next(branch, control, points, length, newton, course)
         except NotConverged as error:
+            # look for a collapse where the step could show it, or too many have failed
+            failure = error
+            stalls = failures[kind_of(error)] >= _CUTS.get(kind_of(error), _MOST_FAILED)
+            spent += max(len(error.residuals) - 1, _LEAST_FAILED)
+            if rise < margin or stalls or spent > _MOST_FAILED:
+                reached = last.parameter + max(rise, margin)
+                failure = _as_collapse(branch, last, reached, error, newton)
+
             # end at a collapse, or after too many failures; otherwise halve the step
-            failure = _as_collapse(branch, last, last.parameter + max(rise, margin), error, newton)
             log.reject(last.parameter, failure, last.work + length)
             kind = kind_of(failure)
             if kind == "collapse" and rise < margin:
                 stop = Stop("collapse", str(failure))
                 return SearchResult(points, stop, last.parameter + margin, motion(last, failure))
             failures[kind] += 1
-            spent += max(len(failure.residuals) - 1, _LEAST_FAILED)
             if kind != "collapse" and (failures[kind] > _CUTS[kind] or spent > _MOST_FAILED):
                 return SearchResult(points, Stop(kind, str(failure)))
             length *= 0.5

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 from types import MappingProxyType
@@ -14,7 +15,7 @@ from scipy.sparse import csr_matrix
 from ..checks import names_of
 from ..errors import Remark
 from ..layout import Field
-from ..sparse import padded, scattered
+from ..sparse import Scattering
 from .roles import Body, Reducible, having, materials_of, missing_roles
 
 Self = TypeVar("Self")
@@ -101,8 +102,8 @@ class Response:
         """True for a response of some dofs only."""
         return self._dofs is not None
 
-    def padded(self, n: int) -> Response:
-        """Return the response among n dofs."""
+    def padded(self, n: int, scattering: Scattering | None = None) -> Response:
+        """Return the response among n dofs; `scattering` keeps the places of its matrices."""
         dofs = self._dofs
         if dofs is None and len(self.force) == n:
             return self
@@ -113,25 +114,18 @@ class Response:
                 return np.concatenate((values, np.zeros(n - len(values))))
             return np.bincount(dofs, values, minlength=n)
 
-        def among(K: csr_matrix) -> csr_matrix:
-            return padded(K, n) if dofs is None else scattered(K, dofs, n)
-
+        places = scattering or Scattering()
         round_off = self.round_off
+        force = spread(self.force)
         return Response(
-            spread(self.force),
+            force,
             lambda: self.state,
-            stiffness=lambda: among(self.stiffness),
-            damped=lambda: among(self.damped),
+            stiffness=lambda: places.of(self.stiffness, dofs, n),
+            damped=lambda: places.of(self.damped, dofs, n),
             round_off=spread(round_off) if isinstance(round_off, np.ndarray) else round_off,
             active=self.active,
-            measure=spread(self.measure),
+            measure=force if self.measure is self.force else spread(self.measure),
         )
-
-    def lost(self, part: slice) -> float:
-        """Return the norm of the forces that round-off may leave on some dofs."""
-        if isinstance(self.round_off, np.ndarray):
-            return float(np.linalg.norm(self.round_off[part]))
-        return self.round_off if part.start == 0 else 0.0
 
 
 Value = TypeVar("Value")
@@ -357,13 +351,18 @@ def solids_of(forms: Mapping[str, Form]) -> dict[str, Any]:
 
 
 def responses_of(
-    forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]
+    forms: Mapping[str, Form],
+    x: ndarray,
+    states: Mapping[str, Any],
+    places: Mapping[str, Scattering] | None = None,
 ) -> dict[str, Response]:
-    """Return the responses of the forms among all dofs."""
-    return {
-        name: form.assemble(x[: form.size], states[name]).padded(len(x))
-        for name, form in forms.items()
-    }
+    """Return the responses of the forms among all dofs, with the places of their matrices."""
+    places = defaultdict(Scattering) if places is None else places
+    responses = {}
+    for name, form in forms.items():
+        response = form.assemble(x[: form.size], states[name])
+        responses[name] = response.padded(len(x), places[name])
+    return responses
 
 
 def summaries(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, str]:

@@ -15,6 +15,7 @@ from typing_extensions import override
 
 from ..checks import finite, is_number, positive
 from ..layout import Field, FieldDofs, dofs_at
+from ..sparse import Gathering
 from .base import Form, Outputs, Response
 from .roles import Couples, Regularised, Staged, Stiff, with_force_kept
 
@@ -288,6 +289,7 @@ class Bar(Form, Couples, Staged, Regularised):
         self._dofs = np.hstack(columns)
         self._at, rows = np.unique(self._dofs, return_inverse=True)
         self._rows = rows.reshape(self._dofs.shape)
+        self._gathering = Gathering(len(self._at))
         self.changing = self._at
         self.acts_on = self._at
 
@@ -349,12 +351,7 @@ class Bar(Form, Couples, Staged, Regularised):
         # k a a^T of every bar
         a = self._axis
         k = tangent[:, None, None] / self._spacing
-        blocks = k * a[:, :, None] * a[:, None, :]  # (n, m, m)
-        m = a.shape[1]
-        rows = np.repeat(self._rows, m, axis=1).ravel()
-        columns = np.tile(self._rows, m).ravel()
-        n = len(self._at)
-        return coo_matrix((blocks.ravel(), (rows, columns)), shape=(n, n)).tocsr()
+        return self._gathering.matrix(self._rows, k * a[:, :, None] * a[:, None, :])
 
     @override
     def inherits(self, old: Bar, state: BarState) -> BarState:

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
-from ..checks import is_number
+from ..checks import is_number, trusting
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Response
 from ..solvers.direct import SingularSystem
@@ -424,6 +424,7 @@ class _History:
         )
 
 
+@trusting
 def iterate(
     now: Evaluation,
     problem: Problem,
@@ -552,7 +553,7 @@ def _why(now: Evaluation, norms: list[float]) -> str:
         f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, "
         f"acts on dof {worst} of {names}"
     )
-    round_off = sum(r.lost(slice(0, None)) for r in now.responses.values())
+    round_off = sum(float(np.linalg.norm(r.round_off)) for r in now.responses.values())
     if round_off > _NOISE * now.size:
         text += (
             f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the "

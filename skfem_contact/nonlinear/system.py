@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from typing import Any
@@ -16,7 +17,7 @@ from ..forms.base import Form, Response, responses_of
 from ..forms.roles import Body, Reducible, Regularised, Stiff, Timed, changed, having
 from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, Solve
-from ..sparse import Total, same_pattern, with_data
+from ..sparse import Scattering, Total, same_pattern, with_data
 from .newton import Evaluation
 
 #: Share of the load that may be lost in round-off.
@@ -44,6 +45,7 @@ class System:
         self.free = others(layout.size, fixed)
         self._solver = solver
         self._total = Total()
+        self._places: defaultdict[str, Scattering] = defaultdict(Scattering)
         self._scale = layout.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
@@ -116,7 +118,7 @@ class System:
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
         try:
-            return responses_of(self.forms, x, states)
+            return responses_of(self.forms, x, states, self._places)
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", x) from error
 
@@ -125,34 +127,51 @@ class System:
         responses = self.responses(x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        measures = [response.measure for response in responses.values()]
 
-        # Compare the residual of each field with its forces; the worst field counts.
-        everywhere = 0.0
-        if self._scale is not None:
-            everywhere = max(float(np.linalg.norm(self._scale * values)) for values in measures)
-        worst = (-1.0, 0.0)
-        for part in self.layout.parts:
-            if part.stop > part.start:
-                size = self._size(part, load, measures, everywhere)
-                lost = sum(response.lost(part) for response in responses.values())
-                worst = max(worst, _relative(residual[part], load[part], size, lost))
-        norm, hidden = worst
-        return Evaluation(x, responses, residual, norm, hidden=hidden, scale=self._scale)
+        # Compare the residual of each field with its forces, less round-off; the worst one counts.
+        norms = self.layout.norms
+        loads = norms(load)
+        size = self._sizes(loads, [response.measure for response in responses.values()])
+        round_off = self._round_off(loads, responses.values())
+        unbalanced = norms(residual)
+        hidden = np.minimum(unbalanced, round_off) / size
+        norm = (unbalanced - np.minimum(unbalanced, round_off)) / size
+        worst = np.lexsort((hidden, norm))[-1]
+        return Evaluation(
+            x,
+            responses,
+            residual,
+            norm=float(norm[worst]),
+            hidden=float(hidden[worst]),
+            scale=self._scale,
+        )
 
-    def _size(
-        self, part: slice, load: ndarray, measures: Sequence[ndarray], everywhere: float
-    ) -> float:
-        """Return the norm that the residual of a field is compared with.
+    def _sizes(self, loads: ndarray, measures: Sequence[ndarray]) -> ndarray:
+        """Return the norms that the residuals of the fields are compared with, (n_fields,).
 
         Where all forces of a field vanish, such as those of multipliers, the forces of all fields
         measure it.
         """
-        norms = [float(np.linalg.norm(values[part])) for values in measures]
-        size = max(float(np.linalg.norm(load[part])), *norms)
+        norms = [self.layout.norms(values) for values in measures]
+        sizes = np.max([loads, *norms], axis=0)
         if self._scale is not None:
-            size = max(size, _FLOOR * everywhere / float(self._scale[part].max()))
-        return size if size > 0.0 else 1.0
+            scales = self.layout.scales
+            everywhere = max(float(np.linalg.norm(scales * each)) for each in norms)
+            sizes = np.maximum(sizes, _FLOOR * everywhere / scales)
+        return np.where(sizes > 0.0, sizes, 1.0)
+
+    def _round_off(self, loads: ndarray, responses: Iterable[Response]) -> ndarray:
+        """Return the norms of the forces that round-off may leave, (n_fields,).
+
+        Displacements so large that their round-off hides the load are no equilibrium.
+        """
+        lost = np.zeros_like(loads)
+        for response in responses:
+            if isinstance(response.round_off, ndarray):
+                lost += self.layout.norms(response.round_off)
+            else:
+                lost[0] += response.round_off
+        return np.where(loads > 0.0, np.minimum(lost, _HIDDEN * loads), lost)
 
     def tangent(self, now: Evaluation, damped: bool = False) -> csr_matrix:
         """Return the tangent of all forms together."""
@@ -201,18 +220,3 @@ def _mixed(first: csr_matrix, second: csr_matrix, share: float) -> csr_matrix:
     if same_pattern(first, second):
         return with_data(first, (1.0 - share) * first.data + share * second.data)
     return (1.0 - share) * first + share * second
-
-
-def _relative(
-    residual: ndarray, load: ndarray, size: float, round_off: float
-) -> tuple[float, float]:
-    """Return the norm of a field's residual, less round-off, and the round-off, over a size.
-
-    Displacements so large that their round-off hides the load are no equilibrium.
-    """
-    loaded = float(np.linalg.norm(load))
-    if loaded > 0.0:
-        round_off = min(round_off, _HIDDEN * loaded)
-    norm = float(np.linalg.norm(residual))
-    hidden = min(norm, round_off)
-    return (norm - hidden) / size, hidden / size

@@ -6,12 +6,13 @@ import os
 import weakref
 from collections.abc import Callable
 from contextlib import suppress
-from ctypes import c_int
+from ctypes import c_int, c_void_p
+from functools import cache
 from importlib.metadata import PackageNotFoundError, files
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from numpy.ctypeslib import ndpointer
 from scipy.sparse import csr_matrix, eye
 
 from ..sparse import same_pattern, with_data
@@ -45,7 +46,7 @@ class Pardiso:
     name = "MKL PARDISO"
 
     def __init__(self) -> None:
-        self._library = _Library()
+        self._library = _library()
         self._analysis: _Analysis | None = None
         self._factored: csr_matrix | None = None
 
@@ -147,6 +148,7 @@ class _Analysis:
 
     def solve(self, b: ndarray) -> ndarray:
         """Solve with the matrix factored last."""
+        b = np.ascontiguousarray(b)
         x = np.empty_like(b)
         self._call(SOLVE, self._values, self._rows, self._columns, b, x)
         return x
@@ -162,6 +164,12 @@ class _Analysis:
 def _ones(A: csr_matrix) -> csr_matrix:
     """Return the pattern of A with entries one, so that sums keep the pattern."""
     return with_data(A, np.ones(A.nnz))
+
+
+@cache
+def _library() -> _Library:
+    """Return the entry points of MKL, which are found once."""
+    return _Library()
 
 
 class _Call:
@@ -181,27 +189,50 @@ class _Call:
         if entries <= FEW:
             self._options[1] = 0
         self._options[27] = single
+        # arguments that are the same in every call
+        self._one = _integer(1)
+        self._zero = _integer(0)
+        self._type = _integer(kind)
+        self._addresses = self._handle.ctypes.data, self._options.ctypes.data
 
     def __call__(
         self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray
     ) -> None:
-        # Wrap the arguments as arrays of Fortran's integers.
-        one, zero, error, kind, phases, size = (
-            np.array([value], dtype=np.int32)
-            for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
-        )
-        b, x = vectors or (np.zeros(1), np.zeros(1))
-        matrix = kind, phases, size, values, rows, columns
+        # Give the addresses of the arguments.
+        one, zero, error = self._one, self._zero, _integer(0)
+        handle, options = self._addresses
+        matrix = [each.ctypes.data for each in (values, rows, columns)]
+        b, x = (each.ctypes.data for each in vectors) if vectors else (None, None)
+        size = _integer(len(rows) - 1)
+
         # Use the threads of the analysis for this call alone.
         before = self._library.limit(self._threads)
         self._library.pardiso(
-            self._handle, one, one, *matrix, zero, one, self._options, zero, b, x, error
+            handle,
+            one,
+            one,
+            self._type,
+            _integer(phase),
+            size,
+            *matrix,
+            zero,
+            one,
+            options,
+            zero,
+            b,
+            x,
+            error,
         )
         self._library.limit(before)
         if error[0] == OUT_OF_MEMORY:
             raise MemoryError("PARDISO: not enough memory for the factor")
         if error[0] != 0:
             raise RuntimeError(f"PARDISO stopped with error {error[0]}")
+
+
+def _integer(value: int) -> Any:
+    """Return an integer that a library reads and changes by its address."""
+    return (c_int * 1)(value)
 
 
 class _Library:
@@ -216,11 +247,7 @@ class _Library:
         from pypardiso import ps
 
         self.pardiso = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
-        handle = ndpointer(np.intp, flags="C")
-        integers = ndpointer(np.int32, flags="C")
-        reals = ndpointer(flags="C")
-        inputs = [handle, *5 * [integers], reals, *6 * [integers]]
-        self.pardiso.argtypes = [*inputs, reals, reals, integers]
+        self.pardiso.argtypes = 16 * [c_void_p]
         self.pardiso.restype = None
         # threads of this thread of Python; the call returns the last number
         self.limit = ps.libmkl["MKL_Set_Num_Threads_Local"]
