@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..checks import trusting
 from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, warn
 from ..forms.base import Form, solids_of, summaries
@@ -495,6 +496,7 @@ def _along(
     start_x = last.x
     farthest = _farthest(system, path)
     driven = not np.array_equal(path(0.0)[1], path(1.0)[1])
+    solve = solve_step
     while last.fraction < 1.0:
         _check_size(way, system, last, _moved(last, start_x), farthest)
 
@@ -508,7 +510,7 @@ def _along(
         step = Step(system, last.x, last.states, load, prescribed, start)
         interval = Interval(path, last.fraction, fraction, duration)
         try:
-            new, errors = solve_step(step, interval, newton, stepping.try_recovery)
+            new, errors = solve(step, interval, newton, stepping.try_recovery)
             states = last.states, new.states
             times = last.time, time
             share = fraction - last.fraction
@@ -532,14 +534,21 @@ def _along(
         percent = 100 * fraction
         logger.debug("%s: %.2f%% in %d iterations", way, percent, new.iterations)
         stepping.accept(fraction, new.iterations, new.equilibria)
-        last = _accepted(last, step, new, fraction, time)
-        last = replace(last, next_step=stepping.allowed * duration if duration else np.inf)
+        next_step = stepping.allowed * duration if duration else np.inf
+        last = _accepted(last, step, new, fraction, time, next_step)
         predictor.accept(last.x, last.load, time)
+        solve = trusting(solve_step)  # the first increment has checked the forms' responses
         yield last
 
 
+@trusting
 def _accepted(
-    last: StageResult, step: Step, new: Equilibrium, fraction: float, time: float
+    last: StageResult,
+    step: Step,
+    new: Equilibrium,
+    fraction: float,
+    time: float,
+    next_step: float,
 ) -> StageResult:
     """Return the result of an increment that follows the last one."""
     forms = step.system.forms
@@ -556,6 +565,7 @@ def _accepted(
         time=time,
         layout=step.system.layout,
         before=(last.x, last.load, last.time),
+        next_step=next_step,
     )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import time
 
+import numpy as np
 import pytest
 
 import skfem_contact as sc
@@ -31,3 +33,31 @@ def test_many_stages_begin_at_once():
 
     seconds(1)
     assert seconds(20_000) < 30.0 * seconds(2_000)
+
+
+def test_an_increment_costs_as_much_after_many():
+    """Checks of arguments do not go through the increments that have been accepted before."""
+    basis = halves()
+    model = sc.Model(
+        {"both": sc.SolidForm(basis, ELASTIC)}, [basis.get_dofs(f"{k}:bottom").all() for k in "lr"]
+    )
+    load = sc.weight(basis, 1.0)
+    count = 0
+    counts = []
+
+    def called(frame, event, argument):
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    def accepted(stage):
+        counts.append(count)
+
+    sys.setprofile(called)
+    try:
+        model.run([sc.Stage("load", load, increments=400)], on_increment=accepted, progress=False)
+    finally:
+        sys.setprofile(None)
+    calls = np.diff(counts)
+    assert len(calls) == 399
+    # a few increments update the bar of progress
+    assert np.median(calls[300:]) == np.median(calls[5:100])
