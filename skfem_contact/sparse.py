@@ -40,7 +40,7 @@ def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
 
 
 class Scattering:
-    """Places of a form's matrices among n dofs, found again only for another pattern."""
+    """Slots of a form's matrices among n dofs, found again only for another pattern."""
 
     def __init__(self) -> None:
         self._last: tuple[csr_matrix, csr_matrix] | None = None  # of the form, and among all dofs
@@ -64,17 +64,18 @@ class Scattering:
         return wide
 
     def _serves(self, K: csr_matrix, dofs: ndarray | None, n: int) -> bool:
-        """Return True if the entries of K have the places of the last ones."""
+        """Return True if the entries of K have the slots of the last ones."""
         assert self._last is not None
         local, wide = self._last
         if wide.shape[0] != n or local.shape != K.shape:
             return False
-        if dofs is not self._dofs and not np.array_equal(dofs, self._dofs):
+        known = self._dofs
+        if dofs is not known and (dofs is None or known is None or not np.array_equal(dofs, known)):
             return False
         return local is K or (K.has_canonical_format and same_pattern(K, local))
 
     def _found(self, K: csr_matrix, dofs: ndarray | None, n: int) -> csr_matrix:
-        """Find the places of the entries, and return a matrix that has their pattern."""
+        """Find the slots of the entries, and return a matrix that has their pattern."""
         self._dofs = dofs
         self._slots = None
         if dofs is None:

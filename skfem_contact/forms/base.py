@@ -103,7 +103,7 @@ class Response:
         return self._dofs is not None
 
     def padded(self, n: int, scattering: Scattering | None = None) -> Response:
-        """Return the response among n dofs; `scattering` keeps the places of its matrices."""
+        """Return the response among n dofs; `scattering` keeps the slots of its matrices."""
         dofs = self._dofs
         if dofs is None and len(self.force) == n:
             return self
@@ -114,14 +114,14 @@ class Response:
                 return np.concatenate((values, np.zeros(n - len(values))))
             return np.bincount(dofs, values, minlength=n)
 
-        places = scattering or Scattering()
+        slots = scattering or Scattering()
         round_off = self.round_off
         force = spread(self.force)
         return Response(
             force,
             lambda: self.state,
-            stiffness=lambda: places.of(self.stiffness, dofs, n),
-            damped=lambda: places.of(self.damped, dofs, n),
+            stiffness=lambda: slots.of(self.stiffness, dofs, n),
+            damped=lambda: slots.of(self.damped, dofs, n),
             round_off=spread(round_off) if isinstance(round_off, np.ndarray) else round_off,
             active=self.active,
             measure=force if self.measure is self.force else spread(self.measure),
@@ -354,14 +354,14 @@ def responses_of(
     forms: Mapping[str, Form],
     x: ndarray,
     states: Mapping[str, Any],
-    places: Mapping[str, Scattering] | None = None,
+    slots: Mapping[str, Scattering] | None = None,
 ) -> dict[str, Response]:
-    """Return the responses of the forms among all dofs, with the places of their matrices."""
-    places = defaultdict(Scattering) if places is None else places
+    """Return the responses of the forms among all dofs, with the slots of their matrices."""
+    slots = defaultdict(Scattering) if slots is None else slots
     responses = {}
     for name, form in forms.items():
         response = form.assemble(x[: form.size], states[name])
-        responses[name] = response.padded(len(x), places[name])
+        responses[name] = response.padded(len(x), slots[name])
     return responses
 
 

@@ -45,7 +45,7 @@ class System:
         self.free = others(layout.size, fixed)
         self._solver = solver
         self._total = Total()
-        self._places: defaultdict[str, Scattering] = defaultdict(Scattering)
+        self._slots: defaultdict[str, Scattering] = defaultdict(Scattering)
         self._scale = layout.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
@@ -118,7 +118,7 @@ class System:
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
         try:
-            return responses_of(self.forms, x, states, self._places)
+            return responses_of(self.forms, x, states, self._slots)
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", x) from error
 
