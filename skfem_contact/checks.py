@@ -7,7 +7,8 @@ import functools
 import inspect
 import sys
 from collections import ChainMap
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import cycle
 from threading import local
 from types import FunctionType, NoneType, UnionType
@@ -19,7 +20,6 @@ from typing import (
     NoReturn,
     TypeVar,
     Union,
-    cast,
     get_args,
     get_origin,
     get_type_hints,
@@ -33,7 +33,6 @@ from skfem import CellBasis, ElementVector, Mesh
 from skfem.quadrature import get_quadrature
 
 T = TypeVar("T")
-F = TypeVar("F", bound=Callable[..., Any])
 #: Likeness of names, of 1, from which a message suggests one: "lft" and "left" have .86, "fill"
 #: and "hill" .75, "clay" and "sand" .25.
 _ALIKE = 0.7
@@ -462,22 +461,18 @@ class _Calls(local):
 _calls = _Calls()
 
 
-def trusting(function: F) -> F:
-    """Return a function within which calls are trusted: their arguments are not checked.
+@contextmanager
+def trusted_calls(trust: bool = True) -> Iterator[None]:
+    """Do not check the arguments of calls within the block.
 
     Iterations evaluate the same forms again and again, whose first evaluation was checked.
     """
-
-    @functools.wraps(function)
-    def trusted(*args: Any, **named: Any) -> Any:
-        before = _calls.trusted
-        _calls.trusted = True
-        try:
-            return function(*args, **named)
-        finally:
-            _calls.trusted = before
-
-    return cast(F, trusted)
+    before = _calls.trusted
+    _calls.trusted = before or trust
+    try:
+        yield
+    finally:
+        _calls.trusted = before
 
 
 @functools.cache

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..checks import look_up
+from ..checks import look_up, trusted_calls
 from ..errors import NotConverged, warn
 from ..forms.base import Form
 from ..forms.roles import Reducible, Staged, changed, having
@@ -478,9 +478,10 @@ def correct(
     guess = np.append(x, last.parameter + 0.5 * (last.parameter - before.parameter))
     curve = _Curve(branch, control, last, points[0], work)
     try:
-        now, norms = iterate(
-            curve.evaluate(guess), curve, newton, branch.search, at_least=1, damp=True
-        )
+        with trusted_calls():
+            now, norms = iterate(
+                curve.evaluate(guess), curve, newton, branch.search, at_least=1, damp=True
+            )
     except NotConverged as error:
         if error.x is not None:
             error.x = error.x[: len(control)]

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
-from ..checks import is_number, trusting
+from ..checks import is_number
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Response
 from ..solvers.direct import SingularSystem
@@ -424,7 +424,6 @@ class _History:
         )
 
 
-@trusting
 def iterate(
     now: Evaluation,
     problem: Problem,

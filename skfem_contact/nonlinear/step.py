@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..checks import trusted_calls
 from ..errors import NoEquilibrium, NotConverged
 from ..solvers.direct import REFINE, SingularSystem, Solve
 from .accelerated import Accelerated
@@ -115,14 +116,16 @@ class Step:
             balance.choose_accuracy(search)
             try:
                 # no name for the first evaluation: its tangent would stay in memory
-                now, norms = iterate(
-                    balance.evaluate(start),
-                    balance,
-                    settings,
-                    search,
-                    at_least=attempt.at_least,
-                    damp=attempt.damp,
-                )
+                first = [balance.evaluate(start)]
+                with trusted_calls():
+                    now, norms = iterate(
+                        first.pop(),
+                        balance,
+                        settings,
+                        search,
+                        at_least=attempt.at_least,
+                        damp=attempt.damp,
+                    )
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0 :]
                 last = search == attempt.searches[-1]

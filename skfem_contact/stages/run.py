@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..checks import trusting
+from ..checks import trusted_calls
 from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, warn
 from ..forms.base import Form, solids_of, summaries
@@ -496,7 +496,7 @@ def _along(
     start_x = last.x
     farthest = _farthest(system, path)
     driven = not np.array_equal(path(0.0)[1], path(1.0)[1])
-    solve = solve_step
+    trust = False
     while last.fraction < 1.0:
         _check_size(way, system, last, _moved(last, start_x), farthest)
 
@@ -510,7 +510,8 @@ def _along(
         step = Step(system, last.x, last.states, load, prescribed, start)
         interval = Interval(path, last.fraction, fraction, duration)
         try:
-            new, errors = solve(step, interval, newton, stepping.try_recovery)
+            with trusted_calls(trust):
+                new, errors = solve_step(step, interval, newton, stepping.try_recovery)
             states = last.states, new.states
             times = last.time, time
             share = fraction - last.fraction
@@ -535,13 +536,13 @@ def _along(
         logger.debug("%s: %.2f%% in %d iterations", way, percent, new.iterations)
         stepping.accept(fraction, new.iterations, new.equilibria)
         next_step = stepping.allowed * duration if duration else np.inf
-        last = _accepted(last, step, new, fraction, time, next_step)
+        with trusted_calls():
+            last = _accepted(last, step, new, fraction, time, next_step)
         predictor.accept(last.x, last.load, time)
-        solve = trusting(solve_step)  # the first increment has checked the forms' responses
+        trust = True  # the first increment has checked the forms' responses
         yield last
 
 
-@trusting
 def _accepted(
     last: StageResult,
     step: Step,
