@@ -105,3 +105,12 @@ def test_bearing_beside_a_limit_load():
     Nq = np.exp(np.pi * np.tan(phi)) * np.tan(np.pi / 4 + phi / 2) ** 2
     found = sc.design.bearing_resistance(2.0, vertical=100.0, c=10.0, phi=25.0)
     assert np.isclose(found.pressure, 10.0 * (Nq - 1.0) / np.tan(phi))
+
+
+def test_inclined_load_beside_a_surcharge():
+    """[X] A strip without weight and cohesion bears q N_q (1 - H/V)^2."""
+    found = sc.design.bearing_resistance(
+        2.0, vertical=100.0, horizontal=20.0, phi=30.0, surcharge=18.0
+    )
+    Nq = np.exp(np.pi * np.tan(np.pi / 6)) * np.tan(np.pi / 3) ** 2
+    assert found.pressure == pytest.approx(18.0 * Nq * 0.8**2, rel=1e-12)

@@ -535,3 +535,11 @@ def test_reset_of_an_own_form():
     )
     with pytest.raises(ValueError, match=r"force of 'spring' changes .* rebased"):
         result.reset()
+
+
+def test_stiffness_with_a_factor():
+    """[X] A form of one region takes one factor; without any its stiffness is zero."""
+    K = np.array([[2.0, -1.0], [-1.0, 3.0]])
+    form = sc.MatrixForm(K)
+    assert np.array_equal(form.scaled_stiffness({"spring": 2.0}).toarray(), 2.0 * K)
+    assert not form.scaled_stiffness({}).toarray().any()

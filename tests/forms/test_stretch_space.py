@@ -30,3 +30,14 @@ def test_a_plane_stretch_in_space() -> None:
     assert np.abs(b.second(in_space(t)) - in_space(S)).max() < 1e-13
     moduli = b.moduli(D, in_space(S))[:, :4, :4]
     assert np.abs(moduli - a.moduli(D[:, :4, :4], S)).max() < 1e-12 * np.abs(moduli).max()
+
+
+def test_growth_is_the_determinant() -> None:
+    """[X] det F - 1, with full digits for small gradients."""
+    rng = np.random.default_rng(8)
+    gradient = 0.3 * rng.normal(size=(9, 7))
+    F = np.eye(3) + gradient.T.reshape(-1, 3, 3)
+    np.testing.assert_allclose(SpaceStretch.growth(gradient), np.linalg.det(F) - 1.0, rtol=1e-12)
+    small = 1e-12 * gradient
+    trace = small[[0, 4, 8]].sum(axis=0)
+    np.testing.assert_allclose(SpaceStretch.growth(small), trace, rtol=1e-10)

@@ -26,6 +26,7 @@ from skfem.generic_utils import OrientedBoundary
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, join_bodies
+from skfem_contact.mesh.connections import outside_of, touching_sides
 
 KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
 SQUARE = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
@@ -340,3 +341,11 @@ def test_whole_meshes_are_told_nothing(kind):
     mesh = kind.init_tensor(line, line, line) if kind in (MeshHex1, MeshTet1) else grid(kind)
     assert not told(mesh)
     assert not told(join_bodies({"a": mesh, "b": mesh.translated(np.full(mesh.dim(), 1.1))}))
+
+
+def test_one_side_touches_no_other():
+    """A single side has no pairs; both lists of them are empty."""
+    outside = outside_of(MeshQuad1().refined(1))
+    alone = outside.part(np.arange(len(outside.facets)) == 0)
+    first, second = touching_sides(alone)
+    assert len(first) == len(second) == 0

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 import meshio
 import numpy as np
 import pytest
-from skfem import Basis, FacetBasis
+from skfem import Basis, FacetBasis, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
@@ -813,3 +813,14 @@ def test_files_of_scikit_fem_keep_names_with_colons(tmp_path):
     lengths = {name: side_of(again, name) for name in again.boundaries}
     assert lengths == {name: pytest.approx(1.0) for name in mesh.boundaries}
     assert len(lengths) == 8
+
+
+def test_numbers_of_cells_name_groups(tmp_path):
+    """Every number of a cell from zero on is a group of its own; cells below zero have none."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 1, 2))
+    file = tmp_path / "numbered.vtu"
+    points = np.vstack((mesh.p, np.zeros(8))).T
+    data = {"layer": [np.array([2, -1, 5])]}
+    meshio.Mesh(points, [("quad", mesh.t.T)], cell_data=data).write(file)
+    parts = {name: len(part) for name, part in sc.load_mesh(file).subdomains.items()}
+    assert parts == {"layer 2": 1, "layer 5": 1}
