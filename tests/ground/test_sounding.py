@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
+from skfem_contact.ground.sounding import _joined
 
 
 def sounding(cone, sleeve, depth=None, water=0.0, **more):
@@ -91,6 +92,14 @@ def test_layers_and_a_thin_one():
     assert with_lens == ("firm", "soft", "firm 2", "soft 2")
     with pytest.raises(ValueError, match="soils has no name for zone 2"):
         test.column({3: "clay"})
+
+
+def test_a_thin_layer_is_joined_to_the_one_that_is_like_it():
+    """[X] Bounds lie between readings; the layer above or below of the nearer index grows."""
+    depth, names = np.arange(0.5, 7.0), [*"AAABCCC"]
+    for index, ends in ((2.1, [("A", 4.0), ("C", 6.5)]), (2.9, [("A", 3.0), ("C", 6.5)])):
+        indices = np.array([2.0, 2.0, 2.0, index, 3.0, 3.0, 3.0])
+        assert _joined(depth, names, indices, 1.5) == ends
 
 
 def test_readings_without_values_make_no_layer():
