@@ -83,6 +83,14 @@ def test_ags_with_the_units_of_its_headings(tmp_path, unit):
     assert site.remarks == ("'TP' has no layers and no cone penetration test",)
 
 
+def test_thin_gaps_between_layers_are_told(tmp_path):
+    """[X] A gap of 5 cm is a remark as well."""
+    file = ags(tmp_path / "site.ags")
+    file.write_text(file.read_text().replace('"6.00","12.00"', '"5.05","12.00"'))
+    borehole = sc.ground.read_ags(file).boreholes["B1"]
+    assert any("nothing is described from 5 to 5.05 m" in text for text in borehole.remarks)
+
+
 def test_readings_that_are_missing_stay_missing(tmp_path):
     """[X] Empty fields and codes of -9999 are NaN, and are told."""
     rows = ['"DATA","C1","1","0.10","8.0","40",""', '"DATA","C1","1","0.20","","40",""']

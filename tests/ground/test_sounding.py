@@ -47,6 +47,12 @@ def test_exponent_of_stresses_is_that_of_the_index():
     assert (found["zone"] == 6).sum() > 80
 
 
+def test_small_friction_counts():
+    """[X] Any friction above zero has a ratio."""
+    found = sounding(8000.0, 0.05).behaviour(unit_weight=20.0)
+    assert found["F_r"][49] == pytest.approx(100.0 * 0.05 / 7900.0)
+
+
 def test_profiles_name_their_correlations():
     """[X] Each formula, by hand, and where it is not meant for the soil."""
     sand = sounding(8000.0, 40.0)
@@ -69,7 +75,7 @@ def test_profiles_name_their_correlations():
     assert stiffness == pytest.approx(0.015 * 10 ** (0.55 * index + 1.68) * 7900.0)
     with pytest.raises(ValueError, match="no correlation for 'c'; known are unit_weight, phi"):
         sand.profile("c")
-    with pytest.raises(ValueError, match="'phi' has no constant 'N_kt'"):
+    with pytest.raises(ValueError, match="'phi' has no constant 'N_kt'; known: none"):
         sand.profile("phi", 20.0, N_kt=14.0)
     with pytest.raises(ValueError, match="no su between the depths 1 and 2"):
         sand.profile("su", 20.0).between(1.0, 2.0)

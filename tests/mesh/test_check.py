@@ -26,7 +26,7 @@ from skfem.generic_utils import OrientedBoundary
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, join_bodies
-from skfem_contact.mesh.connections import outside_of, touching_sides
+from skfem_contact.mesh.connections import loose_links, outside_of, touching_sides
 
 KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
 SQUARE = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
@@ -341,6 +341,14 @@ def test_whole_meshes_are_told_nothing(kind):
     mesh = kind.init_tensor(line, line, line) if kind in (MeshHex1, MeshTet1) else grid(kind)
     assert not told(mesh)
     assert not told(join_bodies({"a": mesh, "b": mesh.translated(np.full(mesh.dim(), 1.1))}))
+
+
+def test_links_of_a_chain():
+    """[X] Three squares in a row that share corners: two nodes link them, and no other."""
+    square = MeshQuad1()
+    chain = square + square.translated((1.0, 1.0)) + square.translated((2.0, 2.0))
+    links = chain.p[:, loose_links(chain)]
+    assert sorted(links[0]) == [1.0, 2.0]
 
 
 def test_one_side_touches_no_other():

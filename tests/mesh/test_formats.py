@@ -12,10 +12,11 @@ from importlib.util import find_spec
 import meshio
 import numpy as np
 import pytest
-from skfem import Basis, FacetBasis, MeshQuad
+from skfem import Basis, FacetBasis, MeshHex, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
+from skfem_contact.mesh.formats.abaqus import _kind_of
 from skfem_contact.mesh.kinds import KINDS
 
 FILE = resources.files("skfem_contact") / "data" / "culvert.msh"
@@ -824,3 +825,21 @@ def test_numbers_of_cells_name_groups(tmp_path):
     meshio.Mesh(points, [("quad", mesh.t.T)], cell_data=data).write(file)
     parts = {name: len(part) for name, part in sc.load_mesh(file).subdomains.items()}
     assert parts == {"layer 2": 1, "layer 5": 1}
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("B21", "line"), ("B22", "line3"), ("B31H", "line"), ("B32OS", "line3"), ("T3D2", "line")],
+)
+def test_types_of_bars_and_beams(name, kind):
+    """[X] The last digit of a beam of Abaqus is its order, that of a bar its number of nodes."""
+    assert _kind_of(name)[0] == kind
+
+
+def test_zones_of_flac_count_from_one(tmp_path):
+    """Zones and faces have numbers of their own."""
+    file = tmp_path / "block.f3grid"
+    save_mesh(MeshHex().with_boundaries({"bottom": lambda x: x[2] < 0.1}), file)
+    words = [line.split()[:3] for line in file.read_text().splitlines()]
+    assert [row[2] for row in words if row[:1] == ["Z"]] == ["1"]
+    assert [row[2] for row in words if row[:1] == ["F"]] == ["1"]
