@@ -31,3 +31,16 @@ def test_wrong_forces_are_refused(force, message):
         sc.traction(basis, "top", force)
     with pytest.raises(ValueError, match="no boundary 'roof'; existing: bottom, left, right, top"):
         sc.traction(basis, "roof", (0.0, 1.0))
+
+
+def test_load_on_the_sides_of_a_footing_is_told(recwarn: pytest.WarningsRecorder) -> None:
+    """[X] A footing 2 m wide that stands .5 m high on the ground has a surface of 3 m: an even load
+    on it is 3 / 2 of the load on its top.
+    """
+    section = sc.section.footing(2.0, 0.5, {"sand": -6.0}, size=2.0)
+    basis = vector_basis(section.mesh(), "P1")
+    on_top = sc.traction(basis, "footing:top", (0.0, -75.0)).sum()
+    assert not recwarn.list
+    with pytest.warns(sc.AnalysisWarning, match="holds the sides of 'footing' as well, 1 of 3,"):
+        everywhere = sc.traction(basis, "footing:surface", (0.0, -75.0)).sum()
+    np.testing.assert_allclose((on_top, everywhere), (-150.0, -225.0), rtol=1e-12)
