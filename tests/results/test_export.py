@@ -149,3 +149,20 @@ def pyvista_element(kind):
     coordinates = cell.GetParametricCoords()
     n = cell.GetNumberOfPoints()
     return np.array([coordinates[k] for k in range(3 * n)]).reshape(n, 3)
+
+
+def test_beams_of_what_meshio_reads(tmp_path):
+    """[X] Cells of a beam have its own points, after those of the solid, with its deflection."""
+    basis = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+    beam = sc.Beam(None, [[2.0, 0.0], [3.0, 0.0], [5.0, 0.0]], EI=1.0, EA=1e3, GA=1e9)
+    forms = {"plate": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.0)), "beam": beam}
+    model = sc.Model(forms, [*range(basis.N), *beam.dofs((2.0, 0.0))])
+    load = model.forms["beam"].load((0.0, 0.01), at=(5.0, 0.0))
+    stage = model.run([sc.Stage("tip", load)], progress=False)["tip"]
+    stage.to_vtu(tmp_path / "beam.vtu")
+    mesh = meshio.read(tmp_path / "beam.vtu")
+    [cells] = [block.data for block in mesh.cells if block.type == "line3"]
+    ends_and_middle = [[2.0, 3.0, 2.5], [3.0, 5.0, 4.0]]
+    np.testing.assert_allclose(mesh.points[cells][:, :, 0], ends_and_middle)
+    tip = mesh.point_data["displacement"][cells[1, 1], 1]
+    assert tip == pytest.approx(0.01 * 3.0**3 / 3.0, rel=1e-6)
