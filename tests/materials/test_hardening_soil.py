@@ -229,6 +229,13 @@ def test_bad_parameters(changes: dict[str, Any], message: str) -> None:
         sand(**changes)
 
 
+def test_moduli_in_gigapascal() -> None:
+    """[X] Small numbers are moduli as well: the same law as in kPa, with 1e-6 of its moduli."""
+    small = {name: 1e-6 * value for name, value in HOSTUN.items() if name.endswith("_ref")}
+    law = sc.HardeningSoil(**(HOSTUN | small), c=5e-6, psi=14.0)
+    assert law.Eur_ref == 1e-6 * HOSTUN["Eur_ref"]
+
+
 def test_bad_initial_stress() -> None:
     inside = stresses(6, 4)
     outside, torn = inside.copy(), inside.copy()

@@ -44,6 +44,16 @@ def sheared(
     return np.array(history)[:, :, 0, 0]
 
 
+@pytest.mark.parametrize("increments", [1, 2, 3, 7])
+def test_the_limit_is_crossed_in_any_increments(increments: int) -> None:
+    """[X] Stress at twice the shear strain from where on the modulus is that of unloading."""
+    limit = ((G0 / UNLOADING) ** 0.5 - 1) * THRESHOLD / 0.385
+    path = np.linspace(0, -2 * limit / 1.5, increments + 1)
+    stress = sheared(stiff(m=0.0), path, component=1, p=1e4)
+    exact = -G0 * limit / (1 + 0.385 * limit / THRESHOLD) - UNLOADING * limit
+    assert (stress[-1, 1] - stress[-1, 0]) / 2 == pytest.approx(exact, rel=1e-9)
+
+
 @pytest.mark.parametrize("increments", [1, 7])
 def test_secant_modulus_at_the_threshold(increments: int) -> None:
     """[X] 0.722 of G_0 at gamma_07, the difference of principal strains of a triaxial test, in any
