@@ -142,5 +142,8 @@ class Inertia(Form, Timed):
             v[self.still] = moved[self.still] / self._step
             return Motion(x, v, a, force, state.damped + float(viscous @ moved))
 
-        lost = _ROUND_OFF * float(np.linalg.norm(self._diagonal * x))
-        return Response(force, new, lambda: self._K, round_off=lost)
+        return Response(force, new, lambda: self._K, round_off=self.lost(x))
+
+    def lost(self, x: ndarray) -> float:
+        """Return the norm of forces that displacements of finite digits leave."""
+        return _ROUND_OFF * float(np.linalg.norm(self._diagonal * x))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -14,6 +15,8 @@ from ..nonlinear.system import System
 
 #: Name of the form of inertia in the system of a stage; results have its forces as `inertial`.
 INERTIA = "inertia"
+#: Time, kinetic, elastic, plastic, friction, damping, work.
+_COLUMNS = 7
 
 
 class _End(NamedTuple):
@@ -52,7 +55,7 @@ class Log:
         self._M = in_time.M
         self._points = in_time.points
         self._in_time = in_time
-        self._rows: list[tuple[float, ...]] = []
+        self._rows = array("d")  # a list of numbers takes five times the memory
         self._motions: list[ndarray] = []
         self._base: list[ndarray] = []
         self._began = 0.0
@@ -81,7 +84,7 @@ class Log:
         self._last = now
         kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
         dissipated = self._plastic, self._friction, motion.damped
-        self._rows.append((time, kinetic, self._elastic, *dissipated, self._work))
+        self._rows.extend((time, kinetic, self._elastic, *dissipated, self._work))
         if self._points.size:
             at_points = (motion.x, motion.velocity, motion.acceleration)
             self._motions.append(np.array([values[self._points] for values in at_points]))
@@ -108,7 +111,7 @@ class Log:
 
     def series(self) -> dict[str, ndarray]:
         """Return energies, (n, 7), motions, (n, 3, n_points, dim), and base, (n, 3, dim)."""
-        found = {"energy": np.array(self._rows)}
+        found = {"energy": self._energies.copy()}
         if self._motions:
             found["motion"] = np.array(self._motions)
             found["points"] = self._points
@@ -116,17 +119,22 @@ class Log:
             found["base"] = np.array(self._base)
         return found
 
+    @property
+    def _energies(self) -> ndarray:
+        """Energies of all steps, (n, 7), for as long as none is added."""
+        return np.frombuffer(self._rows).reshape(-1, _COLUMNS)
+
     def gained(self) -> float:
         """Return the energy that comes from nowhere, as a share of the largest one."""
-        _, kinetic, *spent, work = self._rows[-1]
-        first = self._rows[0][1]
+        _, kinetic, *spent, work = self._rows[-_COLUMNS:]
+        first = self._rows[1]
         inner = sum(spent[:-1])
         gained = kinetic + sum(spent) - first - work
         return gained / max(kinetic, abs(inner), first, abs(work), 1e-300)
 
     def missing(self) -> float:
         """Return the energy that the scheme has taken, as a share of the largest one."""
-        _, kinetic, elastic, plastic, friction, damped, work = np.array(self._rows).T
+        _, kinetic, elastic, plastic, friction, damped, work = self._energies.T
         inner = elastic + plastic + friction
         lost = kinetic[0] + work[-1] - kinetic[-1] - inner[-1] - damped[-1]
         largest = max(float(np.abs(each).max()) for each in (kinetic, inner, work))
@@ -134,7 +142,7 @@ class Log:
 
     def summary(self) -> str:
         """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
-        kinetic = np.array(self._rows)[:, 1]
+        kinetic = self._energies[:, 1]
         share = self.missing()
         return (
             f"kinetic energy {kinetic[-1]:.4g}, {round(share, 4) + 0.0:.2%} of the energy missing"

@@ -49,6 +49,9 @@ _STRONGEST, _DRIFT = 3.0, 0.2
 #: energy that unstable steps gain, as a share of the largest one.
 _STABLE, _SEEN, _GAINED = 0.9, 200, 0.2
 
+#: Share of the load that the digits of displacements may hide in short steps.
+_LOST = 1e-3
+
 #: Vector at a time since the start of the stage.
 OfTime = Callable[[float], ndarray]
 
@@ -301,8 +304,13 @@ class _Iterated:
         if not steps.failed:
             ahead = motion.x + h * motion.velocity + 0.5 * h**2 * motion.acceleration
             ahead[self._system.fixed] = prescribed
-        step = Step(self._system.over(h), last.x, states, load, prescribed, ahead)
-        new = solve_increment(step, self._newton)
+        # Digits of the displacements limit the inertia of short steps
+        system = self._system.over(h)
+        size = float(np.linalg.norm(load))
+        lost = system.forms[INERTIA].lost(motion.x)
+        tolerance = max(self._newton.tolerance, min(lost, _LOST * size) / max(size, 1e-300))
+        step = Step(system, last.x, states, load, prescribed, ahead)
+        new = solve_increment(step, replace(self._newton, tolerance=tolerance))
         found = dict(new.states)
         moved = found.pop(INERTIA)
         return _Taken(moved, new.forces, found, new.iterations, new.residuals[-1])
