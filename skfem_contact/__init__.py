@@ -48,6 +48,7 @@ from .mesh import join_bodies, load_mesh, save_mesh
 from .model import Model
 from .nonlinear.newton import Newton
 from .results import Sections, load_result
+from .stages.remeshing import remeshed
 from .stages.stage import Stage
 from .surfaces import rigid
 from .units import set_units
@@ -123,6 +124,7 @@ __all__ = [
     "load_result",
     "mesh",
     "moment_curvature",
+    "remeshed",
     "results",
     "rigid",
     "roles",

@@ -96,27 +96,17 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         # Check how they are to be joined.
         self.law = law
         self.quadrature = quadrature
-        if self.folds:
-            # Each wall is slave and master: each has half of the work, at points that stay
-            share = 0.5 * share
-            if quadrature == "segments":
-                self.quadrature = quadrature = _POINTS[self.slave.dim]
         self.tangent = tangent
         self.enforcement: Enforcement = Penalty() if enforcement is None else enforcement
         self.initial = initial
         self.share = share
-        if self.folds:
-            _check_fold(self.slave)
-        else:
-            _check_surfaces(self.slave, self.master)
         _check_settings(quadrature, initial, share)
         _check_law(law, len(self.slave.nodes))
-        if self.folds and self.enforcement.saddle:
-            raise ValueError(
-                f"'{self.slave.name}' against itself takes the penalty method or "
-                "AugmentedLagrangian, not DualMultipliers: each wall is slave and master"
-            )
-        self.enforcement.check(self.slave, law, quadrature, share)
+        if self.folds:
+            self._touch_itself()
+        else:
+            _check_surfaces(self.slave, self.master)
+        self.enforcement.check(self.slave, law, self.quadrature, self.share)
 
         # Multipliers are fields of the pair.
         self.saddle = self.enforcement.saddle
@@ -130,6 +120,18 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
                 penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
             )
             self.penalty = self.with_penalty(*both).penalty
+
+    def _touch_itself(self) -> None:
+        """Let each wall, which is slave and master, have half of the work at points that stay."""
+        _check_fold(self.slave)
+        if self.enforcement.saddle:
+            raise ValueError(
+                f"'{self.slave.name}' against itself takes the penalty method or "
+                "AugmentedLagrangian, not DualMultipliers: each wall is slave and master"
+            )
+        self.share = 0.5 * self.share
+        if self.quadrature == "segments":
+            self.quadrature = _POINTS[self.slave.dim]
 
     def _connect(self) -> None:
         adjusted = _adjusted(self.initial, self.law.bonds)

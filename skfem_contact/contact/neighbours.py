@@ -361,9 +361,10 @@ def _nearest_allowed(
         count = min(count, len(facet))
         farther = []
         for some in np.array_split(left, len(left) * count // (100 * _AT_ONCE) + 1):
-            distance, sample = tree.query(points[some], np.arange(1, count + 1))
+            found = tree.query(points[some], np.arange(1, count + 1))
+            distance = np.asarray(found[0])
             row = np.repeat(some, count)
-            excluded = excludes(row, facet[sample.ravel()]).reshape(distance.shape)
+            excluded = excludes(row, facet[np.ravel(found[1])]).reshape(distance.shape)
             first = np.where(excluded, np.inf, distance).min(axis=1)
             nearest[some] = first
             farther.append(some[np.isinf(first)])

@@ -15,7 +15,14 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import check_basis, check_quadrature, check_size, names, positive_order
+from ..checks import (
+    check_basis,
+    check_quadrature,
+    check_size,
+    format_point,
+    names,
+    positive_order,
+)
 from ..errors import Remark, warn
 from ..loads import by_element, weight, weight_matrix, weightless
 from ..materials import Material, Update
@@ -49,6 +56,8 @@ _ROUND_OFF = 8 * np.finfo(float).eps
 _UNLOADED = 1e-9
 #: Rotation (radians) that is remarked on: lengths are then off by 1 %.
 _TURN = 0.14
+#: Sine of an angle at a corner that is remarked on: about 10 degrees.
+_SHARP = 0.17
 #: Strain that is remarked on: it is off by a fifth of itself.
 _STRAIN = 0.2
 
@@ -631,6 +640,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         """Yield remarks on large rotations and strains, and on elements that lock."""
         if self._finite is None:
             yield from self._remarks_on_size(x, state)
+        elif self.basis.mesh.dim() == 2:
+            yield from self._remarks_on_shape(x)
         yield from self._remarks_on_weights(state)
         if self.strain == "full" and state.strain.any():
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
@@ -655,6 +666,24 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
             if yielded:
                 yield Remark("quadrature", yielded, advice)
+
+    def _remarks_on_shape(self, x: ndarray) -> Iterator[Remark]:
+        """Yield a remark on corners of elements in the plane that strains have made sharp."""
+        nodes = self.basis.nodal_dofs[:, self.basis.mesh.t[:, self.elements]]
+        places = self.basis.doflocs[:, nodes[0]]
+        before = _sines(places)
+        now = _sines(places + x[nodes])
+        sharp = (now < _SHARP) & (before > 2.0 * _SHARP)
+        if sharp.any():
+            k = int(np.argmin(np.where(sharp, now, np.inf).min(axis=0)))
+            where = format_point((places + x[nodes])[:, :, k].mean(axis=1))
+            angle = float(np.degrees(np.arcsin(max(now[sharp].min(), 0.0))))
+            yield Remark(
+                "shape",
+                1.0 - angle / 90.0,
+                f"{sharp.any(axis=0).sum()} elements have corners within {angle:.0f} degrees of a "
+                f"straight line, the worst at {where}: take a new mesh, remeshed(stage, size)",
+            )
 
     def _remarks_on_size(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Yield remarks on large rotations and strains that are taken for small."""
@@ -741,3 +770,13 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
+
+
+def _sines(corners: ndarray) -> ndarray:
+    """Return sines of the angles at corners (2, k, n) of elements, negative if turned over."""
+    after = np.roll(corners, -1, axis=1) - corners
+    before = np.roll(corners, 1, axis=1) - corners
+    cross = after[0] * before[1] - after[1] * before[0]
+    lengths = np.sqrt((after**2).sum(axis=0) * (before**2).sum(axis=0))
+    sine = cross / lengths
+    return np.asarray(sine * np.sign(sine.sum(axis=0)))
