@@ -8,8 +8,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.interpolate import CubicSpline
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshTri, MeshTri2
@@ -262,7 +262,9 @@ def _resampled(chain: Chain, size: SizeField) -> _Resampled:
 def _curve(s: ndarray, points: ndarray, closed: bool) -> Callable[[ndarray], ndarray]:
     """Return the cubic spline through points (n, 2) at lengths s; a straight line through two."""
     if len(points) > 3:
-        spline = CubicSpline(s, points, bc_type="periodic" if closed else "not-a-knot")
+        spline = scipy.interpolate.CubicSpline(
+            s, points, bc_type="periodic" if closed else "not-a-knot"
+        )
         return lambda at: np.asarray(spline(at))
     return lambda at: np.stack([np.interp(at, s, values) for values in points.T], axis=1)
 

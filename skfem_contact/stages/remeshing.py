@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.interpolate import LinearNDInterpolator
-from scipy.spatial import cKDTree
 from skfem import Mesh
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
@@ -234,9 +233,11 @@ class _Carrier:
     """Values at points of old parts, interpolated linearly; the nearest one outside of them."""
 
     def __init__(self, points: ndarray, values: ndarray) -> None:
-        self._tree = cKDTree(points)
+        self._tree = scipy.spatial.cKDTree(points)
         self._values = values
-        self._linear = LinearNDInterpolator(points, values) if len(points) > 3 else None
+        self._linear = (
+            scipy.interpolate.LinearNDInterpolator(points, values) if len(points) > 3 else None
+        )
 
     def at(self, x: ndarray) -> ndarray:
         """Return values at points (n, 2): (n, n_values)."""
@@ -346,7 +347,7 @@ def _nearest_stress(points: ndarray, solids: dict[str, Any], states: dict[str, A
     for key, form in solids.items():
         places.append(np.asarray(form.basis.global_coordinates()).reshape(2, -1).T)
         stresses.append(states[key].stress.reshape(4, -1))
-    nearest = cKDTree(np.concatenate(places)).query(points)[1]
+    nearest = scipy.spatial.cKDTree(np.concatenate(places)).query(points)[1]
     return np.asarray(np.concatenate(stresses, axis=1)[:, nearest])
 
 
@@ -358,11 +359,11 @@ def _closed(pair: Any, state: Any, stage: StageResult, key: str) -> Any:
     at_old = old.points(before).positions(slave + old.slave.middle)
     points = pair.points(state)
     at_new = points.positions(pair.slave.nodes)
-    internal = before.internal[:, cKDTree(at_old).query(at_new)[1]]
+    internal = before.internal[:, scipy.spatial.cKDTree(at_old).query(at_new)[1]]
     was_closed = before.status != 0
     near = np.isfinite(state.gap) & (np.abs(state.gap) < _TOUCHING * points.size)
     if was_closed.any():
-        distance, nearest = cKDTree(at_old[was_closed]).query(at_new)
+        distance, nearest = scipy.spatial.cKDTree(at_old[was_closed]).query(at_new)
         near &= distance < points.size
         status = np.where(near, before.status[was_closed][nearest], 0)
     else:
