@@ -29,7 +29,7 @@ def python_code(page: Path) -> str:
 
 
 #: Pages whose code takes more than 5 s.
-SLOW = ("collapse", "many_runs", "soil_tests", "water")
+SLOW = ("collapse", "many_runs", "options", "soil_tests", "water")
 CASES = [
     pytest.param(page, id=page.stem, marks=[pytest.mark.slow] if page.stem in SLOW else [])
     for page in PAGES
