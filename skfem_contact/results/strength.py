@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from scipy.spatial import cKDTree
 
 from ..checks import finite, look_up
 from ..errors import Remark
@@ -22,6 +23,8 @@ from .patch_recovery import projected, recovered, region_mesh, within_points
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
+#: Elements whose displacement is above this share of the largest belong to a mechanism.
+_MOVES = 0.05
 #: Mean excess pressure at a contact, as a share of its mean pressure, that is remarked on.
 _IN_FRICTION = 0.05
 
@@ -222,6 +225,7 @@ def drawdown(
     region: str | None,
     drained: tuple[float, float],
     total: tuple[float, float],
+    mechanism: ndarray | None = None,
 ) -> dict[str, ndarray]:
     """Return strengths after a rapid drawdown by region, (n_elements,) each.
 
@@ -232,22 +236,61 @@ def drawdown(
         look_up(region, dict.fromkeys(names), "region")
     c = drained[0]
     phi = np.radians(drained[1])
+    planes = None if mechanism is None else slip_planes(form, mechanism)
     strength = {}
     for one, stress, internal in form.at_regions(state):
         if region not in (None, one.name):
             continue
         effective, _ = one.material.drained(stress, internal)
-        values = _undrained(effective, c, phi, total)
+        plane = None if planes is None else planes[:, one.elements]
+        values = _undrained(effective, c, phi, total, plane)
         if after is not None:
             part = after.stress[:, one.elements]
-            normal, _ = _on_failure_plane(part, c, phi)
+            normal, _ = _consolidation(part, phi, plane)
             values = np.minimum(values, np.maximum(c + normal * np.tan(phi), 0.0))
         weight = form.weight[one.elements]
         strength[one.name] = (values * weight).sum(axis=1) / weight.sum(axis=1)
     return strength
 
 
-def _on_failure_plane(stress: ndarray, c: float, phi: float) -> tuple[ndarray, ndarray]:
+def slip_planes(form: SolidForm, mechanism: ndarray) -> ndarray:
+    """Return unit vectors along the displacements of a mechanism in elements, (2, n_elements, 1).
+
+    A mass slides along its slip surface. Elements that hardly move take the direction of the
+    nearest one that does.
+    """
+    field = np.asarray(form.basis.interpolate(mechanism[: form.basis.N]))
+    middle = np.asarray(form.basis.global_coordinates()).mean(axis=-1)
+    moved = field.mean(axis=-1)
+    size = np.linalg.norm(moved, axis=0)
+    moves = size > _MOVES * size.max()
+    nearest = cKDTree(middle[:, moves].T).query(middle.T)[1]
+    along = moved[:, moves] / size[moves]
+    return along[:, nearest, None]
+
+
+def _consolidation(stress: ndarray, phi: float, plane: ndarray | None) -> tuple[ndarray, ndarray]:
+    r"""Return normal stress on a failure plane, and the ratio of principal stresses.
+
+    On planes at :math:`45 + \varphi' / 2` degrees to the largest principal stress, or on given ones
+    with the ratio that follows if failure would occur on them (Duncan, Wright and Wong),
+
+    .. math:: K_c = \frac{\sigma_{fc} + \tau_{fc} (\sin\varphi' + 1) / \cos\varphi'}
+                        {\sigma_{fc} + \tau_{fc} (\sin\varphi' - 1) / \cos\varphi'} .
+    """
+    if plane is None:
+        return _on_failure_plane(stress, phi)
+    # Resolve the stresses, compression positive, along the plane t and across it.
+    x, y = plane
+    normal = -(stress[0] * y**2 + stress[1] * x**2 - 2.0 * stress[3] * x * y)
+    shear = np.abs((stress[1] - stress[0]) * x * y + stress[3] * (x**2 - y**2))
+    largest = normal + shear * (np.sin(phi) + 1.0) / np.cos(phi)
+    smallest = normal + shear * (np.sin(phi) - 1.0) / np.cos(phi)
+    ratio = np.divide(largest, smallest, out=np.full_like(normal, np.inf), where=smallest > 0.0)
+    return normal, ratio
+
+
+def _on_failure_plane(stress: ndarray, phi: float) -> tuple[ndarray, ndarray]:
     """Return normal stress on the failure plane, and the ratio of the principal stresses.
 
     Compression is positive, and principal stresses are those in the plane:
@@ -263,7 +306,13 @@ def _on_failure_plane(stress: ndarray, c: float, phi: float) -> tuple[ndarray, n
     return normal, ratio
 
 
-def _undrained(stress: ndarray, c: float, phi: float, total: tuple[float, float]) -> ndarray:
+def _undrained(
+    stress: ndarray,
+    c: float,
+    phi: float,
+    total: tuple[float, float],
+    plane: ndarray | None = None,
+) -> ndarray:
     r"""Return the undrained strength on the failure plane from stresses of consolidation.
 
     With the line of isotropic consolidation :math:`d + \sigma_{fc}' \tan\psi`,
@@ -273,7 +322,7 @@ def _undrained(stress: ndarray, c: float, phi: float, total: tuple[float, float]
     """
     c_R = total[0]
     phi_R = np.radians(total[1])
-    normal, ratio = _on_failure_plane(stress, c, phi)
+    normal, ratio = _consolidation(stress, phi, plane)
     normal = np.maximum(normal, 0.0)
     share = np.cos(phi) / (1.0 - np.sin(phi_R))
     isotropic = share * (c_R * np.cos(phi_R) + normal * np.sin(phi_R))

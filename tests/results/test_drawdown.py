@@ -88,3 +88,42 @@ def test_wrong_strengths():
             stage.drawdown_strength(
                 "clay", **({"c": C, "phi": PHI, "c_R": C_R, "phi_R": PHI_R} | given)
             )
+
+
+def test_strength_on_the_slip_planes_of_a_mechanism() -> None:
+    """[X] A block that slides level under K0 stresses: the vertical stress is normal to its plane,
+    without shear, so that the line of isotropic consolidation counts.
+    """
+    mesh = MeshQuad().refined(1).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    clay = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), unit_weight=10.0)
+    rest = sc.Model({"clay": clay}, sc.box_supports(basis)).k0_state(K0=0.5)["initial"]
+    level = basis.zeros()
+    level[basis.nodal_dofs[0]] = 1.0
+    given = {"c": 0.0, "phi": 30.0, "c_R": 2.0, "phi_R": 15.0}
+    found = rest.drawdown_strength("clay", mechanism=level, **given)["all"]
+    depth = 1.0 - mesh.p[1, mesh.t].mean(axis=0)
+    share = np.cos(np.pi / 6.0) / (1.0 - np.sin(np.pi / 12.0))
+    by_hand = share * (2.0 * np.cos(np.pi / 12.0) + 10.0 * depth * np.sin(np.pi / 12.0))
+    np.testing.assert_allclose(found, by_hand, rtol=1e-9)
+    with pytest.raises(ValueError, match="search the collapse on the same basis"):
+        rest.drawdown_strength("clay", mechanism=level[:4], **given)
+
+
+def test_strength_on_a_steep_slip_plane() -> None:
+    """[X] At 45 degrees the mean stress is normal, and the ratio follows from the shear."""
+    mesh = MeshQuad().refined(1).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    clay = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), unit_weight=10.0)
+    rest = sc.Model({"clay": clay}, sc.box_supports(basis)).k0_state(K0=0.5)["initial"]
+    found = rest.drawdown_strength(
+        "clay", c=0.0, phi=30.0, c_R=0.0, phi_R=15.0, mechanism=basis.zeros() + 1.0
+    )["all"]
+    depth = 1.0 - mesh.p[1, mesh.t].mean(axis=0)
+    normal, shear = 7.5 * depth, 2.5 * depth
+    ratio = (normal + shear * np.sqrt(3.0)) / (normal - shear / np.sqrt(3.0))
+    way = (ratio - 1.0) / 2.0  # sigma_1 / sigma_3 is 3 at failure
+    sine = np.sin(np.pi / 12.0)
+    isotropic = normal * np.cos(np.pi / 6.0) * sine / (1.0 - sine)
+    drained = normal * np.tan(np.pi / 6.0)
+    np.testing.assert_allclose(found, (1.0 - way) * isotropic + way * drained, rtol=1e-9)
