@@ -62,7 +62,7 @@ ROOMS = (
     "water",
 )
 #: Process time of tests with a mutation: ``LEAST + SLOWER * (time without)`` seconds.
-LEAST, SLOWER = 60.0, 10.0
+LEAST, SLOWER = 30.0, 3.0
 #: Process time of the tests of a mutation that run first, in seconds.
 QUICK = 3.0
 

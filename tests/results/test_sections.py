@@ -443,3 +443,19 @@ def test_pile_on_the_axis_of_revolution() -> None:
         found.N, -0.125 * (7.0 + 2.0 * np.array([1.0, 4 / 3, 5 / 3, 2.0])), rtol=1e-9
     )
     assert not found.V.any() and not found.M.any()
+
+
+def test_elements_within_the_depth():
+    """[X] A strip of 1 within a plate of 2 under tension of 3 has N = 3; the plate goes on, which
+    is told.
+    """
+    basis = vector_basis(grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 2, 41)), "Q1")
+    form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0))
+    held = [*basis.get_dofs("left").all("u^1"), *basis.get_dofs("bottom").all("u^2")]
+    model = sc.Model({"plate": form}, held)
+    load = model.traction("right", (3.0, 0.0))
+    stage = model.run([sc.Stage("pull", load)], progress=False)["pull"]
+    cut = sc.Sections.line((1.1, 1.0), (2.9, 1.0), depth=1.0, n=3)
+    with pytest.warns(sc.AnalysisWarning, match="depth is 1: forces are those of the elements"):
+        found = stage.section_forces("plate", cut)
+    np.testing.assert_allclose(found.N, 3.0, rtol=1e-9)

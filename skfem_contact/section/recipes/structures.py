@@ -106,19 +106,19 @@ def three_centres(
     '3.141593'
     """
     first, second = np.radians(vector(angles, 2, "angles"))
-    centre = vector(centre, 2, "centre")
+    middle = vector(centre, 2, "centre")
     total = first + second
     if not 0.0 < first < total < np.pi:
         raise ValueError(f"angles are positive and below 180 degrees together, not {angles!r}")
     # Right half: the arcs of crown and side meet in `upper`, the arcs of side and invert in `lower`
     at_upper: ndarray = np.array([np.sin(first), np.cos(first)])
     at_lower: ndarray = np.array([np.sin(total), np.cos(total)])
-    upper = centre + crown * at_upper
+    upper = middle + crown * at_upper
     lower = upper + side * (at_lower - at_upper)
 
     # Mirror it about the middle, anticlockwise
     across = np.array([-1.0, 1.0])
-    mirror = (2.0 * centre[0], 0.0)
+    mirror = (2.0 * middle[0], 0.0)
     points = [upper, across * upper + mirror, across * lower + mirror, lower]
     turns = np.array([2.0 * first, second, 2.0 * (np.pi - total), second])
     return Outline(points, np.tan(turns / 4.0))
