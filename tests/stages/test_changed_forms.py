@@ -123,3 +123,21 @@ def test_new_stiffness_of_structures_moves_nothing():
     assert more.states["bar"].force != pytest.approx(2.0 * one.states["bar"].force, rel=0.1)
     tip = model.forms["beam"].numbers((1.0, 7.0))
     assert np.allclose((more.x - two.x)[tip], 10.0 * one.x[tip], rtol=1e-9)
+
+
+def test_undrained_ground_that_becomes_softer_keeps_its_pressure():
+    """[X] Undrained before and after: total and excess stresses stay, nothing moves."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 1, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    before, after = (
+        sc.SolidForm(basis, sc.Undrained(sc.LinearElastic(E=E, nu=0.3), bulk_modulus_water=1e6))
+        for E in (1e4, 5e3)
+    )
+    model = sc.Model({"clay": before}, sc.box_supports(basis))
+    load = model.traction("top", (0.0, -100.0))
+    stages = [sc.Stage("load", load), sc.Stage("softer", load, change={"clay": after})]
+    result = model.run(stages, **QUIET)
+    pressures = [stage.pore_pressure("clay") for stage in result]
+    assert pressures[0].min() > 95.0
+    np.testing.assert_allclose(pressures[1], pressures[0], rtol=1e-9)
+    np.testing.assert_allclose(result[1].x, result[0].x, rtol=1e-9, atol=1e-12)
