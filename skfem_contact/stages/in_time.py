@@ -307,7 +307,9 @@ class _Iterated:
         # Digits of the displacements limit the inertia of short steps
         system = self._system.over(h)
         size = float(np.linalg.norm(load))
-        lost = system.forms[INERTIA].lost(motion.x)
+        inertia = system.forms[INERTIA]
+        assert isinstance(inertia, Inertia)
+        lost = inertia.lost(motion.x)
         tolerance = max(self._newton.tolerance, min(lost, _LOST * size) / max(size, 1e-300))
         step = Step(system, last.x, states, load, prescribed, ahead)
         new = solve_increment(step, replace(self._newton, tolerance=tolerance))
