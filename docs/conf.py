@@ -1,6 +1,7 @@
 """Sphinx configuration: MyST pages, numpydoc reference, executed gallery."""
 
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -112,8 +113,16 @@ def skip_tuple_fields(app, what, name, obj, skip, options):
     return skip or (type(obj).__name__ == "_tuplegetter")
 
 
+def write_reports(app):
+    """Write the reports that the guide links to, in a process of their own."""
+    environment = {k: v for k, v in os.environ.items() if k != "PYVISTA_BUILDING_GALLERY"}
+    script = Path(__file__).parent / "reports.py"
+    subprocess.run([sys.executable, str(script)], check=True, env=environment)
+
+
 def setup(app):
     """Connect our handlers; formulas without a network only name a file, so pages are read by
     several processes."""
     app.connect("autodoc-skip-member", skip_tuple_fields)
+    app.connect("builder-inited", write_reports)
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

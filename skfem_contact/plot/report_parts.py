@@ -156,7 +156,7 @@ def searches_of(searches: Mapping[str, Any]) -> Iterator[tuple[str, str, dict[st
     """Yield the title, the end, and the pictures of each search."""
     for stage, search in searches.items():
         pictures = {f"Curve of the {search.what}": load_curve(search)}
-        if basis_of(search.end).mesh.dim() == 2:
+        if has_solids(search.end) and basis_of(search.end).mesh.dim() == 2:
             pictures = {"Mechanism": mechanism(search)} | pictures
         yield f"{search.what}, {stage}", search.head, pictures
 

@@ -368,3 +368,15 @@ def test_word_document(result, tmp_path) -> None:
         with pytest.raises(ValueError, match=r"an \.html file"):
             result.report(tmp_path / wrong)
         assert not (tmp_path / wrong).exists()
+
+
+def test_search_without_solids_is_reported(tmp_path) -> None:
+    """[X] A cantilever with a plastic moment: the report holds its limit load and no mechanism."""
+    beam = sc.Beam(None, np.linspace((0.0, 0.0), (2.0, 0.0), 3), EI=100.0, EA=1e4, Mp=6.0)
+    model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0)))
+    tip = model.forms["beam"].load((0.0, -1.0), at=(2.0, 0.0))
+    result = model.run([sc.Stage("tip", tip)], progress=False)
+    found = model.limit_load(tip, progress=False)
+    text = result.report(tmp_path / "beam.html", searches={"tip": found}).read_text("utf-8")
+    assert "limit load, tip" in text
+    assert "Mechanism" not in text
