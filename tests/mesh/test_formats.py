@@ -17,7 +17,8 @@ from skfem import Basis, FacetBasis, MeshHex, MeshQuad
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
 from skfem_contact.mesh.formats.abaqus import _kind_of
-from skfem_contact.mesh.kinds import KINDS
+from skfem_contact.mesh.formats.nastran import _ORDER
+from skfem_contact.mesh.kinds import BY_NODES, KINDS
 
 FILE = resources.files("skfem_contact") / "data" / "culvert.msh"
 gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
@@ -843,3 +844,17 @@ def test_zones_of_flac_count_from_one(tmp_path):
     words = [line.split()[:3] for line in file.read_text().splitlines()]
     assert [row[2] for row in words if row[:1] == ["Z"]] == ["1"]
     assert [row[2] for row in words if row[:1] == ["F"]] == ["1"]
+
+
+def test_kinds_by_their_nodes():
+    """[X] Dimension and nodes of each kind: its corners, or the number in its name."""
+    for (dim, n_nodes), kind in BY_NODES.items():
+        digits = kind.lstrip("abcdefghijklmnopqrstuvwxyz")
+        assert KINDS[kind].dim == dim, kind
+        assert n_nodes == (int(digits) if digits else KINDS[kind].corners), kind
+
+
+def test_orders_of_nastran_are_permutations():
+    """[X] Every node has one place."""
+    for order in _ORDER.values():
+        assert sorted(order) == [*range(len(order))]
