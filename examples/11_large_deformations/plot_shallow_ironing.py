@@ -3,13 +3,13 @@ Shallow ironing
 ===============
 
 A round block is pressed into a slab a tenth as stiff and drawn along it, with friction 0.3 (after
-Fischer and Wriggers 2006). Both bodies strain and turn, and the contact slides over many facets.
-Points choose their facets between increments, so that kinks of the surfaces do not throw the
-iterations back and forth.
+Fischer and Wriggers 2006). Both are neo-Hookean, strain and turn, and the contact slides over many
+facets. Points choose their facets between increments, so that kinks of the surfaces do not throw
+the iterations back and forth.
 
 Six programs of other authors have a vertical force of 268 to 332 N/mm and a horizontal one of 55 to
-71 N/mm at the end of pressing, and 337 to 421 and 102 to 189 N/mm on the way. The forces of this
-coarse mesh, with the soft default penalty, are up to 4 % above these.
+71 N/mm at the end of pressing, and 337 to 421 and 102 to 189 N/mm on the way. The forces here lie
+within both. The law decides: with linear elasticity in logarithmic strains they are a tenth larger.
 """
 
 import json
@@ -42,7 +42,7 @@ basis = Basis(
 # The slab, which is longer, is the slave. Rules with points that do not move, here five on a facet,
 # suit long ways.
 
-rubber, hard = sc.LinearElastic(E=689.6, nu=0.32), sc.LinearElastic(E=6896.0, nu=0.32)
+rubber, hard = sc.NeoHooke(E=689.6, nu=0.32), sc.NeoHooke(E=6896.0, nu=0.32)
 forms = {
     "bodies": sc.SolidForm(basis, {"slab": rubber, "block": hard}, kinematics="finite"),
     "contact": sc.ContactPair(basis, "slab:top", "block:bottom", sc.Coulomb(mu=0.3), quadrature=5),
@@ -90,8 +90,7 @@ iterations = [sum(stage.iterations) for stage in result]
 print(f"pressed: V {V[9]:.0f}, H {H[9]:.0f} N/mm; drawn: V {V[-1]:.0f}, H {H[-1]:.0f} N/mm")
 print(f"{np.mean(iterations):.1f} iterations a stage")
 excess = max(V[9] / 332.0 - 1.0, H[9] / 71.0 - 1.0, V[-1] / 421.0 - 1.0, H[-1] / 189.0 - 1.0)
-# the mesh is coarse, and the shape of the block an arc that fits its width and height
-assert excess < 0.05
+assert excess < 0.0
 assert min(V[9] / 268.0, H[9] / 55.0, V[-1] / 337.0, H[-1] / 102.0) > 1.0
 # once all slides the forces hardly change from stage to stage
 assert np.abs(np.diff(V[14:])).max() < 0.02 * V[-1]
