@@ -463,7 +463,7 @@ _calls = _Calls()
 
 @contextmanager
 def trusted_calls(trust: bool = True) -> Iterator[None]:
-    """Do not check the arguments of calls within the block.
+    """Trust the arguments of calls within the block, without checks.
 
     Iterations evaluate the same forms again and again, whose first evaluation was checked.
     """
