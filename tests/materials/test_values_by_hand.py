@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import skfem_contact as sc
+from skfem_contact.materials.spectral import product, square
 
 #: Exact up to the round-off of a few operations.
 EXACT = {"rtol": 1e-12, "atol": 1e-12}
@@ -67,3 +69,16 @@ def test_undrained_pressure():
     )
     np.testing.assert_allclose(found.internal[-1], 0.99, **EXACT)
     np.testing.assert_allclose(found.stress[:, 0], [-1.02, -0.99, -0.99, 0.0], **EXACT)
+
+
+@pytest.mark.parametrize("ncomp", [4, 6])
+def test_products_of_deviators(ncomp: int) -> None:
+    """[X] Shears count twice in the product of two tensors, and of one with itself."""
+    places = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)][:ncomp]
+    tensors = np.zeros((2, 3, 3))
+    components = np.random.default_rng(3).standard_normal((2, ncomp))
+    for k, (i, j) in enumerate(places):
+        tensors[:, i, j] = tensors[:, j, i] = components[:, k]
+    e, f = components[:, :, None]
+    assert product(e, f) == pytest.approx((tensors[0] * tensors[1]).sum(), rel=1e-12)
+    assert square(e) == pytest.approx((tensors[0] ** 2).sum(), rel=1e-12)
