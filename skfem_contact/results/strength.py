@@ -8,8 +8,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
 from ..checks import finite, look_up
 from ..errors import Remark
@@ -264,7 +264,7 @@ def slip_planes(form: SolidForm, mechanism: ndarray) -> ndarray:
     moved = field.mean(axis=-1)
     size = np.linalg.norm(moved, axis=0)
     moves = size > _MOVES * size.max()
-    nearest = cKDTree(middle[:, moves].T).query(middle.T)[1]
+    nearest = scipy.spatial.cKDTree(middle[:, moves].T).query(middle.T)[1]
     along = moved[:, moves] / size[moves]
     return along[:, nearest, None]
 
