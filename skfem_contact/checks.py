@@ -127,7 +127,9 @@ def names(given: str | Iterable[str], existing: Collection[str], kind: str) -> t
 
 def names_of(given: str | Iterable[str]) -> tuple[str, ...]:
     """Return one name or several as a tuple."""
-    return (given,) if isinstance(given, str) else tuple(given)
+    if isinstance(given, str):
+        return (given,)
+    return tuple(given)
 
 
 def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
@@ -150,7 +152,9 @@ def nearest(name: Any, existing: Iterable[str]) -> str:
             folded.setdefault(one.lower(), one)
     found = difflib.get_close_matches(name.lower(), folded, n=2, cutoff=_ALIKE)
     names = " or ".join(f"'{folded[one]}'" for one in found)
-    return f"; did you mean {names}?" if names else ""
+    if names:
+        return f"; did you mean {names}?"
+    return ""
 
 
 def check_size(x: ndarray, size: int) -> None:
@@ -351,7 +355,9 @@ def _class(cls: Any) -> Kind:
     """Return the kind of the objects of a class, or with the methods of a protocol."""
     if not isinstance(cls, type) or cls.__name__ in _OWN:
         return _KINDS[Any]
-    article = "an" if cls.__name__[0] in "AEIOU" else "a"
+    article = "a"
+    if cls.__name__[0] in "AEIOU":
+        article = "an"
     name = f"{article} {cls.__name__}"
     if cls.__module__ == "os" or not getattr(cls, "_is_protocol", False):
         return Kind(name, _instance_of(cls))
@@ -371,7 +377,9 @@ def _distinct(kinds: Iterable[Kind]) -> list[str]:
 def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
     """Return the kind of several values: an order, any collection, or a tuple of a known length."""
     items = [kind_of(hint) for hint in inner if hint is not ...]
-    container = Sequence if issubclass(origin, Sequence) else Collection
+    container = Collection
+    if issubclass(origin, Sequence):
+        container = Sequence
     length = len(items) if origin is tuple and ... not in inner else None
 
     def holds(value: Any) -> bool:

@@ -303,7 +303,9 @@ def nodes(basis: CellBasis) -> ndarray:
 
 def elements_of(basis: CellBasis) -> ndarray:
     """Return the numbers in the mesh of the elements of a basis, (n_elements,)."""
-    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+    if basis.tind is None:
+        return np.arange(basis.mesh.nelements)
+    return np.asarray(basis.tind)
 
 
 def linear_element(mesh: Mesh) -> Element:
@@ -430,7 +432,9 @@ def rigid_modes(locations: ndarray, dofs: ndarray) -> ndarray:
     x = locations[:, dofs]
     dim = len(x)
     component = np.eye(dim)[dofs % dim]
-    centre = x.mean(axis=1, keepdims=True) if len(dofs) else 0.0
+    centre = 0.0
+    if len(dofs):
+        centre = x.mean(axis=1, keepdims=True)
     size = max(float(np.ptp(locations)), 1e-300)
     arm = ((x - centre) / size).T
     modes = [component]

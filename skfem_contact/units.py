@@ -121,7 +121,9 @@ def unit_of(kind: str) -> str:
 def unit_of_parameter(name: str) -> str:
     """Return the unit of a parameter of a law or structure, empty where it has none."""
     kind = _PARAMETERS.get(name, "")
-    return "°" if kind == "angle" else unit_of(kind)
+    if kind == "angle":
+        return "°"
+    return unit_of(kind)
 
 
 def in_words(title: str, kind: str = "") -> str:
@@ -145,4 +147,6 @@ def labelled(title: str, kind: str) -> str:
         ``"length"``, ``"force"``, ``"stress"``, ``"line"`` (force per length), ``"moment"`` (per
         length), or nothing.
     """
-    return f"{title} [{_chosen[kind]}]" if kind in _chosen else title
+    if kind in _chosen:
+        return f"{title} [{_chosen[kind]}]"
+    return title

@@ -407,7 +407,9 @@ class Hinges:
 
     def tangent(self, stiffness: ndarray, flows: list[Flow]) -> ndarray:
         """Return the tangents, (m, 9, 9), of elastic elements and of elements that flow."""
-        tangent = stiffness.copy() if flows else stiffness
+        tangent = stiffness
+        if flows:
+            tangent = stiffness.copy()
         for e, _, faces in flows:
             root = self._root[e]
             modes = np.linalg.svd((faces @ root).T, full_matrices=False)

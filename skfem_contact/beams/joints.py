@@ -87,7 +87,9 @@ def taken_by(
             else:
                 moves.append((moved, other.shared[nodes[new]].ravel()))
         new &= ~np.isin(here, hinges)
-        turns = 1 if dim == 2 else 3
+        turns = 3
+        if dim == 2:
+            turns = 1
         rotations = FieldDofs(other.rotation, _numbers(nodes[new], turns))
         turned.append((_numbers(here[new], turns), rotations))
     return tuple(moves), tuple(turned), np.array(list(owners), int)

@@ -136,7 +136,9 @@ def moment_curvature(
     rising = slice(0, int(moment.argmax()) + 1)
     at_half = float(np.interp(0.5 * largest, moment[rising], curvature[rising]))
     elastic = b * h**2 / 6.0 * (f_t - normal / (b * h))
-    cracking = max(elastic, 0.0) if f_t > 0.0 or normal < 0.0 else 0.0
+    cracking = 0.0
+    if f_t > 0.0 or normal < 0.0:
+        cracking = max(elastic, 0.0)
     return MomentCurvature(
         curvature,
         moment,

@@ -320,7 +320,9 @@ class Course:
 
     def margin(self, parameter: float) -> float:
         """Return the tolerance at a value of the parameter."""
-        return self.tolerance * abs(parameter) if self.relative else self.tolerance
+        if self.relative:
+            return self.tolerance * abs(parameter)
+        return self.tolerance
 
 
 def follow(

@@ -201,7 +201,9 @@ def _fixed(old: Any, new: Any, side: ndarray, fixed: ndarray) -> ndarray:
         points = np.round(new.doflocs[:, candidates].T, 12)
         same = [tuple(point) in keys for point in points]
         result.append(candidates[np.array(same, bool)])
-    return np.unique(np.concatenate(result)) if result else np.zeros(0, int)
+    if result:
+        return np.unique(np.concatenate(result))
+    return np.zeros(0, int)
 
 
 def _all_held(basis: Any, held: ndarray, component: int) -> ndarray:
@@ -245,7 +247,9 @@ def _load(
     facets = boundary[ends.all(axis=0)]  # not sides that touch a loaded side
     if len(basis.facet_dofs):
         facets = boundary[loaded[basis.facet_dofs[:, boundary]].any(axis=0)]
-    inside = np.setdiff1d(dofs, basis.get_dofs(facets).all()) if len(facets) else dofs
+    inside = dofs
+    if len(facets):
+        inside = np.setdiff1d(dofs, basis.get_dofs(facets).all())
     if len(inside):
         where = format_point(basis.doflocs[:, inside[0]])
         raise ValueError(
@@ -277,7 +281,9 @@ def _load(
 
 def _numbers(basis: Any) -> ndarray:
     """Return the numbers of the elements of a basis."""
-    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+    if basis.tind is None:
+        return np.arange(basis.mesh.nelements)
+    return np.asarray(basis.tind)
 
 
 def _body_forces(

@@ -268,7 +268,9 @@ def warn_of_mesh(
 
 def _warn_of_coarse_mesh(what: str, value: float, share: float, bounds: str = "") -> None:
     """Raise a warning of a value that is too high by a share, estimated or from bounds."""
-    doubt = "" if bounds else " (half to twice that)"
+    doubt = " (half to twice that)"
+    if bounds:
+        doubt = ""
     evidence = f"bounds are {bounds}; " if bounds else ""
     warn(
         f"the {what} {value:.4g} is about {share:.1%}{doubt} too high, for displacements do not "

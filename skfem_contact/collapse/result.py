@@ -51,7 +51,9 @@ def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
     """Return the outcome of a step that failed."""
     if isinstance(error, NoEquilibrium):
         return "collapse"
-    return "peak" if isinstance(error, PeakPassed) else "stall"
+    if isinstance(error, PeakPassed):
+        return "peak"
+    return "stall"
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,9 @@ class SearchLog:
             found, total = outputs.yielding(self._states[name])
             flowed += found
             points += total
-        return float(flowed / points) if points else 0.0
+        if points:
+            return float(flowed / points)
+        return 0.0
 
     def _add(self, step: Step) -> None:
         self.steps.append(step)
@@ -305,7 +309,9 @@ class CollapseResult:
     def error(self) -> str:
         """Share that the mesh adds in words, empty below half of a per cent."""
         is_known = self.stop.shows_limit and self.added >= 0.005
-        return f"about {self.added:.1%}" if is_known else ""
+        if is_known:
+            return f"about {self.added:.1%}"
+        return ""
 
     @property
     def x(self) -> ndarray:
@@ -404,7 +410,9 @@ class CollapseResult:
         # A path without normality may end.
         if self.flow == "given" and self.dilates_less:
             safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
-            lagged = " or 'lagged'" if self.what == LOAD else ""
+            lagged = ""
+            if self.what == LOAD:
+                lagged = " or 'lagged'"
             return (
                 f"; with psi < phi a path may end like this: flow='davis_b'{lagged} continues "
                 f"(Davis is safe{safe})"
@@ -425,7 +433,9 @@ class CollapseResult:
                 f"{self.value:.3f}"
             )
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
-        added = self.added if self.stop.shows_limit else 0.0
+        added = 0.0
+        if self.stop.shows_limit:
+            added = self.added
         warn_of_mesh(self.what, self.value, added, proven, tolerance)
 
         # narrow the bracket by the upper bound

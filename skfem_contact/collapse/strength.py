@@ -366,7 +366,9 @@ def _found(
     The first equilibrium is sought at a given factor, if it is above 1.
     """
     begun, branch, structure, accepted, free = prepared
-    balance = _LOOSE if free else _BALANCE
+    balance = _BALANCE
+    if free:
+        balance = _LOOSE
     if not free and branch.tears:
         balance = _TORN
     newton = setup.newton or Newton(tolerance=balance * options.tolerance, max_iterations=30)

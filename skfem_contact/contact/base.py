@@ -264,7 +264,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         if self.enforcement.outer_after is not None:
             return self.enforcement.outer_after
         follows = self.quadrature == "segments" or self.interface.smooth
-        return "near" if follows else None
+        if follows:
+            return "near"
+        return None
 
     @property
     @override
@@ -292,7 +294,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     @override
     def nodes(self) -> tuple[ndarray, ndarray] | None:  # type: ignore[override]
         """Dofs of the slave's nodes and their coordinates, if they are nodes of the mesh."""
-        return (self.slave.dofs[:, 0], self.slave.nodes.T) if self.slave.meshed else None
+        if self.slave.meshed:
+            return (self.slave.dofs[:, 0], self.slave.nodes.T)
+        return None
 
     @property
     @override
@@ -307,11 +311,15 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     @property
     @override
     def strengths(self) -> tuple[str, ...]:  # type: ignore[override]
-        return () if type(self.law).reduced is InterfaceLaw.reduced else ("",)
+        if type(self.law).reduced is InterfaceLaw.reduced:
+            return ()
+        return ("",)
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> Self:
-        return self.with_law(self.law.reduced(factor)) if names else self
+        if names:
+            return self.with_law(self.law.reduced(factor))
+        return self
 
     def points(self, state: ContactState) -> SlavePoints:
         """Return the slave's points of a state."""
@@ -344,7 +352,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         if not self.finite or self.quadrature == "segments":
             return None
         held = self.interface.within_facets(state)
-        return held if self.choosing is None else held & ~self.choosing
+        if self.choosing is None:
+            return held
+        return held & ~self.choosing
 
     def choosing_facets(self, accepted: ContactState) -> Self:
         """Return the pair whose points choose facets anew where the last increment has left them.
@@ -355,9 +365,13 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
             return self
         choosing = self.interface.off_facets(accepted)
         if not choosing.any():
-            return self if self.choosing is None else self.with_(choosing=None)
+            if self.choosing is None:
+                return self
+            return self.with_(choosing=None)
         same = self.choosing is not None and np.array_equal(self.choosing, choosing)
-        return self if same else self.with_(choosing=choosing)
+        if same:
+            return self
+        return self.with_(choosing=choosing)
 
     @property
     def largest_traction(self) -> float:
@@ -415,12 +429,16 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
             changes["clearance"] = self.clearance[0]
         if self.softness < 1.0:
             changes["penalty_factor"] = state.penalty_factor * [1.0, self.softness]
-        return replace(state, **changes) if changes else state
+        if changes:
+            return replace(state, **changes)
+        return state
 
 
 def _surface(basis: CellBasis | None, side: str | Surface) -> Surface:
     """Return a side of a pair: a surface, or a boundary of the mesh."""
-    return side if isinstance(side, Surface) else Surface.from_boundary(basis, side)
+    if isinstance(side, Surface):
+        return side
+    return Surface.from_boundary(basis, side)
 
 
 def _check_surfaces(slave: Surface, master: Surface) -> None:
@@ -504,10 +522,14 @@ def initial_clearance(
         moved = np.zeros_like(gap)
     touching = np.abs(gap - moved) <= _adjusted(fit, bonded) * size
     clearance = np.where(touching, gap, moved)
-    return np.minimum(gap, clearance) if ramped else clearance
+    if ramped:
+        return np.minimum(gap, clearance)
+    return clearance
 
 
 def _adjusted(fit: Fit, bonded: bool) -> float:
     """Return the share of a facet's size below which gaps of the mesh are none."""
     touches = bonded or fit == "adjusted" or not isinstance(fit, str)
-    return _ADJUSTED if touches else TOUCHING
+    if touches:
+        return _ADJUSTED
+    return TOUCHING

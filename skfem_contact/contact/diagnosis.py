@@ -121,7 +121,9 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     overlap[no_overlap] = 0.0
 
     even = overlap[force > 0.0].min() > _EVENLY * overlap.max()
-    limit = _TOO_LOW if even and not pair.slave.closed else _DEEP
+    limit = _DEEP
+    if even and not pair.slave.closed:
+        limit = _TOO_LOW
     deep = float(force @ (overlap / points.size) / force.sum())
     if deep > limit:
         yield Remark(
@@ -162,7 +164,9 @@ def _on_joints(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     # Average the slope at joints by the force.
     sideways = float(force @ _slope_at_joints(pair, state) / force.sum())
     if sideways > _SIDEWAYS:
-        smooth = ', or smoothing=0.1 and initial="adjusted",' if pair.slave.dim == 2 else ""
+        smooth = ""
+        if pair.slave.dim == 2:
+            smooth = ', or smoothing=0.1 and initial="adjusted",'
         yield Remark(
             "joints",
             sideways,

@@ -74,7 +74,9 @@ def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, at_edge: ndarray)
     `at_edge`, next to closed ones, are as far from it in the mean.
     """
     near = now[at_edge & (now < np.inf)]
-    ahead = max(float(near.mean()), 0.0) if len(near) else 0.0
+    ahead = 0.0
+    if len(near):
+        ahead = max(float(near.mean()), 0.0)
 
     def distance(gap: ndarray) -> ndarray:
         return np.asarray(np.maximum(gap + ahead, 0.0) ** _POWER - ahead**_POWER)

@@ -287,7 +287,9 @@ class Interface:
     def depth(self, points: SlavePoints) -> ndarray:
         """Return the largest penetration: a deeper point belongs to the other side of the body."""
         depth = np.maximum(points.size, self.master.spacing)
-        return np.minimum(depth, self._half_thickness) if self.fold is not None else depth
+        if self.fold is not None:
+            return np.minimum(depth, self._half_thickness)
+        return depth
 
     @cached_property
     def _half_thickness(self) -> ndarray:

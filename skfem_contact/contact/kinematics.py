@@ -132,7 +132,9 @@ class _OnFacets:
     @cached_property
     def turns(self) -> ndarray:
         """Rates ``n . da`` at which the normal turns towards the tangents, (n, dim - 1, m)."""
-        return self.turning + self.curvature @ self.Xi if self.curved else self.turning
+        if self.curved:
+            return self.turning + self.curvature @ self.Xi
+        return self.turning
 
     @cached_property
     def normal_motion(self) -> ndarray:

@@ -356,7 +356,8 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
 
     # Weigh the points by one and by their coordinates across the mean normal, over the size
     x = facing.positions(pair.slave.nodes)
-    x = x - x.mean(axis=0) if len(x) else x
+    if len(x):
+        x = x - x.mean(axis=0)
     size = np.abs(x).max(initial=0.0) or 1.0
     normal = pair.slave.at(facing.facet, facing.xi, pair.slave.nodes).normal
     tractions = state.traction.copy()

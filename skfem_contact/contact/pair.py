@@ -243,7 +243,9 @@ class ContactPair(ContactBase):
                 changes["_rounds"] = self._rounds + 1
                 if self.clearance is not None:
                     changes["clearance"] = self.clearance + change
-        return None if state is accepted else (self.with_(**changes), state)
+        if state is accepted:
+            return None
+        return (self.with_(**changes), state)
 
     def _between_curves(self, points: SlavePoints, found: Projection) -> tuple[ndarray, ndarray]:
         """Return gaps of facets whose smooth curves touch, and gaps between the curves, (n,) each.
@@ -264,7 +266,9 @@ class ContactPair(ContactBase):
         change = np.abs(rounded - accepted.rounded)[pressure > 0.0].max(initial=0.0)
         stiffness = self.stiffness or self.penalties(accepted)[0]
         small = stiffness * change <= _ROUNDED * pressure.max(initial=0.0)
-        return None if small else rounded
+        if small:
+            return None
+        return rounded
 
     @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:

@@ -76,7 +76,9 @@ def chosen(
     # Choose a penalty in proportion to the stiffness, softer along beams.
     if penalty is None:
         at_beam = not all(surface.meshed or surface.rigid for surface in (slave, master))
-        along = _ALONG_BEAM if at_beam else 1.0
+        along = 1.0
+        if at_beam:
+            along = _ALONG_BEAM
         penalty = (_RATIO * stiffness, along * _RATIO * stiffness)
     # Report penalties that hide the penetration.
     if warns and max(penalty) > _TOO_HARD * stiffness:

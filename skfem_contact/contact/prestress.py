@@ -54,7 +54,8 @@ def prestressed(
         Stresses (xx, yy, zz, xy, in space yz, zx too) at the points, from which the tractions
         should differ little.
     """
-    where = np.arange(len(force)) if where is None else where
+    if where is None:
+        where = np.arange(len(force))
 
     # Begin with the guess, and find the least change of tractions that exerts the missing forces
     given = np.zeros(len(force))

@@ -105,7 +105,8 @@ def project(
     """
     n = len(points)
     accepted = np.full(n, -1) if previous is None else previous
-    frozen = np.zeros(n, bool) if frozen is None else frozen
+    if frozen is None:
+        frozen = np.zeros(n, bool)
     if among is None:
         among, _ = neighbours(surface, nodes, points)
 
@@ -227,7 +228,9 @@ def _newton_step(x: list[ndarray], points: ndarray) -> tuple[ndarray, ndarray]:
 
     # Beyond the centre of curvature the full Newton step runs away: take the Gauss-Newton step
     is_line = metric.shape[1] == 1
-    share = 0.5 if is_line else 0.25
+    share = 0.25
+    if is_line:
+        share = 0.5
     runs_away = (determinant(matrix) < share * determinant(metric)) | (matrix[:, 0, 0] <= 0.0)
     matrix[runs_away] = metric[runs_away] * (0.5 if is_line else 1.0)
     step = solve(matrix, np.einsum("nac,nc->na", a, offset))

@@ -417,7 +417,9 @@ def _moments(forces: _Forces, toe: ndarray) -> tuple[float, float]:
 
 
 def _row(name: str, effect: float, resistance: float) -> tuple[str, float, float, float]:
-    ratio = resistance / effect if effect > 0.0 else np.inf
+    ratio = np.inf
+    if effect > 0.0:
+        ratio = resistance / effect
     return name, float(effect), float(resistance), float(ratio)
 
 
@@ -452,7 +454,8 @@ def _bearing(
     # Divide the strength by its factors.
     design = divided(ground, factors)
     known = parameters_of(design)
-    known = parameters_of(known["soil"]) if "soil" in known else known
+    if "soil" in known:
+        known = parameters_of(known["soil"])
     c = known.get("c")
     if c is None or np.ndim(c) or callable(c):
         raise ValueError(f"bearing needs ground with one c and phi, not {ground!r}")

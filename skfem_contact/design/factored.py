@@ -98,7 +98,9 @@ class _Factoring:
                     changed[region] = new
                 elif self._keeps(material):
                     warn(f"{name}.{region}: {material.label} keeps its strength")
-        return form.with_materials(changed) if changed else form
+        if changed:
+            return form.with_materials(changed)
+        return form
 
     def _keeps(self, material: Any) -> bool:
         """Return True for a characteristic material with a memory: it may yield."""
@@ -138,7 +140,9 @@ def divided(material: Any, factors: PartialFactors) -> Any:
         elif name in _UNDRAINED:
             changed[name] = _over(value, factors.undrained)
     if not changed:
-        return material.reduced(factors.phi) if material.reducible else material
+        if material.reducible:
+            return material.reduced(factors.phi)
+        return material
     if "psi" in existing and "phi" in changed:
         changed["psi"] = _least(existing["psi"], changed["phi"])
     return replace(own, **changed)
@@ -160,7 +164,9 @@ def _angle_over(value: Any, factor: float) -> Any:
     if callable(value):
         return lambda x: _angle_over(np.asarray(value(x)), factor)
     angle = np.degrees(np.arctan(np.tan(np.radians(value)) / factor))
-    return angle if isinstance(value, ndarray) else float(angle)
+    if isinstance(value, ndarray):
+        return angle
+    return float(angle)
 
 
 def _least(psi: Any, phi: Any) -> Any:
@@ -174,4 +180,6 @@ def _least(psi: Any, phi: Any) -> Any:
 
         return least
     smallest = np.minimum(psi, phi)
-    return smallest if np.ndim(smallest) else float(smallest)
+    if np.ndim(smallest):
+        return smallest
+    return float(smallest)

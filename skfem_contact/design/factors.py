@@ -98,7 +98,9 @@ class PartialFactors:
             if load is None:
                 continue
             if self.on == "effects":
-                factor = self.variable / self.permanent if kind == "variable" else 1.0
+                factor = 1.0
+                if kind == "variable":
+                    factor = self.variable / self.permanent
             part = factor * np.asarray(load, float)
             if total is not None and part.shape != total.shape:
                 raise ValueError(
@@ -115,7 +117,9 @@ class PartialFactors:
 
     def effect(self, value: float) -> float:
         """Return the design effect of a force or moment of the analysis."""
-        return value * self.permanent if self.on == "effects" else value
+        if self.on == "effects":
+            return value * self.permanent
+        return value
 
 
 def _sets(*factors: PartialFactors) -> Mapping[str, PartialFactors]:

@@ -140,7 +140,9 @@ class ViscousBoundary(Form, Couples, Absorbing):
         self._empty = csr_matrix((self.size, self.size))
 
     def __repr__(self) -> str:
-        rock = ", rock" if self.of_rock else ""
+        rock = ""
+        if self.of_rock:
+            rock = ", rock"
         return f"<ViscousBoundary on '{self._boundary}', {len(self._facets.find)} facets{rock}>"
 
     @override

@@ -138,7 +138,9 @@ class Linear:
 
     def _times_mass(self, a: ndarray) -> ndarray:
         """Return mass times acceleration."""
-        return self._M @ a if self._masses is None else self._masses * a
+        if self._masses is None:
+            return self._M @ a
+        return self._masses * a
 
     def step(self, motion: Motion, load: ndarray, prescribed: ndarray) -> Motion:
         """Return the motion at the end of a step; :attr:`force` then has the internal forces.
@@ -174,7 +176,9 @@ class Linear:
         right -= new_force
         d = np.zeros(0)
         lag = prescribed - motion.x[fixed]
-        accuracy = REFINE if self._count % _RENEWED == 0 else UNCHECKED
+        accuracy = UNCHECKED
+        if self._count % _RENEWED == 0:
+            accuracy = REFINE
         if lag.any():
             d = np.zeros(len(load))
             d[fixed] = lag

@@ -350,7 +350,9 @@ def _columns(path: Path, lines: Sequence[str], scale: float) -> Record:
     step = float(np.median(steps))
     wrong = np.flatnonzero(np.abs(steps - step) > _EQUAL * abs(step))
     if step <= 0.0 or len(wrong):
-        k = int(wrong[0]) if len(wrong) else 0
+        k = 0
+        if len(wrong):
+            k = int(wrong[0])
         raise ValueError(
             f"the times of {path.name} must rise by equal steps: {time[k + 1]:g} follows "
             f"{time[k]:g}, the usual step is {step:g}; interpolate the record, or fill its gap"

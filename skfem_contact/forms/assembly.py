@@ -110,7 +110,9 @@ def _coordinates_of(basis: CellBasis, given: str | None) -> Coordinates:
 def _finite_strain(strain: str | None, locks: bool, corners: bool) -> Measure:
     """Return the strain measure of finite kinematics, by default F-bar where elements lock."""
     if strain is None:
-        return "f_bar" if locks else "full"
+        if locks:
+            return "f_bar"
+        return "full"
     if strain == "b_bar":
         raise ValueError("strain 'b_bar' is of small kinematics: take strain='f_bar'")
     if strain not in ("full", "f_bar"):
@@ -126,7 +128,9 @@ def strain_operator(basis: CellBasis, strain: str, coordinates: str) -> StrainOp
     """Return the operator of a strain measure in a coordinate system."""
     builders = {"plane": _plane_strain, "axisymmetric": _axisymmetric, "space": _in_space}
     full = builders[coordinates](basis)
-    return _b_bar(*full) if strain == "b_bar" else full
+    if strain == "b_bar":
+        return _b_bar(*full)
+    return full
 
 
 def has_corners_only(basis: CellBasis) -> bool:

@@ -95,7 +95,9 @@ class Response:
     @cached_property
     def damped(self) -> csr_matrix:
         """Tangent, or a matrix near it with which Newton's method is less prone to stall."""
-        return self.stiffness if self._damped is None else self._damped()
+        if self._damped is None:
+            return self.stiffness
+        return self._damped()
 
     @property
     def local(self) -> bool:
@@ -212,12 +214,16 @@ class Outputs:
 
     def yielding(self, before: Any) -> tuple[int, int]:
         """Return the number of points that have flowed since an earlier state, and of all."""
-        return (0, 0) if self._yielding is None else self._yielding(before)
+        if self._yielding is None:
+            return (0, 0)
+        return self._yielding(before)
 
 
 def _value(given: Any) -> Any:
     """Return a value that may be given as a function."""
-    return given() if callable(given) else given
+    if callable(given):
+        return given()
+    return given
 
 
 class Form:
@@ -357,7 +363,8 @@ def responses_of(
     slots: Mapping[str, Scattering] | None = None,
 ) -> dict[str, Response]:
     """Return the responses of the forms among all dofs, with the slots of their matrices."""
-    slots = defaultdict(Scattering) if slots is None else slots
+    if slots is None:
+        slots = defaultdict(Scattering)
     responses = {}
     for name, form in forms.items():
         response = form.assemble(x[: form.size], states[name])

@@ -58,7 +58,9 @@ class MatrixForm(Form, Stiff, Couples, Staged):
         K = csr_matrix(K, copy=True)  # type: ignore[arg-type]
         if shape[0] != shape[1] or not np.isfinite(K.data).all():
             raise ValueError(f"K must be a square matrix of finite numbers, not {K.shape}")
-        largest = abs(K).max() if K.nnz else 0.0
+        largest = 0.0
+        if K.nnz:
+            largest = abs(K).max()
         self.elastic_stiffness = K
         self.size: int = int(shape[1])
         self.symmetric = abs(K - K.T).max() <= 1e-12 * largest
@@ -70,7 +72,9 @@ class MatrixForm(Form, Stiff, Couples, Staged):
 
     @override
     def initial_state(self, x: ndarray | None = None) -> ndarray:  # displacements without force
-        return np.zeros(self.size) if x is None else x[: self.size].copy()
+        if x is None:
+            return np.zeros(self.size)
+        return x[: self.size].copy()
 
     @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:

@@ -171,7 +171,9 @@ def changed_moduli(
 def elastic_strain(material: Material, stress: ndarray, internal: ndarray) -> ndarray:
     """Return elastic strains of stresses, (ncomp, n_elements, n_points), engineering shear."""
     known = material.elastic_strain(stress, internal)
-    return known if known is not None else by_elasticity(material, stress, stress, internal)
+    if known is not None:
+        return known
+    return by_elasticity(material, stress, stress, internal)
 
 
 def by_elasticity(

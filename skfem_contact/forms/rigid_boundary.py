@@ -165,7 +165,9 @@ class RigidBoundary(MatrixForm):
         size = np.ptp(self._locations[axis])
         near = np.abs(self._locations[axis] - end) < _SAME * size
         last = np.abs(self._locations[axis] - end).max() > (1.0 - _SAME) * size
-        return end if last and near[others].any() else None
+        if last and near[others].any():
+            return end
+        return None
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
         """Return the load vector, (N,), of a force, (dim,), at coordinates, (dim,), anywhere."""

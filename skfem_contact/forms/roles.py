@@ -160,7 +160,9 @@ class Body(Stiff, Loaded):
 
 def materials_of(form: Any) -> Mapping[str, Any]:
     """Return the materials of a form by the names of their regions; none where it is no body."""
-    return form.materials if isinstance(form, Body) else {}
+    if isinstance(form, Body):
+        return form.materials
+    return {}
 
 
 class Couples:
@@ -187,14 +189,18 @@ class Couples:
 
 def borrowed_by(form: Any) -> tuple[Field, ...]:
     """Return the fields of other forms that a form acts on."""
-    return form.borrowed if isinstance(form, Couples) else ()
+    if isinstance(form, Couples):
+        return form.borrowed
+    return ()
 
 
 def joined_by(form: Any) -> ndarray | None:
     """Return the dofs that a form couples to each other; None where it may hold any dof."""
     if isinstance(form, Couples):
         return form.joins
-    return np.zeros(0, int) if isinstance(form, Body) else None
+    if isinstance(form, Body):
+        return np.zeros(0, int)
+    return None
 
 
 class Touching(Couples):
@@ -564,7 +570,9 @@ def arrays_of(state: Any) -> dict[str, Any]:
         return {field.name: getattr(state, field.name) for field in fields(state)}
     if isinstance(state, tuple):
         return {str(k): values for k, values in enumerate(state)}
-    return {} if state is None else {"values": state}
+    if state is None:
+        return {}
+    return {"values": state}
 
 
 def with_arrays(like: Any, arrays: Mapping[str, ndarray]) -> Any:
@@ -572,7 +580,9 @@ def with_arrays(like: Any, arrays: Mapping[str, ndarray]) -> Any:
     if is_dataclass(like):
         return type(like)(**arrays)  # type: ignore[misc]
     if isinstance(like, tuple):
-        return type(like)(*arrays.values()) if hasattr(like, "_fields") else tuple(arrays.values())
+        if hasattr(like, "_fields"):
+            return type(like)(*arrays.values())
+        return tuple(arrays.values())
     return arrays.get("values")
 
 

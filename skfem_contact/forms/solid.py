@@ -589,7 +589,9 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
     def _summary(self, state: SolidState) -> str:
         yielded = self.variable(PLASTIC_STRAIN, state) > 0
-        return f"{yielded.mean():.1%} yielded" if yielded.any() else ""
+        if yielded.any():
+            return f"{yielded.mean():.1%} yielded"
+        return ""
 
     def variable(self, name: str, state: SolidState) -> ndarray:
         """Return an internal variable, (n_elements, n_points); zero where it is not declared."""
@@ -621,7 +623,9 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         changed = False
         for region, successor in product(old.regions, self.regions):
             changed |= inherited(region, successor, stress, internal)
-        return replace(state, stress=stress, internal=internal) if changed else state
+        if changed:
+            return replace(state, stress=stress, internal=internal)
+        return state
 
     @override
     def fits(self, state: SolidState) -> bool:

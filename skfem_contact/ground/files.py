@@ -374,7 +374,9 @@ def _checked(
             f"{depth[missing].min():g} to {depth[missing].max():g} m"
         )
     gaps = np.diff(depth)
-    usual = float(np.median(gaps)) if len(gaps) else 0.0
+    usual = 0.0
+    if len(gaps):
+        usual = float(np.median(gaps))
     for k in np.flatnonzero(gaps > max(_WIDE * usual, _WIDEST)):
         remarks.append(f"'{name}': the file has no rows from {depth[k]:g} to {depth[k + 1]:g} m")
     return Sounding(

@@ -104,7 +104,9 @@ class Measured:
 
         # Let the quantity along which curves are compared rise.
         computed = getattr(test, self.along)[:, 0]
-        sign = 1.0 if computed[-1] > computed[0] else -1.0
+        sign = -1.0
+        if computed[-1] > computed[0]:
+            sign = 1.0
         x = sign * computed
         measured_x = sign * look_up(self.along, self.columns, "column")
         if np.any(np.diff(x) < 0):

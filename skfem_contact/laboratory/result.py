@@ -130,7 +130,9 @@ class ElementTest:
 
         # choose pore pressure or volume strain for the third diagram
         undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
-        third = "pore_pressure" if undrained else "volume"
+        third = "volume"
+        if undrained:
+            third = "pore_pressure"
         diagrams = ("shear", "q"), ("p", "q"), ("shear", third), ("p", "volume")
 
         # draw computed lines and measured points

@@ -166,7 +166,9 @@ def _own(forms: Mapping[str, Any]) -> ndarray | float:
             if weights is None:
                 weights = np.zeros(mesh.nelements)
             weights[form.elements] = by_element(mesh, form.unit_weight)[form.elements]
-    return 0.0 if weights is None else weights
+    if weights is None:
+        return 0.0
+    return weights
 
 
 def beside(

@@ -52,7 +52,9 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     With a multiplied load the bound is a multiplier.
     """
     # Balance the stresses; a plainer balance follows where round-off leaves a residual.
-    theta = found.theta if live else 1.0
+    theta = 1.0
+    if live:
+        theta = found.theta
     for plain in _PLAIN:
         stress, residual = _balanced(program, found, theta, plain)
         if residual <= UNBALANCED:
@@ -153,7 +155,9 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     flow = float(
         program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max()
     )
-    external = fixed if live else 1.0
+    external = 1.0
+    if live:
+        external = fixed
 
     def excess(factor: float) -> float:
         """Return the dissipation less the power of the fixed loads."""

@@ -115,7 +115,9 @@ class _Path:
         self.y = np.zeros(program.size)
         self.sigma = np.zeros((n, 3))
         self.s, self.z = np.zeros((2, len(self.cones.at), 3))
-        carried = self._carried() if goal.far and not self.moving else 0.0
+        carried = 0.0
+        if goal.far and not self.moving:
+            carried = self._carried()
         self.s[:, 0] = self.h + least + carried
         self.z[:, 0] = 1.0 / len(self.cones.at) / (self.h + least)
         self.metric = np.zeros((n, 3, 3))
@@ -158,7 +160,9 @@ class _Path:
     @property
     def away(self) -> float:
         """Distance of the objective from its aim."""
-        return abs(self.theta - self.goal.aim) if self.moving else 0.0
+        if self.moving:
+            return abs(self.theta - self.goal.aim)
+        return 0.0
 
     def residuals(self) -> None:
         """Compute residuals of equilibrium, strength, flow rule and normalisation."""

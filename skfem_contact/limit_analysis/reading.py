@@ -156,7 +156,9 @@ def _missing(model: LimitModel) -> str:
         return "cohesion"
     if any(profile.vanishes(model.triangles) for profile in model.profiles):
         return "cohesion"
-    return "tension" if (model.soil.tension == 0).any() else ""
+    if (model.soil.tension == 0).any():
+        return "tension"
+    return ""
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -188,7 +190,9 @@ def _check_solids(solids: Mapping[str, SolidForm]) -> None:
                 f"bounds are of the undeformed mesh, but '{name}' has finite kinematics"
             )
         if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
-            kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
+            kind = "in three dimensions"
+            if form.basis.mesh.dim() == 2:
+                kind = "axially symmetric"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():
             if material.cone() is None and material.lines(1.0) is None:
@@ -289,7 +293,9 @@ def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
 
 def _mean(value: Any) -> Any:
     """Return the mean of a value at points by element, (n,); others as they are."""
-    return np.mean(value, axis=1) if np.ndim(value) == 2 else value
+    if np.ndim(value) == 2:
+        return np.mean(value, axis=1)
+    return value
 
 
 def _profiles(

@@ -13,7 +13,9 @@ def relative_gap(lower: float, upper: float) -> float:
     mean = 0.5 * (abs(lower) + abs(upper))
     if mean == 0.0:
         return 0.0
-    return (upper - lower) / mean if mean < float("inf") else float("inf")
+    if mean < float("inf"):
+        return (upper - lower) / mean
+    return float("inf")
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,9 @@ class Bounds:
         return max(lower, key=lambda each: each.value), min(upper, key=lambda each: each.value)
 
     def __str__(self) -> str:
-        kind = "estimate (no bound), upper bound" if self.estimate else "gap"
+        kind = "gap"
+        if self.estimate:
+            kind = "estimate (no bound), upper bound"
         if self.safe is not None:
             kind = f"safe {self.safe:.5g}, {kind}"
         lines = [f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"]

@@ -187,8 +187,12 @@ class Search:
         """Return the lower bound on the present triangles, the parents of later ones."""
         self.triangles = replace(self.triangles, parent=np.arange(len(self.triangles.origin)))
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
-        factor = 1.0 if self.live else self._factor
-        nothing = -np.inf if self.live else 0.0
+        factor = self._factor
+        if self.live:
+            factor = 1.0
+        nothing = 0.0
+        if self.live:
+            nothing = -np.inf
         reserves = _RESERVES[:1] if program.cones.reduced.all() else _RESERVES
         results: list[tuple[Solution, Proof]] = []
         for reserve in reserves:
@@ -256,7 +260,9 @@ class Search:
         """Return the lower bound of a weaker model on the last triangles, or of no strength."""
         if weaker is None:
             return None
-        nothing = -np.inf if self.live else 0.0
+        nothing = 0.0
+        if self.live:
+            nothing = -np.inf
         if not self.lower.proof.value > nothing:
             return nothing
         try:
@@ -277,7 +283,9 @@ class Search:
         below, (_, program, solution, proof) = self.last
         factor = 1.0
         if not self.live:
-            factor = proof.value if np.isfinite(proof.value) else solution.factor
+            factor = solution.factor
+            if np.isfinite(proof.value):
+                factor = proof.value
         strain = program.strains(proof.field)
         spent = dissipation(program, strain, factor)
         stress = _interpolated(below, self.triangles)
@@ -386,7 +394,9 @@ def _fanned(triangles: Triangles, points: ndarray) -> Triangles:
     count = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
     away = np.linalg.norm(mesh.p[:, None] - points[:, :, None], axis=0)  # (n_points, n_nodes)
     few = np.flatnonzero((away < _HERE).any(axis=0) & (count < _FAN))
-    return triangles.fanned(few) if len(few) else triangles
+    if len(few):
+        return triangles.fanned(few)
+    return triangles
 
 
 def _singular_points(model: LimitModel, triangles: Triangles) -> ndarray:

@@ -175,7 +175,9 @@ class Strength:
 
         # a smooth joint has no shear traction: a cone of some size holds its idle dofs
         size = np.where(self.smooth & self.joint, 1.0, self.c)
-        friction = zero if self.joint else self.t
+        friction = self.t
+        if self.joint:
+            friction = zero
         every = Cones(at, size, friction, self.t[:, None] * k, R, whole=no, reduced=self.reduced)
 
         # a tensile strength and further lines of the strength have cones of their own

@@ -33,7 +33,9 @@ def weight_matrix(body: Any, factors: ndarray, consistent: bool) -> csr_matrix:
 
     # Integrate products of shape functions exactly on straight elements
     has_corners_only = basis.Nbfun == dim * len(basis.mesh.t)
-    order = 2 if has_corners_only else 4
+    order = 4
+    if has_corners_only:
+        order = 2
     fine = CellBasis(
         basis.mesh,
         basis.elem,

@@ -73,7 +73,9 @@ def weight(
 
     @LinearForm
     def body_force(v, w):  # type: ignore[no-untyped-def]
-        radius = w.x[0] if axisymmetric else 1.0
+        radius = 1.0
+        if axisymmetric:
+            radius = w.x[0]
         return radius * w.gamma * np.einsum("c,c...->...", down, np.asarray(v))
 
     return Load.of(body_force.assemble(basis, gamma=field), axisymmetric)
@@ -203,7 +205,9 @@ def traction(
         )
     if not callable(force):
         _warn_of_sides(surface, boundary)
-    radius = x[0] if axisymmetric else 1.0
+    radius = 1.0
+    if axisymmetric:
+        radius = x[0]
     values = np.broadcast_to(values, x.shape) * radius
     components = {f"t{c}": values[c] for c in range(dim)}
 

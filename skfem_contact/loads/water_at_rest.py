@@ -323,7 +323,9 @@ def face_load(outside: FacetBasis, pressure: ndarray, axisymmetric: bool) -> nda
 
     @LinearForm
     def from_outside(v, w):  # type: ignore[no-untyped-def]
-        radius = w.x[0] if axisymmetric else 1.0
+        radius = 1.0
+        if axisymmetric:
+            radius = w.x[0]
         return -radius * w.p * sum(v[c] * w.n[c] for c in axes)
 
     return np.asarray(from_outside.assemble(outside, p=pressure))

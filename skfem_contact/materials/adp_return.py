@@ -48,12 +48,16 @@ class ADPConstants(NamedTuple):
 
 def _vertical(ncomp: int) -> int:
     """Return the row of the vertical normal stress."""
-    return 1 if ncomp == 4 else 2
+    if ncomp == 4:
+        return 1
+    return 2
 
 
 def _horizontal(ncomp: int) -> list[int]:
     """Return the rows of the shear stresses on horizontal planes."""
-    return [3] if ncomp == 4 else [4, 5]
+    if ncomp == 4:
+        return [3]
+    return [4, 5]
 
 
 def _twice_shear(ncomp: int) -> Array:
@@ -174,7 +178,9 @@ def _third(s: Array) -> Array:
 
 def _six(s: Array) -> Array:
     """Return all six components."""
-    return s if len(s) == 6 else np.concatenate((s, np.zeros((2, s.shape[1]))))
+    if len(s) == 6:
+        return s
+    return np.concatenate((s, np.zeros((2, s.shape[1]))))
 
 
 def _third_gradient(s: Array) -> Array:
@@ -332,7 +338,9 @@ def _at_failure(s: Array, k: ADPConstants) -> tuple[Array, Array]:
 
 def _mobilisation(root: Array, k: ADPConstants) -> tuple[Array, Array]:
     """Return kappa, all of it in perfect plasticity, and its derivative by the root of w."""
-    return (np.ones_like(root), np.zeros_like(root)) if k.plastic else mobilised_by(root)
+    if k.plastic:
+        return (np.ones_like(root), np.zeros_like(root))
+    return mobilised_by(root)
 
 
 def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants) -> _System:

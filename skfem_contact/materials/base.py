@@ -326,7 +326,9 @@ def as_material(law: Any) -> Material:
             missing.append(name)
     if missing:
         raise ValueError(f"{law!r} is no material: {' and '.join(missing)} missing")
-    return law if isinstance(law, Material) else _Completed(law)
+    if isinstance(law, Material):
+        return law
+    return _Completed(law)
 
 
 def as_given(law: Any) -> Any:

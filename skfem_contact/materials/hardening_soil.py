@@ -159,7 +159,9 @@ class HardeningSoil(CohesiveFrictional):
     @property
     def _K0(self) -> float:
         """Ratio of horizontal to vertical stress in normal consolidation."""
-        return 1 - float(np.sin(np.radians(self.phi))) if self.K0nc is None else self.K0nc
+        if self.K0nc is None:
+            return 1 - float(np.sin(np.radians(self.phi)))
+        return self.K0nc
 
     @cached_property
     def constants(self) -> Constants:

@@ -64,7 +64,9 @@ class Constants(NamedTuple):
     def scale(self, least: Array) -> Array:
         """Return the ratio of a stiffness to its reference value at the least compression."""
         ratio = np.maximum(least, LEAST * self.reference) / self.reference
-        return np.sqrt(ratio) if self.m == 0.5 else ratio**self.m
+        if self.m == 0.5:
+            return np.sqrt(ratio)
+        return ratio**self.m
 
     def scale_slope(self, least: Array, scale: Array) -> Array:
         """Return the derivative of a scale by the least compression."""

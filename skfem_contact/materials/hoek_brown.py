@@ -170,7 +170,9 @@ class HoekBrown(IsotropicPlasticity):
             raise ValueError(
                 f"flow '{flow}' needs one friction angle: HoekBrown has 'given' and 'associated'"
             )
-        psi = self.psi if flow == "given" else _ASSOCIATED
+        psi = _ASSOCIATED
+        if flow == "given":
+            psi = self.psi
         return self._with(factor=self.factor * factor, psi=psi)
 
     @override

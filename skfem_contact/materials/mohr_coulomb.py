@@ -176,7 +176,9 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
     @override
     def cohesion_at(self, x: Array) -> Array | None:
-        return at_points("c", self.c, x) if callable(self.c) else None
+        if callable(self.c):
+            return at_points("c", self.c, x)
+        return None
 
     @override
     def constants(self) -> PyramidConstants:
@@ -271,7 +273,9 @@ class AssociatedSubstitute(Material):
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         def spread(value: Parameter) -> Parameter:
             value = along_elements(value, stress.shape)
-            return value.ravel() if isinstance(value, np.ndarray) else value
+            if isinstance(value, np.ndarray):
+                return value.ravel()
+            return value
 
         def flat(values: Array) -> Array:
             return values.reshape(len(values), -1)

@@ -153,7 +153,9 @@ def chosen(constants: Any, points: NDArray[np.intp]) -> Any:
     """Return the constants at some points, by their flat indices."""
 
     def choose(value: Parameter) -> Parameter:
-        return value.reshape(-1)[points] if isinstance(value, np.ndarray) else value
+        if isinstance(value, np.ndarray):
+            return value.reshape(-1)[points]
+        return value
 
     return _map(choose, constants)
 

@@ -155,7 +155,9 @@ class Undrained(Material):
 
     @override
     def at(self, x: Array) -> Undrained:
-        return replace(self, soil=self.soil.at(x)) if self.functions else self
+        if self.functions:
+            return replace(self, soil=self.soil.at(x))
+        return self
 
     @property
     @override

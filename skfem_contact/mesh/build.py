@@ -111,7 +111,9 @@ def _kind_of(content: Content, split: bool) -> str:
     for kind, cells in content.cells.items():
         if KINDS[kind].dim == content.dim and len(cells):
             counts[kind] = len(cells)
-    only = next(iter(counts)) if len(counts) == 1 else ""
+    only = ""
+    if len(counts) == 1:
+        only = next(iter(counts))
     if only and KINDS[only].mesh is not None:
         return only
     # Divide several kinds into one, or refuse them with the remedy.

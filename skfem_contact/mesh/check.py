@@ -294,5 +294,7 @@ def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
 def _error(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> ValueError:
     """Create the error with the first few of the wrong nodes or elements and their coordinates."""
     shown = [f"{kind} {n} at {format_point(x[:, n])}" for n in numbers[:_SHOWN]]
-    dots = ", ..." if len(numbers) > _SHOWN else ""
+    dots = ""
+    if len(numbers) > _SHOWN:
+        dots = ", ..."
     return ValueError(f"{problem}, {len(numbers)} in all: {', '.join(shown)}{dots}")

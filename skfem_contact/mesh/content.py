@@ -98,7 +98,9 @@ def side_kind(corners: int, dim: int) -> str:
     """Return the kind of a side with so many corners, of an element of so many dimensions."""
     if dim == 2:
         return "line"
-    return "triangle" if corners == 3 else "quad"
+    if corners == 3:
+        return "triangle"
+    return "quad"
 
 
 def without_doubles(content: Content, kind: str) -> None:
@@ -190,7 +192,9 @@ def parsed(text: bytes, what: str, dtype: type = float, commas: bool = False) ->
         warnings.simplefilter("error")
         # Parse pieces, which are small beside the file.
         for piece in pieces(text):
-            words = piece.replace(b",", b" ") if commas else piece
+            words = piece
+            if commas:
+                words = piece.replace(b",", b" ")
             try:
                 numbers: Any = np.fromstring(words, dtype=dtype, sep=" ")
             except (DeprecationWarning, ValueError) as error:
@@ -198,7 +202,9 @@ def parsed(text: bytes, what: str, dtype: type = float, commas: bool = False) ->
             found.append(numbers if dtype is float else compact(numbers))
     if not found:
         return np.zeros(0, dtype)
-    return found[0] if len(found) == 1 else np.concatenate(found)
+    if len(found) == 1:
+        return found[0]
+    return np.concatenate(found)
 
 
 def pieces(text: bytes) -> Iterator[bytes]:

@@ -169,7 +169,9 @@ def _inverse(geometry: _Elements, elements: ndarray, points: ndarray) -> tuple[n
     nodes = geometry.nodes[:, :, elements]  # (dim, k, n)
     dim = len(nodes)
     is_simplex = len(geometry.kind.refdom.p.T) == dim + 1  # type: ignore[attr-defined]
-    start = 1.0 / (dim + 1) if is_simplex else 0.5
+    start = 0.5
+    if is_simplex:
+        start = 1.0 / (dim + 1)
     local = np.full((dim, len(points)), start)
     for _ in range(_ITERATIONS):
         # Solve for the step; a map that folds has none.

@@ -157,7 +157,9 @@ def _side_nodes(kind: str) -> list[list[int]]:
     number = {frozenset(edge): shape.corners + k for k, edge in enumerate(_EDGES[kind])}
     found = []
     for position, side in enumerate(shape.sides):
-        count = len(side) if shape.dim == 3 else 1
+        count = 1
+        if shape.dim == 3:
+            count = len(side)
         middles = [number[frozenset((side[k], side[(k + 1) % len(side)]))] for k in range(count)]
         nodes = [*side, *middles]
         if len(side) == 4:

@@ -189,7 +189,9 @@ class Accelerated:
         if full.norm < _HALF * now.norm:
             return full
         shorter = self._problem.evaluate(now.z + _SHORTER * step)
-        return shorter if shorter.norm < full.norm else full
+        if shorter.norm < full.norm:
+            return shorter
+        return full
 
     def _record(self, before: Evaluation, now: Evaluation) -> None:
         """Record an iteration."""

@@ -202,7 +202,9 @@ def bisect_work(now: Evaluation, step: ndarray, problem: Problem, farthest: floa
     longest = np.inf
     for _ in range(_PROBES):
         new = problem.evaluate(now.z + length * step)
-        work = float(new.residual @ along) if np.isfinite(new.norm) else -np.inf
+        work = -np.inf
+        if np.isfinite(new.norm):
+            work = float(new.residual @ along)
         if abs(work) < least:
             least = abs(work)
             best = new
@@ -399,7 +401,9 @@ class _History:
             return []
         self._since = min(self._since, back) if self._returns else back
         self._returns += 1
-        return self._visited[self._since :] if self._returns >= _RETURNS else []
+        if self._returns >= _RETURNS:
+            return self._visited[self._since :]
+        return []
 
     def stagnates(self, iterations: int = _PATIENCE) -> bool:
         """Return True if the last iterations have not halved the residual."""
@@ -460,7 +464,9 @@ def iterate(
 
         # Take a step of a length that the line search accepts.
         new = _stepped(now, problem, search, history, damped)
-        now = problem.improved(new) if history.iterations == 0 else new
+        now = new
+        if history.iterations == 0:
+            now = problem.improved(new)
         history.add(now)
         logger.debug("iteration %d: residual %.3e", history.iterations, now.norm)
         unsolved = now.norm > settings.tolerance

@@ -225,4 +225,6 @@ class _Balance(Problem):
         if not self._attempt.begins or step.start is not None:
             return new
         z = step.system.foreseen(new.z, step.x, None, step.states)
-        return new if z is new.z else self.evaluate(z)
+        if z is new.z:
+            return new
+        return self.evaluate(z)

@@ -69,7 +69,9 @@ class Stepping:
     def fraction(self) -> float:
         """Share of the stage's load to be tried next."""
         fraction = self._reached + self._size
-        return fraction if 1.0 - fraction > _ROUND_OFF else 1.0
+        if 1.0 - fraction > _ROUND_OFF:
+            return fraction
+        return 1.0
 
     @property
     def size(self) -> float:
@@ -130,7 +132,9 @@ class Stepping:
                 worst = max(worst, error / largest)
 
         # The error of a step is of second order in its length.
-        return max(_SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf
+        if worst > 0.0:
+            return max(_SAFE / float(np.sqrt(worst)), _LEAST)
+        return np.inf
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""
@@ -161,7 +165,9 @@ class Stepping:
 
     def reject(self, error: NotConverged) -> None:
         """Record a failure."""
-        share = _QUARTER if self.try_recovery else _HALF
+        share = _HALF
+        if self.try_recovery:
+            share = _QUARTER
         at_first = isinstance(error.__cause__, SingularSystem) and len(error.residuals) == 1
         if self.try_recovery and at_first:
             self._times = self._times + 1 if error.dof == self._same else 1
@@ -201,7 +207,9 @@ class Predictor:
     @property
     def time(self) -> float:
         """Time of the last accepted increment."""
-        return self._accepted[-1][2] if self._accepted else 0.0
+        if self._accepted:
+            return self._accepted[-1][2]
+        return 0.0
 
     @property
     def before(self) -> ndarray:

@@ -438,7 +438,9 @@ def _headline(
     """Return the title of the colour bar, with its unit."""
     field = quantities(stage, water)[quantity]
     title = labelled(field.title, field.unit)
-    return f"Change of {title}" if since is not None else title[0].upper() + title[1:]
+    if since is not None:
+        return f"Change of {title}"
+    return title[0].upper() + title[1:]
 
 
 def _between(first: View, last: View, n: int) -> list[View]:

@@ -527,7 +527,9 @@ def _aligned(component: float, positive: Any, negative: Any) -> Any:
     """Return the alignment of a text that is moved along an axis."""
     if abs(component) <= 0.3:
         return "center"
-    return positive if component > 0.0 else negative
+    if component > 0.0:
+        return positive
+    return negative
 
 
 def styles(n: int) -> list[dict[str, Any]]:

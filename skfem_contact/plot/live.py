@@ -81,7 +81,9 @@ class Live:
         began = perf_counter()
         if stage.fraction < 1.0 and began < self._next:
             return
-        draw = cutaway if basis_of(stage).mesh.dim() == 3 else contour
+        draw = contour
+        if basis_of(stage).mesh.dim() == 3:
+            draw = cutaway
         plotter = draw(stage, self._quantity, **self._style)
         if plotter is not None:
             self._show(plotter._repr_png_())

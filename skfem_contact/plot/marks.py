@@ -64,7 +64,9 @@ class Marks:
         """Margin that the marks need, as a share of the bodies' size."""
         if self.loads is not None:
             return 0.08
-        return 0.045 if self.supports is not None else 0.0
+        if self.supports is not None:
+            return 0.045
+        return 0.0
 
     def draw(self, plotter: Any, scene: Scene) -> None:
         """Draw all marks."""
@@ -166,7 +168,9 @@ def pressures_of(water: Any) -> list[Any]:
         return [pressure]
     level = np.asarray(water, float)
     is_level = level.ndim == 0 or level.shape[-1:] == (2,)
-    return [hydrostatic(water, unit_weight=1.0)] if is_level else []
+    if is_level:
+        return [hydrostatic(water, unit_weight=1.0)]
+    return []
 
 
 def water_tables(scene: Scene, water: Water) -> list[ndarray]:
@@ -180,7 +184,9 @@ def water_tables(scene: Scene, water: Water) -> list[ndarray]:
     x = np.linspace(west, east, _STEPS + 1)
     y = _table(water, x, south, north + (north - south))
     line = np.column_stack((x, y))[np.isfinite(y)]
-    return [line] if len(line) else []
+    if len(line):
+        return [line]
+    return []
 
 
 def _evenly(line: ndarray, step: float) -> ndarray:

@@ -108,7 +108,9 @@ def _title(result: Any) -> str:
         if result.error and result.proven is None:  # bounds say more than an estimate
             title += f", {result.error} too high"
         bounds = result.proven
-    return title if bounds is None else f"{title} in [{bounds.lower:.4g}, {bounds.upper:.4g}]"
+    if bounds is None:
+        return title
+    return f"{title} in [{bounds.lower:.4g}, {bounds.upper:.4g}]"
 
 
 def _check_search(result: Any) -> None:

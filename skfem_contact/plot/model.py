@@ -64,7 +64,9 @@ def shades(stages: Iterable[StageResult]) -> dict[str, Shade]:
             for region in getattr(form, "regions", ()):
                 key = repr(region.material)
                 materials.setdefault(key, region.material)
-                label = name if region.name == "all" else region.name
+                label = region.name
+                if region.name == "all":
+                    label = name
                 names.setdefault(key, {})[label] = None
     found = {}
     for k, (key, material) in enumerate(materials.items()):

@@ -267,7 +267,9 @@ def _value(value: Any) -> str:
         return f"{type(value).__name__}({_parameters(value)})"
     if isinstance(value, tuple):
         return " and ".join(map(_value, value))
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return str(value)
 
 
 def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Iterator[str]:
@@ -336,7 +338,9 @@ def _figures(pictures: Iterable[tuple[str, Any]]) -> str:
     for caption, picture in pictures:
         text = f"<figcaption>{escape(caption)}</figcaption>"
         found += f"<figure>{_embedded(caption, picture)}{text}</figure>"
-    return f'<div class="figures">{found}</div>' if found else ""
+    if found:
+        return f'<div class="figures">{found}</div>'
+    return ""
 
 
 def _embedded(caption: str, picture: Any) -> str:

@@ -46,7 +46,9 @@ def facts_of(result: Result, table: Table, searches: Mapping[str, Any]) -> dict[
 
     # Collect factors and times.
     for stage, search in searches.items():
-        bound = "" if search.stop.shows_limit else "at least "
+        bound = "at least "
+        if search.stop.shows_limit:
+            bound = ""
         found[f"{search.what}, {stage}{error_of(search)}"] = f"{bound}{search.value:.3f}"
     seconds = sum(stage.seconds for stage in result)
     found["time"] = f"{seconds:.1f} s"
@@ -102,7 +104,9 @@ def _changes(stage: StageResult, before: list[str]) -> str:
     removed = [name for name in before if name not in stage.states]
     words = []
     if new:
-        kind = "new" if before else "active"
+        kind = "active"
+        if before:
+            kind = "new"
         words.append(f"{kind}: {', '.join(new)}")
     if removed:
         words.append(f"removed: {', '.join(removed)}")
@@ -114,7 +118,9 @@ def _changes(stage: StageResult, before: list[str]) -> str:
 
 
 def _counted(n: int, noun: str) -> str:
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+    if n == 1:
+        return f"{n} {noun}"
+    return f"{n} {noun}s"
 
 
 def diagrams_of(result: Result, sections: Mapping[str, Sections]) -> Iterator[tuple[str, Any]]:

@@ -41,8 +41,12 @@ def written(value: Any) -> str:
     if isinstance(value, tuple):
         return " and ".join(map(written, value))
     if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:.6g}" if isinstance(value, int | float | np.number) else str(value)
+        if value:
+            return "yes"
+        return "no"
+    if isinstance(value, int | float | np.number):
+        return f"{value:.6g}"
+    return str(value)
 
 
 def parameters(result: Result, colors: Mapping[str, Shade]) -> Table:
@@ -187,7 +191,9 @@ def water(result: Result) -> Table:
 
 def _weight_of(stage: StageResult) -> str:
     weight = stage.water_unit_weight
-    return "" if weight is None else f"{weight:g} {unit_of('weight')}".strip()
+    if weight is None:
+        return ""
+    return f"{weight:g} {unit_of('weight')}".strip()
 
 
 def in_words(given: Any) -> str:
@@ -235,7 +241,9 @@ def at_rest(result: Result) -> Table:
                 ratio = (effective[0] / np.where(counts, vertical, -1.0))[counts]
                 weight = form.weight[region.elements][counts]
                 low, high = np.quantile(ratio, (0.05, 0.95))
-                name = form_name if region.name == "all" else region.name
+                name = region.name
+                if region.name == "all":
+                    name = form_name
                 mean = float(ratio @ weight / weight.sum())
                 rows.append((name, mean, float(low), float(high), stage.name))
     return Table(head, tuple(rows))

@@ -210,7 +210,9 @@ class Cutaway(Scene):
         self.kept = _without(grid, self.planes)
         if self.kept.n_cells == 0:
             raise ValueError("the cuts leave nothing of the bodies")
-        straight = "tetra" if self.corners == 4 else "hexahedron"
+        straight = "hexahedron"
+        if self.corners == 4:
+            straight = "tetra"
         self.straight = _grid_of(points, straight, cells[:, : self.corners], displacement)
         self.straight["region"] = self.region
 

@@ -55,7 +55,9 @@ class SectionForces:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the forces and moments in a plane."""
-        return ("N", "V", "M") if self.N_hoop is None else ("N", "V", "M", "N_hoop", "M_hoop")
+        if self.N_hoop is None:
+            return ("N", "V", "M")
+        return ("N", "V", "M", "N_hoop", "M_hoop")
 
     def towards(self, left: ArrayLike) -> SectionForces:
         """Return the section forces in a plane of bending in space, with the height for y.
@@ -168,7 +170,9 @@ class Sections:
             Number of cuts, both ends included.
         """
         # Check the ends.
-        dim = 3 if np.size(start) == 3 else 2
+        dim = 2
+        if np.size(start) == 3:
+            dim = 3
         start = _point(start, "the start", dim)
         end = _point(end, "the end", dim)
         _check_number(n, 2)
@@ -232,7 +236,9 @@ def _point(point: ArrayLike, name: str, dim: int = 2) -> ndarray:
     """Check the coordinates of a point."""
     coordinates = np.asarray(point, float)
     if coordinates.shape != (dim,) or not np.isfinite(coordinates).all():
-        axes = "(x, y)" if dim == 2 else "(x, y, z)"
+        axes = "(x, y, z)"
+        if dim == 2:
+            axes = "(x, y)"
         raise ValueError(f"{name} of the sections must be a finite {axes}, not {point!r}")
     return coordinates
 

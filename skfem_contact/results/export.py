@@ -132,7 +132,9 @@ def _filled(parts: Sequence[Mapping[str, ndarray]], sizes: Sequence[int]) -> dic
         known |= part
     filled: dict[str, Any] = {}
     for key, like in known.items():
-        nothing = -1 if like.dtype.kind == "i" else np.nan
+        nothing = np.nan
+        if like.dtype.kind == "i":
+            nothing = -1
         filled[key] = []
         for part, n in zip(parts, sizes):
             missing = np.full((n, *like.shape[1:]), nothing)

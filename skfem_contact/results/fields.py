@@ -213,7 +213,9 @@ def undrained_excess(stage: StageData, layout: Layout, elements: ndarray) -> nda
 
 def quantities(stage: StageData, water: Shown | None = None) -> dict[str, Quantity]:
     """Return the fields of a stage, in the plane or in space."""
-    fields = PLANE if basis_of(stage).mesh.dim() == 2 else SPACE
+    fields = SPACE
+    if basis_of(stage).mesh.dim() == 2:
+        fields = PLANE
     if water is None:
         return fields
     return fields | {"pore": fields["pore"]._replace(title="pore pressure")}
@@ -282,7 +284,9 @@ def _of_form(
             strain = strain - form.total_strain(before)
         return quantity.value(recovered(form, strain, elements=elements))
     values = _of_state(form, state, quantity, elements)
-    return values if before is None else values - _of_state(form, before, quantity, elements)
+    if before is None:
+        return values
+    return values - _of_state(form, before, quantity, elements)
 
 
 def _of_state(form: SolidForm, state: Any, quantity: Quantity, elements: ndarray | None) -> ndarray:

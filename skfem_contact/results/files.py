@@ -487,7 +487,9 @@ def _in_words(water: Any) -> Any:
 
 
 def _with_end(file: str | Path) -> str:
-    return str(file) if str(file).endswith(".npz") else f"{file}.npz"
+    if str(file).endswith(".npz"):
+        return str(file)
+    return f"{file}.npz"
 
 
 def _checksum(values: Any) -> int:

@@ -82,7 +82,9 @@ def recovered(
     mesh = region_mesh(form)
     wanted = None if elements is None else np.unique(mesh.cells[elements])
     nodal = _fitted(form, values, mesh, balanced, wanted)
-    return within_points(nodal, values, mesh) if limited else nodal
+    if limited:
+        return within_points(nodal, values, mesh)
+    return nodal
 
 
 def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, ndarray]:
@@ -174,7 +176,9 @@ def _fitted(
     points = np.asarray(basis.global_coordinates())
 
     # Prepare the polynomials, the forces and the strain operator.
-    degree = 2 if cells.shape[1] > corners else 1
+    degree = 1
+    if cells.shape[1] > corners:
+        degree = 2
     beta = _BETA[degree, corners == dim + 1]
     m = len(_powers(np.zeros((dim, 1)), degree))
     nc = len(values)

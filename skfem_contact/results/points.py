@@ -195,7 +195,9 @@ def _points(
         given = list(points.values())
     coordinates = np.atleast_2d(finite(given, "points"))
     if coordinates.ndim != 2 or coordinates.shape[1] != dim or not len(coordinates):
-        axes = "(x, y)" if dim == 2 else "(x, y, z)"
+        axes = "(x, y, z)"
+        if dim == 2:
+            axes = "(x, y)"
         raise ValueError(
             f"points are {axes} or several of them, (n, {dim}), not of the shape {np.shape(given)}"
         )

@@ -95,7 +95,9 @@ class StageResult(files.StageData):
     def reactions(self) -> ndarray:
         """Return internal forces less the load, (N,): reactions of supports, else residuals."""
         balance = internal_force(self.forms, self.x, self.states) - self.load
-        return balance if self.inertial is None else balance + self.inertial
+        if self.inertial is None:
+            return balance
+        return balance + self.inertial
 
     @property
     def energy(self) -> Table:

@@ -166,7 +166,9 @@ def undrained_friction(
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
     """Return the undrained shear strength of a plane solid by region, (n_elements,) each."""
     if form.coordinates != "plane":
-        where = "in space" if form.coordinates == "space" else "axisymmetric"
+        where = "axisymmetric"
+        if form.coordinates == "space":
+            where = "in space"
         raise ValueError(f"the undrained strength is that of plane strain; this solid is {where}")
     # Take means of the effective stress s' over the elements: water in the pores takes its part.
     in_plane = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)

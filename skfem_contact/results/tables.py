@@ -223,7 +223,9 @@ def _along(stage: StageData, name: str, sections: Sections | None) -> dict[str, 
 
 def _contact_columns(values: Mapping[str, ndarray]) -> dict[str, ndarray]:
     """Return the columns of contact tractions: with the arc in the plane, with z in space."""
-    other_axis = "z" if len(values["arc"]) else "arc"
+    other_axis = "arc"
+    if len(values["arc"]):
+        other_axis = "z"
     columns = {key: values[key] for key in _CONTACT if key != other_axis}
     names = np.array([kind.name.lower() for kind in Status])
     return columns | {"status": names[columns["status"]]}
@@ -241,7 +243,9 @@ def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
         if line is not None:
             points.append(line[0])
             values.append(line[1]["displacement"])
-    return (np.concatenate(values), np.concatenate(points)) if points else None
+    if points:
+        return (np.concatenate(values), np.concatenate(points))
+    return None
 
 
 def _largest(values: ndarray, points: ndarray) -> tuple[float, str]:

@@ -87,7 +87,9 @@ def chain_of(entity: Any, size: float) -> Chain | None:
         return Chain(np.array([plane(dxf.start), plane(dxf.end)]), np.zeros(1), False)
 
     # Keep the arcs of curves with the normal z, or -z in mirrored blocks, where x is opposite
-    up = dxf.extrusion[2] if dxf.hasattr("extrusion") else 1.0
+    up = 1.0
+    if dxf.hasattr("extrusion"):
+        up = dxf.extrusion[2]
     round_ = kind in _ROUND or (kind == "POLYLINE" and entity.is_2d_polyline)
     if round_ and abs(abs(up) - 1.0) <= 1e-12:
         chain = _with_arcs(entity)

@@ -384,7 +384,9 @@ def _loops(chains: list[Chain], new: list[_Resampled], part: int) -> list[list[t
     for k, chain in enumerate(chains):
         if chain.left == chain.right or part not in (chain.left, chain.right):
             continue
-        sign = 1 if chain.left == part else -1
+        sign = -1
+        if chain.left == part:
+            sign = 1
         leaving.setdefault(chain.ends[::sign][0], []).append((k, sign))
 
     # Follow them until all are in a loop

@@ -45,7 +45,9 @@ def gmsh_model() -> Iterator[Any]:
     began = bool(gmsh.isInitialized())
     if not began:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
-    before = gmsh.model.getCurrent() if began else ""
+    before = ""
+    if began:
+        before = gmsh.model.getCurrent()
     options = {name: gmsh.option.getNumber(name) for name in _OPTIONS}
     # Set our options in a model of our own.
     try:

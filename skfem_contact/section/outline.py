@@ -99,7 +99,9 @@ class Outline:
     def _check_count(self, points: ndarray, least: int) -> None:
         """Refuse fewer points than an area or a line needs."""
         if len(points) < least:
-            need = "an area needs three" if self.closed else "a line needs two"
+            need = "a line needs two"
+            if self.closed:
+                need = "an area needs three"
             raise ValueError(f"'{self.name}' has {len(points)} different points: {need}")
 
     @property

@@ -364,7 +364,9 @@ class Section:
 
     @property
     def _ground(self) -> str:
-        return REMAINING if self.lifts else "ground"
+        if self.lifts:
+            return REMAINING
+        return "ground"
 
     def _part(self, area: str, lift: str) -> str:
         """Return the part to which a piece of an area belongs."""

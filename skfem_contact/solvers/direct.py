@@ -180,7 +180,9 @@ class DirectSolver:
         """Return the ways to factor, without single precision once it has failed."""
         if self._last is not None and not self._last.holds:
             self._single = False
-        return WAYS if self._single else WAYS[1:]
+        if self._single:
+            return WAYS
+        return WAYS[1:]
 
     def _kept(self, symmetric: bool) -> _Factor | None:
         """Return the last factor if it serves for matrices of this symmetry."""
@@ -196,7 +198,9 @@ class DirectSolver:
     def _ordered(self, K: csr_matrix) -> FreeBlock:
         block = FreeBlock(self._free)
         order = self._free[self._engine.order(block.gather(K), self._locations[:, self._free])]
-        return block if np.array_equal(order, self._free) else FreeBlock(order)
+        if np.array_equal(order, self._free):
+            return block
+        return FreeBlock(order)
 
 
 def nothing_free(b: ndarray, rtol: float = REFINE) -> ndarray:
@@ -245,7 +249,9 @@ class _Factor:
                 self._factor(way)
             except RuntimeError:  # an exact zero among the pivots
                 continue
-            least = FIRM if way == "single" else SINGULAR
+            least = SINGULAR
+            if way == "single":
+                least = FIRM
             if self._stiffness() > least:
                 return
         raise self._singular()

@@ -140,11 +140,14 @@ class AmgSolver:
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
-            rtol = REFINE if rtol >= UNCHECKED else rtol
+            if rtol >= UNCHECKED:
+                rtol = REFINE
             right = np.where(self._fixed, 0.0, b[self._dofs])
             far = rtol >= _FAR
             self._fgmres.forgets = far
-            most = min(self._most, self._early) if far else self._most
+            most = self._most
+            if far:
+                most = min(self._most, self._early)
 
             # iterate with the present coarse matrices as long as they pay, then with new ones
             patience = most
@@ -152,7 +155,9 @@ class AmgSolver:
                 patience = min(most, self._patience(rtol))
             result = _iterated(A, cycle, balanced, right, methods, patience, rtol)
             self.iterations = result.count
-            remaining = most - result.count if far else most
+            remaining = most
+            if far:
+                remaining = most - result.count
             if remaining > 0 and not (result.close or fresh):
                 cycle = self._renewed(A, blocks).cycle(A, blocks)
                 fresh = True
@@ -285,7 +290,9 @@ class _Result:
     @property
     def digits(self) -> float:
         """Decimal digits by which the iterations have reduced the residual."""
-        return float(np.log10(self.first / self.error)) if self.error > 0.0 else 0.0
+        if self.error > 0.0:
+            return float(np.log10(self.first / self.error))
+        return 0.0
 
 
 def _iterated(
@@ -329,7 +336,9 @@ def _iterated(
             error = improved
         if error > rtol:
             wanted = max(rtol, _round_off(A, x) / size)
-    enough = max(WRONG, rtol) if count < most else wanted
+    enough = wanted
+    if count < most:
+        enough = max(WRONG, rtol)
     return _Result(x, count, first, error, close=error <= enough)
 
 
@@ -385,7 +394,9 @@ class AmgOrDirect:
 
 def iterations_that_pay(locations: ndarray, free: ndarray, engine: str, yielding: bool) -> int:
     """Return the iterations that cost less than factors; 0 where multigrid does not pay."""
-    per_iteration = PER_ITERATION_YIELDING if yielding else PER_ITERATION
+    per_iteration = PER_ITERATION
+    if yielding:
+        per_iteration = PER_ITERATION_YIELDING
     most = len(free) // per_iteration[engine]
     if len(locations) < 3 or most < FEWEST or find_spec("pyamg") is None:
         return 0

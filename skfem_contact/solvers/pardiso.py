@@ -114,7 +114,9 @@ class _Analysis:
         self._columns = pattern.indices[self._stored].astype(np.int32) + 1
 
         # analyse, and release the memory with this object
-        kind = SYMMETRIC if symmetric else UNSYMMETRIC
+        kind = UNSYMMETRIC
+        if symmetric:
+            kind = SYMMETRIC
         self._call = _Call(library, kind, pattern.nnz, A.dtype == np.float32)
         self.admits(A, symmetric)
         self._run(ANALYSE, A)

@@ -219,7 +219,9 @@ class _Base:
             if error > accepted:
                 x = x + once(residual)
                 error = unbalanced(x, b)[1]
-            return x if error <= _WRONG else other()(b, rtol)
+            if error <= _WRONG:
+                return x
+            return other()(b, rtol)
 
         return solve
 

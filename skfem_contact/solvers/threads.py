@@ -57,5 +57,9 @@ def allowed() -> int:
     else:
         cores = os.cpu_count() or 1
     given = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
-    limit = int(given) if given.isdigit() else 0
-    return min(cores, limit) if limit > 0 else cores
+    limit = 0
+    if given.isdigit():
+        limit = int(given)
+    if limit > 0:
+        return min(cores, limit)
+    return cores

@@ -113,7 +113,9 @@ class Parts:
             return  # parts without an equilibrium
         if error > _ERROR:
             size = f"about {error:.0%}" if error < _LARGE else f"more than {_LARGE:.0%}"
-            what = "forces at the moved supports" if self._driven else "displacements"
+            what = "displacements"
+            if self._driven:
+                what = "forces at the moved supports"
             yield Remark(
                 "increments",
                 error,
@@ -181,7 +183,9 @@ def _error(samples: Sequence[Sample], begin: int, end: int, driven: bool) -> flo
             lost = (new.strain - strain) * (new.stress - old.stress)
         total += sample.work(begin, end)[solved].sum()
         more += PARTS / (PARTS - 1.0) * (sample.weight * lost.sum(axis=0))[solved].sum()
-    return abs(more / total) if total else 0.0
+    if total:
+        return abs(more / total)
+    return 0.0
 
 
 def followed(
@@ -195,7 +199,9 @@ def followed(
     now = states[0]
     solved = np.ones(now.strain.shape[1], bool)
     for old, new in pairwise(states):
-        base = now.stress if driven else old.stress
+        base = old.stress
+        if driven:
+            base = now.stress
         for share in (np.arange(PARTS) + 1.0) / PARTS:
             strain = old.strain + share * (new.strain - old.strain)
             time = old.time + share * (new.time - old.time)

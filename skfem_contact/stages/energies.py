@@ -138,7 +138,9 @@ class Log:
         inner = elastic + plastic + friction
         lost = kinetic[0] + work[-1] - kinetic[-1] - inner[-1] - damped[-1]
         largest = max(float(np.abs(each).max()) for each in (kinetic, inner, work))
-        return float(lost / largest) if largest > 0.0 else 0.0
+        if largest > 0.0:
+            return float(lost / largest)
+        return 0.0
 
     def summary(self) -> str:
         """Return the kinetic energy, and the energy that the scheme has taken, in one line."""

@@ -247,7 +247,9 @@ class Planner:
         known: ndarray | None = self._supports
         if self._first and self._start is not None:
             known = self._start.supports
-        return self._setup.fixed if known is None else known
+        if known is None:
+            return self._setup.fixed
+        return known
 
     def _opened(self, stage: Stage, before: ndarray) -> ndarray:
         """Return pressures that a stage holds in addition, unless it prescribes them."""
@@ -309,7 +311,9 @@ class Planner:
         if start.unreleased is not None:
             load = load + setup.vector(start.unreleased, "start")
         unknown = isinstance(self._water, str)  # a file names it, and the stage gives it again
-        water = stage.water if unknown else self._water
+        water = self._water
+        if unknown:
+            water = stage.water
         return load - setup.weights(self._active) - setup.water_on(self._active, water)
 
     def _jump(self, first: ndarray, on_top_before: ndarray) -> ndarray | None:
@@ -317,7 +321,9 @@ class Planner:
         jump = first - self._rest - on_top_before
         jump[self._inactive] = 0.0
         largest = np.abs([first, on_top_before]).max(initial=0.0)
-        return jump if np.abs(jump).max(initial=0.0) > _JUMP * largest else None
+        if np.abs(jump).max(initial=0.0) > _JUMP * largest:
+            return jump
+        return None
 
     def _prescribed(self, stage: Stage) -> ndarray | Callable[[float], ndarray] | None:
         """Return the prescribed displacements of all dofs, (N,), as a function or None."""
@@ -332,7 +338,9 @@ class Planner:
 
     def _of_forms(self, stage: Stage) -> list[Remark]:
         """Return remarks of the forms on the stage."""
-        duration = self._time if stage.duration else 0.0
+        duration = 0.0
+        if stage.duration:
+            duration = self._time
         found = []
         try:
             for name, form in having(self._active, Staged).items():
@@ -497,7 +505,9 @@ def own_arrays(water: Any) -> Any:
     """Return water at rest with copies of its arrays, which the user may change later."""
     if isinstance(water, Mapping):
         return {name: own_arrays(level) for name, level in water.items()}
-    return deepcopy(water) if isinstance(water, (ndarray, list)) else water
+    if isinstance(water, (ndarray, list)):
+        return deepcopy(water)
+    return water
 
 
 def check_contacts(forms: Mapping[str, Form], inactive: ndarray) -> None:

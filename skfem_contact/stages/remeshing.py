@@ -303,7 +303,9 @@ def _unbalanced(system: Any, x: ndarray, states: dict[str, Any], load: ndarray) 
     """Return the norm of forces out of balance over that of the forces of all bodies."""
     force = internal_force(system.forms, x, states) - load
     all_forces = np.linalg.norm(internal_force(solids_of(system.forms), x, states))
-    return float(np.linalg.norm(force[system.free]) / all_forces) if all_forces else 0.0
+    if all_forces:
+        return float(np.linalg.norm(force[system.free]) / all_forces)
+    return 0.0
 
 
 def _warn_of_losses(name: str, lost: ndarray) -> None:

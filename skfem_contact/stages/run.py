@@ -328,7 +328,9 @@ class _Follower:
             raise
         share = log.missing()
         if abs(share) > _MISSING:
-            what = "missing, taken by the scheme" if share > 0.0 else "gained"
+            what = "gained"
+            if share > 0.0:
+                what = "missing, taken by the scheme"
             warn(
                 f"stage '{stage.name}': {abs(share):.0%} of the energy is {what}: shorten the "
                 "steps, or take rho_inf nearer to 1"
@@ -339,7 +341,9 @@ class _Follower:
 
     def buckling(self, last: StageResult) -> tuple[str, Remark] | None:
         """Return a remark on thrusts near buckling at the end of the last stage, with its form."""
-        return None if self._system is None else buckling(self._system, last)
+        if self._system is None:
+            return None
+        return buckling(self._system, last)
 
     def _followed(
         self, increments: Iterator[StageResult], stage: Stage, last: StageResult
@@ -464,7 +468,9 @@ class _Way:
     at_start: bool = False
 
     def __str__(self) -> str:
-        jump = ", in the jump of the load at its start," if self.at_start else ""
+        jump = ""
+        if self.at_start:
+            jump = ", in the jump of the load at its start,"
         return f"stage '{self.name}'{jump}"
 
 
@@ -535,7 +541,9 @@ def _along(
         percent = 100 * fraction
         logger.debug("%s: %.2f%% in %d iterations", way, percent, new.iterations)
         stepping.accept(fraction, new.iterations, new.equilibria)
-        next_step = stepping.allowed * duration if duration else np.inf
+        next_step = np.inf
+        if duration:
+            next_step = stepping.allowed * duration
         with trusted_calls():
             last = _accepted(last, step, new, fraction, time, next_step)
         predictor.accept(last.x, last.load, time)
@@ -589,7 +597,9 @@ def _farthest(system: System, path: Path) -> float:
     for form in solids_of(system.forms).values():
         sizes.append(np.linalg.norm(np.ptp(form.basis.mesh.p, axis=1)))
     pushed = np.abs(path(1.0)[1] - path(0.0)[1]).max(initial=0.0)
-    return float(max(sizes) + pushed) if sizes else np.inf
+    if sizes:
+        return float(max(sizes) + pushed)
+    return np.inf
 
 
 def _path(
@@ -661,7 +671,9 @@ def _so_far(system: System, last: StageResult) -> str:
     """Return the summaries of the last accepted increment, for a message."""
     lines = summaries(system.forms, last.x, last.states)
     text = "; ".join(f"{name}: {line}" for name, line in lines.items() if line)
-    return f". Accepted last: {text}" if text else ""
+    if text:
+        return f". Accepted last: {text}"
+    return ""
 
 
 def _nothing(phase: Phase) -> StageResult:

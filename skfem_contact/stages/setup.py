@@ -174,7 +174,9 @@ class Setup:
                 f"bounds need gravity against the last axis, not {self.gravity.tolist()}: rotate "
                 f"the mesh"
             )
-        return float(self.gravity[0]) if len(self.gravity) == 2 else self.gravity[:-1]
+        if len(self.gravity) == 2:
+            return float(self.gravity[0])
+        return self.gravity[:-1]
 
     def _numbered(self, form: Form) -> Form:
         return form.numbered(self.layout.numbers((*form.fields, *borrowed_by(form))))
@@ -314,7 +316,9 @@ class Setup:
             raise ValueError(f"{what} has shape {values.shape}, not {either}")
         if not np.isfinite(values).all():
             raise ValueError(f"{what} holds NaN or infinite values")
-        return values if len(values) == n else np.pad(values, (0, n - len(values)))
+        if len(values) == n:
+            return values
+        return np.pad(values, (0, n - len(values)))
 
     def load(self, given: Any, what: str = "the load") -> ndarray:
         """Return a load vector, or the sum of several, (N,); zero for None."""
@@ -486,5 +490,7 @@ def _layout_of(forms: Mapping[str, Form]) -> Layout:
     for form in solids_of(forms).values():
         return Layout.of(np.asarray(form.basis.doflocs), fields)
     n = next((form.size for form in forms.values() if form.size is not None), 0)
-    dim = len(fields[0].coordinates) if fields else 1
+    dim = 1
+    if fields:
+        dim = len(fields[0].coordinates)
     return Layout.of(np.tile(np.arange(n, dtype=float), (dim, 1)), fields)

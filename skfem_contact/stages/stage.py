@@ -130,7 +130,9 @@ class Stage:
     def released(self) -> float:
         """Share of lost forces that is released in the stage."""
         if self.release is None:
-            return 1.0 if self.dynamic is None else 0.0
+            if self.dynamic is None:
+                return 1.0
+            return 0.0
         return self.release
 
 

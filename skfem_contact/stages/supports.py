@@ -80,7 +80,9 @@ def _without(basis: CellBasis, count: ndarray) -> str:
     for name, part in (basis.mesh.subdomains or {}).items():
         if not np.isin(part, covered).any():
             names.append(name)
-    return f", in the subdomains {names}" if names else ""
+    if names:
+        return f", in the subdomains {names}"
+    return ""
 
 
 def _check_bodies(

@@ -115,7 +115,9 @@ def circle(
     cosine = np.cos(np.pi / _FACETS)
     size = radius / (0.5 * cosine + 0.25 * (1.0 + cosine**2))
     angle = np.linspace(0, 2 * np.pi, _FACETS, endpoint=False)
-    turn = 1.0 if hole else -1.0
+    turn = -1.0
+    if hole:
+        turn = 1.0
     on_circle = np.column_stack((np.cos(angle), turn * np.sin(angle)))
     points = np.asarray(center) + size * on_circle
     return smoothed(polyline(points, closed=True, name=name))
@@ -231,7 +233,9 @@ def sphere(center: ArrayLike, radius: float, hole: bool = False, name: str = "ob
     corners = points[facets[:, :4]]
     points[facets[:, 4:8]] = unit(corners + np.roll(corners, -1, axis=1))
     points[facets[:, 8]] = unit(corners.sum(axis=1))
-    sign = -1.0 if hole else 1.0
+    sign = 1.0
+    if hole:
+        sign = -1.0
     return _surface(
         name,
         middle + radius * points,
@@ -264,7 +268,9 @@ def cylinder(
     end = _point(name, end)
     axes = _axes(name, end - start)
     length = float(np.linalg.norm(end - start))
-    sign = -1.0 if hole else 1.0
+    sign = 1.0
+    if hole:
+        sign = -1.0
 
     def outward(x: ndarray) -> ndarray:
         offset = x - start

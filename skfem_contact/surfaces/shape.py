@@ -119,7 +119,9 @@ class Shape:
     def side_corners(self) -> ndarray:
         """Corners of every side, in the order round the facet, shape (n_sides, 1 or 2)."""
         n = np.arange(len(self.corners))
-        return n[:, None] if self.dim == 1 else np.column_stack((n, np.roll(n, -1)))
+        if self.dim == 1:
+            return n[:, None]
+        return np.column_stack((n, np.roll(n, -1)))
 
     @cached_property
     def along(self) -> ndarray:

@@ -161,7 +161,9 @@ class Surface:
         numbers, field = numbers_of(dofs, (n, dim), f"'{name}': dofs")
         fields = [("dofs", field)]
         if rotations is not None:
-            per_node = 1 if dim == 2 else 3
+            per_node = 3
+            if dim == 2:
+                per_node = 1
             turns, field = numbers_of(rotations, (n, per_node), f"'{name}': rotations")
             fields.append(("rotations", field))
 

@@ -138,7 +138,9 @@ class WaterBalance:
         ratio = _RATIO
         while reached > 1.0 and ratio > least:
             wider = max(1.0, reached / ratio)
-            tolerance = _NEARLY if wider > 1.0 else _BALANCED
+            tolerance = _BALANCED
+            if wider > 1.0:
+                tolerance = _NEARLY
             try:
                 now = self._newton(now, _softer(laws, wider), tolerance)
                 reached = wider

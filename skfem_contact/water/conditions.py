@@ -76,7 +76,9 @@ class Conditions:
         given = getattr(self, what)
         if callable(given) and time is None:
             raise ValueError(f"{what} is a function of time: steady flow has {{name: value}}")
-        values = given(time) if callable(given) else given
+        values = given
+        if callable(given):
+            values = given(time)
         if not isinstance(values, Mapping):
             raise ValueError(
                 f"{what} at the time {time:g} is {values!r}: give {{name: value}}, or a function "

@@ -154,7 +154,9 @@ class Conductivity:
 
     def round_off(self, pressure: ndarray) -> float | ndarray:
         """Return the round-off of the flow where it is more than the round-off of forces."""
-        return 0.0 if self._moisture is None else self._moisture.round_off(pressure)
+        if self._moisture is None:
+            return 0.0
+        return self._moisture.round_off(pressure)
 
     def slopes(self, pressure: ndarray, strain: ndarray | None) -> Slopes:
         """Return the derivatives of the flow of the elements."""

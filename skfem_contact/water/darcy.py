@@ -198,7 +198,9 @@ class DarcyFlow:
         """Return the heads after a change; nodes stop at the free surface before they cross it."""
         new = head + change
         z = self.elevation
-        return np.where((head - z) * (new - z) < 0.0, z, new) if laws else new
+        if laws:
+            return np.where((head - z) * (new - z) < 0.0, z, new)
+        return new
 
     def scale(self, head: ndarray, inflow: ndarray) -> float:
         """Return the amount of water against which the water out of balance is small."""

@@ -109,7 +109,9 @@ def _at_drains(
     area = _areas(mesh, sides[side, element])
     # Divide the volume by the area: simplices have a third or half of the volume of a prism.
     simplex = len(mesh.t) == mesh.dim() + 1
-    factor = mesh.dim() if simplex else 1
+    factor = 1
+    if simplex:
+        factor = mesh.dim()
     return element, factor * basis.dx.sum(axis=1)[element] / area
 
 
@@ -162,7 +164,9 @@ def check_units(basis: CellBasis, diffusivity: ndarray, duration: float) -> Iter
     slowest = float(diffusivity.min()) * duration / length**2
     if fastest >= _LEAST and slowest <= _MOST:
         return
-    worst = fastest if fastest < _LEAST else slowest
+    worst = slowest
+    if fastest < _LEAST:
+        worst = fastest
     text = (
         f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} "
         f"to {diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?"

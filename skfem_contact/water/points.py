@@ -60,7 +60,9 @@ def interpolated(
             outside[better] = off[better]
             values = (weights * nodal[corners[:, candidate]]).sum(axis=0)
             result[remaining[better]] = values[better]
-        tolerance = _ROUND_OFF if tried < last else _CURVED
+        tolerance = _CURVED
+        if tried < last:
+            tolerance = _ROUND_OFF
         remaining = remaining[outside > tolerance]
         if len(remaining) == 0:
             return result
@@ -102,4 +104,6 @@ def _cleaned(line: ndarray) -> ndarray:
         line = line[::-1]
     kept = np.ones(len(line), dtype=bool)
     kept[1:] = _steps(line) > 1e-12 * np.ptp(line, axis=0).max()
-    return line[kept] if kept.sum() > 1 else line
+    if kept.sum() > 1:
+        return line[kept]
+    return line

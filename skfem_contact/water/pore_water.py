@@ -355,7 +355,9 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
             raise ValueError("its void ratio or the change is another")
         if not _same_laws(old._laws, self._laws) or not _same(old.start, self.start):
             raise ValueError("its retention or its start is another")
-        return self if old.around is None else self._in(old.around)
+        if old.around is None:
+            return self
+        return self._in(old.around)
 
     def _in(self, around: Surroundings) -> PoreWater:
         """Return the water in ground of known stiffness."""
@@ -460,7 +462,9 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
 
     @override
     def over(self, duration: float) -> PoreWater:
-        return self._over(duration) if duration > 0.0 else self
+        if duration > 0.0:
+            return self._over(duration)
+        return self
 
     @override
     def undrained(self) -> PoreWater:
@@ -589,7 +593,9 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
 
 
 def _strain_of(state: PoreState) -> ndarray | None:
-    return state.strain if isinstance(state, CompactedState) else None
+    if isinstance(state, CompactedState):
+        return state.strain
+    return None
 
 
 def _same(first: ndarray | float | None, second: ndarray | float | None) -> bool:

@@ -127,7 +127,8 @@ class Porous:
         """
         u = self.basis.element_dofs.T
         p = first + self.corners
-        squeezed = coupling if squeezed is None else squeezed
+        if squeezed is None:
+            squeezed = coupling
         # Add the blocks of displacements and pressures, and of pressures alone.
         rows, columns, data = [], [], []
         for row, column, values in (

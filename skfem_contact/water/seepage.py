@@ -157,7 +157,9 @@ class Seepage:
         volume = (self.basis.dx * radius(self.basis, self._axisymmetric))[here]
         upward = -self._unit_weight * float((rise * volume).sum())
         weight = (unit_weight - self._unit_weight) * float(volume.sum())
-        return weight / upward if upward > 0.0 else np.inf
+        if upward > 0.0:
+            return weight / upward
+        return np.inf
 
     def uplift_factor(
         self, bottom: str, unit_weight: Mapping[str, float], load: float = 0.0

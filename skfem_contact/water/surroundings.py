@@ -93,7 +93,9 @@ def _stiffness(
     """Return oedometric and shear moduli of all elements, and the measure of the ground."""
     mesh = basis.mesh
     here = elements_of(basis)
-    n_strains = 4 if mesh.dim() == 2 else 6
+    n_strains = 6
+    if mesh.dim() == 2:
+        n_strains = 4
     modulus = np.full(mesh.nelements, np.nan)
     shear = np.full(mesh.nelements, np.nan)
     measures = set()

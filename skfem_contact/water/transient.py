@@ -129,7 +129,9 @@ class March:
 
     def _at_nodes(self, time: float) -> tuple[NodalConditions, ndarray]:
         """Return the conditions at a time, of which the last ones are kept."""
-        key = 0.0 if self._conditions.constant else time
+        key = time
+        if self._conditions.constant:
+            key = 0.0
         if key not in self._known:
             given = self._conditions.at_nodes(self.flow.basis, self.flow.axisymmetric, time)
             self._known = {key: given}

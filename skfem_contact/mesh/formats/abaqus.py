@@ -129,7 +129,8 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
     for mark, end in zip(marks, ends):
         # Separate the line of a card from its data; a comma at its end continues it.
         line = text.find(b"\n", mark.end(), end)
-        line = end if line < 0 else line
+        if line < 0:
+            line = end
         head = text[mark.end() : line]
         data = text[line + 1 : end]
         while head.rstrip().endswith(b","):
@@ -224,7 +225,8 @@ def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
     Its sets are known by their own names and by "instance.set".
     """
     # Number nodes and elements above all others.
-    shift = max(shift, _span(whole)) if whole.ids else shift
+    if whole.ids:
+        shift = max(shift, _span(whole))
     whole.ids += [ids + shift for ids in part.ids]
     whole.points += part.points
     whole.elements += [(kind, ids + shift, nodes + shift) for kind, ids, nodes in part.elements]
@@ -260,7 +262,9 @@ def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Par
     elif card.keyword == "ELEMENT":
         _read_elements(part, card)
     elif card.keyword in ("NSET", "ELSET"):
-        sets = part.node_sets if card.keyword == "NSET" else part.element_sets
+        sets = part.element_sets
+        if card.keyword == "NSET":
+            sets = part.node_sets
         shift = instances.get(options.get("INSTANCE", "").strip('"').upper(), (0, part))[0]
         members = _members(sets, part, card, shift)
         sets.setdefault(part.key(options.get(card.keyword, "")), []).append(members)
@@ -338,7 +342,9 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
                 if last - first > _MOST:
                     raise ValueError(f"a set counts from {first} to {last}: these are too many")
                 found.append(np.arange(first, last + 1, *step[:1]))
-        return shift + np.concatenate(found) if found else np.zeros(0, int)
+        if found:
+            return shift + np.concatenate(found)
+        return np.zeros(0, int)
     # Most sets have numbers alone.
     if not re.search(rb"[A-Za-z_]", card.data):
         return shift + np.asarray(parsed(card.data, "the set", np.int64, commas=True))
@@ -402,7 +408,9 @@ def _members_by_face(whole: _Part, name: str, lines: list[tuple[str, str]]) -> d
     single: dict[str, list[int]] = {}
     found: dict[str, list[Integers]] = {}
     for entry, face in lines:
-        sets = whole.node_sets if face == "NODE" else whole.element_sets
+        sets = whole.element_sets
+        if face == "NODE":
+            sets = whole.node_sets
         if entry.isdigit():
             single.setdefault(face, []).append(int(entry))
         elif entry.upper() in sets:

@@ -124,7 +124,9 @@ def _group(line: bytes) -> tuple[str, str]:
     words = shlex.split(line.decode("utf-8", "replace"))
     if len(words) < 2:
         raise ValueError("a group has no name")
-    slot = words[3] if len(words) > 3 and words[2].upper() == "SLOT" else "1"
+    slot = "1"
+    if len(words) > 3 and words[2].upper() == "SLOT":
+        slot = words[3]
     plain = slot.isdigit() or slot == "Default"
     return words[0][0], words[1] if plain else f"{slot}:{words[1]}"
 
@@ -144,7 +146,9 @@ def write(content: Content, path: str) -> None:
     first = {}
     counts = {"Z": 1, "F": 1}
     for kind, cells in content.cells.items():
-        letter = "Z" if KINDS[kind].dim == 3 else "F"
+        letter = "F"
+        if KINDS[kind].dim == 3:
+            letter = "Z"
         word, order = words[kind]
         first[kind] = (letter, counts[letter])
         lines.append("* ZONES" if letter == "Z" else "* FACES")

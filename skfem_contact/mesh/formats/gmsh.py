@@ -206,7 +206,9 @@ class _Numbers:
         check_count(int(count), self.size, "numbers")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # a text that ends too early
-            sep = " " if self.is_text else ""
+            sep = ""
+            if self.is_text:
+                sep = " "
             values = np.fromfile(self.file, dtype, int(count), sep)
         if len(values) < count or self.file.tell() > self.end:
             raise ValueError("it is not complete: a section has fewer numbers than it announces")

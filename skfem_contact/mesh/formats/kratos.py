@@ -83,7 +83,9 @@ def _read_elements(
     first_line = body.lstrip().partition(b"\n")[0].split()
     if not first_line:
         return
-    head = 1 if word == "Geometries" else 2
+    head = 2
+    if word == "Geometries":
+        head = 1
     table = rows(parsed(body, f"the lines of {name}", np.int64), len(first_line), name)
     kind = _kind_of(word, name, table.shape[1] - head)
     if not kind:
@@ -107,7 +109,9 @@ def _kind_of(word: str, name: str, n_nodes: int) -> str:
 
     "2D" in the name of an element is the space; conditions have a dimension less than the space.
     """
-    space = 3 if "3D" in name else 2
+    space = 2
+    if "3D" in name:
+        space = 3
     dim = space - (word == "Conditions")
     if word == "Geometries":
         flat = ("Triangle", "Quadrilateral")
@@ -184,9 +188,13 @@ def write(content: Content, path: str) -> None:
     first = {"Elements": 1, "Conditions": 1}
     start = {}
     for kind, cells in content.cells.items():
-        word = "Elements" if KINDS[kind].dim == content.dim else "Conditions"
+        word = "Conditions"
+        if KINDS[kind].dim == content.dim:
+            word = "Elements"
         name = _NAMES[re.sub(r"\d+$", "", kind), content.dim]
-        nodes = cells[:, np.argsort(_ORDER[kind])] if kind in _ORDER else cells
+        nodes = cells
+        if kind in _ORDER:
+            nodes = cells[:, np.argsort(_ORDER[kind])]
         start[kind] = (word, first[word])
         ids = first[word] + np.arange(len(cells))
         first[word] += len(cells)

@@ -113,8 +113,12 @@ def _fields(line: str) -> list[str]:
         words = [word.strip() for word in line.split(",")]
         return [*words[:9], *[""] * (9 - len(words))]
     line = line.expandtabs(8)
-    width = 16 if "*" in line[:8] else 8
-    count = 4 if width == 16 else 8
+    width = 8
+    if "*" in line[:8]:
+        width = 16
+    count = 8
+    if width == 16:
+        count = 4
     words = [line[8 + k * width : 8 + (k + 1) * width].strip() for k in range(count)]
     return [line[:8].strip(), *words]
 
@@ -127,7 +131,9 @@ def _nodes(card: list[str]) -> tuple[str, list[int]]:
     words = [*card[3:], *[""] * most][:most]
     corners = _CORNERS.get(name, min(kinds))
     given = [word for word in words if word]
-    count = most if len(given) == most else corners
+    count = corners
+    if len(given) == most:
+        count = most
     if name == "CQUAD" and len(given) in kinds:
         count = len(given)
     if len(given) < count or not all(words[:count]):

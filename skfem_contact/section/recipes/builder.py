@@ -65,4 +65,6 @@ def in_layers(
 
 def chosen(value: float | None, name: str, default: float) -> float:
     """Return a length, or its default where it is not given."""
-    return default if value is None else number(value, name)
+    if value is None:
+        return default
+    return number(value, name)
