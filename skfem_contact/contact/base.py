@@ -221,6 +221,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     def completed(self, forms: Mapping[str, Form]) -> Self:
         if self.complete:
             return self
+        # Ask the other forms for symmetry, kinematics and stiffness.
         stiff = [f for f in having(forms, Stiff).values() if f.elastic_stiffness is not None]
         axisymmetric = any(form.coordinates == "axisymmetric" for form in forms.values())
         finite = any(form.kinematics == "finite" for form in forms.values())
@@ -232,6 +233,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         new = self._about_axis(axisymmetric).with_(complete=True, finite=finite)
         if new.stiffness is not None:
             return new
+        # Choose a penalty that suits the stiffness of the bodies.
         penalty, stiffness = chosen(
             new.slave,
             new.facets,
@@ -400,14 +402,12 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         normal, tangential = self.penalties(state)
         pressure, *shear = state.traction**2
         twice = pressure / normal + sum(shear) / tangential
-        # The memory has as many rows as the law.
         return 0.5 * self.share * float(self.points(state).weight @ twice)
 
     def penetration(self, state: ContactState) -> float:
         """Return the largest penetration as a share of its slave segment."""
         closed = state.status != Status.OPEN
         depth = (state.clearance - state.gap)[closed]
-        # Broken bonds, clearance and soft friction of the pair count before the state's own.
         return float(np.max(depth / self.points(state).size[closed], initial=0.0))
 
     def effective(self, state: ContactState) -> ContactState:
@@ -417,10 +417,12 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         """
         changes: dict[str, Any] = {}
         internal = state.internal
+        # Another law may have more or fewer variables.
         missing = self.law.n_internal - len(internal)
         if missing:
             padded = np.pad(internal, ((0, max(missing, 0)), (0, 0)))
             internal = padded[: self.law.n_internal]
+        # Broken bonds, clearance and softness of the pair count before the state's own.
         if self.debonded is not None:
             internal = np.where(self.debonded, self.law.debonded(internal), internal)
         if internal is not state.internal:

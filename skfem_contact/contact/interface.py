@@ -314,6 +314,7 @@ class Interface:
         held: ndarray | None = None,
     ) -> Projection:
         """Return closest points; points on pieces in space stay on the facets that these face."""
+        # Points on pieces keep the facet that they face.
         frozen = None
         faces = points.facing >= 0
         if faces.any():

@@ -354,6 +354,7 @@ def _nearest_allowed(
 
     They are infinite where all facets are.
     """
+    # Look at more and more samples, until one is allowed or all are seen.
     nearest = np.full(len(points), np.inf)
     left = np.arange(len(points))
     count = _FIRST_SAMPLES

@@ -199,12 +199,14 @@ def _foot(
     shape = surface.shape
     if shape.affine:
         return xi
+    # Steps remain near the facet, where its map can be inverted.
     corners = shape.corners
     width = np.ptp(corners, axis=0)
     low = corners.min(axis=0) - _BEYOND * width
     high = corners.max(axis=0) + _BEYOND * width
     xi = np.clip(xi, low, high)
     exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
+    # Iterate at the points that still move.
     remaining = np.arange(len(facet))
     for _ in range(NEWTON_STEPS):
         x = surface.at(facet[remaining], xi[remaining], nodes, 2).x
@@ -390,6 +392,7 @@ def _along_side(
     ends: ndarray,
 ) -> tuple[ndarray, ndarray]:
     """Return shares s of a side at the closest points, by Newton's method, and the points."""
+    # Minimise |x - rho(s)|^2 along the side, from its middle.
     s = np.full(len(facet), 0.5)
     remaining = np.arange(len(facet))
     for _ in range(_ALONG_STEPS):

@@ -114,6 +114,7 @@ class ViscousBoundary(Form, Couples, Absorbing):
         basis = solid.basis
         mesh = basis.mesh
         facets = facets_of(mesh, boundary)
+        # Check that the boundary has the ground on one side.
         if solid.unit_weight is None:
             raise ValueError("the solid of a viscous boundary needs its unit_weight")
         inside = facets[mesh.f2t[1, facets] >= 0]
@@ -129,6 +130,7 @@ class ViscousBoundary(Form, Couples, Absorbing):
                 f"{beyond.sum()} facets of boundary '{boundary}' belong to no element of the "
                 "solid: there is no stiffness to take up waves of"
             )
+        # Keep what the matrices are made of.
         self.size = int(basis.N)
         self.of_rock = rock is not None
         self.changing = np.zeros(0, int)

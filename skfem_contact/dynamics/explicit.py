@@ -46,6 +46,7 @@ def critical_step(K: csr_matrix, C: csr_matrix, m: ndarray, free: ndarray) -> fl
     free
         Free dofs.
     """
+    # Find the largest eigenvalue w^2 of M^-1/2 K M^-1/2.
     root = diags_array(1.0 / np.sqrt(m[free]))
     A = csr_matrix(root @ K[free][:, free] @ root)
     if A.nnz == 0:
@@ -60,6 +61,7 @@ def critical_step(K: csr_matrix, C: csr_matrix, m: ndarray, free: ndarray) -> fl
         shape = vectors[:, 0]
     if square <= 0.0:
         return np.inf
+    # Damping z shortens the step: 2 (sqrt(1 + z^2) - z) / w.
     w = np.sqrt(square)
     x = root @ shape
     z = float(x @ (C[free][:, free] @ x)) / (2.0 * w * float(shape @ shape))

@@ -224,6 +224,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
 
     @override
     def assemble(self, x: ndarray, state: FreeFieldState) -> Response:
+        # The column moves with the side; its change of stress acts on the ground.
         column = self._column.assemble(self._tied @ x[self._own], state.solid)
         change = column.force - state.before
         on_side = -self._outwards * (self._traction @ change)

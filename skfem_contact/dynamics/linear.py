@@ -41,10 +41,12 @@ def is_linear(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, object
     Forms whose tangent never changes are tried: from the state after a displacement a second one
     must cause the same force as from the accepted state.
     """
+    # Forms that change, or act on one side only, are not linear.
     if any(form.changing is None or len(form.changing) for form in forms.values()):
         return False
     if any(form.unilateral for form in having(forms, Regularised).values()):
         return False
+    # Compare the forces at random displacements with the linear ones.
     random = np.random.default_rng(0)
     size = _TRIED * max(float(np.abs(x).max(initial=0.0)), 1.0)
     first = x + size * random.standard_normal(len(x))
@@ -53,6 +55,7 @@ def is_linear(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, object
     there = responses_of(forms, first, states)
     moved = {name: response.state for name, response in there.items()}
     from_there = responses_of(forms, second, moved)
+    # Forces must not depend on the path, either.
     for name, direct in responses_of(forms, second, states).items():
         linear = before[name].force + before[name].stiffness @ (second - x)
         scale = _SAME * float(np.abs(linear).max(initial=0.0))

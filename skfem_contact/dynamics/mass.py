@@ -40,11 +40,13 @@ def mass_and_damping(
     consistent = settings.mass == "consistent"
     M = weights(forms, layout, consistent)
     C = csr_matrix(M.shape)
+    # Sort the coefficients of damping by region.
     damping = _damping(forms, settings.damping)
     of_mass, of_stiffness = {}, {}
     for name, by_region in damping.items():
         of_mass[name] = {region: given.alpha for region, given in by_region.items()}
         of_stiffness[name] = {region: given.beta for region, given in by_region.items()}
+    # Add the damping by mass before masses leave contact, that by stiffness after it.
     for name, form in solids_of(forms).items():
         if of_mass.get(name):
             part = form.weight_matrix(consistent, of_mass[name])
@@ -55,6 +57,7 @@ def mass_and_damping(
         if of_stiffness.get(name):
             C = csr_matrix(C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size))
     M = csr_matrix(M / acceleration)
+    # Add what boundaries bring.
     by_region = {region: each for part in damping.values() for region, each in part.items()}
     given = Masses(acceleration, consistent, by_region, layout.size)
     for form in having(forms, Absorbing).values():
@@ -110,6 +113,7 @@ def _damping(
     forms: Mapping[str, Form], given: Rayleigh | Mapping[str, Rayleigh] | None
 ) -> dict[str, dict[str, Rayleigh]]:
     """Return the damping by solid and region."""
+    # Check the names.
     solids = solids_of(forms)
     known = dict.fromkeys(solids)
     for form in solids.values():
@@ -118,6 +122,7 @@ def _damping(
     whole = None if isinstance(given, Mapping) else given
     for name in by_name:
         look_up(name, known, "region or solid to damp")
+    # A region's own damping counts before that of its solid, and that before the whole.
     found: dict[str, dict[str, Rayleigh]] = {}
     for name, form in solids.items():
         found[name] = {}

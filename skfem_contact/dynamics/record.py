@@ -255,6 +255,7 @@ class Record:
         """
         from scipy.signal import butter, sosfiltfilt
 
+        # Check the limits.
         limits = [each for each in (low, high) if each is not None]
         nyquist = 0.5 / self.step
         rises = limits == sorted(limits) and len(set(limits)) == len(limits)
@@ -263,6 +264,7 @@ class Record:
                 f"give `low`, `high` or both in this order, between 0 and half of the sampling "
                 f"rate, {nyquist:.4g}, not {low!r} and {high!r}"
             )
+        # Choose the kind of filter by the limits that are given.
         kind = "bandpass"
         if len(limits) == 1:
             kind = "highpass" if high is None else "lowpass"
@@ -321,11 +323,13 @@ def _peer(path: Path, lines: Sequence[str], head: int, scale: float | None) -> R
     """Return the record of a file of PEER, whose line `head` has number and step."""
     if scale is None:
         raise ValueError(f"{path.name} is in g: give scale=9.81, or g in the units of the model")
+    # Read the number of values and the step, also from the line after.
     text = lines[head] + " " + lines[head + 1] if head + 1 < len(lines) else lines[head]
     number = re.search(r"NPTS\s*=?\s*(\d+)", text, re.I)
     step = re.search(r"\bDT\s*=?\s*([0-9.]+(?:E[+-]?\d+)?)", text, re.I)
     if number is None or step is None:
         raise ValueError(f"{path.name} has no NPTS and DT in its line {head + 1}")
+    # Read the values.
     words = " ".join(lines[head + 1 :]).split()
     values = _numbers(path, words)
     n = int(number[1])
@@ -338,6 +342,7 @@ def _peer(path: Path, lines: Sequence[str], head: int, scale: float | None) -> R
 
 def _columns(path: Path, lines: Sequence[str], scale: float) -> Record:
     """Return the record of a file with columns of times and accelerations."""
+    # Leave out lines of text.
     rows = []
     for line in lines:
         words = line.replace(",", " ").replace(";", " ").split()
@@ -345,6 +350,7 @@ def _columns(path: Path, lines: Sequence[str], scale: float) -> Record:
             rows.append(words[:2])
     if len(rows) < 2 or min(map(len, rows)) < 2:
         raise ValueError(f"{path.name} must have two columns, times and accelerations")
+    # Check that times rise by equal steps.
     time, values = _numbers(path, [word for row in rows for word in row]).reshape(-1, 2).T
     steps = np.diff(time)
     step = float(np.median(steps))

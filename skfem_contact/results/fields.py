@@ -274,6 +274,7 @@ def _of_form(
     """Return the field of one solid, without pressures of flowing and of given water."""
     state = stage.states[name]
     before = None if since is None else since.states.get(name)
+    # Displacements and strains are those of the body.
     if quantity.source == "displacement":
         x = (stage.x - reference(stage, since, name))[: form.basis.N]
         u = x.reshape(-1, form.basis.mesh.dim()).T
@@ -283,6 +284,7 @@ def _of_form(
         if before is not None:
             strain = strain - form.total_strain(before)
         return quantity.value(recovered(form, strain, elements=elements))
+    # Other fields follow from the state, or from its change.
     values = _of_state(form, state, quantity, elements)
     if before is None:
         return values

@@ -187,12 +187,14 @@ def _points(
     stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike
 ) -> tuple[list[str], ndarray]:
     """Return labels or None, and coordinates, (n, dim), of points."""
+    # Take labels from the keys.
     dim = basis_of(stage).mesh.dim()
     labels: list[str] = []
     given: Any = points
     if isinstance(points, Mapping):
         labels = list(points)
         given = list(points.values())
+    # Check the coordinates.
     coordinates = np.atleast_2d(finite(given, "points"))
     if coordinates.ndim != 2 or coordinates.shape[1] != dim or not len(coordinates):
         axes = "(x, y, z)"
@@ -266,6 +268,7 @@ def _allowed(
     """Return the positions of the elements of a solid, region or subdomain among all elements."""
     if of is None:
         return np.arange(len(region))
+    # Collect the elements of regions, solids and subdomains by name.
     chosen: dict[str, ndarray] = {}
     count = 0
     for name, form in bodies.items():

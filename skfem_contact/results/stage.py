@@ -453,6 +453,7 @@ class StageResult(files.StageData):
         >>> bool(np.isclose(found["all"][0], by_hand))
         True
         """
+        # Check the strengths.
         for name, value, low in (
             ("c", c, -1e-300),
             ("c_R", c_R, -1e-300),
@@ -460,6 +461,7 @@ class StageResult(files.StageData):
             ("phi_R", phi_R, -1e-300),
         ):
             number(value, name, low, 90.0 if name.startswith("phi") else np.inf)
+        # Find the solid and the mechanism.
         form, state = self._solid(solid)
         if form.coordinates != "plane":
             raise ValueError("strengths after a drawdown are those of plane bodies")

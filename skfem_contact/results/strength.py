@@ -233,6 +233,7 @@ def drawdown(
 
     See :meth:`~skfem_contact.results.StageResult.drawdown_strength`.
     """
+    # Check the region, and find the planes of slip.
     names = [one.name for one in form.regions]
     if region is not None and region not in names:
         look_up(region, dict.fromkeys(names), "region")
@@ -243,9 +244,11 @@ def drawdown(
     for one, stress, internal in form.at_regions(state):
         if region not in (None, one.name):
             continue
+        # Consolidation is that of the effective stress before the drawdown.
         effective, _ = one.material.drained(stress, internal)
         plane = None if planes is None else planes[:, one.elements]
         values = _undrained(effective, c, phi, total, plane)
+        # Drained strength counts where it is smaller afterwards.
         if after is not None:
             part = after.stress[:, one.elements]
             normal, _ = _consolidation(part, phi, plane)

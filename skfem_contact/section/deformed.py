@@ -169,6 +169,7 @@ def _followers(
     ways: list[tuple[int, ...]], labels: list[tuple[tuple[str, ...], int, int]], vertices: ndarray
 ) -> list[int | None]:
     """Return the facet that continues the chain after each facet, None where it ends."""
+    # Collect the facets at each node.
     leaving: dict[int, list[int]] = {}
     arriving: dict[int, list[int]] = {}
     for k, way in enumerate(ways):
@@ -179,9 +180,11 @@ def _followers(
         node = way[1]
         next_ones = leaving.get(node, [])
         result.append(None)
+        # A chain continues where one facet of the same label follows.
         alone = len(next_ones) == 1 and len(arriving[node]) == 1
         if not alone or labels[next_ones[0]] != labels[k]:
             continue
+        # It ends at corners.
         first = vertices[:, node] - vertices[:, way[0]]
         second = vertices[:, ways[next_ones[0]][1]] - vertices[:, node]
         turn = np.degrees(np.arctan2(_cross(first, second), first @ second))

@@ -134,6 +134,7 @@ def chosen(form: Any, old: Any, new: Any, creeping: bool = False) -> dict[str, S
 
     Of bodies that creep it is the work of the sizes of stress and strain, in regions that do.
     """
+    # Weigh each point by its share of the work.
     stress = new.stress - old.stress
     strain = new.strain - old.strain
     if creeping:
@@ -148,6 +149,7 @@ def chosen(form: Any, old: Any, new: Any, creeping: bool = False) -> dict[str, S
         if creeping:
             counts = region.material.time_dependent
         if counts and sums[-1] > 0.0:
+            # Take points at equal shares of the work.
             marks = (np.arange(_POINTS) + 0.5) / _POINTS * sums[-1]
             indices, count = np.unique(np.searchsorted(sums, marks), return_counts=True)
             share = count * sums[-1] / _POINTS / own[indices]
@@ -170,6 +172,7 @@ def record(samples: dict[str, Sample], form: Any, state: Any, time: float) -> No
 
 def _error(samples: Sequence[Sample], begin: int, end: int, driven: bool) -> float:
     """Return the estimated error of increments between two states, as a share of the change."""
+    # Repeat the increments in parts, and compare what they end at.
     total = 0.0
     more = 0.0
     for sample in samples:
@@ -192,12 +195,14 @@ def followed(
     material: Material, states: Sequence[Point], driven: bool
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return strain and stress after parts of increments, and where they are in equilibrium."""
+    # Find the components that change.
     strains = [state.strain for state in states]
     changes = np.abs(np.diff(strains, axis=0)).max(axis=(0, 2))
     rows = np.flatnonzero(changes > _HELD * changes.max())
     sizes = _sizes(strains), _sizes([state.stress for state in states])
     now = states[0]
     solved = np.ones(now.strain.shape[1], bool)
+    # Follow each increment in parts, by strains or by stresses.
     for old, new in pairwise(states):
         base = old.stress
         if driven:

@@ -45,6 +45,7 @@ def creep_errors(
     driven
         Supports move: stresses follow from strains, and their error counts.
     """
+    # Only steps that are long enough can err.
     begin, end = times
     errors: dict[str, tuple[float, float]] = {}
     if not end > begin or share < _SHORT:
@@ -54,6 +55,7 @@ def creep_errors(
             continue
         old = states[0][name]
         new = states[1][name]
+        # Estimate the error at points that creep most.
         samples = chosen(form, old, new, creeping=True)
         record(samples, form, old, begin)
         record(samples, form, new, end)

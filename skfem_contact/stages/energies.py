@@ -73,6 +73,7 @@ class Log:
         """Record the end of a step, with the forces of all forms and the states of some."""
         if not self._rows:
             self._began = time
+        # Supports react to the forces of forms, inertia and load.
         at = self._fixed
         reaction = motion.force[at] - load[at]
         inner = {name: force for name, force in forces.items() if name != INERTIA}
@@ -82,9 +83,11 @@ class Log:
         if self._last is not None:
             self._add_work(self._last, now, self._states if states is None else states)
         self._last = now
+        # Write the energies down.
         kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
         dissipated = self._plastic, self._friction, motion.damped
         self._rows.extend((time, kinetic, self._elastic, *dissipated, self._work))
+        # Write the motions down.
         if self._points.size:
             at_points = (motion.x, motion.velocity, motion.acceleration)
             self._motions.append(np.array([values[self._points] for values in at_points]))
@@ -93,9 +96,11 @@ class Log:
 
     def _add_work(self, last: _End, now: _End, states: Mapping[str, Any]) -> None:
         """Add the work of a step, and divide that of the forms."""
+        # Work follows from the mean of the forces at both ends.
         moved = now.x - last.x
         self._work += 0.5 * (float(last.load @ moved) + float(now.load @ moved))
         self._work += 0.5 * float((last.reaction + now.reaction) @ moved[self._fixed])
+        # What a form does not dissipate, it stores.
         for name, force in now.forces.items():
             work = 0.5 * (float(last.forces[name] @ moved) + float(force @ moved))
             lost = 0.0

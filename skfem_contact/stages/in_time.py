@@ -119,6 +119,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
     """
     settings = stage.dynamic
     assert settings is not None
+    # Make the matrices and the motion of the base.
     try:
         check_forms(forms)
         g = setup.acceleration_of_gravity()
@@ -130,6 +131,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
         base = _base(setup, stage, forms, settings, M)
     except ValueError as error:
         raise ValueError(f"stage '{stage.name}': {error}") from None
+    # Check the start, and choose the steps.
     if settings.velocity is not None:
         setup.vector(settings.velocity, f"stage '{stage.name}': the velocity")
     absolute = any(form.of_rock for form in having(forms, Absorbing).values())
@@ -183,6 +185,7 @@ def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
     """Yield remarks on records in another unit, and on bases that move twice."""
     if stage.base is None or setup.gravity_acceleration is None:
         return
+    # Report records in another unit.
     given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
     for record in given.values():
         times = record.peak / setup.gravity_acceleration
@@ -193,6 +196,7 @@ def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
                 f"its record reaches {times:.3g} times the acceleration of gravity: is it in the "
                 "units of the model? Otherwise take record.scaled(factor)",
             )
+        # Report records that do not end at rest.
         end = abs(float(record.velocity[-1]))
         largest = float(np.abs(record.velocity).max())
         if end > _DRIFT * largest:
@@ -255,11 +259,13 @@ def first_motion(
     n = layout.size
     M = in_time.M
     force = np.zeros(n) if last.inertial is None else last.inertial
+    # A stage in time continues the last one; a jump of the load changes the acceleration.
     given = in_time.settings.velocity
     if last.velocity is not None and given is None:
         more = accelerations(M, jump, fixed)
         a = last.acceleration + more
         return Motion(last.x, last.velocity, a, force + M @ more)
+    # Other stages begin at rest, or with a given velocity.
     v = np.zeros(n)
     if given is not None:
         v[: len(given)] = given

@@ -166,12 +166,14 @@ def k0_state(
 
 def _ratios(mesh: Any, elements: ndarray, K0: float | Mapping[str, float]) -> ndarray:
     """Return K0 of all elements of the mesh, NaN outside of the given ones."""
+    # Every element of the ground has a ratio.
     ratios = by_element(mesh, K0, "K0", np.nan)
     missing = elements[np.isnan(ratios[elements])]
     if len(missing):
         parts = (mesh.subdomains or {}).items()
         tags = [tag for tag, part in parts if np.isin(part, missing).any()]
         raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
+    # Check the ratios.
     given = ratios[elements]
     if not ((given >= 0.0) & (given < np.inf)).all():
         raise ValueError(f"K0 must be a number, not negative, unlike {K0!r}")
@@ -189,12 +191,14 @@ def _pressure_field(
     """Return the water pressure as a function of coordinates and elements; None without water."""
     if water is None or water is False:
         return None
+    # Evaluate the pressure at the corners, to compare it with the surface.
     pressure = as_pressure(water, mesh, setup.water_unit_weight)
     vertices = np.unique(mesh.t[:, elements])
     corners = mesh.p[:, vertices]
     if callable(pressure):
         _check_surface(corners, pressure(corners), surcharge)
         return lambda x, elements: pressure(x)
+    # Pressures at the vertices are linear in the elements.
     if np.shape(pressure) != (mesh.nvertices,):
         raise ValueError(
             "water of the K0 procedure must be a level, points of it, a function of the "
@@ -314,6 +318,7 @@ def _at_rest(setup: Setup, last: StageResult) -> Result:
 def _without_still_fields(setup: Setup) -> tuple[Setup, ndarray]:
     """Return the weightless set-up without pressures and multipliers, and its dofs."""
     still = setup.layout.still
+    # Keep the forms that act on displacements alone.
     names = []
     for key, form in setup.forms.items():
         joins = joined_by(form)

@@ -179,6 +179,7 @@ def _size_field(size: Any) -> Callable[[ndarray], ndarray]:
 
 def _checked_mesh(stage: StageResult, solids: dict[str, Any]) -> Mesh:
     """Return the mesh of the solids; refuse what cannot be taken over to another one."""
+    # Check dimension and kinematics.
     if not solids:
         raise ValueError(f"stage '{stage.name}' has no solids, of which a mesh could be made")
     mesh: Mesh = next(iter(solids.values())).basis.mesh
@@ -190,6 +191,7 @@ def _checked_mesh(stage: StageResult, solids: dict[str, Any]) -> Mesh:
             f"new meshes are for solids with kinematics='finite', unlike {small}: others do not "
             "leave their mesh"
         )
+    # Tensors in the memory would have to turn.
     for name, form in solids.items():
         for region, material in form.materials.items():
             tensors = [v.name for v in material.internal if v.name.endswith((" xx", "_xx"))]
@@ -320,6 +322,7 @@ def _warn_of_losses(name: str, lost: ndarray) -> None:
 
 def _carried(form: Any, old: Any, stage: StageResult, key: str) -> tuple[Any, float]:
     """Return the state of a solid on its new mesh, and the largest return of a stress."""
+    # Interpolate stresses and memory of each region by coordinates.
     state = stage.states[key]
     known = np.concatenate((old.cauchy(state), state.internal))
     at_old = _positions(old, stage.x)
@@ -333,6 +336,7 @@ def _carried(form: Any, old: Any, stage: StageResult, key: str) -> tuple[Any, fl
         )
         found = carrier.at(at_new[:, region.elements].reshape(2, -1).T)
         values[:, region.elements] = found.T.reshape(len(known), -1, at_new.shape[2])
+    # Return stresses to the yield surface.
     n = len(state.stress)
     start = form.initial_state(stress=values[:n])
     start = replace(start, internal=values[n:])

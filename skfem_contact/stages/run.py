@@ -376,7 +376,6 @@ class _Follower:
 
 
 def _remarked(
-    # Collect the remarks of the plan, of the forms and of the way.
     remarks: Remarks,
     phase: Phase,
     last: StageResult,
@@ -387,8 +386,8 @@ def _remarked(
 
     Contact may be the reason of a failure.
     """
+    # Collect the remarks of the plan, of the forms and of the way.
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
-    # Write them down, each once.
     for name, form in last.forms.items():
         found[name] = [*last.outputs(name).remarks]
         if isinstance(form, Wet):
@@ -399,6 +398,7 @@ def _remarked(
         more.append(slender)
     for name, remark in more:
         found[name].append(remark)
+    # Write them down, each once.
     texts = []
     for name, several in found.items():
         remarks.add(last.name, name, several)
@@ -624,7 +624,6 @@ def _path(
         values = held + fraction * (target - held)
         if on_top is None:
             return load + fraction * (end - load) - (1.0 - fraction) * lost, values
-        # Loads and motions of a stage in time begin at its start.
         faded = (1.0 - fraction) * (load - lost - start)  # weights and water that change, too
         return on_top(fraction) - fraction * remaining + faded, values
 

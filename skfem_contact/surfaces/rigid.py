@@ -263,6 +263,7 @@ def cylinder(
     >>> round(float(rigid.cylinder((0., 0., 0.), (0., 0., 3.), 1.).area.sum()), 4)      # 6 pi
     18.8496
     """
+    # Find the axis.
     _check(name, radius=radius)
     start = _point(name, start)
     end = _point(name, end)
@@ -276,6 +277,7 @@ def cylinder(
         offset = x - start
         return (offset - np.outer(offset @ axes[2], axes[2])) * sign
 
+    # Divide the side into quadrilaterals.
     rows = max(1, round(length / radius * _QUARTER / (np.pi / 2)))
     u, v, quads = _grid((0.0, 2 * np.pi), (0.0, length), 4 * _QUARTER, rows)
     local = np.stack((radius * np.cos(u), radius * np.sin(u), v), axis=1)

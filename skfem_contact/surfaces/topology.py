@@ -53,6 +53,7 @@ def joined_cells(
     nodes = np.array(coordinates, float)
     facets = np.array(cells)
     n, dim = nodes.shape if nodes.ndim == 2 else (0, 0)
+    # Find the shape by the number of nodes.
     try:
         shape = Shape.of_cells(dim, *facets.shape[1:])
     except (KeyError, TypeError):
@@ -62,6 +63,7 @@ def joined_cells(
             f"'{name}': cells must be numbers of 2 or 3 of the {n} nodes in the plane, and of 3, "
             f"4, 6, 8 or 9 in space, with finite coordinates, not of shape {facets.shape}"
         )
+    # Order the facets of a line one after the other.
     if dim == 3:
         return nodes, facets, adjacent(facets[:, : len(shape.corners)], name), shape
     facets = facets[ordered(facets[:, :2].T, name)]

@@ -115,6 +115,7 @@ def read_frd(file: str | Path) -> Frd:
     ValueError
         If the file is binary, damaged, or has no nodes.
     """
+    # Read the blocks; a damaged file ends in one sentence.
     blocks = _Blocks()
     try:
         blocks.read(_lines(file))
@@ -124,6 +125,7 @@ def read_frd(file: str | Path) -> Frd:
         raise ValueError(f"{file}: {error}") from error
     if not blocks.ids:
         raise ValueError(f"{file} is not a result file of CalculiX: it has no nodes")
+    # Put the nodes of elements into the order of VTK.
     cells = {}
     for kind, rows in blocks.elements.items():
         nodes = np.array(rows)
@@ -154,6 +156,7 @@ class _Blocks:
         """Read the block that begins in a line, and return the line after it."""
         line = lines[position]
         position += 1
+        # Refuse binary blocks.
         if line[:6] in ("    2C", "    3C") and line.split()[-1] not in ("0", "1"):
             raise ValueError("it is binary: use *NODE FILE without OUTPUT=BINARY")
         if line.startswith("    2C"):
