@@ -106,7 +106,9 @@ def sand_p_y(
     weight = positive(unit_weight, "unit_weight")
     C1, C2, C3 = sand_factors(phi)
     ultimate = min((C1 * z + C2 * D) * weight * z, C3 * D * weight * z)
-    A = 0.9 if cyclic else max(3.0 - 0.8 * z / D, 0.9)
+    A = 0.9
+    if not cyclic:
+        A = max(3.0 - 0.8 * z / D, 0.9)
     limit = A * ultimate
     if limit <= 0.0:
         return np.array([[0.0, 0.0], [D, 0.0]])

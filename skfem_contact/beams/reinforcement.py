@@ -121,7 +121,11 @@ class Reinforcement(BeamNodes, Regularised):
         dim = self.dim
         if dim == 3 and spacing is not None:
             raise ValueError("reinforcement in space has no spacing")
-        self.coordinates, kind = ("plane", BeamElements) if dim == 2 else ("space", SpaceElements)
+        self.coordinates = "plane"
+        kind: type[BeamElements] = BeamElements
+        if dim == 3:
+            self.coordinates = "space"
+            kind = SpaceElements
 
         # Axial strains of both Gauss points by the displacements, lengths and coordinates
         elements = kind.of(self.points[self.cells])

@@ -230,7 +230,9 @@ class Strength:
             result = np.where(r - p <= self.most, result, 0.0)
 
         # F = T / (p + w r)
-        pull = p if self.joint else p + r
+        pull = p
+        if not self.joint:
+            pull = p + r
         torn = np.minimum(result, _ratio(self.tension, pull))
         result = np.where((pull > round_off) & self.cut, torn, result)
         return np.where(self.reduced, result, np.where(result >= 1.0, np.inf, 0.0))

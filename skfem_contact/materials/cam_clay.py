@@ -157,7 +157,9 @@ class CamClay(Material):
         c = self._constants(stress.shape)
         p, e, _ = elastic_strain(stress.reshape(ncomp, -1), c)
         self._check_pressure(p, p <= 0)
-        moduli = elastic_moduli(p, e if self.conservative else 0 * e, c.k, c.g)
+        if not self.conservative:
+            e = 0 * e
+        moduli = elastic_moduli(p, e, c.k, c.g)
         return moduli.reshape(*stress.shape[1:], ncomp, ncomp)
 
     @override

@@ -212,8 +212,10 @@ def pieces(text: bytes) -> Iterator[bytes]:
     start = 0
     while start < len(text):
         end = text.find(b"\n", start + _PIECE)
-        piece = text[start:] if end < 0 else text[start:end]
-        start = len(text) if end < 0 else end + 1
+        if end < 0:
+            end = len(text)
+        piece = text[start:end]
+        start = end + 1
         if piece and not piece.isspace():
             yield piece
 

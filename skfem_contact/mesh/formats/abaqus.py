@@ -369,7 +369,11 @@ def _read_surface(part: _Part, card: _Card) -> None:
         words = [word.strip().strip('"') for word in line.split(",")]
         if not words[0]:
             continue
-        face = "NODE" if by_nodes else (words[1] if len(words) > 1 else "").upper()
+        face = ""
+        if by_nodes:
+            face = "NODE"
+        elif len(words) > 1:
+            face = words[1].upper()
         part.surfaces.setdefault(key, []).append((words[0], face))
 
 

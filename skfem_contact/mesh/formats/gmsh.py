@@ -368,7 +368,9 @@ def _content(
         parts.setdefault(block.kind, []).append(block)
     for kind, same in parts.items():
         nodes = numbers_of(ids, np.concatenate([block.nodes for block in same]), "node")
-        content.cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
+        if kind in _ORDER:
+            nodes = nodes[:, _ORDER[kind]]
+        content.cells[kind] = nodes
         dim = KINDS[kind].dim
         members = _members(same)
         # Keep the order of the names in the file, then numbers without a name

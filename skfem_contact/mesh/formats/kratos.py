@@ -115,7 +115,11 @@ def _kind_of(word: str, name: str, n_nodes: int) -> str:
     dim = space - (word == "Conditions")
     if word == "Geometries":
         flat = ("Triangle", "Quadrilateral")
-        dim = 1 if name.startswith("Line") else (2 if name.startswith(flat) else 3)
+        dim = 3
+        if name.startswith("Line"):
+            dim = 1
+        elif name.startswith(flat):
+            dim = 2
     elif name.startswith(("Line", "Triangle", "Quadrilateral", "Tetra", "Hexa", "Prism", "Point")):
         shapes = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2}
         dim = next((d for start, d in shapes.items() if name.startswith(start)), 3)

@@ -98,7 +98,9 @@ def _content(step: Any, dim: int, families: Any) -> Content:
         kind = _KINDS[word]
         count = int(block["NOD"].attrs["NBR"])
         nodes = np.asarray(block["NOD"]).reshape(-1, count).T - 1
-        content.cells[kind] = nodes[:, _ORDER[kind]] if kind in _ORDER else nodes
+        if kind in _ORDER:
+            nodes = nodes[:, _ORDER[kind]]
+        content.cells[kind] = nodes
         if "FAM" in block:
             family = np.asarray(block["FAM"])
             for number in np.unique(family).tolist():

@@ -74,7 +74,9 @@ def read(path: str) -> Content:
     content = Content(np.array(points), {})
     for kind, rows_of in cells.items():
         numbers = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
-        content.cells[kind] = numbers[:, _ORDER[kind]] if kind in _ORDER else numbers
+        if kind in _ORDER:
+            numbers = numbers[:, _ORDER[kind]]
+        content.cells[kind] = numbers
         tags: Integers = np.array(properties[kind])
         for tag in np.unique(tags).tolist():
             name = names.get(tag, f"property {tag}")
@@ -86,7 +88,9 @@ def _cards(text: str) -> Iterator[list[str]]:
     """Yield the fields of every card; a continuation begins with blanks, "+" or "*"."""
     # Begin after the case control.
     begin = re.search(r"^\s*BEGIN\s+(BULK|SUPER).*$", text, re.M | re.I)
-    lines = text[begin.end() :].split("\n") if begin else text.split("\n")
+    if begin:
+        text = text[begin.end() :]
+    lines = text.split("\n")
     card: list[str] = []
     for line in lines:
         # Drop comments, and end at the last card.
