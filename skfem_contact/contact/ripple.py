@@ -152,7 +152,9 @@ class _Compared:
         weight = self.weight[self.inside]
         mean = float(weight @ self.values[self.inside, 0]) / float(weight.sum())
         squares = weight @ self.rest[self.inside] ** 2 / weight.sum()
-        return np.asarray(np.sqrt(squares) / max(mean, np.finfo(float).tiny))
+        if not mean > 0.0:  # only open points
+            return np.zeros(len(squares))
+        return np.asarray(np.sqrt(squares) / mean)
 
     @property
     def largest_ratio(self) -> float:

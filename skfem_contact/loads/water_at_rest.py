@@ -176,7 +176,8 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     # A level needs the unit weight of water.
     if unit_weight is None:
         raise ValueError(
-            "a water level needs the unit weight of water: give the model `water_unit_weight`"
+            "a water level needs the unit weight of water: give the model `water_unit_weight`, or "
+            f"pressures at the {mesh.nvertices} vertices"
         )
     return hydrostatic(water, unit_weight=unit_weight)
 

@@ -448,11 +448,11 @@ def test_curved_sides_are_warned_of() -> None:
         ({"weight": 20.0, "reduce": "rock"}, "no form or region 'rock'"),
         (
             {"weight": 20.0, "water": np.ones(3)},
-            r"a pressure, hydrostatic\(level\) or values at 9 nodes, not array\(\[1., 1., 1.\]\)",
+            "a water level needs the unit weight of water.* or pressures at the 9 vertices",
         ),
         (
             {"weight": 20.0, "water": 3.0},
-            r"water must be a function or an array of real numbers or None, not 3\.0",
+            "a water level needs the unit weight of water",
         ),
         ({"weight": 20.0, "fixed": np.zeros(0, int)}, "without supports"),
         ({"weight": 20.0, "fixed": np.array([0, 1])}, "though no facet"),

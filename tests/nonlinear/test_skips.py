@@ -255,10 +255,10 @@ def test_far_points_are_never_projected(monkeypatch: pytest.MonkeyPatch, above: 
     """
     projected: list[int] = []
 
-    def counting(*args, project=interface.project):
-        among = args[-2]
+    def counting(*args, project=interface.project, **named):
+        among = named["among"]
         projected.append(len(np.unique(among.point)) if among is not None else 0)
-        return project(*args)
+        return project(*args, **named)
 
     monkeypatch.setattr(interface, "project", counting)
     near = analysed(*pressed(rock, above=above))

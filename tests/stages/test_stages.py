@@ -387,11 +387,11 @@ def test_soft_penalty_is_warned_of():
     with pytest.warns(sc.AnalysisWarning, match=words) as caught:
         sc.Model(forms, fixed).run([sc.Stage("top", top)], **QUIET)
     assert caught[0].filename == __file__  # it points at the caller's line
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        sc.Model({**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}, fixed).run(
-            [sc.Stage("top", top)], **QUIET
-        )
+    hard = {**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}
+    with warnings.catch_warnings(record=True) as others:
+        warnings.simplefilter("always")
+        sc.Model(hard, fixed).run([sc.Stage("top", top)], **QUIET)
+    assert not any("penetrates" in str(other.message) for other in others)
 
 
 def test_from_elastic_to_plastic_stage():
