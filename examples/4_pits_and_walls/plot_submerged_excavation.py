@@ -86,7 +86,8 @@ for name, moments in published.items():
 wall_forces = {name: result[name].section_forces("wall") for name in published}
 figure = plot.diagram(wall_forces, "M", upright=True)
 for moments in published.values():
-    figure.axes[0].plot(list(moments.values()), list(moments), "k.")
+    depths = [-y for y in moments]  # from the top of the wall at y = 0
+    figure.axes[0].plot(list(moments.values()), depths, "k.")
 assert max(errors) < 0.01
 row = {"method": "P2", "n": basis.mesh.nelements, "unknowns": model.layout.size}
 row |= {"error": max(errors), "cpu_s": None, "iterations": sum(result["dig 3"].iterations)}
