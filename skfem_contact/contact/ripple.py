@@ -73,8 +73,11 @@ def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterat
 def on_peaks(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on peaks of the pressure, beside which points are open or nearly so.
 
-    The slave is stiffer or finer than the master, and has more multipliers than motions.
+    The slave is stiffer or finer than the master, and has more multipliers than motions. Beams and
+    rigid masters are left out, which do not deform beside a peak.
     """
+    if not pair.facets.meshed:
+        return
     points = pair.points(state)
     pressure = consistent(pair, state, np.maximum(-state.traction[0], 0.0))
     size = max(pair.slave.spacing, pair.facets.spacing)
