@@ -76,7 +76,7 @@ def on_peaks(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     The slave is stiffer or finer than the master, and has more multipliers than motions. Beams and
     rigid masters are left out, which do not deform beside a peak.
     """
-    if not pair.facets.meshed:
+    if pair.facets.rigid or not pair.facets.meshed:
         return
     points = pair.points(state)
     pressure = consistent(pair, state, np.maximum(-state.traction[0], 0.0))
