@@ -30,7 +30,7 @@ from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Problem, Search, iterate
 from ..nonlinear.system import System
 from ..results.result import Result
-from ..results.stage import StageResult
+from ..results.stage import StageResult, undeformed
 from ..stages.setup import Setup
 from .mechanism import as_collapse, is_singular
 from .pressures import warn_of_fresh_pressures, without_drainage
@@ -212,7 +212,7 @@ def loaded_start(
         load=on_top,
         kept=kept,
         at_rest=partial(setup.at_rest, active, water),
-        begins=last or _at_first(system, active),
+        begins=last or undeformed("start", active, system.size),
     )
 
 
@@ -521,10 +521,3 @@ class _Curve(Problem):
             raise NotConverged("no equilibrium: the forces do not depend on the parameter any more")
         change = lag / slope
         return np.append(balance + change * drift, change)
-
-
-def _at_first(system: System, active: Mapping[str, Form]) -> StageResult:
-    """Return the stage with which a search without a start begins: nothing has moved."""
-    states = {name: form.initial_state() for name, form in active.items()}
-    nothing = np.zeros(system.size)
-    return StageResult("start", nothing, nothing.copy(), states, (), 0.0)

@@ -151,8 +151,9 @@ def neighbours(
     motion = slack * spacing
     reach = margin[facet] + 2.0 * motion
     tree = scipy.spatial.cKDTree(samples)
-    nearest = np.asarray(tree.query(points)[0])
-    if excludes is not None:
+    if excludes is None:
+        nearest = np.asarray(tree.query(points)[0])
+    else:
         nearest = _nearest_allowed(tree, points, facet, excludes)
     row, sample, distance = _around(tree, points, nearest, reach)
     if excludes is not None:

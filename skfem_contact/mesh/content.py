@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -205,6 +205,20 @@ def parsed(text: bytes, what: str, dtype: type = float, commas: bool = False) ->
     if len(found) == 1:
         return found[0]
     return np.concatenate(found)
+
+
+def to_vtk(nodes: Integers, order: Sequence[int] | None) -> Integers:
+    """Return nodes of elements, (n, k), in the order of VTK, which a format has as `order`."""
+    if order is None:
+        return nodes
+    return nodes[:, order]
+
+
+def from_vtk(nodes: Integers, order: Sequence[int] | None) -> Integers:
+    """Return nodes in the order of VTK, (n, k), in the order of a format; see :func:`to_vtk`."""
+    if order is None:
+        return nodes
+    return nodes[:, np.argsort(order)]
 
 
 def pieces(text: bytes) -> Iterator[bytes]:

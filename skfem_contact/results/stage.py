@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..checks import finite, look_up, number
 from ..display import Table
-from ..forms.base import internal_force, solids_of
+from ..forms.base import Form, internal_force, solids_of
 from ..forms.roles import Touching, having
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
@@ -531,3 +531,10 @@ class StageResult(files.StageData):
             f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} dofs, "
             f"forms: {', '.join(self.states)}>"
         )
+
+
+def undeformed(name: str, forms: Mapping[str, Form], size: int) -> StageResult:
+    """Return a stage of undeformed bodies without load, of some forms among `size` dofs."""
+    states = {key: form.initial_state() for key, form in forms.items()}
+    nothing = np.zeros(size)
+    return StageResult(name, nothing, nothing.copy(), states, (), 0.0)

@@ -25,7 +25,7 @@ from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
 from ..dynamics.steps import Steps
 from ..errors import NotConverged, Remark
-from ..forms.base import Form, responses_of, solids_of, summaries
+from ..forms.base import Form, Response, responses_of, solids_of, summaries
 from ..forms.roles import Absorbing, Body, Touching, Wet, having
 from ..layout import Layout, dofs_at
 from ..nonlinear.increment import solve_increment
@@ -335,11 +335,13 @@ class _LinearSteps(_Iterated):
         self._inertia = in_time.form()
         self._model: Linear | None = None
         self._start: Mapping[str, Any] = {}
+        self._responses: Mapping[str, Response] = {}
 
     @override
     def begun(self, last: StageResult) -> dict[str, ndarray]:
         self._start = last.states
-        return {"": np.sum([*super().begun(last).values()], axis=0)}
+        self._responses = responses_of(self._forms, last.x, last.states)
+        return {"": np.sum([response.force for response in self._responses.values()], axis=0)}
 
     @override
     def take(
@@ -347,8 +349,8 @@ class _LinearSteps(_Iterated):
     ) -> _Taken:
         h = steps.length
         if self._model is None:
-            responses = responses_of(self._forms, last.x, last.states)
-            self._model = Linear(self._system, self._inertia.over(h), responses, motion, h)
+            inertia = self._inertia.over(h)
+            self._model = Linear(self._system, inertia, self._responses, motion, h)
         elif self._model.length != h:
             self._model = self._model.with_step(motion, h)
         moved = self._model.step(motion, load, prescribed)

@@ -410,18 +410,24 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
         states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)
     _check_balance(now, system)
-    end = StageResult(
+    return Result((state_of(name, system, now, load, states),))
+
+
+def state_of(
+    name: str, system: System, now: Evaluation, load: ndarray, states: Mapping[str, Any]
+) -> StageResult:
+    """Return the stage of an initial state, from its evaluation."""
+    return StageResult(
         name,
-        x,
+        now.z,
         load=load,
         states=states,
         iterations=(),
         residual=now.norm,
-        summary=summaries(system.forms, x, states),
+        summary=summaries(system.forms, now.z, states),
         forms=system.forms,
-        layout=setup.layout,
+        layout=system.layout,
     )
-    return Result((end,))
 
 
 def _warn_of_returned(name: str, points: ndarray, given: ndarray, borne: ndarray) -> None:
@@ -456,15 +462,20 @@ def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any])
 
     Their elements are the elements of the nearest integration points.
     """
-    inside = []
     elements = []
+    for form in solids.values():
+        elements.append(np.broadcast_to(form.elements[:, None], form.weight.shape).ravel())
+    here = np.concatenate(elements)[nearest_points(points, solids)]
+    return np.asarray(stress(points.T[:, :, None], here[:, None]))[:, :, 0]
+
+
+def nearest_points(points: ndarray, solids: Mapping[str, Any]) -> ndarray:
+    """Return the numbers of the nearest integration points of all solids, for points (n, dim)."""
+    inside = []
     for form in solids.values():
         coordinates = np.asarray(form.basis.global_coordinates())
         inside.append(coordinates.reshape(points.shape[1], -1).T)
-        elements.append(np.broadcast_to(form.elements[:, None], form.weight.shape).ravel())
-    nearest = scipy.spatial.cKDTree(np.concatenate(inside)).query(points)[1]
-    here = np.concatenate(elements)[nearest]
-    return np.asarray(stress(points.T[:, :, None], here[:, None]))[:, :, 0]
+    return np.asarray(scipy.spatial.cKDTree(np.concatenate(inside)).query(points)[1])
 
 
 def _linear(mesh: Any, nodal: ndarray, x: ndarray, elements: ndarray) -> ndarray:

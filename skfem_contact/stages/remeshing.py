@@ -16,11 +16,12 @@ from skfem.refdom import RefTri
 from ..checks import is_number, look_up
 from ..display import Table
 from ..errors import warn
-from ..forms.base import internal_force, solids_of, summaries
+from ..forms.base import internal_force, solids_of
 from ..forms.roles import Touching, having
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..section.deformed import outline, triangles
+from .initial import nearest_points, state_of
 from .setup import Setup
 from .stage import Force
 
@@ -286,18 +287,7 @@ def _started(new: Remeshed, model: Setup, load: Force, name: str) -> Result:
     before, after = new.volume
     lost = np.array([abs(after / before - 1.0), returned, _unbalanced(system, x, states, whole)])
     _warn_of_losses(name, lost)
-    end = StageResult(
-        name,
-        x,
-        load=whole,
-        states=states,
-        iterations=(),
-        residual=now.norm,
-        summary=summaries(system.forms, x, states),
-        forms=system.forms,
-        layout=model.layout,
-        series={"loss": lost},
-    )
+    end = replace(state_of(name, system, now, whole, states), series={"loss": lost})
     return Result((end,))
 
 
@@ -348,13 +338,8 @@ def _carried(form: Any, old: Any, stage: StageResult, key: str) -> tuple[Any, fl
 
 def _nearest_stress(points: ndarray, solids: dict[str, Any], states: dict[str, Any]) -> ndarray:
     """Return stresses of the nearest integration points, (4, n)."""
-    places = []
-    stresses = []
-    for key, form in solids.items():
-        places.append(np.asarray(form.basis.global_coordinates()).reshape(2, -1).T)
-        stresses.append(states[key].stress.reshape(4, -1))
-    nearest = scipy.spatial.cKDTree(np.concatenate(places)).query(points)[1]
-    return np.asarray(np.concatenate(stresses, axis=1)[:, nearest])
+    stresses = [states[key].stress.reshape(4, -1) for key in solids]
+    return np.asarray(np.concatenate(stresses, axis=1)[:, nearest_points(points, solids)])
 
 
 def _closed(pair: Any, state: Any, stage: StageResult, key: str) -> Any:

@@ -23,7 +23,7 @@ from ..nonlinear.step import Equilibrium, Step
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
 from ..results.result import Result
-from ..results.stage import StageResult
+from ..results.stage import StageResult, undeformed
 from ..results.strength import undrained_friction
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
@@ -141,7 +141,7 @@ def _run(
         last = among(setup, done[-1])
         check_start(phases[0].before, last)
     else:
-        last = _nothing(phases[0])
+        last = undeformed("start", phases[0].forms, setup.layout.size)
 
     if done and done[-1].fraction < 1.0:
         warn(
@@ -673,10 +673,3 @@ def _so_far(system: System, last: StageResult) -> str:
     if text:
         return f". Accepted last: {text}"
     return ""
-
-
-def _nothing(phase: Phase) -> StageResult:
-    """Return the start of the first stage: undeformed bodies without load."""
-    states = {name: form.initial_state() for name, form in phase.forms.items()}
-    nothing = np.zeros(len(phase.load))
-    return StageResult("start", nothing, nothing.copy(), states, (), 0.0)

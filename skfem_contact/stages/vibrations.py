@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy import ndarray
@@ -13,7 +14,7 @@ from ..dynamics.settings import Dynamic
 from ..forms.base import responses_of
 from ..results import modes as results
 from ..results.result import Result
-from ..results.stage import StageResult
+from ..results.stage import StageResult, undeformed
 from ..sparse import Total
 from .in_time import check_forms
 from .setup import Setup
@@ -68,7 +69,11 @@ def modes(
     last = start[-1] if isinstance(start, Result) else start
     setup = setup.after(last)
     if last is None:
-        last = _undeformed(setup)
+        last = replace(
+            undeformed("undeformed", setup.forms, setup.layout.size),
+            forms=setup.forms,
+            layout=setup.layout,
+        )
     forms = {name: setup.forms[name] for name in last.states}
     check_forms(forms)
     settings = Dynamic(1.0, mass=mass, contact_mass="kept")
@@ -110,19 +115,3 @@ def frequencies(
     See :meth:`modes`.
     """
     return modes(setup, n, start=start, mass=mass).frequencies
-
-
-def _undeformed(setup: Setup) -> StageResult:
-    """Return the undeformed bodies."""
-    states: dict[str, Any] = {name: form.initial_state() for name, form in setup.forms.items()}
-    nothing = np.zeros(setup.layout.size)
-    return StageResult(
-        "undeformed",
-        nothing,
-        nothing.copy(),
-        states,
-        (),
-        0.0,
-        forms=setup.forms,
-        layout=setup.layout,
-    )

@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..mesh.content import to_vtk
 from ..results.fields import basis_of, solids
 
 #: Kinds of elements by their numbers in .frd files, and nodes in the order of VTK.
@@ -128,10 +129,7 @@ def read_frd(file: str | Path) -> Frd:
     # Put the nodes of elements into the order of VTK.
     cells = {}
     for kind, rows in blocks.elements.items():
-        nodes = np.array(rows)
-        if kind in _ORDER:
-            nodes = nodes[:, _ORDER[kind]]
-        cells[kind] = nodes
+        cells[kind] = to_vtk(np.array(rows), _ORDER.get(kind))
     return Frd(np.array(blocks.ids), np.array(blocks.points), cells, tuple(blocks.steps))
 
 

@@ -16,6 +16,7 @@ from ..content import (
     parsed,
     point_text,
     rows,
+    to_vtk,
     whole,
     without_middles,
 )
@@ -307,8 +308,7 @@ def _read_elements(part: _Part, card: _Card) -> None:
     nodes = table[:, 1:]
     if kind == "line3":
         nodes = nodes[:, [0, 2, 1]]  # the second node lies in the middle
-    if kind in _ORDER:
-        nodes = nodes[:, _ORDER[kind]]
+    nodes = to_vtk(nodes, _ORDER.get(kind))
     part.elements.append((kind, ids, nodes))
     if card.options.get("ELSET"):
         part.element_sets.setdefault(part.key(card.options["ELSET"]), []).append(ids)

@@ -17,9 +17,11 @@ from ..content import (
     check_names,
     combinations,
     compact,
+    from_vtk,
     numbers_of,
     parsed,
     table_text,
+    to_vtk,
     whole,
 )
 from ..kinds import KINDS, Floats, Integers
@@ -368,9 +370,7 @@ def _content(
         parts.setdefault(block.kind, []).append(block)
     for kind, same in parts.items():
         nodes = numbers_of(ids, np.concatenate([block.nodes for block in same]), "node")
-        if kind in _ORDER:
-            nodes = nodes[:, _ORDER[kind]]
-        content.cells[kind] = nodes
+        content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
         dim = KINDS[kind].dim
         members = _members(same)
         # Keep the order of the names in the file, then numbers without a name
@@ -423,10 +423,10 @@ def write(content: Content, path: str) -> None:
     entities: dict[int, list[tuple[str, tuple[int, ...], Integers]]] = {0: [], 1: [], 2: [], 3: []}
     for kind, cells in content.cells.items():
         dim = KINDS[kind].dim
-        order = np.argsort(_ORDER[kind]) if kind in _ORDER else np.arange(cells.shape[1])
+        nodes = from_vtk(cells, _ORDER.get(kind)) + 1
         for groups, members in combinations(content, kind):
             tags = tuple(names.setdefault((dim, name), len(names) + 1) for name in groups)
-            entities[dim].append((kind, tags, cells[members][:, order] + 1))
+            entities[dim].append((kind, tags, nodes[members]))
 
     # Head, names, and entities with their box and groups
     box = [*content.points.min(axis=0).tolist(), *content.points.max(axis=0).tolist()]

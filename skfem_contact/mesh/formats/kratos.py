@@ -7,7 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, check_names, numbers_of, parsed, point_text, rows, table_text, whole
+from ..content import (
+    Content,
+    check_names,
+    from_vtk,
+    numbers_of,
+    parsed,
+    point_text,
+    rows,
+    table_text,
+    to_vtk,
+    whole,
+)
 from ..kinds import BY_NODES, KINDS, Integers
 
 #: Kratos' nodes in the order of VTK, where the two differ: upright edges come before upper ones.
@@ -92,8 +103,7 @@ def _read_elements(
         content.left_out.append(f"{len(table)} {word.lower()} {name}")
         return
     nodes = numbers_of(ids, table[:, head:], "node")
-    if kind in _ORDER:
-        nodes = nodes[:, _ORDER[kind]]
+    nodes = to_vtk(nodes, _ORDER.get(kind))
     known = content.cells.get(kind)
     content.cells[kind] = nodes if known is None else np.concatenate((known, nodes))
     # Numbers of elements, conditions and geometries are counted apart
@@ -196,9 +206,7 @@ def write(content: Content, path: str) -> None:
         if KINDS[kind].dim == content.dim:
             word = "Elements"
         name = _NAMES[re.sub(r"\d+$", "", kind), content.dim]
-        nodes = cells
-        if kind in _ORDER:
-            nodes = cells[:, np.argsort(_ORDER[kind])]
+        nodes = from_vtk(cells, _ORDER.get(kind))
         start[kind] = (word, first[word])
         ids = first[word] + np.arange(len(cells))
         first[word] += len(cells)

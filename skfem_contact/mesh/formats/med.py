@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...checks import look_up
-from ..content import Content, check_names, combinations
+from ..content import Content, check_names, combinations, from_vtk, to_vtk
 from ..kinds import KINDS
 
 #: Kinds of elements by their names in the file.
@@ -98,9 +98,7 @@ def _content(step: Any, dim: int, families: Any) -> Content:
         kind = _KINDS[word]
         count = int(block["NOD"].attrs["NBR"])
         nodes = np.asarray(block["NOD"]).reshape(-1, count).T - 1
-        if kind in _ORDER:
-            nodes = nodes[:, _ORDER[kind]]
-        content.cells[kind] = nodes
+        content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
         if "FAM" in block:
             family = np.asarray(block["FAM"])
             for number in np.unique(family).tolist():
@@ -199,8 +197,7 @@ def _write_cells(
     cells = content.cells[kind]
     if KINDS[kind].dim == 3:
         cells = cells[:, list(KINDS[kind].mirrored)]
-    if kind in _ORDER:
-        cells = cells[:, np.argsort(_ORDER[kind])]
+    cells = from_vtk(cells, _ORDER.get(kind))
     words = {known: word for word, known in _KINDS.items()}
     group = parent.create_group(words[kind])
     group.attrs["CGT"] = np.int32(1)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, numbers_of
+from ..content import Content, numbers_of, to_vtk
 from ..kinds import Integers
 
 #: Kinds of elements by card and number of nodes.
@@ -74,9 +74,7 @@ def read(path: str) -> Content:
     content = Content(np.array(points), {})
     for kind, rows_of in cells.items():
         numbers = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
-        if kind in _ORDER:
-            numbers = numbers[:, _ORDER[kind]]
-        content.cells[kind] = numbers
+        content.cells[kind] = to_vtk(numbers, _ORDER.get(kind))
         tags: Integers = np.array(properties[kind])
         for tag in np.unique(tags).tolist():
             name = names.get(tag, f"property {tag}")
