@@ -203,8 +203,6 @@ def traction(
         raise ValueError(
             f"the force on '{boundary}' must have {dim} finite components, not {force!r}"
         )
-    if not callable(force):
-        _warn_of_sides(surface, boundary)
     radius = 1.0
     if axisymmetric:
         radius = x[0]
@@ -216,21 +214,6 @@ def traction(
         return sum(w[f"t{c}"] * v[c] for c in range(dim))
 
     return Load.of(pushed.assemble(surface, **components), axisymmetric)
-
-
-def _warn_of_sides(surface: FacetBasis, boundary: str) -> None:
-    """Raise a warning of an even load on the whole surface of a body that has named sides, too."""
-    body = boundary.removesuffix(":surface")
-    boundaries = surface.mesh.boundaries or {}
-    sides = boundaries.get(f"{body}:sides")
-    if body == boundary or sides is None or f"{body}:top" not in boundaries:
-        return
-    length = surface.dx.sum(axis=1)
-    beside = np.isin(surface.find, sides)
-    warn(
-        f"'{boundary}' holds the sides of '{body}' as well, {length[beside].sum():.3g} of "
-        f"{length.sum():.3g}, and the load acts there too: '{body}:top' is its upper side alone"
-    )
 
 
 def hydrostatic(

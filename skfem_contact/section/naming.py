@@ -128,7 +128,7 @@ def separate(
             for side in sides:
                 boundaries |= _shares(boundaries, side, group, owners)
         boundaries |= _interfaces(labels[mesh.f2t[:, inside]], inside, group)
-    # Name the top and the sides of bodies.
+    # Part the surfaces of bodies into tops and sides.
     for body in bodies:
         boundaries |= _top_and_sides(mesh, boundaries, body)
     return replace(mesh, _boundaries=boundaries)
@@ -168,15 +168,20 @@ def _shares(boundaries: Tags, side: str, group: list[str], owners: ndarray) -> T
 
 
 def _top_and_sides(mesh: Mesh, boundaries: Tags, body: str) -> Tags:
-    """Return the facets of a body's surface that look upwards, and all others of it."""
+    """Return the facets of a body's surface that look upwards, its surface then, and the others."""
     facets = np.asarray(boundaries.get(f"{body}:surface", np.zeros(0, int)))
     first, last = mesh.p[:, mesh.facets[:2, facets]].transpose(1, 0, 2)
     inner = mesh.p[:, mesh.t[:3, mesh.f2t[0, facets]]].mean(axis=1)
     along = last - first
     up = (0.5 * (first + last) - inner)[1] > 0.0
     upwards = up & (np.abs(along[1]) < np.abs(along[0]))
-    found = {f"{body}:top": facets[upwards], f"{body}:sides": facets[~upwards]}
-    return {name: part for name, part in found.items() if len(part)}
+    if not upwards.any():
+        return {}
+    top = facets[upwards]
+    found = {f"{body}:surface": top, f"{body}:top": top}
+    if not upwards.all():
+        found[f"{body}:sides"] = facets[~upwards]
+    return found
 
 
 def _sides_of_slit(boundaries: Tags, name: str, group: list[str], owners: ndarray) -> Tags:

@@ -187,8 +187,8 @@ class Section:
         lifts ``"remaining"``. Boundaries are:
 
         * ``"left"``, ``"right"``, ``"bottom"`` and ``"surface"``; ``"lift 1:surface"`` is the share
-          of a lift or area, and ``"footing:top"`` and ``"footing:sides"`` those of a body's surface
-          that look upwards and to the sides;
+          of a lift or area. The share of a body is its upper side alone, ``"footing:surface"`` or
+          ``"footing:top"``, and ``"footing:sides"`` is the rest;
         * lines and holes by their names; a hole between several bodies is ``"ring:bore"`` and
           ``"ground:bore"``;
         * ``"a|b"`` and ``"b|a"``, both sides of the interface between two areas, lifts or bodies;
