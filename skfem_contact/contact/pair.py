@@ -35,7 +35,9 @@ _FREE = {"internal", "rounded"}
 _TOUCHING = 0.01
 #: Pressure of changes of the clearance between round facets, as a share of the largest one, that
 #: are left: each equilibrium leaves a thirtieth of the change before, of pins with flat facets.
-_ROUNDED = 2e-3
+#: Displacements of a wavy joint without friction, in 1 to 12 increments, differ by 3e-3 with 2e-3
+#: left, where a point is open or not, and by 8e-4 with this, in a fifth more iterations.
+_ROUNDED = 5e-4
 
 
 class ContactPair(ContactBase):

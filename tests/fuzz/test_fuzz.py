@@ -26,13 +26,13 @@ def test_random_scenes(part: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [52000507, 81000083, 91000027])
+@pytest.mark.parametrize("seed", [52000507, 81000083, 91000027, 644000245, 645000872])
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_scenes_that_failed(seed: int) -> None:
-    """[X] Two scenes with bars, and a stack of blocks.
+    """[X] Two scenes with bars, a stack of blocks, and two wavy joints about an axis.
 
     Bars whose limit load rises by 1.3 % over 340 lengths of a step; bars as soft as the springs of
-    a collapse; blocks whose lower bound needs three starts.
+    a collapse; blocks whose lower bound needs three starts; clearances that follow.
     """
     assert not details([trial(seed)])
 
