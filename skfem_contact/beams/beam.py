@@ -168,6 +168,7 @@ class Beam(BeamNodes, Slender):
         nu: float = 0.0,
         GJ: float | None = None,
     ) -> None:
+        # With nu = .25: 5/6 G A of a rectangle, and 2 G I of a circle.
         if GA is None:
             GA = EA / 3.0
         if GJ is None:
@@ -226,6 +227,7 @@ class Beam(BeamNodes, Slender):
         dim = self.dim
         turns = self._turns
         n_turns = int(turn.max()) + 1
+        # Fields of the displacements of nodes, and of rotations, which hinges double.
         places = np.zeros((n_turns, dim))
         places[turn] = self.points[self.cells]
         self.displacement = Field(
@@ -353,6 +355,7 @@ class Beam(BeamNodes, Slender):
         remarks: list[Remark] = self._elements.remarks(self._shear)
         if not self._parts:
             return remarks
+        # Hinges and supports may leave a motion without force.
         loose = loose_dof(self._parts, np.concatenate((fixed, held, self._stiff)))
         if loose is not None:
             raise ValueError(
@@ -360,6 +363,7 @@ class Beam(BeamNodes, Slender):
                 f"the largest at {format_point(self._where[loose])}"
             )
         if self.shared is not None and self.coordinates == "plane":
+            # An end that supports fix along the beam alone may turn.
             corners = self.points[self.cells]
             met = np.concatenate([dofs[:, 6:8].ravel() for _, dofs in self._parts])
             remarks += turning_ends(corners, self._parts[0][1], met, fixed)
@@ -376,7 +380,9 @@ class Beam(BeamNodes, Slender):
     def assemble(self, x: ndarray, state: BeamState) -> Response:
         # Remove large rigid motions with the middle node, whose round-off would be forces
         u = self._own(x)[self._rows]
+        # Elastic forces of the motions less the plastic and the warm ones.
         moved = u - state.free - self._warm
+        # Subtract the motion of the middle node as a rigid body, for the digits: it has no force.
         rigid = np.einsum("mij,mj->mi", self._elements.rigid, moved[:, self._middle])
         force = np.einsum("mij,mj->mi", self._stiffness, moved - rigid)
         size = np.abs(u) + np.abs(state.free)
@@ -510,6 +516,7 @@ class Beam(BeamNodes, Slender):
 
     def _line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
         values = {}
+        # Section forces at the ends, and their means at the middles.
         for key, forces in zip("NVM", self._lines(state)[3:6], strict=True):
             ends = forces.reshape(len(self.cells), 2, -1)
             middle = ends.mean(axis=1, keepdims=True)

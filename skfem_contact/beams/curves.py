@@ -105,7 +105,9 @@ def sand_p_y(
     k = positive(k, "k")
     weight = positive(unit_weight, "unit_weight")
     C1, C2, C3 = sand_factors(phi)
+    # p_u: a wedge near the surface, flow around the pile below
     ultimate = min((C1 * z + C2 * D) * weight * z, C3 * D * weight * z)
+    # p = A p_u tanh(k z y / (A p_u)), A = 0.9 or 3 - 0.8 z / D
     A = 0.9
     if not cyclic:
         A = max(3.0 - 0.8 * z / D, 0.9)
@@ -129,10 +131,12 @@ def sand_factors(phi: float) -> tuple[float, float, float]:
     [2.97, 3.42, 53.79]
     """
     f = np.radians(number(phi, "phi", 0.0, 60.0))
+    # alpha = phi / 2, beta = 45 degrees + phi / 2
     a = 0.5 * f
     b = np.pi / 4.0 + a
     Ka = np.tan(np.pi / 4.0 - a) ** 2
     slope = np.tan(b - f)
+    # C1 = tan^2 b tan a / tan(b - phi) + K0 (sides + front)
     wedge = np.tan(b) ** 2 * np.tan(a) / slope
     sides = np.tan(f) * np.sin(b) / (np.cos(a) * slope)
     front = np.tan(b) * (np.tan(f) * np.sin(b) - np.tan(a))

@@ -70,6 +70,7 @@ def _along(points: ndarray, xi: float) -> tuple[ndarray, ndarray, ndarray, ndarr
     """Return J, (m,), tangents, (m, dim), N, (3,), and its derivatives by length, (m, 3)."""
     N, dN = shapes(xi)
     along = np.einsum("k,mkc->mc", dN, points)
+    # The axis must lead from the start to the end.
     chord = points[:, 1] - points[:, 0]
     least = _NO_LENGTH * np.ptp(points) * np.linalg.norm(chord, axis=1)
     if not ((along * chord).sum(axis=1) > least).all():
@@ -198,6 +199,7 @@ class BeamElements:
         for end, sign in ((0, -1.0), (1, 1.0)):
             t = tangents[:, end]
             N, V, M = result[:, end].swapaxes(0, 1)
+            # Take off the share of a load on the element: that of the middle node.
             for node, share in ((end, sign), (2, -sign * _AT_END)):
                 u = slice(2 * node, 2 * node + 2)
                 N[:, u] = share * t
@@ -233,6 +235,7 @@ class ShellElements(BeamElements):
         x = points[:, :, 0]
         strains = np.zeros((m, 2, 5, 9))  # (elements, Gauss points, strains, dofs)
         strains[:, :, :3] = plane.strains.reshape(m, 2, 3, 9)
+        # Hoop strain u_r / r, and hoop curvature theta t_r / r.
         radius = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             N, dN = shapes(xi)
@@ -249,6 +252,7 @@ class ShellElements(BeamElements):
         D = np.diag([EA, GA, EI, EA, EI])
         D[[0, 3], [3, 0]] = self.nu * EA
         D[[2, 4], [4, 2]] = self.nu * EI
+        # B^T L with D = L L^T: forces are B^T L times its transpose.
         area = np.sqrt(self.weights * self.radius)
         half = area[:, :, None, None] * np.linalg.cholesky(D)
         B = self.strains.reshape(-1, 2, 5, 9)
@@ -302,6 +306,7 @@ class SpaceElements(BeamElements):
         weights = np.zeros((m, 2))
         for g, xi in enumerate(GAUSS):
             weights[:, g], t, N, slope = _along(points, xi)
+            # Strains along the axis; shears; bending and torsion.
             first, second = across(t)
             for row, axis, turned in ((0, t, 5), (1, first, 3), (2, second, 4)):
                 along = _times(slope, axis)
@@ -322,6 +327,7 @@ class SpaceElements(BeamElements):
         motion = np.zeros((len(self.points), 6, 3, 6))
         u = motion[:, :3]
         theta = motion[:, 3:]
+        # Three translations, then three rotations: u = e x arm.
         arm = self.points - self.points[:, [2]]
         for c, axis in enumerate(np.eye(3)):
             u[:, :, c, c] = 1.0
@@ -391,9 +397,11 @@ class Hinges:
 
     def flows(self, force: ndarray) -> Iterator[Flow]:
         """Yield the flow of every element whose forces, (m, 9), exceed its strength."""
+        # Faces of the yield surface that forces exceed.
         excess = np.einsum("mfj,mj->mf", self._faces, force) - 1.0
         for e in np.flatnonzero((excess > 0.0).any(axis=1)):
             faces = self._faces[e]
+            # Return to the nearest point of the surface, in the norm of the energy.
             way = faces @ self._root[e]
             size = np.linalg.norm(way, axis=1)
 

@@ -162,6 +162,7 @@ class Embedded(Form, Couples, Staged, Regularised):
             )
         if not is_number(F_max, -1e-300, np.inf):
             raise ValueError(f"F_max must not be negative, not {F_max!r}")
+        # The beam must be stiffer than the ground inside of it, which `completed` checks.
         self.coordinates = "plane" if dim == 2 else "space"
         self.radius = radius
         self.borrowed = (beam.displacement,)
@@ -205,6 +206,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         C = stiffest(forms)
         if C is None and (self._given is None or self.radius is not None):
             raise ValueError("an embedded beam needs ground: a SolidForm among the forms")
+        # In the plane the springs are stiff beside the ground.
         new = copy(self)
         new._known = {}
         if C is None or self.radius is None:
@@ -266,6 +268,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         jump, foot = self._jumps(x)
         t = self._along[:-1]
         moved = jump - state.free
+        # Skin: elastic along the beam up to T_max, and stiff across.
         slip = (moved * t).sum(axis=1)
         elastic = self._k * slip
         skin = np.clip(elastic, -self.T_max, self.T_max)
@@ -279,6 +282,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         stands = thrust == force and self.F_max > 0.0
         crushed = thrust < force
 
+        # Forces on the ground, and opposite ones on the beam.
         q = (across + skin[:, None] * t) * self._weight[:, None]
         forces = np.append(q, force * t_foot) / self._spacing
 
@@ -375,6 +379,7 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     for field in beam.fields:
         if field.kind == "rotation":
             xi, weight = _GAUSS
+    # Points of contact with the ground, and the foot.
     N = np.array([shapes(point)[0] for point in xi])
     dN = np.array([shapes(point)[1] for point in xi])
     N_foot, dN_foot = shapes(1.0)
@@ -424,8 +429,10 @@ def _probes(basis: CellBasis, points: ndarray) -> coo_matrix:
 
     Elements with a curved side are found by its chord: between the two their values continue.
     """
+    # Local coordinates of the points in their elements.
     cells = _finder(basis.mesh)(*points.T)
     local = basis.mapping.invF(points.T[:, :, None], tind=cells)
+    # Values of the shape functions there.
     values = []
     for k in range(basis.Nbfun):
         field = basis.elem.gbasis(basis.mapping, local, k, tind=cells)[0]

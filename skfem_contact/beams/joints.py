@@ -115,6 +115,7 @@ def _owner(beam: Any, node: int) -> Any:
         return int(beam.shared[node, 0])
     field = beam.displacement
     index = beam.points.shape[1] * node
+    # Another beam may have given the node before: follow it to its first owner.
     while taken := [(own, others) for own, others in field.taken if index in own]:
         own, others = taken[0]
         position = own.tolist().index(index)
@@ -255,10 +256,12 @@ def turning_ends(corners: ndarray, rows: ndarray, met: ndarray, fixed: ndarray) 
         Dofs with supports.
     """
     for end in (0, 1):
+        # The direction of the axis at the end, by the quadratic shape functions.
         tangent = 3.0 * corners[:, end] - 4.0 * corners[:, 2] + corners[:, 1 - end]
         along = np.abs(tangent) / np.linalg.norm(tangent, axis=1)[:, None]
         held = np.isin(rows[:, 2 * end : 2 * end + 2], fixed)
         theta = rows[:, 6 + end]
+        # Held in one direction, along the beam, and free to turn.
         cut = (held.sum(axis=1) == 1) & ((held * along).sum(axis=1) > _ALONG)
         alone = (theta[:, None] == met).sum(axis=1) == 1  # no other element meets it
         cut &= alone & ~np.isin(theta, fixed)

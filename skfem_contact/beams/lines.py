@@ -34,6 +34,7 @@ def nodes_of(
     """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
     if isinstance(line, str):
         return _along_named(basis, line, cells, bonded)
+    # A polyline has nodes of its own, or follows edges of the mesh.
     points = finite(line, "line")
     dims = (2, 3) if basis is None else (basis.mesh.dim(),)
     if points.ndim != 2 or points.shape[1] not in dims or len(points) < 2:
@@ -100,6 +101,7 @@ def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
     facets = np.unique(facets_of(mesh, name))
     if len(basis.facet_dofs) != 2:
         raise ValueError(f"'{name}': beams have three nodes: take a basis of second order")
+    # Order the facets as one chain.
     ends = _one_way(mesh.facets[:, facets], name)
     order = ordered(ends, name)
     facets = facets[order]
@@ -131,6 +133,7 @@ def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, n
     """
     mesh = basis.mesh
     dim = mesh.dim()
+    # Edges of the mesh, and the dofs at their middles.
     edges = mesh.facets
     middles = basis.facet_dofs
     if dim == 3:
@@ -152,6 +155,7 @@ def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, n
         raise ValueError(
             f"the mesh has no edge between {a} and {b}: a bonded beam follows its edges"
         )
+    # Elements are start, end and middle.
     nodal = basis.nodal_dofs[0, chain]
     dofs = np.stack((nodal[:-1], nodal[1:], middles[0, edge]), axis=1)
     return _numbered(basis, dofs)
@@ -195,6 +199,7 @@ def _vertices_along(mesh: Mesh, vertices: ndarray, points: ndarray) -> ndarray:
 def _one_way(ends: ndarray, name: str) -> ndarray:
     """Return end nodes of facets, (2, n), each turned to begin where another facet ends."""
     ends = ends.copy()
+    # Facets that meet at each node: two at most.
     facets: dict[int, list[int]] = {}
     for k, pair in enumerate(ends.T):
         for node in pair.tolist():

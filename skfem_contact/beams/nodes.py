@@ -231,6 +231,7 @@ class BeamNodes(Form, Couples, Loaded, Staged):
             raise ValueError("a bonded beam has no contact: give it nodes of its own, bonded=False")
         if self.thickness and self.rotation.n > len(self.points):
             raise ValueError("contact of a beam with hinges is on its axis: thickness=0")
+        # Each boundary touches the side that faces it.
         sides = touching(basis.mesh, boundaries, self.points[self.cells], 0.5 * self.thickness)
         options = {"quadrature": 2, **options}
         return {

@@ -231,6 +231,7 @@ class Reinforcement(BeamNodes, Regularised):
         )
 
     def _lines(self, state: ReinforcementState) -> tuple[Any, ...]:
+        # Positions of the Gauss points along the line.
         lengths = self._length.sum(axis=1)
         begin = np.cumsum(lengths) - lengths
         position = begin[:, None] + lengths[:, None] * (0.5 + 0.5 * GAUSS)

@@ -132,6 +132,7 @@ def moment_curvature(
     largest_curvature = _last_curvature(section, normal, eps_cu, eps_su)
     curvature = largest_curvature * np.linspace(0.0, 1.0, _POINTS) ** 2
     moment = np.array([section.forces(section.axis(k, normal), k)[1] for k in curvature])
+    # The secant at half of the largest moment is the stiffness.
     largest = float(moment.max())
     rising = slice(0, int(moment.argmax()) + 1)
     at_half = float(np.interp(0.5 * largest, moment[rising], curvature[rising]))

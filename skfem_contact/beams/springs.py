@@ -264,6 +264,7 @@ def in_parallel(curves: list[ndarray]) -> tuple[ndarray, ndarray]:
     stiffness = np.zeros((len(curves), m))
     limit = np.zeros((len(curves), m))
     for row, curve in enumerate(curves):
+        # Each bend of the curve is a spring that slips there.
         steps = np.diff(curve, axis=0)
         slopes = np.append(steps[:, 1] / steps[:, 0], 0.0)
         k = slopes[:-1] - slopes[1:]

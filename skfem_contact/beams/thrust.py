@@ -36,6 +36,7 @@ def lost_stiffness(elements: BeamElements, N: ndarray) -> ndarray:
         slope = shapes(xi)[1] / elements.weights[:, [g]]
         t = np.einsum("mk,mkc->mc", slope, elements.points)
         force = 0.5 * ((1.0 - xi) * N[:, 0] + (1.0 + xi) * N[:, 1])
+        # K = integral of P (dN_i / ds) (dN_j / ds) across the axis, compression positive.
         across = np.eye(dim) - t[:, :, None] * t[:, None]  # (m, dim, dim)
         blocks = np.einsum("mi,mj,mcd->micjd", slope, slope, across)
         size = -force * elements.weights[:, g]

@@ -103,6 +103,7 @@ class Linear:
     ) -> None:
         self._system = system
         self._fixed = system.fixed
+        # One stiffness for all steps.
         self._K = Total().of([response.stiffness for response in responses.values()])
         self._start = motion.x
         self._begun = np.sum([response.force for response in responses.values()], axis=0)

@@ -204,6 +204,7 @@ def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
 
 def accelerations(M: csr_matrix, force: ndarray, fixed: ndarray) -> ndarray:
     """Return accelerations by forces, zero at supports and at nodes without mass, (N,)."""
+    # M a = f at dofs that are free and have mass
     diagonal = M.diagonal()
     free = diagonal > 0.0
     free[fixed] = False
@@ -211,6 +212,7 @@ def accelerations(M: csr_matrix, force: ndarray, fixed: ndarray) -> ndarray:
     a = np.zeros(len(force))
     if not force[dofs].any():
         return a
+    # A lumped mass needs no solver.
     block = M[dofs][:, dofs].tocsc()
     if block.nnz == len(dofs):
         a[dofs] = force[dofs] / diagonal[dofs]

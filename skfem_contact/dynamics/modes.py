@@ -87,12 +87,14 @@ def _dense(
 ) -> tuple[ndarray, ndarray]:
     """Return values and shapes of a few masses by their flexibility G: L^T G L y = y / w^2."""
     size = M.shape[0]
+    # M = L L^T
     L = cholesky(M[massive][:, massive].toarray(), lower=True)
     columns = np.zeros((size, len(massive)))
     for k in range(len(massive)):
         force = np.zeros(size)
         force[massive] = L[:, k]
         columns[:, k] = solve(force)
+    # L^T G L by one solution for each mass
     flexibility = L.T @ columns[massive]
     inverse, y = eigh(0.5 * (flexibility + flexibility.T))
     chosen = np.argsort(inverse)[::-1][:n]

@@ -131,6 +131,7 @@ class Record:
         w = 2.0 * np.pi * _GROUND
         b, a = bilinear([2.0 * _DAMPED * w, w**2], [1.0, 2.0 * _DAMPED * w, w**2], 1.0 / step)
         shaken = lfilter(b, a, noise)
+        # Let the motion swell, stay and fade.
         share = np.arange(n) / (n - 1)
         envelope = np.clip(share / _RISE, 0.0, 1.0) ** 2
         envelope *= np.exp(-5.0 * np.maximum(share - _FALL, 0.0))
@@ -179,6 +180,7 @@ class Record:
     def motion(self, time: float) -> tuple[float, float, float]:
         """Return displacement, velocity and acceleration at a time, from rest at time zero."""
         end = min(max(time, 0.0), self.duration)
+        # Integrate the linear pieces of the acceleration: v exactly, u exactly.
         k = min(int(end / self.step), len(self.values) - 2)
         h = end - k * self.step
         a0 = self.values[k]
@@ -186,6 +188,7 @@ class Record:
         v0 = self._integrals[0][k]
         v = v0 + a0 * h + 0.5 * rate * h**2
         u = self._integrals[1][k] + v0 * h + 0.5 * a0 * h**2 + rate * h**3 / 6.0
+        # After the end the velocity stays.
         return float(u + v * max(time - end, 0.0)), float(v), self.at(time)
 
     @property
@@ -226,6 +229,7 @@ class Record:
         steps the record is linear between its values, as spectra and analyses take it to be.
         """
         positive(step, "step")
+        # Filter before longer steps: nothing above half of their frequency may fold back.
         values = self.values
         if step > self.step * (1.0 + 1e-9):
             from scipy.signal import filtfilt, firwin

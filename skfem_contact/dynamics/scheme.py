@@ -106,6 +106,7 @@ class Inertia(Form, Timed):
         self._step = 0.0
         self._K = csr_matrix(M.shape)
         self._diagonal = np.zeros(M.shape[0])
+        # Dofs without mass and damping, which have no motion of their own.
         self.still = np.flatnonzero((np.diff(M.indptr) == 0) & (np.diff(C.indptr) == 0))
 
     @override
@@ -133,6 +134,7 @@ class Inertia(Form, Timed):
         moved = x - state.x
         a = (moved - h * state.velocity) / (beta * h**2) - (0.5 / beta - 1.0) * state.acceleration
         v = state.velocity + h * ((1.0 - gamma) * state.acceleration + gamma * a)
+        # Forces between the two ends: (1 - am) a + am a_0, (1 - af) v + af v_0.
         viscous = self.C @ ((1.0 - af) * v + af * state.velocity)
         inertial = self.M @ ((1.0 - am) * a + am * state.acceleration)
         force = (inertial + viscous - af * state.force) / (1.0 - af)

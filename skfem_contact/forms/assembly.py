@@ -158,6 +158,7 @@ def locking(
     """
     if not has_corners_only(basis):
         return
+    # Say what to take instead: B-bar and F-bar exist for quadrilaterals and hexahedra.
     dim = basis.mesh.dim()
     instead = "take elements of second order"
     if len(basis.mesh.t) == 2**dim and finite:
@@ -227,6 +228,7 @@ def _axisymmetric(basis: CellBasis) -> StrainOperator:
         raise ValueError(
             f"axial symmetry needs x >= 0, but there are elements at x = {radius.min():.4g}"
         )
+    # The strains of the plane, and the hoop strain N / r.
     B, weight = _plane_strain(basis)
     values = np.stack([np.asarray(field)[0] for (field,) in basis.basis[::2]])
     B[:, :, 2, 0::2] = (values / radius).transpose(1, 2, 0)
@@ -237,6 +239,7 @@ def _in_space(basis: CellBasis) -> StrainOperator:
     """Return strains of tetrahedra and hexahedra: xx, yy, zz, xy, yz, zx (engineering shears)."""
     G = shape_gradients(basis)
     B = np.zeros((*G.shape[:2], 6, 3 * G.shape[2]))
+    # Normal strains u_i,i, and shears u_i,j + u_j,i.
     for i in range(3):
         B[:, :, i, i::3] = G[..., i]
     for row, (i, j) in enumerate(((0, 1), (1, 2), (2, 0)), start=3):
@@ -280,6 +283,7 @@ def element_stiffness(B: ndarray, D: ndarray) -> ndarray:
     K = np.empty((n_elements, n_local, n_local))
     for start in range(0, n_elements, _CHUNK):
         batch = slice(start, start + _CHUNK)
+        # Stack the points of an element: the sum over them becomes one matrix product.
         flat = B[batch].reshape(-1, n_points * ncomp, n_local)
         DB = np.matmul(D[batch], B[batch]).reshape(flat.shape)
         np.matmul(flat.transpose(0, 2, 1), DB, out=K[batch])
@@ -392,10 +396,12 @@ def damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
     :math:`P^T D_e P = D^T D_e^{-1} D` resists all strains but the same flow, and is symmetric. All
     arrays have the shape (n, ncomp, ncomp).
     """
+    # Find the tangents that are not symmetric.
     skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
     size = np.abs(elasticity).max(axis=(1, 2))
     skewed = np.flatnonzero(skew > 1e-9 * size)
     D = tangent[skewed]
+    # Move them by a share towards D^T D_e^-1 D, which is symmetric and positive.
     companion = D.transpose(0, 2, 1) @ np.linalg.solve(elasticity[skewed], D)
     new = tangent.copy()
     new[skewed] += _DAMPING * (companion - D)

@@ -116,6 +116,7 @@ class Response:
                 return np.concatenate((values, np.zeros(n - len(values))))
             return np.bincount(dofs, values, minlength=n)
 
+        # Matrices are spread when they are asked for.
         slots = scattering or Scattering()
         round_off = self.round_off
         force = spread(self.force)
@@ -423,11 +424,13 @@ def reduced_parts(
 
 def _check_reducible(forms: Mapping[str, Form], named: set[str], excluded: set[str]) -> None:
     """Refuse names that do not exist, and names to reduce without a strength."""
+    # Names must exist.
     known = set(forms).union(*(body.materials for body in having(forms, Body).values()))
     for name in sorted((named | excluded) - known):
         raise ValueError(
             f"there is no form or region '{name}' to reduce; existing: {', '.join(sorted(known))}"
         )
+    # Those to reduce must have a strength.
     for name, form in forms.items():
         materials = materials_of(form)
         strengths = form.strengths if isinstance(form, Reducible) else ()

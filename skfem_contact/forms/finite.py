@@ -104,6 +104,7 @@ class FiniteKinematics:
         G = shape_gradients(basis).transpose(0, 1, 3, 2)
         if not self.axial:
             return np.ascontiguousarray(G)
+        # The hoop stretch is 1 + u_r / r.
         radius = np.asarray(basis.global_coordinates())[0]
         values = np.stack([np.asarray(field)[0] for (field,) in basis.basis[::2]])
         hoop = (values / radius).transpose(1, 2, 0)
@@ -161,8 +162,10 @@ class FiniteKinematics:
         """Return Cauchy stresses ``F S F^T / J`` in space axes by t, (n_components, ...)."""
         shape = stress.shape
         flat = gradient.reshape(len(gradient), -1)
+        # S = U^-1 t U^-1
         S = self.stretch(flat).second(stress.reshape(len(stress), -1))
         F = _full(flat)
+        # sigma = F S F^T / J
         T = F @ _symmetric(S) @ F.transpose(0, 2, 1)
         T /= (1.0 + self.stretch.growth(flat))[:, None, None]
         pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))[: len(stress)]
@@ -180,9 +183,11 @@ class FiniteKinematics:
         growth = self._checked(H)
         if not self.f_bar:
             return Deformation(self, H, H, None)
+        # F-bar = (J_0 / J)^(1/d) F, with J_0 at the centre of the element.
         centre = self.gradient(x, centre=True)
         log = (np.log1p(self._checked(centre)) - np.log1p(growth)) / self.scaled
         mean = H * np.exp(log)
+        # As differences from one: s F - 1 = s (F - 1) + (s - 1).
         diagonal = (0, 1, 2) if self.dim == 2 else (0, 4, 8)
         for row in diagonal:
             mean[row] += np.expm1(log)
@@ -198,6 +203,7 @@ class FiniteKinematics:
     def _checked(self, gradient: ndarray) -> ndarray:
         growth = self.growth(gradient)
         if not (growth > _CRUSHED - 1.0).all():
+            # Name the coordinates of the worst element.
             worst = int(np.argmin(growth)) // gradient.shape[2]
             element = elements_of(self.basis)[worst]
             at = self.basis.mesh.p[:, self.basis.mesh.t[:, element]].mean(axis=1)
@@ -262,6 +268,7 @@ class Deformation:
         force = np.empty((*k.element_dofs.shape,))
         for batch in self._batches:
             part = batch.elements
+            # P = F S with the stress of the law; F-bar scales it by s^(2 - d).
             S = self._second(batch, stress) * self._share(batch, 2 - k.scaled)
             F = self._own[:, part].reshape(len(self._own), -1)
             P = _first(F, S * k.weight[part].ravel(), k.dim, k.axial)
@@ -297,6 +304,7 @@ class Deformation:
             A = _tangent(F, S, C, k.dim, k.axial)
             A *= k.weight[part].reshape(-1, 1, 1)
             G = k.G[part]
+            # Rows of A are axis, component, component; its columns are axes.
             AG = np.matmul(A.reshape(*G.shape[:2], -1, n_axes), G)
             flat = G.reshape(n, -1, n_functions).transpose(0, 2, 1)
             AG = AG.reshape(n, flat.shape[2], -1)
@@ -347,6 +355,7 @@ def _full(gradient: ndarray) -> ndarray:
     """Return F, (m, 3, 3), by the components of ``F - 1``, (5 or 9, m)."""
     if len(gradient) == 9:
         return gradient.T.reshape(-1, 3, 3) + np.eye(3)
+    # Components in the plane: xx, yy, zz, xy, yx.
     F = np.zeros((gradient.shape[1], 3, 3))
     for row, (i, J) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 0))):
         F[:, i, J] = gradient[row]
@@ -375,9 +384,11 @@ def _first(F: ndarray, S: ndarray, dim: int, axial: bool) -> ndarray:
     rows = _rows(F, dim)
     at = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
     P = np.zeros((F.shape[1], dim + axial, dim))
+    # P_iJ = F_iK S_KJ
     for i in range(dim):
         for J in range(dim):
             P[:, J, i] = sum(rows[i][k] * S[at[k][J]] for k in range(dim))
+    # The hoop direction has no shear.
     if axial:
         P[:, 2, 0] = (1.0 + F[2]) * S[2]
     return P

@@ -127,6 +127,7 @@ class Spring(MatrixForm):
         to_part: str | None = None,
     ) -> None:
         dim = basis.mesh.dim()
+        # A number is the stiffness in each direction.
         k = finite(stiffness, "stiffness")
         if k.ndim == 0:
             k = np.broadcast_to(k, (dim,))
@@ -135,6 +136,7 @@ class Spring(MatrixForm):
                 "stiffness must be positive, in each direction or in one of them, not "
                 f"{stiffness!r}"
             )
+        # Springs to the ground: k on the diagonal.
         first = dofs_at(basis, coordinates, part)
         data = np.broadcast_to(k, first.shape).ravel()
         rows = columns = first.ravel()
@@ -286,11 +288,13 @@ class Bar(Form, Couples, Staged, Regularised):
     def _connect(self, numbers: Mapping[Field, ndarray]) -> None:
         """Set the dofs of both ends."""
         n = len(self._axis)
+        # Collect the dofs of both ends, one row a bar.
         columns = []
         for end in self._ends:
             dofs = numbers[end.field][end.indices] if isinstance(end, FieldDofs) else end
             columns.append(np.broadcast_to(dofs, (n, self._axis.shape[1] // len(self._ends))))
         self._dofs = np.hstack(columns)
+        # Number the dofs that occur.
         self._at, rows = np.unique(self._dofs, return_inverse=True)
         self._rows = rows.reshape(self._dofs.shape)
         self._gathering = Gathering(len(self._at))

@@ -67,6 +67,7 @@ def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: 
         n = len(range(shape[0])[elements]), shape[1]
         zero = np.zeros((ncomp, *n))
         try:
+            # The memory has one shape, at the start and after a step.
             internal = material.initial_internal(zero)
             _check_memory(material, "initial_internal", internal, n)
             update = updated(material, zero, zero, internal, 0.0)
@@ -104,6 +105,7 @@ def by_region(
     order, regions = [], []
     start = 0
     for name, material in materials.items():
+        # The elements of the subdomain that belong to the basis.
         part = np.asarray(look_up(name, subdomains, "subdomain"))
         # each element once, in the order of its parameters
         _, first = np.unique(part, return_index=True)
@@ -115,6 +117,7 @@ def by_region(
         order.append(elements)
         regions.append(Region(name, material, slice(start, stop)))
         start = stop
+    # Every element must have one material.
     tind = np.concatenate(order)
     _check_cover(tind, present, materials, subdomains)
     if not np.array_equal(tind, present):
@@ -184,6 +187,7 @@ def by_elasticity(
     if material.stress_dependent:
         moduli = material.elasticity(ncomp, stress, internal)
     else:
+        # One matrix for all points, or one for each element.
         moduli = np.asarray(material.elasticity(ncomp))
         if moduli.ndim == 2:
             return np.linalg.solve(moduli, change.reshape(ncomp, -1)).reshape(change.shape)

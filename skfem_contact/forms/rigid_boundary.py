@@ -89,6 +89,7 @@ class RigidBoundary(MatrixForm):
     def numbered(self, numbers: Mapping[Field, ndarray]) -> RigidBoundary:
         multipliers = numbers[self.fields[0]]
         size = max(self._displacements, int(multipliers.max(initial=-1)) + 1)
+        # The ties couple the displacements with the multipliers, symmetrically.
         rows, columns = np.broadcast_arrays(self._dofs[:, None], multipliers)
         entries = self._others.ravel(), (rows.ravel(), columns.ravel())
         ties = coo_matrix(entries, shape=(size, size)).tocsr()
@@ -142,10 +143,12 @@ class RigidBoundary(MatrixForm):
     def _turns_out_of(self, axis: int, fixed: ndarray) -> bool:
         """Return True if a motion that supports leave turns a plane across an axis."""
         dim, n = self._coordinates.shape
+        # Append the two ends of an axis to the nodes: rigid modes show how it turns.
         ends = np.stack((self._coordinates[:, 0], self._coordinates[:, 0]), axis=1)
         ends[axis, 1] += np.ptp(self._coordinates[axis])
         coordinates = np.column_stack((self._coordinates, np.repeat(ends, dim, axis=1)))
         modes = rigid_modes(coordinates, np.arange(n + 2 * dim))[:, : self._modes]
+        # Keep the modes that the supports leave.
         free = null_space(modes[:n][np.isin(self._dofs, fixed)])
         turn = (modes[n + dim :] - modes[n : n + dim]) @ free
         return bool(np.abs(turn).max(initial=0.0) > _TURNS)
@@ -153,6 +156,7 @@ class RigidBoundary(MatrixForm):
     def _plane_of_symmetry(self, axis: int, fixed: ndarray) -> float | None:
         """Return the coordinate of a plane at one end, held across beside the boundary as well."""
         dim = len(self._coordinates)
+        # Find the one end at which supports hold the boundary across.
         across = self._dofs % dim == axis
         x = self._coordinates[axis, across]
         held = np.isin(self._dofs[across], fixed)
@@ -160,6 +164,7 @@ class RigidBoundary(MatrixForm):
         if len(ends) != 1 or x.min() == x.max():
             return None
         (end,) = ends
+        # Nothing of the body lies beyond, and other nodes there are held as well.
         others = np.setdiff1d(fixed[fixed < self._displacements], self._dofs)
         others = others[others % dim == axis]
         size = np.ptp(self._locations[axis])

@@ -222,6 +222,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         laws = self.materials.values()
         self.symmetric = all(law.symmetric for law in laws) and self.strain != "f_bar"
         self._n_internal = max(law.n_internal for law in laws)
+        # A linear law under small strains has a constant tangent.
         changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
         changing |= self._finite is not None
         self._accepted: tuple[SolidState, ndarray, ndarray] | None = None
@@ -357,6 +358,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             stress = np.zeros((self._ncomp, *self.weight.shape))
         internal = self._initial_internal(stress)
         if self._finite is not None:
+            # The reference of finite kinematics is the mesh: warn if the body has grown since.
             gradient = self._finite.gradient(np.zeros(self.basis.N) if x is None else x)
             growth = np.abs(self._finite.growth(gradient)).max(initial=0.0)
             if growth > _GROWN:
@@ -383,8 +385,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         """
         n_elements, n_points, n_acting, _ = self._B.shape
         B = self._B.reshape(n_elements, n_points * n_acting, -1)
+        # Strains that act, B u, one batch of elements at once.
         u = x.take(self._element_dofs)
         acting = np.matmul(B, u[:, :, None]).reshape(n_elements, n_points, n_acting)
+        # Rows that never act stay zero.
         strain = np.zeros((self._ncomp, n_elements, n_points))
         strain[self._rows] = acting.transpose(2, 0, 1)
         return strain
@@ -476,6 +480,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         known = self._accepted
         if known is None or known[0] is not state:
             assert self._finite is not None
+            # The law keeps elastic strains; they fix Cp^-1 with the stretch.
             elastic = np.empty_like(state.stress)
             for region, stress, internal in self.at_regions(state):
                 material = region.material
@@ -507,6 +512,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
                 which[points] = known + np.arange(len(points))
                 tangents.append(tangent)
                 known += len(points)
+        # Keep the rows and columns that act.
         acting = np.asarray(self._finite.acting)
         D = np.concatenate(tangents)
         elastic = self._elasticity
@@ -583,6 +589,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
                 continue
             part = region.elements
             at = mean[:, part]
+            # Plastic strain: increment of strain without D_e^-1 times the change of stress.
             plastic = increment[:, part] - by_elasticity(law, change[:, part], at, internal)
             lost += float((self.weight[part] * (at * plastic).sum(axis=0)).sum())
         return lost
@@ -616,6 +623,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     def inherits(self, old: Form, state: SolidState) -> SolidState:
         if not isinstance(old, SolidForm):
             return state
+        # A law with more memory begins with zeros.
         stress = state.stress.copy()
         internal = old._remembered(state)
         missing = max(0, self._n_internal - len(internal))
@@ -673,12 +681,14 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
     def _remarks_on_shape(self, x: ndarray) -> Iterator[Remark]:
         """Yield a remark on corners of elements in the plane that strains have made sharp."""
+        # Compare the corners' angles before and after.
         nodes = self.basis.nodal_dofs[:, self.basis.mesh.t[:, self.elements]]
         places = self.basis.doflocs[:, nodes[0]]
         before = _sines(places)
         now = _sines(places + x[nodes])
         sharp = (now < _SHARP) & (before > 2.0 * _SHARP)
         if sharp.any():
+            # Name the sharpest.
             k = int(np.argmin(np.where(sharp, now, np.inf).min(axis=0)))
             where = format_point((places + x[nodes])[:, :, k].mean(axis=1))
             angle = float(np.degrees(np.arcsin(max(now[sharp].min(), 0.0))))
@@ -747,6 +757,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     def _tangent(self, given: _Given, updates: list[Update], damping: bool = False) -> csr_matrix:
         """Correct the elastic stiffness in the elements that hold a point of another tangent."""
         n_points = self.weight.shape[1]
+        # Collect the points whose tangent is not elastic.
         points, tangents = [], []
         for (region, stress, internal), update in zip(given, updates, strict=True):
             changed, tangent = changed_moduli(region.material, stress, internal, update, damping)
@@ -778,6 +789,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
 def _sines(corners: ndarray) -> ndarray:
     """Return sines of the angles at corners (2, k, n) of elements, negative if turned over."""
+    # sin = (a x b) / (|a| |b|), by the edges a and b that leave a corner
     after = np.roll(corners, -1, axis=1) - corners
     before = np.roll(corners, 1, axis=1) - corners
     cross = after[0] * before[1] - after[1] * before[0]

@@ -33,6 +33,7 @@ def inverse(a: ndarray, growth: ndarray) -> ndarray:
 def _sandwich(V: tuple[ndarray, ndarray, ndarray], T: ndarray) -> ndarray:
     """Return ``V T V`` of symmetric tensors of components xx, yy, xy."""
     Vx, Vy, Vxy = V
+    # (V T V)_ij = V_ik T_kl V_lj
     xx = Vx * Vx * T[0] + Vxy * (2.0 * Vx * T[2] + Vxy * T[1])
     yy = Vy * Vy * T[1] + Vxy * (2.0 * Vy * T[2] + Vxy * T[0])
     xy = Vxy * (Vx * T[0] + Vy * T[1]) + (Vx * Vy + Vxy * Vxy) * T[2]
@@ -61,6 +62,7 @@ class PlaneStretch:
 
     def __init__(self, gradient: ndarray) -> None:
         xx, yy, zz, xy, yx = gradient
+        # C - 1 = H + H^T + H^T H
         C = np.stack(
             (
                 xx * (2.0 + xx) + yx * yx,
@@ -68,10 +70,12 @@ class PlaneStretch:
                 xy + yx + xx * xy + yx * yy,
             )
         )
+        # tau^2 = tr C + 2 J
         growth = self._growth(gradient)
         total = C[0] + C[1] + 2.0 * growth
         self._tau = np.sqrt(4.0 + total)
         more = total / (self._tau + 2.0)  # tau - 2
+        # U - 1 = (C - 1 + (J - 1) - (tau - 2)) / tau
         u = C / self._tau
         u[:2] += (growth - more) / self._tau
         v = inverse(u, growth)
@@ -109,6 +113,7 @@ class PlaneStretch:
 
     def log_strain(self, plastic: ndarray | None = None) -> ndarray:
         """Return ``ln(U Cp^-1 U) / 2``, (4, m) with engineering shear, by ``Cp^-1 - 1``, (4, m)."""
+        # X - 1 = U Cp^-1 U - 1
         x = _squared(self._u)
         zz = self._zz * (2.0 + self._zz)
         if plastic is not None:
@@ -116,11 +121,13 @@ class PlaneStretch:
             x = x + _sandwich(self._U, p)
             zz = zz + (1.0 + zz) * plastic[2]
             self._p, self._p_zz = p, plastic[2]
+        # Mohr's circle of X: mean m, half difference d, shear o, radius squared s.
         m = 1.0 + 0.5 * (x[0] + x[1])
         d, o = 0.5 * (x[0] - x[1]), x[2]
         s = d * d + o * o
         determinant = x[0] + x[1] + x[0] * x[1] - o * o  # - 1
         q = _slope(m, s)
+        # e = ln(det X) / 4 + q / 2 dev X, with q = artanh(r / m) / r
         mean = 0.25 * np.log1p(determinant)
         self._circle = m, d, o, s, 1.0 + determinant, q
         half = 0.5 * q * d
@@ -140,6 +147,7 @@ class PlaneStretch:
         n = D.shape[1]
         D = np.ascontiguousarray(D.transpose(1, 2, 0))
         plane = [0, 1, n - 1]
+        # The chain: dE -> dU -> de -> dt -> dS.
         dU = self._stretch_by_strain()
         de = self._log_by_stretch(dU)
         if n == 3:
@@ -167,6 +175,7 @@ class PlaneStretch:
         g = np.stack(((1.0 + C[1]) / J, (1.0 + C[0]) / J, -C[2] / J))  # dJ
         h = g / tau  # d tau
         h[:2] += 1.0 / tau
+        # dU = (2 dE + dJ - U dtau) / tau
         U = self._U
         dU = np.stack((g - U[0] * h, g - U[1] * h, -U[2] * h))
         dU[0, 0] += 2.0
@@ -179,6 +188,7 @@ class PlaneStretch:
         """Return de, (3, 3, m), with engineering shear, by dU: ``dX = dU A + A^T dU``."""
         Ux, Uy, Uxy = self._U
         p = self._p
+        # A = Cp^-1 U = U + p U
         Axx = Ux + p[0] * Ux + p[2] * Uxy
         Axy = Uxy + p[0] * Uxy + p[2] * Uy
         Ayx = Uxy + p[2] * Ux + p[1] * Uxy
@@ -188,6 +198,7 @@ class PlaneStretch:
         do = Axy * dU[0] + Ayx * dU[1] + (Axx + Ayy) * dU[2]
         dm = xx + yy
         dd = xx - yy
+        # Derivatives of the mean and of q along the circle of X.
         m, d, o, s, determinant, q = self._circle
         ds = 2.0 * (d * dd + o * do)
         mean = (0.5 * m / determinant) * dm - (0.25 / determinant) * ds
@@ -203,10 +214,12 @@ class PlaneStretch:
         """Return ``U^-1 dU S`` and its transpose, added."""
         Vx, Vy, Vxy = self._V
         Sx, Sy, Sxy = S[0], S[1], S[3]
+        # W = U^-1 dU
         Wxx = Vx * dU[0] + Vxy * dU[2]
         Wxy = Vx * dU[2] + Vxy * dU[1]
         Wyx = Vxy * dU[0] + Vy * dU[2]
         Wyy = Vxy * dU[2] + Vy * dU[1]
+        # W S + S W^T
         xx = 2.0 * (Wxx * Sx + Wxy * Sxy)
         yy = 2.0 * (Wyx * Sxy + Wyy * Sy)
         xy = Wxx * Sxy + Wxy * Sy + Wyx * Sx + Wyy * Sxy

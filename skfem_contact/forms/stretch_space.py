@@ -72,11 +72,13 @@ class SpaceStretch:
     transposed = (0, 3, 6, 1, 4, 7, 2, 5, 8)
 
     def __init__(self, gradient: ndarray) -> None:
+        # C - 1 = H + H^T + H^T H = N (lambda^2 - 1) N^T
         H = np.ascontiguousarray(gradient.T).reshape(-1, 3, 3)
         Ht = H.transpose(0, 2, 1)
         w, N = np.linalg.eigh(H + Ht + Ht @ H)
         self._lambda = np.sqrt(1.0 + w)
         self._N = N
+        # U - 1 and U^-1 - 1, without differences of close numbers.
         self._u = _built(w / (1.0 + self._lambda), N)
         self._v = _built(-w / (1.0 + self._lambda) / self._lambda, N)
         self._V = _ONE + self._v
@@ -85,12 +87,14 @@ class SpaceStretch:
     def growth(gradient: ndarray) -> ndarray:
         """Return ``det F - 1``, (m,)."""
         xx, xy, xz, yx, yy, yz, zx, zy, zz = gradient
+        # det(1 + H) - 1 = tr H + sum of principal minors + det H
         minors = xx * yy - xy * yx + yy * zz - yz * zy + xx * zz - xz * zx
         last = xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
         return xx + yy + zz + minors + last
 
     def inverse_plastic(self, elastic: ndarray) -> ndarray:
         r"""Return :math:`U^{-1} \exp(2 e) U^{-1} - 1`, (6, m), of elastic strains e, (6, m)."""
+        # exp(2 e) - 1
         w, M = np.linalg.eigh(_tensor(elastic, 0.5))
         b = _built(np.expm1(2.0 * w), M)
         v, V = self._v, self._V
@@ -99,6 +103,7 @@ class SpaceStretch:
     def log_strain(self, plastic: ndarray | None = None) -> ndarray:
         """Return ``ln(U Cp^-1 U) / 2``, (6, m) with engineering shear, by ``Cp^-1 - 1``, (6, m)."""
         u = self._u
+        # X - 1 = U Cp^-1 U - 1
         X = 2.0 * u + u @ u
         if plastic is not None:
             U = _ONE + u

@@ -392,6 +392,7 @@ def _extremes(views: Sequence[View]) -> str:
     points = np.concatenate([view.scene.coordinates[view.scene.nodes] for view in views])
     if np.nanmin(values) == np.nanmax(values):
         return _with_minus(f"{values[np.isfinite(values)][0]:.4g} everywhere")
+    # Name the stage of an extreme where there are several.
     owner = np.repeat(np.arange(len(views)), [len(view.scene.values) for view in views])
     texts = []
     for word, sign in (("smallest", -1.0), ("largest", 1.0)):

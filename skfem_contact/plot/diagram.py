@@ -113,6 +113,7 @@ def diagram(
     """
     if on is not None:
         return saved(_on_structure(values, quantity or "", on, scale, window), file)
+    # One series has no label.
     series = values if isinstance(values, Mapping) else {"": values}
     if len({type(part) for part in series.values()}) != 1:
         raise ValueError(

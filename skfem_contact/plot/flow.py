@@ -66,6 +66,7 @@ def flow_diagram(
     >>> water = flow.steady(levels)
     >>> figure = plot.flow_diagram(water, "pressure")
     """
+    # The size of the figure follows the section.
     mesh = water.basis.mesh
     if mesh.dim() != 2:
         raise ValueError("plot.flow_diagram is for plane seepage")

@@ -144,6 +144,7 @@ def _dots(plotter: Any, scene: Scene, points: ndarray, color: str, size: float) 
 
 def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
     """Draw water tables as dashed lines, the longest with a triangle on it."""
+    # Four of eight pieces of a line are drawn.
     lines = water_tables(scene, water)
     for line in lines:
         starts = line[:-1]
@@ -151,6 +152,7 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
         dashes = np.arange(len(starts)) % 8 < 4
         _segments(plotter, scene, starts[dashes], ends[dashes], WATER, 5)
     if lines:
+        # The usual triangle of a water table.
         triangle = 14.0 * scene.pixel * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
         tip = lines[0][len(lines[0]) // 20]
         _polygons(plotter, scene, (tip + triangle)[None], WATER)
@@ -163,6 +165,7 @@ def pressures_of(water: Any) -> list[Any]:
     if isinstance(water, Mapping):
         parts = [getattr(part, "pressure", part) for part in water.values()]
         return list(chain.from_iterable(map(pressures_of, parts)))
+    # Objects with a pressure, functions, levels and polylines.
     pressure = getattr(water, "pressure_at", water)
     if callable(pressure):
         return [pressure]
@@ -296,10 +299,12 @@ def _draw_contact(plotter: Any, scene: Scene, stage: StageResult) -> None:
 
 def _arrows(plotter: Any, scene: Scene, tails: ndarray, tips: ndarray, color: str) -> None:
     """Draw flat arrows with heads of one size."""
+    # Directions along and across.
     vectors = tips - tails
     length = np.linalg.norm(vectors, axis=1)
     along = vectors / length[:, None]
     across = np.column_stack((-along[:, 1], along[:, 0]))
+    # Heads of 12 pixels, or half of a short arrow.
     head = np.minimum(12.0 * scene.pixel, 0.5 * length)[:, None]
     half = 0.45 * head * across
     necks = tips - head * along

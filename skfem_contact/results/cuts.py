@@ -83,6 +83,7 @@ class SectionForces:
             raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
         side = side / length[:, None]
 
+        # The moment about the axis across both.
         bending_axis = np.cross(self.axis, side)
         return SectionForces(
             self.position,

@@ -88,6 +88,7 @@ def _at_nodes(
         stress.append(_in_space(values.T, 6))
         strain.append(_in_space(recovered(form, form.total_strain(state)).T, 6))
         plastic.append(recovered(form, plastic_strain(form, state)[None], limited=True)[0])
+    # Files hold vectors of three components, tensors of six.
     return {
         "displacement": _in_space(u[mesh.nodes], 3),
         "stress": np.concatenate(stress),
@@ -115,10 +116,12 @@ def _with_beams(
         along = stage.outputs(name).points
         if along is None:
             continue
+        # A beam brings points of its own, and elements of three nodes.
         beam_points = _in_space(along[0], 3)
         beam_data = along[1] | {"displacement": _in_space(along[1]["displacement"], 3)}
         cells = len(points) + np.arange(len(beam_points)).reshape(-1, 3)
         blocks.append(("line3", cells))
+        # Values that only one of both has are gaps at the others.
         filled = _filled([data, beam_data], [len(points), len(beam_points)])
         data = {key: np.concatenate(parts) for key, parts in filled.items()}
         points = np.concatenate((points, beam_points))

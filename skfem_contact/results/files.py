@@ -201,6 +201,7 @@ def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_St
         if damaged:
             warn(_damage(path, records))
         increments: list[_Stage] = []
+        # Each record is an archive of increments.
         for record in records:
             increments += _read_arrays(io.BytesIO(record), given, make)
         return _grouped(increments)
@@ -435,6 +436,7 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
         raise ValueError(
             f"'{name}' is another form there: its mesh, its element or its settings differ"
         )
+    # Numbers must be finite, but where a state leaves them free.
     if materials_of(form) or isinstance(form, Touching):
         filled = {part: values for part, values in parts.items() if part not in _FREE}
         _check_numbers(f"'{name}'", filled)

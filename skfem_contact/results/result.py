@@ -226,6 +226,7 @@ class Result:
         x = np.zeros_like(last.x)
         if last.layout is not None:
             x[last.layout.still] = last.x[last.layout.still]
+        # Forms say how their states look without displacements.
         states = dict(last.states)
         for name, form in having(last.forms, Staged).items():
             states[name] = form.rebased(last.x, states[name])

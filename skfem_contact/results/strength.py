@@ -59,6 +59,7 @@ def mobilised(form: SolidForm, state: SolidState) -> ndarray:
         measured = region.material.mobilised(stress, internal)
         if measured is not None:
             measure, limit = np.broadcast_arrays(*measured)
+            # Points without a strength have no share.
             ratio = np.divide(measure, limit, out=np.ones(measure.shape), where=limit > 0.0)
             can_fail = np.isfinite(limit)
             share[region.elements] = np.where(can_fail, np.clip(ratio, 0.0, 1.0), 0.0)
@@ -67,6 +68,7 @@ def mobilised(form: SolidForm, state: SolidState) -> ndarray:
 
 def point_status(form: SolidForm, state: SolidState) -> ndarray:
     """Return the :class:`PointStatus` of the points of a solid, (n_elements, n_points)."""
+    # Points at their strength yield.
     yields = mobilised(form, state) > 1.0 - _AT_YIELD
     status = np.where(yields, PointStatus.YIELDS, PointStatus.ELASTIC)
     for region, stress, internal in form.at_regions(state):
@@ -75,6 +77,7 @@ def point_status(form: SolidForm, state: SolidState) -> ndarray:
             continue
         if isinstance(limit, ndarray):
             limit = limit.reshape(len(limit), -1)
+        # Those whose largest principal stress is the tensile strength are torn.
         effective, _ = region.material.drained(stress, internal)
         scale = np.abs(effective[:3]).max(initial=0.0)
         largest = spectral.principal_stresses(effective)[0]
@@ -210,6 +213,7 @@ def shansep(
     strength = {}
     for region, stress, internal in form.at_regions(state):
         effective, _ = region.material.drained(stress, internal)
+        # s_u = S sigma_v' OCR^m
         vertical = np.maximum(-effective[axis], 0.0)
         part = region.elements
         largest = ratio[part] * vertical + excess[part]
@@ -264,11 +268,13 @@ def slip_planes(form: SolidForm, mechanism: ndarray) -> ndarray:
     A mass slides along its slip surface. Elements that hardly move take the direction of the
     nearest one that does.
     """
+    # Mean displacements of the elements.
     field = np.asarray(form.basis.interpolate(mechanism[: form.basis.N]))
     middle = np.asarray(form.basis.global_coordinates()).mean(axis=-1)
     moved = field.mean(axis=-1)
     size = np.linalg.norm(moved, axis=0)
     moves = size > _MOVES * size.max()
+    # Elements that stay take the direction of the nearest that moves.
     nearest = scipy.spatial.cKDTree(middle[:, moves].T).query(middle.T)[1]
     along = moved[:, moves] / size[moves]
     return along[:, nearest, None]
@@ -329,9 +335,11 @@ def _undrained(
     phi_R = np.radians(total[1])
     normal, ratio = _consolidation(stress, phi, plane)
     normal = np.maximum(normal, 0.0)
+    # The line of isotropic consolidation, and the drained line.
     share = np.cos(phi) / (1.0 - np.sin(phi_R))
     isotropic = share * (c_R * np.cos(phi_R) + normal * np.sin(phi_R))
     drained = c + normal * np.tan(phi)
+    # Between both by the ratio of principal stresses over that at failure.
     sine = np.sin(phi)
     held = c * np.cos(phi)
     below = (normal - held) * (1.0 - sine)

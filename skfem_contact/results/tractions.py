@@ -137,6 +137,7 @@ class ContactFacets(NamedTuple):
         """Return means over the facets, and the highest status of their points."""
         facet, point = self.members
         t = self.tractions
+        # Means by area; points without a value count as gaps.
         weight = np.bincount(facet, t.weight[point])
         data = {}
         for name in ("pressure", "shear", "gap", "slip"):
@@ -145,6 +146,7 @@ class ContactFacets(NamedTuple):
             total = np.zeros((len(self.facets), *values.shape[1:]))
             np.add.at(total, facet, (t.weight * values.T).T[point])
             data[name] = (total.T / weight).T
+        # The highest status of the points.
         status = np.full(len(self.facets), -1)
         np.maximum.at(status, facet, np.asarray(t.status)[point])
         return data | {"status": status}

@@ -163,6 +163,7 @@ def record(samples: dict[str, Sample], form: Any, state: Any, time: float) -> No
     for region, stress, memory in form.at_regions(state):
         sample = samples.get(region.name)
         if sample is not None:
+            # Take strain, stress and memory at the chosen points.
             n = stress[0].size
             strain = state.strain[:, region.elements].reshape(-1, n)[:, sample.indices]
             at_points = stress.reshape(-1, n)[:, sample.indices]
@@ -179,11 +180,13 @@ def _error(samples: Sequence[Sample], begin: int, end: int, driven: bool) -> flo
         old = sample.states[begin]
         new = sample.states[end]
         states = sample.states[begin : end + 1]
+        # Follow the points again in smaller parts; the work of the difference is the error.
         strain, stress, solved = followed(sample.material, states, driven)
         if driven:
             lost = (stress - new.stress) * (new.strain - old.strain)
         else:
             lost = (new.strain - strain) * (new.stress - old.stress)
+        # Parts that are PARTS times finer err PARTS times less.
         total += sample.work(begin, end)[solved].sum()
         more += PARTS / (PARTS - 1.0) * (sample.weight * lost.sum(axis=0))[solved].sum()
     if total:
@@ -243,6 +246,7 @@ def _solve(
     sigma(z) = sigma_goal + a dsigma. Newton's method halves its step where the residual has not
     fallen.
     """
+    # Solve for the free strains, and for the share of the change of stress.
     goal = part.goal
     n = part.change.shape[1]
     target = part.change[rows].T

@@ -70,11 +70,13 @@ def _take_over_tractions(
     phase: Phase, last: StageResult, x: ndarray, states: dict[str, Any]
 ) -> None:
     """Give new contact pairs the tractions of pairs that they replace."""
+    # Pairs that end with this stage.
     deactivated = {k: form for k, form in phase.before.items() if k not in phase.forms}
     for name, pair in having(phase.forms, Touching).items():
         if name in phase.before:
             continue
         replaced = {k: form for k, form in deactivated.items() if pair.replaces(form)}
+        # The forces of the replaced pairs become tractions of the new one.
         operator = pair.tractions_at(x[: pair.size], states[name]) if replaced else None
         if operator is not None:
             force = internal_force(replaced, last.x, last.states)
@@ -112,6 +114,7 @@ def placed(
     own = np.setdiff1d(dofs_of(solids, layout), np.union1d(known, fixed))
     if len(own) == 0 or not x.any():
         return x
+    # Move the new nodes as an elastic body between the old ones.
     first, *others = (form.elastic_stiffness for form in solids.values())
     K = sum(others, start=first)
     K = csr_matrix(K + _LOOSE * diags_array(K.diagonal()))

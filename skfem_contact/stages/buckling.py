@@ -31,6 +31,7 @@ def buckling(system: System, last: StageResult) -> tuple[str, Remark] | None:
     tangent K and the stiffness G that thrusts take away. Moments of second order are larger by
     about 1 / (1 - mu).
     """
+    # Stiffness that thrusts take away: (K - a G) mode = 0 at buckling.
     lost = {}
     for name, form in having(system.forms, Slender).items():
         found = form.lost_by_thrust(last.states[name])
@@ -52,6 +53,7 @@ def buckling(system: System, last: StageResult) -> tuple[str, Remark] | None:
     # name the member of the largest share in the mode
     parts = {name: float(mode @ (matrix @ mode)) for name, matrix in lost.items()}
     name = max(parts, key=lambda key: parts[key])
+    # Moments grow by 1 / (1 - share).
     if share < 1.0:
         text = (
             f"its thrust is {share:.0%} of the load at which the structure buckles: moments of "

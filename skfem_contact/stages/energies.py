@@ -46,6 +46,7 @@ class Log:
 
     def __init__(self, system: System, in_time: Any, states: Mapping[str, Any]) -> None:
         self._pairs = set(having(system.forms, Touching))
+        # Forms that never change do not dissipate.
         self._dissipating: dict[str, Any] = {}
         for name, form in having(system.forms, Dissipating).items():
             if form.changing is None or len(form.changing):

@@ -152,6 +152,7 @@ def _base(
     if stage.base is None:
         return ()
     given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
+    # Records act on rigid bases as inertia, on rock as the wave that arrives.
     of_rock = {k: form for k, form in having(forms, Absorbing).items() if form.of_rock}
     axes = "xyz"[: len(setup.layout.coordinates)]
     found = []
@@ -308,6 +309,7 @@ class _Iterated:
         states = {**last.states, INERTIA: motion}
         ahead = None
         if not steps.failed:
+            # Begin where a constant acceleration leads.
             ahead = motion.x + h * motion.velocity + 0.5 * h**2 * motion.acceleration
             ahead[self._system.fixed] = prescribed
         # Digits of the displacements limit the inertia of short steps
@@ -537,6 +539,7 @@ def _transit(forms: Mapping[str, Form], acceleration: float) -> float:
         heavy = np.flatnonzero(weights > 0.0)
         if not len(heavy):
             continue
+        # Size of an element over the velocity of pressure waves in it.
         volume = form.basis.dx.sum(axis=1)[heavy]
         size = volume ** (1.0 / form.basis.mesh.dim())
         velocity = np.sqrt(form.elastic_moduli[heavy, 0, 0] * acceleration / weights[heavy])

@@ -141,6 +141,7 @@ def k0_state(
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
     (True, True)
     """
+    # Vertical stresses by the weight of the layers above.
     solids = setup.solids
     mesh = next(iter(solids.values())).basis.mesh
     elements = np.concatenate([form.elements for form in solids.values()])
@@ -257,6 +258,7 @@ def _elastic_bodies(setup: Setup, K0: float | Mapping[str, float]) -> dict[str, 
     regions = {region: None for form in solids.values() for region in form.materials}
     for region in K0 if isinstance(K0, Mapping) else ():
         look_up(region, regions, "region of the solids")
+    # nu = K0 / (1 + K0) gives the ratio in one-dimensional compression.
     found = {}
     for key, form in solids.items():
         ratios = K0 if isinstance(K0, Mapping) else dict.fromkeys(form.materials, K0)
@@ -303,6 +305,7 @@ def _at_rest(setup: Setup, last: StageResult) -> Result:
     name = last.name
     iterations = last.iterations
     for remaining in reversed(range(_RETURNS)):
+        # Keep stresses and forces, drop displacements, and look at the balance.
         start = Result((replace(last, name=f"{name}, moved"),)).reset()
         rest = start[-1]
         system = setup.checked_system(rest.forms, setup.fixed)
@@ -379,6 +382,7 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
     """Return a result with given stresses, tractions that balance them, and the residual."""
     inactive = _check_inactive(setup, load)
     system = setup.checked_system(setup.forms, np.union1d(setup.fixed, inactive))
+    # Begin without displacements.
     x = np.zeros(system.size)
     states = {key: form.initial_state() for key, form in system.forms.items()}
 

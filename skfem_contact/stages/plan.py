@@ -122,6 +122,7 @@ class Planner:
         ValueError
             Names, supports, loads or water of the stage do not fit; the message names the stage.
         """
+        # Change forms and supports.
         before = self._active
         on_top_before = self._on_top_before(stage)
         known_supports = self._known_supports()
@@ -215,6 +216,7 @@ class Planner:
         old = self._supports
         try:
             if stage.fixed is not None:
+                # Supports first: forms are checked against them.
                 self._supports = self._setup.layout.dofs(stage.fixed)
             if changes or self._first or self._moves:
                 self._names = _active_after(stage, self._known, self._names)
@@ -403,6 +405,7 @@ class Planner:
         if callable(prescribed):
             prescribed = prescribed(stage.duration)
         given = np.zeros(0, int) if prescribed is None else np.flatnonzero(prescribed)
+        # Prescribed values act at supports alone.
         loose = np.setdiff1d(given, self._supports)
         if len(loose) and loose[0] < layout.n_displacements:
             loose = loose[:0]  # values are given for all dofs

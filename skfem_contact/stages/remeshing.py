@@ -152,6 +152,7 @@ def remeshed(
     >>> rest = again.run([sc.Stage("rest")], start=start)["rest"]
     """
     field = _size_field(size)
+    # Outline the deformed bodies, and fill the outline anew.
     solids = solids_of(stage.forms)
     mesh = _checked_mesh(stage, solids)
     elements = np.unique(np.concatenate([form.elements for form in solids.values()]))
@@ -344,6 +345,7 @@ def _nearest_stress(points: ndarray, solids: dict[str, Any], states: dict[str, A
 
 def _closed(pair: Any, state: Any, stage: StageResult, key: str) -> Any:
     """Return the state of a pair whose points are closed within a facet of old closed ones."""
+    # Find the old contact points, where they are now, beside the new ones.
     old: Any = stage.forms[key]
     before = stage.states[key]
     slave, _ = old.interface.positions(stage.x[: old.size])
@@ -352,6 +354,7 @@ def _closed(pair: Any, state: Any, stage: StageResult, key: str) -> Any:
     at_new = points.positions(pair.slave.nodes)
     internal = before.internal[:, scipy.spatial.cKDTree(at_old).query(at_new)[1]]
     was_closed = before.status != 0
+    # A new point is closed beside old closed ones, if its gap is small.
     near = np.isfinite(state.gap) & (np.abs(state.gap) < _TOUCHING * points.size)
     if was_closed.any():
         distance, nearest = scipy.spatial.cKDTree(at_old[was_closed]).query(at_new)

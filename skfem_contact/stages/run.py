@@ -289,6 +289,7 @@ class _Follower:
         self, stage: Stage, phase: Phase, in_time: InTime, last: StageResult, lost: ndarray
     ) -> StageResult:
         """Return the end of a stage with inertia."""
+        # Absorbing sides begin to move; inertia joins the forms.
         states = dict(last.states)
         forms = dict(phase.forms)
         for name, form in having(phase.forms, Absorbing).items():
@@ -326,6 +327,7 @@ class _Follower:
             if self._accepted.reached is not None:
                 self._accepted.reached = replace(self._accepted.reached, series=log.series())
             raise
+        # Energy that is missing shows steps that are too long.
         share = log.missing()
         if abs(share) > _MISSING:
             what = "gained"
@@ -350,6 +352,7 @@ class _Follower:
     ) -> StageResult:
         """Return the end of a stage with the increments that it keeps."""
         accepted = self._accepted
+        # Keep the increments that the stage asks for, and show the progress.
         accepted.kept = []
         accepted.reached = last
         iterations = 0
@@ -495,6 +498,7 @@ def _along(
     way: _Way, system: System, predictor: Predictor, last: StageResult, newton: Newton
 ) -> Iterator[StageResult]:
     """Yield the accepted increments along a way."""
+    # Choose the first increment by the last one of the stage before.
     began = last.time
     duration = way.duration
     path = way.path
@@ -609,11 +613,13 @@ def _path(
 
     Lost forces are released but for the remaining ones.
     """
+    # Begin where the last stage ended.
     load = last.load
     held = last.x[fixed]
     target = held
     if isinstance(phase.prescribed, ndarray):
         target = phase.prescribed[fixed]
+    # End with what the stage gives, less the part that is not released.
     end = phase.load - remaining
     on_top = phase.on_top
     start = 0.0 if on_top is None else on_top(0.0)
@@ -647,6 +653,7 @@ def _path_in_time(
         elif callable(target):
             values = target(time)[fixed]
         else:
+            # Values by time, or in proportion to it.
             values = held + time / stage.duration * (target[fixed] - held)
         load = on_top(time)
         if stays:

@@ -146,6 +146,7 @@ class Setup:
         """Return the acceleration of all weights over that of gravity, (dim,)."""
         # Add horizontal parts to the direction of gravity.
         dim = len(self.layout.coordinates)
+        # Weights act along the last axis, or along the given one.
         down = -np.eye(dim)[-1] if gravity is None else unit_vector(gravity, dim, "gravity")
         horizontal = np.zeros(dim)
         if np.size(seismic) > max(dim - 1, 1) or not np.isfinite(seismic).all():
@@ -186,9 +187,11 @@ class Setup:
         new = copy(self)
         vars(new).pop("solids", None)
         new._completed = {name: self._completed[name] for name in names}
+        # Keep the displacements, and the fields that these forms bring.
         fields = [field for form in new._completed.values() for field in form.fields]
         brought = np.concatenate([np.zeros(0, int), *self.layout.numbers(fields).values()])
         kept = np.union1d(np.arange(self.layout.n_displacements), brought)
+        # Hold the displacements that no form of these moves.
         away = np.setdiff1d(kept, dofs_of({name: self.forms[name] for name in names}, self.layout))
         new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, away)))
         if len(kept) < self.layout.size:
@@ -450,6 +453,7 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     if not forms:
         raise ValueError("there is no SolidForm among the forms: nothing resists load")
     _check_sizes(forms)
+    # All solids share one basis.
     bases = {name: form.basis for name, form in solids_of(forms).items()}
     if not bases:
         return
@@ -472,6 +476,7 @@ def _check_joints(forms: Mapping[str, Form]) -> None:
     if not solids:
         return
     basis = next(iter(solids.values())).basis
+    # Nodes whose displacements forms join.
     joined = np.zeros(basis.N, dtype=bool)
     for form in forms.values():
         dofs = joined_by(form)
@@ -479,6 +484,7 @@ def _check_joints(forms: Mapping[str, Form]) -> None:
             joined[:] = True
         else:
             joined[dofs[(dofs >= 0) & (dofs < basis.N)]] = True
+    # Bodies that meet at other nodes alone are hinged by mistake.
     nodes = np.flatnonzero(joined[basis.nodal_dofs].any(axis=0))
     elements = np.concatenate([form.elements for form in solids.values()])
     check_connections(basis.mesh, nodes, elements)
@@ -489,6 +495,7 @@ def _layout_of(forms: Mapping[str, Form]) -> Layout:
     fields = [field for form in forms.values() for field in form.fields]
     for form in solids_of(forms).values():
         return Layout.of(np.asarray(form.basis.doflocs), fields)
+    # Without a solid the dofs have no coordinates: number them in a row.
     n = next((form.size for form in forms.values() if form.size is not None), 0)
     dim = 1
     if fields:

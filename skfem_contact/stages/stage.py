@@ -166,6 +166,7 @@ def _check_numbers(stage: Stage) -> None:
         )
     if stage.release not in (None, 0.0, 1.0) and not is_number(stage.release, 0.0, 1.0):
         raise ValueError(f"{where}: release must be a share between 0 and 1, not {stage.release!r}")
+    # Keep the last increment, all, or each of a number.
     every = isinstance(stage.keep, (int, np.integer)) and stage.keep >= 1
     if stage.keep not in ("last", "all") and not every:
         raise ValueError(

@@ -23,6 +23,7 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     count as one, and bodies that meet a rigid obstacle pass: contact may hold them. Other forms may
     hold any body.
     """
+    # Forms may join bodies, or hold any of them.
     solids = solids_of(forms)
     joined = []
     holding = []  # forms that may hold any body

@@ -66,6 +66,7 @@ def modes(
     """
     if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
         raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
+    # Modes about a result, or about the undeformed body.
     last = start[-1] if isinstance(start, Result) else start
     setup = setup.after(last)
     if last is None:
@@ -93,6 +94,7 @@ def modes(
             "the tangent is not symmetric: contact slides or soil flows at the start, about which "
             "there are no modes of vibration"
         )
+    # K shape = w^2 M shape
     squares, shapes = modes_of(K, M, system.fixed, system.factor, int(n))
 
     # Find the mass that is free, and the rigid translations

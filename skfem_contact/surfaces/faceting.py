@@ -38,10 +38,12 @@ def alike(slave: Surface, master: Surface) -> bool:
     for surface in (slave, master):
         if surface.dim == 3 or len(surface.shape.coefficients) > 1:
             return False
+    # Compare with the curvature of the nearest facet of the master.
     own = curvatures(slave)
     opposite = scipy.spatial.cKDTree(master.centres.x[0]).query(slave.centres.x[0])[1]
     other = curvatures(master)[opposite]
     largest = np.maximum(np.abs(own), np.abs(other))
+    # Round facets fit where the curvatures cancel.
     is_round = largest * slave.size > _FLAT
     fits = np.abs(own + other) < _ALIKE * largest
     return bool(slave.area[fits & is_round].sum() > 0.5 * slave.area[is_round].sum())
@@ -53,8 +55,10 @@ def curvatures(surface: Surface) -> ndarray:
     Facets at a corner have none.
     """
     first, last = surface.facets[:, 0], surface.facets[:, 1]
+    # The turn of the normal over the length of the chord.
     chord = surface.nodes[last] - surface.nodes[first]
     turn = surface.normals[last] - surface.normals[first]
+    # A corner has no curvature.
     after = ~_continues(surface)
     after[-1] &= surface.closed
     at_corner = after | np.roll(after, 1)
@@ -77,11 +81,13 @@ class Faceting:
     def of(cls, surface: Surface) -> Faceting:
         """Return the distances of the facets of a chain."""
         n = len(surface.facets)
+        # Points of Chebyshev and Lobatto on each facet.
         xi = np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
         mapping = surface.at(
             np.repeat(np.arange(n), len(xi)), np.tile(xi, n)[:, None], surface.nodes
         )
         curve = np.concatenate([_curve(surface, stencil, xi) for stencil in _stencils(surface)])
+        # Distances along the normal, as polynomials of the local coordinate.
         outside = dot(curve - mapping.x[0], mapping.normal).reshape(n, -1)
         powers = np.polynomial.polynomial.polyvander(xi, _DEGREE)
         return cls(np.linalg.solve(powers, outside.T).T)
@@ -131,12 +137,14 @@ def _around(surface: Surface, facet: int, continues: ndarray, curved: ndarray) -
     """Return the nodes of a facet and of the neighbours to which the curve continues."""
     m = len(continues)
     most = min(_NEIGHBOURS[int(curved[facet])], (m - 1) // 2)
+    # Take neighbours on both sides, as far as a corner.
     first = last = facet
     while facet - first < most and continues[(first - 1) % m]:
         first -= 1
     while last - facet < most and continues[last % m]:
         last += 1
 
+    # Collect the nodes in the order of the chain, and which are those of the facet.
     nodes = [int(surface.facets[first % m, 0])]
     for each in range(first, last + 1):
         start = len(nodes) - 1
@@ -153,6 +161,7 @@ def _curve(surface: Surface, stencil: _Stencil, xi: ndarray) -> ndarray:
     """Return points of the curve at local coordinates, (n,), of a facet: shape (n, 2)."""
     x = surface.nodes[stencil.nodes]
     chords = np.linalg.norm(np.diff(x, axis=0), axis=1)
+    # The length along the chords is the parameter of the curve.
     t = np.concatenate(([0.0], np.cumsum(chords)))
     own = t[stencil.own]
     here = _interpolated(np.linspace(-1.0, 1.0, len(own)), own[:, None], xi)[:, 0]

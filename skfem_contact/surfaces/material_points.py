@@ -96,6 +96,7 @@ def offset_back(
     """
     xi = point.known
     start = point.positions(surface, nodes)
+    # Newton's method for tangents . (start - x) = slip.
     for _ in range(_NEWTON_STEPS):
         mapping = surface.at(point.facet, xi, nodes)
         missing = np.einsum("nic,nc->ni", tangents, start - mapping.x[0]) - slip

@@ -80,6 +80,7 @@ def polyline(points: ndarray, closed: bool = False, name: str = "obstacle") -> S
     points = np.array(points, float)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
         raise ValueError(f"'{name}': points must be two or more finite (x, y)")
+    # Each corner is followed by the next, the last by the first if closed.
     n = len(points)
     first = np.arange(n if closed else n - 1)
     second = (first + 1) % n
@@ -194,6 +195,7 @@ def plane(point: ArrayLike, normal: ArrayLike, width: float, name: str = "obstac
     """
     _check(name, width=width)
     axes = _axes(name, normal)
+    # Corners counter-clockwise, seen against the normal.
     middle = _point(name, point)
     corners = 0.5 * width * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     points = middle + corners @ axes[:2]
@@ -385,6 +387,7 @@ def _joined(patches: list[tuple[ndarray, ndarray]]) -> tuple[ndarray, ndarray]:
         start += len(x)
     points = np.concatenate([x for x, _ in patches])
     facets = np.concatenate(numbered)
+    # Merge points that agree in size.
     size = np.ptp(points, axis=0).max()
     rounded = np.round(points / (_SAME * size))
     _, first, number = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
@@ -426,6 +429,7 @@ def _axes(name: str, direction: ArrayLike) -> ndarray:
     if not last.any():
         raise ValueError(f"'{name}': a direction must have a length, unlike {direction!r}")
     last = last / np.linalg.norm(last)
+    # The axis that lies most across the direction comes first.
     across_last = np.eye(3) - np.outer(last, last)
     first = unit(across_last[[np.argmin(np.abs(last))]])[0]
     return np.stack((first, np.cross(last, first), last))

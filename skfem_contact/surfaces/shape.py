@@ -159,6 +159,7 @@ class Shape:
 
         The facets have the shape (n,), local coordinates (n, dim - 1); these may be complex.
         """
+        # Each monomial is a lower one times a coordinate.
         monomials = np.ones((len(xi), len(self.exponents)), xi.dtype)
         for monomial, lower, axis in self._factors:
             np.multiply(monomials[:, lower], xi[:, axis], out=monomials[:, monomial])
@@ -174,6 +175,7 @@ class Shape:
     @cached_property
     def _factors(self) -> list[tuple[int, int, int]]:
         """Monomials by their degree, each a lower monomial times a local coordinate."""
+        # Lower the power of one coordinate by one.
         number = {tuple(powers): n for n, powers in enumerate(self.exponents.tolist())}
         result = []
         for powers in sorted(number, key=sum)[1:]:
@@ -192,6 +194,7 @@ class Shape:
             if power:
                 lower = self.exponents[j] - np.eye(self.dim, dtype=int)[axis]
                 steps[axis, j, (self.exponents == lower).all(axis=1)] = power
+        # Apply the steps once more for each order.
         result = [self.coefficients]
         for _ in range(3):
             result.append(np.stack([result[-1] @ step for step in steps], axis=1))

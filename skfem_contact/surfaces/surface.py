@@ -193,6 +193,7 @@ class Surface:
         """Return a surface from its facets, with their areas; facets without area are refused."""
         m = len(facets)
         surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(m))
+        # Integrate the density of area.
         xi, weight = rule(shape, 5)
         facet = np.repeat(np.arange(m), len(weight))
         density = surface.density(facet, np.tile(xi, (m, 1)))
@@ -306,6 +307,7 @@ class Surface:
         xi = np.tile(self.shape.nodes, (m, 1))
         normal = self.at(facet, xi, self.nodes).normal
         area = np.repeat(self.area, k)
+        # Sum normals by area, then normalise.
         total = np.zeros(self.nodes.shape)
         np.add.at(total, self.facets.ravel(), normal * area[:, None])
         return unit(total)
@@ -359,8 +361,10 @@ class Surface:
             raise ValueError(
                 f"the dofs of '{self.name}' are not numbered yet: use the pair that the model holds"
             )
+        # Fixed dofs are -1.
         moved = np.where(self.dofs >= 0, x.take(self.dofs), 0.0)
         if self.arms is not None and self.rotations is not None:
+            # Rotations move the ends of arms: u += arm theta.
             turns = np.where(self.rotations >= 0, x.take(self.rotations), 0.0)
             moved += np.einsum("ncq,nq->nc", self.arms, turns)
         return np.asarray(self.nodes - origin + moved)

@@ -30,6 +30,7 @@ def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, nd
             f"boundary '{name}' lies inside the mesh: its facets have elements on both sides; "
             "separate the bodies with join_bodies"
         )
+    # Turn the facets so that the body lies on one side, and order them.
     corners = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
     if mesh.dim() == 2:
         order = ordered(corners, name)
@@ -76,6 +77,7 @@ def ordered(ends: ndarray, name: str) -> ndarray:
     n = ends.shape[1]
     starts = ends[0].tolist()
     arrivals = ends[1].tolist()
+    # Each node is the start of one facet at most, and the end of one.
     facet_from = {node: k for k, node in enumerate(starts)}
     reached = set(arrivals)
     if len(facet_from) < n or len(reached) < n:
@@ -123,6 +125,7 @@ def adjacent(corners: ndarray, name: str) -> ndarray:
             f"boundary '{name}' is no surface: an edge belongs to more than two facets, or two "
             "facets there have opposite outward sides"
         )
+    # The facet beyond an edge has the edge in the other direction.
     facet_of = np.full(number.max() + 1, -1)
     facet_of[own] = np.repeat(np.arange(m), n)
     neighbours = facet_of[opposite].reshape(m, n)
@@ -160,6 +163,7 @@ def numbers_of(given: Any, shape: tuple[int, ...], what: str) -> tuple[ndarray, 
         number_like = (int, np.integer, list, tuple, np.ndarray)
         if not isinstance(given[0], number_like):
             field, values = given
+    # Numbers from -1, which is a fixed dof.
     numbers = np.asarray(values)
     whole = numbers.dtype.kind in "iu"
     if numbers.size != np.prod(shape) or not whole or numbers.min(initial=0) < -1:
@@ -202,5 +206,6 @@ def _dofs(basis: CellBasis, facets: ndarray, corners: ndarray) -> ndarray:
         edge = order[np.searchsorted(key[order], low * n + high)]
         dofs.append(basis.edge_dofs[:dim, edge])
     if basis.facet_dofs is not None and len(basis.facet_dofs):
+        # Middles of facets come last.
         dofs.append(basis.facet_dofs[:dim, facets][:, None])
     return np.asarray(np.concatenate(dofs, axis=1).transpose(2, 1, 0))

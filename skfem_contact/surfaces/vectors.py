@@ -41,11 +41,13 @@ def cross(u: ndarray, v: ndarray) -> ndarray:
 
 def askew(direction: ndarray, normal: ndarray) -> ndarray:
     """Return directions, shape (n, 3), with an axis along the facet in place of normal ones."""
+    # The part of the direction along the facet.
     aside = np.real(direction - dot(direction, normal)[:, None] * normal)
     real = direction.real
     is_normal = dot(aside, aside) <= _NORMAL**2 * dot(real, real)
     if not is_normal.any():
         return direction
+    # The axis that lies most along the facet.
     least = np.argmin(np.abs(normal.real).round(6), axis=1)
     return np.where(is_normal[:, None], np.eye(3)[least], direction)
 
@@ -84,6 +86,7 @@ def inverse(A: ndarray) -> ndarray:
     """Return inverses of matrices of one or two rows."""
     if A.shape[1] == 1:
         return np.asarray(1.0 / A)
+    # A^-1 = adj A / det A
     entries = (A[:, 1, 1], -A[:, 0, 1], -A[:, 1, 0], A[:, 0, 0])
     adjugate = np.stack(entries, axis=1).reshape(A.shape)
     return np.asarray(adjugate / determinant(A)[:, None, None])

@@ -102,6 +102,7 @@ def conditions(
     Boundaries with a flux into the ground are seepage faces as well: the water that the ground does
     not take runs off.
     """
+    # Find the nodes of each condition.
     mesh = basis.mesh
     faces = names_of(seepage_face)
     nodes = {name: nodes_on(basis, name) for name in (*head, *faces, *flux)}
@@ -265,6 +266,7 @@ def drained(
     for name, (value, resistance) in drains.items():
         nodes = nodes_on(basis, name)
         x = basis.mesh.p[:, nodes]
+        # A node has one condition.
         taken = np.flatnonzero(given.held[nodes] | (conductance[nodes] > 0.0))
         if len(taken):
             raise ValueError(
@@ -272,6 +274,7 @@ def drained(
                 "another drain"
             )
         passing[name] = np.asarray(basis.mesh.boundaries[name])
+        # Inflow = -(head - level) / resistance, integrated over the boundary.
         rate = 1.0 / positive(resistance, f"resistance of drain '{name}'")
         conductance += through(basis, passing[name], rate, axisymmetric)
         # Drains are empty above their level.
@@ -318,6 +321,7 @@ def tied_heads(basis: CellBasis, connected: Sequence[tuple[str, str]], held: nda
     side, unless it is held.
     """
     n = basis.N
+    # The head of a tied node is that of the facet opposite.
     tie = lil_matrix(eye(n))
     tied = np.zeros(n, dtype=bool)
     for pair in connected:

@@ -148,6 +148,7 @@ class Flow:
             )
         if conditions.suction:
             raise ValueError("suction is a condition of flow in time")
+        # Conditions at nodes, laws of retention by region, and ties between bodies.
         given, first = conditions.at_nodes(porous, self._axisymmetric)
         laws = regions(porous, self._retention, "retention")
         tie = screens_and_ties(porous, self._connected, given.held, first)
@@ -170,6 +171,7 @@ class Flow:
         from_sources = tie.T @ sourced(
             porous, conditions.values("sources", None), self._axisymmetric
         )
+        # Describe the flow, and warn of what is dry.
         water = described(
             balance.flow,
             result,

@@ -361,6 +361,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
 
     def _in(self, around: Surroundings) -> PoreWater:
         """Return the water in ground of known stiffness."""
+        # The ground gives stiffness, coordinates and the measure of its strains.
         new = copy(self)
         basis = self.ground
         coordinates = around.measure[1]
@@ -506,6 +507,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
         """
         if self._duration is None:
             return self._standing(x, state)
+        # Pressures follow the displacements among the dofs.
         first, duration = self.first, self._duration
         pressure = x[first:]
         strain = None

@@ -72,15 +72,18 @@ class Porous:
         shapes = [pressures.basis[j][0] for j in range(pressures.Nbfun)]
         N = np.stack([np.broadcast_to(np.asarray(shape), weight.shape) for shape in shapes])
         gradients = np.stack([np.asarray(shape.grad) for shape in shapes])  # (n_p, dim, n, n_q)
+        # Volume strain by displacements times pressures; storage; its part that the mean leaves.
         coupling = np.einsum("eqb,jeq,eq->ebj", B[:, :, :3].sum(axis=2), N, weight)
         mass = np.einsum("ieq,jeq,eq->eij", N, N, weight, optimize=True)
         mean = np.einsum("ieq,eq->ei", N, weight)
         volume = weight.sum(axis=1)[:, None, None]
         spread = mass - mean[:, :, None] * mean[:, None, :] / volume
+        # grad N . k grad N
         flow = np.einsum(
             "ikeq,ekl,jleq,eq->eij", gradients, mobility, gradients, weight, optimize=True
         )
         conductance = _gathered(pressures, np.einsum("eii->ei", flow))
+        # An open joint passes water across.
         across = coo_matrix(apart.T @ diags_array(_OPEN * conductance) @ apart)
         if len(facets):
             coupling = coupling - _swept(basis, pressures, facets, measure[1])

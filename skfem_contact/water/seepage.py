@@ -191,6 +191,7 @@ class Seepage:
         """
         mesh = self.basis.mesh
         facets = facets_of(mesh, bottom)
+        # The ground lies on one side of the boundary, or on both.
         below, above = np.isin(mesh.f2t[:, facets], elements_of(self.basis))
         if not (below | above).all():
             raise ValueError(
@@ -294,6 +295,7 @@ def described(
     """Return the flow of heads that count from the datum."""
     porous = flow.basis
     used = np.unique(porous.element_dofs)
+    # Nodes without porous ground have no head.
     head = np.full(porous.N, np.nan)
     head[used] = result.head[used] + flow.datum
     pressure = unit_weight * np.maximum(head - porous.mesh.p[-1, : porous.N], 0.0)

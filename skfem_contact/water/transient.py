@@ -139,6 +139,7 @@ class March:
 
     def run(self, unit_weight: float) -> TransientSeepage:
         """Return the flow at all times."""
+        # Begin with the flow at the first time.
         relative = self.flow.relative(self.head, self.laws)[0]
         inflow = self._balance.tie.T @ DarcyFlow.inflow(self.flow, self.head, relative)
         start = Balance(self.head, inflow, relative, (0,))
@@ -157,6 +158,7 @@ class March:
                 iterations = balance.iterations + reached.iterations
                 balance = reached._replace(iterations=iterations)
             rows.append(self._row(balance, target, unit_weight))
+        # Collect the rows by column.
         states, content, stored, entered = zip(*rows, strict=True)
         wells = self._conditions.values("wells", time)
         warn_of_dry_wells(self.flow.basis, wells, states[-1].head)
@@ -193,6 +195,7 @@ class March:
         part = PART * step
         try:
             first = self._part(time + part, part, self._stored, self.head, self.leaking)
+            # The first part, continued, is what the whole step would store.
             further = self._stored + (1.0 / PART - 1.0) * (first.stored - self._stored)
             if self.flow.beyond(further, self._span(first.balance.head)) > self._error:
                 return self._accepted(time + part, step, part, [first], self._rate)
