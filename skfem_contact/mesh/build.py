@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 from skfem import Mesh
-from skfem.generic_utils import OrientedBoundary
 
 from ..errors import warn
+from .boundaries import Boundaries, Sides
 from .content import FACES_OF_27, Content, middles_of, without_doubles
-from .facets import number_facets
-from .kinds import KINDS, Floats, Integers, from_vtk
+from .find_sides import named_sides, sides_between
+from .kinds import KINDS, Integers, from_vtk
 from .split import split as split_elements
 
 #: Largest height of a plane mesh, as a share of its size.
@@ -20,8 +20,6 @@ _FLAT = 1e-9
 _AXES = {"xy": [0, 1], "xz": [0, 2], "yz": [1, 2]}
 #: Kinds whose middle nodes are added, and the complete kinds.
 _INCOMPLETE = {"quad8": "quad9", "hexahedron20": "hexahedron27"}
-#: Words for groups of sides, by the dimension of the mesh.
-_SIDES = {2: ("lines", "curve", "sides"), 3: ("faces", "surface", "sides")}
 
 
 def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: bool = False) -> Mesh:
@@ -37,7 +35,8 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
         _lay_flat(content, plane)
     elif plane != "xy":
         raise ValueError(f"the mesh is solid: plane='{plane}' is for sections")
-    content.points = content.points * factor
+    if factor != 1.0:
+        content.points = content.points * factor
     for kind, complete in _INCOMPLETE.items():
         if kind in content.cells and KINDS[kind].dim == content.dim:
             _complete(content, kind, complete)
@@ -50,13 +49,14 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
     subdomains = {}
     for name, group in content.groups.items():
         if kind in group and len(group[kind]):
-            group[kind] = group[kind].astype(np.int32)
+            group[kind] = group[kind].astype(np.int32, copy=False)
             subdomains[name] = group[kind]
-    boundaries = _boundaries(content, mesh, node)
-    _tell_left_out(content, boundaries)
-    # No tags are None; a copy by `replace` would lose the facets
-    mesh._boundaries = boundaries or None
+    sides = _boundaries(content, mesh, node)
+    _tell_left_out(content)
+    # No tags are None
     mesh._subdomains = subdomains or None
+    if sides:
+        mesh._boundaries = Boundaries.of(mesh, sides)
     return mesh
 
 
@@ -140,13 +140,18 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
     cells = content.cells[kind]
     if kind.startswith("hexahedron"):
         cells = cells[:, from_vtk(cells.shape[1])]
+    # Number the corners of elements in the order of the file; mostly these are all its nodes.
     corners = cells[:, : shape.corners].T
     used = np.zeros(len(content.points), dtype=bool)
     used[corners] = True
     node = np.cumsum(used, dtype=np.int32) - 1
-    node[~used] = -1
-    t = np.ascontiguousarray(node[corners])
-    points = np.ascontiguousarray(content.points[used, : shape.dim].T)
+    if used.all():
+        t = np.ascontiguousarray(corners, dtype=np.int32)
+        points = np.ascontiguousarray(content.points[:, : shape.dim].T)
+    else:
+        node[~used] = -1
+        t = np.ascontiguousarray(node[corners])
+        points = np.ascontiguousarray(content.points[used, : shape.dim].T)
     kind_of_mesh = shape.mesh
     assert kind_of_mesh is not None
     if shape.order == 1:
@@ -163,134 +168,38 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
     return replace(straight, doflocs=doflocs, validate=True), node
 
 
-def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Integers]:
-    """Return the facets of all groups of sides and of nodes."""
-    boundaries: dict[str, Integers] = {}
-    named: dict[str, list[OrientedBoundary]] = {}
-    # Skip the numbering of facets where no side has a name.
-    if not any(KINDS[kind].dim < content.dim for kind in content.cells) and not content.node_groups:
-        return boundaries
-    number_facets(mesh)
-    finder = _Finder(mesh)
-    # Find the facets of the elements of sides.
+def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Sides]:
+    """Return the sides of elements of all groups of sides and of nodes."""
+    named: dict[str, list[Sides]] = {}
+    # Find the elements behind the elements of sides.
     for kind, cells in content.cells.items():
         groups = {name: group[kind] for name, group in content.groups.items() if kind in group}
         if KINDS[kind].dim == content.dim - 1 and groups:
-            sides = node[cells[:, : KINDS[kind].corners]]
-            for name, part in finder.facets(sides, groups).items():
+            corners = node[cells[:, : KINDS[kind].corners]]
+            for name, part in named_sides(mesh, corners, groups).items():
                 named.setdefault(name, []).append(part)
     # Keep the order of the file.
-    for name in content.groups:
-        if name in named:
-            boundaries[name] = _joined(named[name])
+    boundaries = {name: _joined(named[name]) for name in content.groups if name in named}
     # A set of nodes names the sides between them, unless it has all nodes.
     for name, nodes in content.node_groups.items():
-        found = finder.between(node[nodes])
-        if len(found):
+        found = sides_between(mesh, node[nodes])
+        if len(found.elements):
             boundaries.setdefault(name, found)
         elif len(nodes) < len(content.points):
             content.left_out.append(f"node set '{name}', between which there is no side")
     return boundaries
 
 
-def _joined(parts: list[OrientedBoundary]) -> OrientedBoundary:
-    """Return several boundaries as one."""
+def _joined(parts: list[Sides]) -> Sides:
+    """Return the sides of several kinds together."""
     if len(parts) == 1:
         return parts[0]
-    orientations = np.concatenate([part.ori for part in parts])
-    return OrientedBoundary(np.concatenate(parts), orientations)
+    elements = np.concatenate([part.elements for part in parts])
+    local = np.concatenate([part.local for part in parts])
+    return Sides(elements, local, oriented=True)
 
 
-class _Finder:
-    """Facets of a mesh by their corners."""
-
-    def __init__(self, mesh: Mesh) -> None:
-        self.mesh = mesh
-
-    def facets(self, sides: Integers, groups: dict[str, Integers]) -> dict[str, OrientedBoundary]:
-        """Return the facets of groups of sides, whose corners are (n, corners)."""
-        used = np.unique(np.concatenate(list(groups.values())))
-        numbers = np.full(len(sides), -1)
-        numbers[used] = self._numbers(sides[used])
-        found = {}
-        for name, members in groups.items():
-            stray = np.count_nonzero(numbers[members] < 0)
-            if stray:
-                words = _SIDES[self.mesh.dim()]
-                raise ValueError(
-                    f"{stray} of {len(members)} {words[0]} of {words[1]} '{name}' are not "
-                    f"{words[2]} of elements"
-                )
-            found[name] = self._seen(numbers[members], sides[members])
-        return found
-
-    def _seen(self, found: Integers, sides: Integers) -> OrientedBoundary:
-        """Return facets as they are seen from the element behind them.
-
-        The outward normal of that element points to the right of a line in the plane, and to where
-        the corners go round anticlockwise in space.
-        """
-        normal = self._normals(sides)
-        mesh = self.mesh
-        first, second = mesh.f2t[:, found]
-        middle = mesh.p[:, mesh.t[:, first]].mean(axis=1).T
-        outward = mesh.p[:, mesh.facets[:, found]].mean(axis=1).T - middle
-        seen_from_second = ((normal * outward).sum(axis=1) < 0) & (second >= 0)
-        return OrientedBoundary(found.astype(np.int32), seen_from_second.astype(int))
-
-    def between(self, nodes: Integers) -> Integers:
-        """Return the facets all of whose corners are among nodes: outer ones if possible."""
-        mesh = self.mesh
-        chosen = np.zeros(mesh.nvertices, dtype=bool)
-        chosen[nodes[nodes >= 0]] = True
-        if chosen.all():
-            return np.zeros(0, np.int32)
-        found = np.flatnonzero(chosen[mesh.facets].all(axis=0))
-        outer = found[mesh.f2t[1, found] < 0]
-        return (outer if len(outer) else found).astype(np.int32)
-
-    def _normals(self, sides: Integers) -> Floats:
-        x = self.mesh.p[:, sides]  # (dim, n, corners)
-        if self.mesh.dim() == 2:
-            along = x[:, :, 1] - x[:, :, 0]
-            return np.column_stack((along[1], -along[0]))
-        last = sides.shape[1] - 1
-        if last == 2:
-            return np.cross((x[:, :, 1] - x[:, :, 0]).T, (x[:, :, 2] - x[:, :, 0]).T)
-        return np.cross((x[:, :, 2] - x[:, :, 0]).T, (x[:, :, 3] - x[:, :, 1]).T)
-
-    def _numbers(self, sides: Integers) -> Integers:
-        """Return the numbers of the facets with these corners, or -1."""
-        mesh = self.mesh
-        found = np.full(len(sides), -1)
-        if sides.shape[1] != len(mesh.facets):
-            return found
-        # Compare only facets all of whose corners occur.
-        chosen = np.zeros(mesh.nvertices, dtype=bool)
-        chosen[sides[sides >= 0]] = True
-        known = np.flatnonzero(chosen[mesh.facets].all(axis=0))
-        keys = _keys(np.vstack((mesh.facets[:, known].T, sides)), mesh.nvertices)
-        own, wanted = keys[: len(known)], keys[len(known) :]
-        # Look up the keys of the sides among those of the facets.
-        order = np.argsort(own)
-        place = np.searchsorted(own, wanted, sorter=order)
-        inside = place < len(own)
-        candidates = order[place[inside]]
-        same = own[candidates] == wanted[inside]
-        found[np.flatnonzero(inside)[same]] = known[candidates[same]]
-        return found
-
-
-def _keys(rows: Integers, count: int) -> Integers:
-    """Return one number for every set of nodes, (n,); pairs are combined column by column."""
-    ordered = np.sort(rows, axis=1).astype(np.int64)
-    key = ordered[:, 0]
-    for column in ordered.T[1:]:
-        key = np.unique(key, return_inverse=True)[1].ravel() * (count + 1) + column
-    return key
-
-
-def _tell_left_out(content: Content, boundaries: dict[str, Integers]) -> None:
+def _tell_left_out(content: Content) -> None:
     """Warn of names and elements that are not in the mesh."""
     left_out = list(content.left_out)
     for name, group in content.groups.items():

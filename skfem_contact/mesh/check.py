@@ -20,6 +20,7 @@ from .connections import (
     outside_of,
     touching_sides,
 )
+from .facets import number_facets
 
 Indices = NDArray[np.integer]
 
@@ -226,6 +227,7 @@ def check_topology(mesh: Mesh) -> None:
             f"and have the corners {mesh.t.min()} to {mesh.t.max()}"
         )
     # A side belongs to one or two elements.
+    number_facets(mesh)
     crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
     if len(crowded):
         elements = np.flatnonzero(np.isin(mesh.t2f, crowded).any(axis=0))

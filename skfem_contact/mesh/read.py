@@ -90,6 +90,8 @@ def load_mesh(
     **Nastran**: properties, by number or by the names of HyperMesh.
     **Sets of nodes** name the outer sides between their nodes, or inner ones where no outer side is
     among them. A set of all nodes is no boundary.
+    **Facets** of boundaries are numbered when one of them is first used, which takes longer than
+    the reading of a binary file. All names are checked at once.
 
     See Also
     --------

@@ -18,6 +18,7 @@ from ..content import (
     combinations,
     compact,
     from_vtk,
+    members_by_tag,
     numbers_of,
     parsed,
     table_text,
@@ -151,7 +152,9 @@ def _sections(data: mmap.mmap) -> dict[str, tuple[int, int]]:
     while (start := data.find(b"$", position)) >= 0:
         line = data.find(b"\n", start)
         name = data[start + 1 : min(max(line, start), start + 40)].strip()
-        end = data.find(b"$End" + name, max(line, start))
+        # Elements are mostly the last section, and the largest
+        find = data.rfind if name == b"Elements" else data.find
+        end = find(b"$End" + name, max(line, start))
         if line < 0 or end < 0:
             text = name.decode("ascii", "replace")
             raise ValueError(f"it is not a Gmsh mesh, or not complete: it ends within '{text}'")
@@ -312,7 +315,7 @@ def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) 
         kind = _kind(number)
         table = section.sizes(many * (1 + _NODES[kind])).reshape(many, -1)
         tags = groups.get((dim, entity), np.zeros(0, int))
-        blocks.append(_Blocks(kind, compact(table[:, 1:]), tuple(tags.tolist())))
+        blocks.append(_Blocks(kind, compact(table)[:, 1:], tuple(tags.tolist())))
     return blocks
 
 
@@ -386,14 +389,14 @@ def _members(blocks: list[_Blocks]) -> dict[int, Integers]:
     found: dict[int, list[Integers]] = {}
     first = 0
     for block in blocks:
-        every = first + np.arange(len(block.nodes))
+        every = np.arange(first, first + len(block.nodes), dtype=np.int32)
         for tags in block.tags:
             if isinstance(tags, int):
                 found.setdefault(tags, []).append(every)
                 continue
-            tags = np.abs(tags)
-            for tag in np.unique(tags[tags != 0]).tolist():
-                found.setdefault(tag, []).append(first + np.flatnonzero(tags == tag))
+            for tag, members in members_by_tag(np.abs(tags)).items():
+                if tag:
+                    found.setdefault(tag, []).append(first + members)
         first += len(block.nodes)
     return {tag: np.concatenate(parts) for tag, parts in found.items()}
 

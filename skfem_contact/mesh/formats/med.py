@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 from ...checks import look_up
-from ..content import Content, check_names, combinations, from_vtk, to_vtk
+from ..content import (
+    Content,
+    check_names,
+    combinations,
+    compact,
+    from_vtk,
+    members_by_tag,
+    to_vtk,
+)
 from ..kinds import KINDS
 
 #: Kinds of elements by their names in the file.
@@ -97,13 +105,13 @@ def _content(step: Any, dim: int, families: Any) -> Content:
             raise ValueError(f"it has elements of type {word}, which are not read")
         kind = _KINDS[word]
         count = int(block["NOD"].attrs["NBR"])
-        nodes = np.asarray(block["NOD"]).reshape(-1, count).T - 1
+        nodes = compact(block["NOD"][()]).reshape(-1, count).T
+        nodes -= 1
         content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
         if "FAM" in block:
-            family = np.asarray(block["FAM"])
-            for number in np.unique(family).tolist():
+            for number, members in members_by_tag(block["FAM"][()]).items():
                 for name in names.get(number, ()):
-                    content.add(name, kind, np.flatnonzero(family == number))
+                    content.add(name, kind, members)
     # Read the groups of nodes.
     if "FAM" in step["NOE"]:
         family = np.asarray(step["NOE"]["FAM"])
