@@ -342,3 +342,22 @@ def test_vertical_cut_without_tensile_strength(phi: float, c: float, exact: floa
     assert exact < found.factor < 1.02 * exact
     assert found.iterations <= 150
     assert 0.5 * (found.factor / exact - 1.0) < found.added
+
+
+@pytest.mark.parametrize("tolerance", [0.01, 0.02])
+def test_vertical_cut_without_tensile_strength_on_tall_elements(tolerance: float) -> None:
+    """[N] A linear programme on the same mesh gives 1.3187; elements at the face are 8 times as
+    tall as wide, and much of the ground is without stress.
+    """
+    away = 0.0625 * np.cumsum(1.18 ** np.arange(17))
+    x = np.append(np.linspace(-4.0, 0.0, 5), away)
+    mesh = MeshTri.init_tensor(x, np.append(np.arange(-4.0, 0.0), np.linspace(0.0, 4.0, 9)))
+    outside = mesh.elements_satisfying(lambda x: (x[0] < 0) & (x[1] > 0))
+    basis = Basis(mesh.remove_elements(outside), ElementVector(ElementTriP2()), intorder=2)
+    clay = sc.MohrCoulomb(E=1e5, nu=0.3, c=50.0, phi=0.0, tension=0.0)
+    model = sc.Model({"cut": sc.SolidForm(basis, clay, unit_weight=20.0)}, sc.box_supports(basis))
+    found = model.strength_reduction(tolerance=tolerance, certify=False, progress=False)
+    assert found.stop.shows_limit
+    assert found.factor == pytest.approx(1.3187, abs=0.5 * tolerance)
+    true = found.factor / 1.25 - 1.0  # Drucker
+    assert 0.5 * true < found.added < 2.0 * true
