@@ -44,6 +44,7 @@ _BAR = "#c0392b"
 _CONTACT = "#7b3294"
 _WIDTH = 6.0  # inches
 _LEGEND = 0.26  # inches a row of the legend
+_SIDE, _TICKS = 0.6, 0.4  # inches beside the axes and above and below them
 _FREE = 0.02  # share of the size that is left free
 
 
@@ -105,7 +106,7 @@ def model(
 def drawn(stage: StageResult, colors: Mapping[str, Shade], window: Window | None = None) -> Figure:
     """Return the picture of a stage with given colours of materials."""
     handles: list[Any] = []
-    figure, ax = plt.subplots(figsize=(_WIDTH, _WIDTH), layout="constrained")
+    figure, ax = plt.subplots(figsize=(_WIDTH, _WIDTH))
     if has_solids(stage):
         check_plane(basis_of(stage), "plot.model")
         handles += _bodies(ax, stage, colors)
@@ -120,14 +121,21 @@ def drawn(stage: StageResult, colors: Mapping[str, Shade], window: Window | None
     ax.tick_params(labelsize=9, color="#999999", labelcolor="#555555")
     ax.spines[:].set_visible(False)
 
-    # Fit the height of the figure to the bodies and to the rows of the legend.
+    # Fit the height of the figure to the bodies and to the rows of the legend, in inches.
     left, right = ax.get_xlim()
     low, high = ax.get_ylim()
     aspect = min(max((high - low) / (right - left), 0.25), 1.4)
-    rows = -(-len(handles) // 3)
-    figure.set_size_inches(_WIDTH, aspect * _WIDTH + 0.3 + _LEGEND * rows)
+    foot = 0.1 + _LEGEND * -(-len(handles) // 3)
+    height = aspect * (_WIDTH - _SIDE) + _TICKS + foot
+    figure.set_size_inches(_WIDTH, height)
+    figure.subplots_adjust(
+        left=(_SIDE - 0.1) / _WIDTH,
+        right=1.0 - 0.1 / _WIDTH,
+        bottom=(foot + _TICKS - 0.1) / height,
+        top=1.0 - 0.1 / height,
+    )
     if handles:
-        figure.legend(handles=handles, loc="outside lower left", ncols=3, frameon=False, fontsize=9)
+        figure.legend(handles=handles, loc="lower left", ncols=3, frameon=False, fontsize=9)
     return figure
 
 

@@ -10,6 +10,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from numpy import ndarray
+from PIL import Image
 
 from ..display import Table
 from ..results.cuts import Sections
@@ -28,6 +30,8 @@ _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg":
 _DPI = 150
 #: Width of the picture of a field in pixels.
 _WIDE = 900
+#: Level of compression: 6, the default, takes three times as long for files 8 % smaller.
+_PACKED = 2
 
 
 def facts_of(result: Result, table: Table, searches: Mapping[str, Any]) -> dict[str, str]:
@@ -90,12 +94,19 @@ def _field(stage: StageResult, quantity: str, common: Contours | None) -> Any:
         return cutaway(stage, quantity)
     levels = common.scale.levels
     ends = float(levels[0]), float(levels[-1])
-    image = BytesIO()
-    plotter = contours([stage], quantity, limits=ends).draw(None, False, image, False, width=_WIDE)
+    plotter = contours([stage], quantity, limits=ends).draw(None, False, None, False, width=_WIDE)
     if plotter is None:
         return None
+    pixels = plotter.screenshot(None, return_img=True)
     close(plotter)
-    return image.getvalue()
+    return _png(pixels)
+
+
+def _png(pixels: ndarray) -> bytes:
+    """Return an image (height, width, 3) as a file."""
+    content = BytesIO()
+    Image.fromarray(pixels).save(content, format="png", compress_level=_PACKED)
+    return content.getvalue()
 
 
 def _changes(stage: StageResult, before: list[str]) -> str:
@@ -183,7 +194,7 @@ def image(caption: str, picture: Any) -> tuple[str, bytes]:
         return "png", picture
     if isinstance(picture, Figure):
         data = BytesIO()
-        picture.savefig(data, dpi=_DPI, format="png")
+        picture.savefig(data, dpi=_DPI, format="png", pil_kwargs={"compress_level": _PACKED})
         plt.close(picture)
         return "png", data.getvalue()
     if isinstance(picture, (str, Path)):
