@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 import struct
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -75,7 +75,7 @@ class StageData:
     x: ndarray
     load: ndarray
     states: Mapping[str, Any]
-    iterations: tuple[int, ...]
+    iterations: Sequence[int]
     residual: float
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
@@ -291,6 +291,7 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
 
     # Describe the stage, its forms and its increments.
     head = {text: getattr(stage, name) for text, name in _TEXTS.items()}
+    head["iterations"] = list(stage.iterations)
     head["summary"] = dict(stage.summary)
     head["water"] = _in_words(stage.water)
     head["forms"] = list(stage.states)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
+from typing_extensions import override
 
 from ..checks import format_point
 from ..display import Table
@@ -50,6 +53,58 @@ class Lazy(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self._names)
+
+
+class Counts(Sequence[int]):
+    """Whole numbers of all steps so far, which the steps of a stage share.
+
+    A step adds its number to the shared array, so that many steps take neither a copy each nor the
+    memory of their square.
+
+    Parameters
+    ----------
+    values
+        The first numbers.
+    """
+
+    def __init__(self, values: Iterable[int] = ()) -> None:
+        self._shared = array("q", values)
+        self._n = len(self._shared)
+
+    def followed_by(self, value: int) -> Counts:
+        """Return these numbers and one more."""
+        new = copy(self)
+        if len(self._shared) > self._n:  # another step has followed these numbers already
+            new._shared = self._shared[: self._n]
+        new._shared.append(value)
+        new._n += 1
+        return new
+
+    @override
+    def __len__(self) -> int:
+        return self._n
+
+    @overload
+    def __getitem__(self, index: int) -> int: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[int, ...]: ...
+    @override
+    def __getitem__(self, index: int | slice) -> int | tuple[int, ...]:
+        if isinstance(index, slice):
+            return tuple(self._shared[i] for i in range(*index.indices(self._n)))
+        return self._shared[range(self._n)[index]]
+
+    @override
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self[:] == tuple(other)
+
+    @override
+    def __hash__(self) -> int:
+        return hash(self[:])
+
+    @override
+    def __repr__(self) -> str:
+        return repr(self[:])
 
 
 @dataclass(frozen=True)

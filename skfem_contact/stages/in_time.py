@@ -32,7 +32,7 @@ from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Step
 from ..nonlinear.system import System
-from ..results.motion import Lazy
+from ..results.motion import Counts, Lazy
 from ..results.stage import StageResult
 from ..sparse import padded
 from .energies import INERTIA, Log
@@ -504,12 +504,15 @@ def _after(
 ) -> StageResult:
     """Return the result of a step, as a copy: checks of a new one would compute the states."""
     motion = taken.motion
+    counts = last.iterations
+    if not isinstance(counts, Counts):
+        counts = Counts(counts)
     new = copy(last)
     vars(new).update(
         x=motion.x,
         load=load,
         states=taken.states,
-        iterations=(*last.iterations, taken.iterations),
+        iterations=counts.followed_by(taken.iterations),
         residual=taken.residual,
         fraction=fraction,
         summary=Lazy(forms, partial(summaries, forms, motion.x, taken.states)),
@@ -523,7 +526,12 @@ def _after(
 
 def _complete(last: StageResult) -> StageResult:
     """Return the result of the last step with its states and its summary computed."""
-    return replace(last, states=dict(last.states), summary=dict(last.summary))
+    return replace(
+        last,
+        states=dict(last.states),
+        summary=dict(last.summary),
+        iterations=tuple(last.iterations),
+    )
 
 
 def _states_at(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Any]:

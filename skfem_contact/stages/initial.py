@@ -303,7 +303,7 @@ def _at_rest(setup: Setup, last: StageResult) -> Result:
     Contact has followed the bodies, and comes back.
     """
     name = last.name
-    iterations = last.iterations
+    iterations = tuple(last.iterations)
     for remaining in reversed(range(_RETURNS)):
         # Keep stresses and forces, drop displacements, and look at the balance.
         start = Result((replace(last, name=f"{name}, moved"),)).reset()
@@ -313,7 +313,7 @@ def _at_rest(setup: Setup, last: StageResult) -> Result:
         if now.norm <= _BALANCED or remaining == 0:
             break
         last = _loaded(setup, name, rest.load, 1, start[-1])
-        iterations += last.iterations
+        iterations += tuple(last.iterations)
     _check_balance(now, system)
     return Result((replace(rest, name=name, iterations=iterations, residual=now.norm),))
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results.motion import Counts
 from tests.dynamics.cases import QUIET, oscillator, pushed
 
 PERIOD = 2.0 * np.pi / 100.0
@@ -173,3 +176,64 @@ def test_restart_in_the_middle(case, tmp_path):
         speed = np.abs(whole.velocity).max()
         # velocities of round-off over a step
         np.testing.assert_allclose(found.velocity, whole.velocity, atol=1e-9 * speed)
+
+
+def test_counts_of_steps():
+    """[X] Counts grow like tuples, also where two steps follow the same one."""
+    counts = Counts((1, 2))
+    first = counts.followed_by(3)
+    second = counts.followed_by(4)
+    assert counts == (1, 2)
+    assert first == (1, 2, 3)
+    assert second == (1, 2, 4)
+    assert first != second
+    assert second.followed_by(5)[1:] == (2, 4, 5)
+    assert first[-1] == 3
+    assert [*counts] == [1, 2]
+    with pytest.raises(IndexError):
+        counts[2]
+
+
+def grown(model, push, settings, n):
+    """Return the stage of n steps, and the memory that one of its last steps has added."""
+    marks = []
+
+    def watch(stage):
+        count = len(stage.iterations)
+        if count in (n // 2, n - 1):
+            marks.append((count, tracemalloc.get_traced_memory()[0]))
+
+    stage = sc.Stage("swing", push, duration=n * settings.step, dynamic=settings)
+    tracemalloc.start()
+    try:
+        found = model.run([sc.Stage("weight"), stage], on_increment=watch, **QUIET)["swing"]
+    finally:
+        tracemalloc.stop()
+    (first, less), (last, more) = marks
+    return found, (more - less) / (last - first)
+
+
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+@pytest.mark.parametrize("case", ["linear", pytest.param("contact", marks=pytest.mark.slow)])
+def test_many_steps(case):
+    """[X] Energy drifts by round-off alone, and a step adds its records to the memory."""
+    if case == "linear":
+        model, basis, _ = oscillator()
+        push, n = pushed(basis, 3.0), 3_000
+        settings = sc.Dynamic(PERIOD / 40.0, rho_inf=1.0)
+    else:
+        # a block that swings on a plane without leaving it
+        model, basis, _ = block(mu=0.6)
+        push = np.asarray(sc.traction(basis, "top", (0.0, -1.0)))
+        n = 300
+        settings = sc.Dynamic(1e-3, rho_inf=1.0)
+    found, memory = grown(model, push, settings, n)
+    energy = found.energy
+    assert len(found.iterations) == n
+    assert isinstance(found.iterations, tuple)
+    # a walk of n roundings of 1e-16, to both sides, and the residual of equilibria
+    drift = np.abs(energy["missing"]).max() / np.abs(energy["work"]).max()
+    assert drift < (1e-11 if case == "linear" else 1e-9)
+    # 7 energies and a count of 8 bytes; arrays that grow are a ninth too long, caches of contact
+    # are filled now and then
+    assert memory < (120.0 if case == "linear" else 1000.0)
