@@ -12,6 +12,7 @@ from .collapse import strength
 from .limit_analysis import Bounds, bounds
 from .limit_analysis.model import TractionLike
 from .solvers import single_threaded
+from .stages import buckling as buckles
 from .stages import initial, vibrations
 from .stages import run as running
 from .stages.setup import Setup
@@ -89,6 +90,7 @@ class Model(Setup):
     run = single_threaded(running.run)
     modes = single_threaded(vibrations.modes)
     frequencies = single_threaded(vibrations.frequencies)
+    buckling = single_threaded(buckles.buckling)
     strength_reduction = single_threaded(strength.strength_reduction)
     limit_load = single_threaded(limits.limit_load)
     is_stable = single_threaded(limits.is_stable)

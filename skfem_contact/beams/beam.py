@@ -22,6 +22,7 @@ from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Slender, Touching, having
 from ..layout import Field
 from ..sparse import Gathering, constant
+from .corotation import Turned
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
 from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by, turning_ends
 from .lines import nodes_of
@@ -51,10 +52,11 @@ class BeamState:
 class Beam(BeamNodes, Slender):
     """Beams: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
-    Small displacements and rotations, without second-order moments: a stage warns of thrusts beyond
-    a tenth of the load at which the structure buckles. The beam has nodes of its own, or is bonded
-    to the nodes of a line of the mesh. Section forces act on the nodes, see
-    :meth:`~skfem_contact.results.StageResult.section_forces`.
+    Small displacements and rotations by default, without second-order moments: a stage warns of
+    thrusts beyond a tenth of the load at which the structure buckles. The beam has nodes of its
+    own, or is bonded to the nodes of a line of the mesh. Section forces act on the nodes, see
+    :meth:`~skfem_contact.results.StageResult.section_forces`; with finite kinematics their axes
+    have turned with the elements.
 
     Parameters
     ----------
@@ -98,13 +100,17 @@ class Beam(BeamNodes, Slender):
     GJ
         Stiffness against twist of a beam in space, whose line has points (n, 3) and whose section
         is round; by default ``0.8 * EI``, for nu = 0.25.
+    kinematics
+        ``"finite"`` for displacements and rotations of any size, with second-order moments and
+        buckling: elements in the plane turn with their ends, strains stay small. All forms of the
+        model have the same kinematics.
 
     Raises
     ------
     ValueError
         Stiffness or strength that is not positive, a line that is no chain or off the mesh,
         elements without length, a hinge where no elements meet, hinges that make a mechanism, no
-        node in common with a beam it is joined to.
+        node in common with a beam it is joined to; finite kinematics of a shell or in space.
 
     Notes
     -----
@@ -167,6 +173,7 @@ class Beam(BeamNodes, Slender):
         coordinates: Literal["plane", "axisymmetric"] = "plane",
         nu: float = 0.0,
         GJ: float | None = None,
+        kinematics: Literal["small", "finite"] = "small",
     ) -> None:
         # With nu = .25: 5/6 G A of a rectangle, and 2 G I of a circle.
         if GA is None:
@@ -187,11 +194,13 @@ class Beam(BeamNodes, Slender):
         }
 
         # Find the nodes and the elements
+        self.kinematics = kinematics
         self.shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
         self.coordinates = "space" if self.dim == 3 else coordinates
         corners = self.points[self.cells]
         shell = coordinates == "axisymmetric"
         self._elements = _elements_of(corners, shell, nu, spacing, Mp, thickness)
+        _check_kinematics(kinematics, self.coordinates)
 
         # Number the dofs, some of which are dofs of other beams
         given = np.atleast_2d(finite(hinges, "hinges"))
@@ -227,7 +236,6 @@ class Beam(BeamNodes, Slender):
         dim = self.dim
         turns = self._turns
         n_turns = int(turn.max()) + 1
-        # Fields of the displacements of nodes, and of rotations, which hinges double.
         places = np.zeros((n_turns, dim))
         places[turn] = self.points[self.cells]
         self.displacement = Field(
@@ -306,7 +314,7 @@ class Beam(BeamNodes, Slender):
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Beam:
         new = copy(self)
         new._dofs = new.acts_on = new.changing = self._numbers(numbers)
-        if not self._hinges:
+        if not self._hinges and not self._finite:
             new.changing = np.zeros(0, int)
 
         # Strains, stiff dofs and coordinates of the frame, for the search of mechanisms
@@ -369,23 +377,35 @@ class Beam(BeamNodes, Slender):
             remarks += turning_ends(corners, self._parts[0][1], met, fixed)
         return remarks
 
+    @property
+    def _finite(self) -> bool:
+        return self.kinematics == "finite"
+
     @override
     def initial_state(self, x: ndarray | None = None) -> BeamState:
         zero = np.zeros(self._rows.shape)
         if x is None:
             return BeamState(zero, zero)
-        return BeamState(zero, self._own(x)[self._rows])
+        u = self._own(x)[self._rows]
+        if self._finite:
+            u = Turned(self._elements.points, u).motions
+        return BeamState(zero, u)
 
     @override
     def assemble(self, x: ndarray, state: BeamState) -> Response:
-        # Remove large rigid motions with the middle node, whose round-off would be forces
         u = self._own(x)[self._rows]
+        turned = None
+        if self._finite:
+            turned = Turned(self._elements.points, u)
+            u = turned.motions
         # Elastic forces of the motions less the plastic and the warm ones.
         moved = u - state.free - self._warm
         # Subtract the motion of the middle node as a rigid body, for the digits: it has no force.
         rigid = np.einsum("mij,mj->mi", self._elements.rigid, moved[:, self._middle])
         force = np.einsum("mij,mj->mi", self._stiffness, moved - rigid)
         size = np.abs(u) + np.abs(state.free)
+        if turned is not None:
+            size += turned.sizes
         round_off = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), size)
 
         # Let hinges flow
@@ -403,20 +423,28 @@ class Beam(BeamNodes, Slender):
         def gathered(forces: ndarray) -> ndarray:
             return self._gathering.force(self._rows, forces)
 
+        on_nodes = force
+        if turned is not None:
+            on_nodes = turned.force(force)
         return Response(
-            gathered(force),
+            gathered(on_nodes),
             lambda: BeamState(force, free),
-            lambda: self._tangent(flows),
+            lambda: self._tangent(flows, turned, force),
             round_off=gathered(round_off),
             active=b"".join(active),
-            measure=gathered(np.abs(force)),
+            measure=gathered(np.abs(on_nodes)),
             dofs=self._dofs,
         )
 
-    def _tangent(self, flows: list[Flow]) -> csr_matrix:
-        if not self._hinges:
+    def _tangent(self, flows: list[Flow], turned: Turned | None, force: ndarray) -> csr_matrix:
+        if not self._hinges and turned is None:
             return self._elastic
-        return self._gathering.matrix(self._rows, self._hinges.tangent(self._stiffness, flows))
+        stiffness = self._stiffness
+        if self._hinges:
+            stiffness = self._hinges.tangent(stiffness, flows)
+        if turned is not None:
+            stiffness = turned.tangent(stiffness, force)
+        return self._gathering.matrix(self._rows, stiffness)
 
     @cached_property
     def _elastic(self) -> csr_matrix:
@@ -436,6 +464,8 @@ class Beam(BeamNodes, Slender):
 
     @override
     def rebased(self, x: ndarray, state: BeamState) -> BeamState:
+        if self._finite:
+            raise ValueError("a beam of finite kinematics keeps its displacements")
         return BeamState(state.force, state.free - self._own(x)[self._rows])
 
     @override
@@ -466,11 +496,13 @@ class Beam(BeamNodes, Slender):
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
     @override
-    def lost_by_thrust(self, state: BeamState) -> tuple[ndarray, csr_matrix] | None:
-        if self.coordinates == "axisymmetric":
+    def lost_by_thrust(
+        self, state: BeamState, share: float = 0.1
+    ) -> tuple[ndarray, csr_matrix] | None:
+        if self.coordinates == "axisymmetric" or self._finite:
             return None
         N = self._lines(state)[3].reshape(-1, 2)
-        if not counts(self._elements, N, self.parameters["EI"] / self.spacing):
+        if not counts(self._elements, N, self.parameters["EI"] / self.spacing, share):
             return None
         lost = lost_stiffness(self._elements, N)
         assert self._dofs is not None  # a beam of a model
@@ -561,3 +593,14 @@ def _elements_of(
     if shell:
         return ShellElements.about_axis(corners, nu)
     return BeamElements.of(corners)
+
+
+def _check_kinematics(kinematics: str, coordinates: str) -> None:
+    """Refuse finite kinematics of shells and of beams in space."""
+    if kinematics not in ("small", "finite"):
+        raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
+    if kinematics == "finite" and coordinates != "plane":
+        raise ValueError(
+            "beams with kinematics='finite' lie in the plane: shells of revolution and beams in "
+            "space are of small rotations"
+        )

@@ -50,8 +50,8 @@ def shapes(xi: float) -> tuple[ndarray, ndarray]:
 
 
 def left_of(t: ndarray) -> ndarray:
-    """Return the vectors to the left of others in the plane, (m, 2)."""
-    return np.column_stack((-t[:, 1], t[:, 0]))
+    """Return the vectors to the left of others in the plane, (..., 2)."""
+    return np.stack((-t[..., 1], t[..., 0]), axis=-1)
 
 
 def across(t: ndarray) -> tuple[ndarray, ndarray]:

@@ -14,7 +14,7 @@ from skfem import CellBasis
 from ..checks import finite, format_point, is_number, vector
 from ..contact import ContactPair
 from ..contact.laws import InterfaceLaw
-from ..forms.base import Form
+from ..forms.base import Form, Kinematics
 from ..forms.roles import Body, Couples, Loaded, Staged, having, with_force_kept
 from ..layout import Field, FieldDofs
 from ..surfaces.surface import Surface
@@ -74,7 +74,7 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         Fields of nodes of their own, and of the rotations.
     """
 
-    kinematics = "small"
+    kinematics: Kinematics = "small"
 
     _same = ("points", "cells", "_rows", "coordinates", "thickness")
     points: ndarray

@@ -7,12 +7,8 @@ from numpy import ndarray
 
 from .element import GAUSS, BeamElements, shapes
 
-#: Share of the smallest buckling load of a beam between any supports below which a thrust does not
-#: count.
-SMALL = 0.1
 
-
-def counts(elements: BeamElements, N: ndarray, EI: float) -> bool:
+def counts(elements: BeamElements, N: ndarray, EI: float, share: float) -> bool:
     """Return True if the largest thrust of N, tension positive, may be a share of a buckling load.
 
     The buckling load is at least that of a cantilever of the whole extent L, pi^2 EI / (2 L)^2.
@@ -20,7 +16,7 @@ def counts(elements: BeamElements, N: ndarray, EI: float) -> bool:
     points = elements.points.reshape(-1, elements.points.shape[2])
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     least = np.pi**2 * EI / (2.0 * extent) ** 2
-    return bool(-N.min() > SMALL * least)
+    return bool(-N.min() > share * least)
 
 
 def lost_stiffness(elements: BeamElements, N: ndarray) -> ndarray:

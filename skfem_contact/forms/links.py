@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy import ndarray
@@ -171,7 +172,7 @@ class BarState:
 class Bar(Form, Couples, Staged, Regularised):
     """Bars of one kind between nodes, or between nodes and the ground: anchors, struts, ties.
 
-    Small displacements: a bar keeps its direction.
+    By default for small displacements: a bar keeps its direction.
 
     Parameters
     ----------
@@ -192,6 +193,9 @@ class Bar(Form, Couples, Staged, Regularised):
         Subdomains of the nodes, where nodes of two bodies coincide.
     spacing
         Distance of the members of a row in the plane: EA, forces and strength are of one member.
+    kinematics
+        ``"finite"`` for displacements of any size: a bar turns with its ends, and its strain is the
+        change of its length over the length before.
 
     Raises
     ------
@@ -223,8 +227,6 @@ class Bar(Form, Couples, Staged, Regularised):
     (array([20.]), array([0.04]))
     """
 
-    kinematics = "small"
-
     _same = ("_where",)
 
     def __init__(
@@ -241,7 +243,11 @@ class Bar(Form, Couples, Staged, Regularised):
         *,
         compression_only: bool = False,
         spacing: float = 1.0,
+        kinematics: Literal["small", "finite"] = "small",
     ) -> None:
+        if kinematics not in ("small", "finite"):
+            raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
+        self.kinematics = kinematics
         self._set_strength(EA, yield_force, tension_only, compression_only)
         a, b = np.broadcast_arrays(_points(start, "start", basis), _points(end, "end", basis))
         length = np.linalg.norm(b - a, axis=1)
@@ -249,6 +255,7 @@ class Bar(Form, Couples, Staged, Regularised):
             raise ValueError("the ends of a bar must lie apart, and be finite")
         self.symmetric = True
         self._where = np.hstack((a, b))
+        self._length = length
         self._spacing = positive(spacing, "spacing")
         self._stiffness = EA / length
         self._jack: float | None = None
@@ -322,18 +329,35 @@ class Bar(Form, Couples, Staged, Regularised):
         new._parameters = {**self._parameters, "jack": new._jack}
         return new
 
-    def _elongation(self, x: ndarray) -> ndarray:
-        return np.einsum("nm,nm->n", self._axis, x[self._dofs])
+    def _stretched(self, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+        """Return elongations, axes by the dofs of the ends, and lengths."""
+        u = x[self._dofs]
+        if self.kinematics == "small":
+            return np.einsum("nm,nm->n", self._axis, u), self._axis, self._length
+        # Vectors from start to end, L before and l now: l - L = (2 L + du) . du / (l + L)
+        n = len(u)
+        dim = self._where.shape[1] // 2
+        moves = u.reshape(n, -1, dim)
+        moved = -moves[:, 0]
+        if moves.shape[1] == 2:
+            moved = moves[:, 1] - moves[:, 0]
+        before = self._where[:, dim:] - self._where[:, :dim]
+        now = before + moved
+        length = np.linalg.norm(now, axis=1)
+        elongation = ((before + now) * moved).sum(axis=1) / (length + self._length)
+        axis = now / length[:, None]
+        ends = np.hstack((-axis, axis))
+        return elongation, ends[:, : u.shape[1]], length
 
     @override
     def initial_state(self, x: ndarray | None = None) -> BarState:
         zero = np.zeros(len(self._axis))
-        return BarState(zero, zero if x is None else self._elongation(x))
+        return BarState(zero, zero if x is None else self._stretched(x)[0])
 
     @override
     def assemble(self, x: ndarray, state: BarState) -> Response:
         k = self._stiffness
-        elongation = self._elongation(x)
+        elongation, axis, length = self._stretched(x)
         if self._jack is not None:
             force = np.full_like(elongation, self._jack)
             slack = np.zeros(len(k), bool)
@@ -346,20 +370,38 @@ class Bar(Form, Couples, Staged, Regularised):
             tangent = np.where(force == elastic, k, 0.0)
 
         n = len(self._at)
-        forces = force[:, None] / self._spacing * self._axis
+        forces = force[:, None] / self._spacing * axis
         return Response(
             np.bincount(self._rows.ravel(), forces.ravel(), minlength=n),
             lambda: BarState(force, np.where(slack, state.free, elongation - force / k)),
-            stiffness=lambda: self._matrix(tangent),
+            stiffness=lambda: self._matrix(tangent, axis, force / length),
             dofs=self._at,
         )
 
-    def _matrix(self, tangent: ndarray) -> csr_matrix:
-        """Return the stiffness among the dofs of the bars, of forces by elongations, (n,)."""
+    def _matrix(self, tangent: ndarray, a: ndarray, pull: ndarray) -> csr_matrix:
+        """Return the stiffness among the dofs of the bars.
+
+        Parameters
+        ----------
+        tangent
+            Forces by elongations, (n,).
+        a
+            Axes, by the dofs of the ends.
+        pull
+            Forces over lengths, (n,), which turning bars move.
+        """
         # k a a^T of every bar
-        a = self._axis
         k = tangent[:, None, None] / self._spacing
-        return self._gathering.matrix(self._rows, k * a[:, :, None] * a[:, None, :])
+        along = a[:, :, None] * a[:, None, :]
+        K = k * along
+        if self.kinematics == "finite":
+            # N / l (1 - e e^T) across the axis e, with opposite signs at the two ends
+            dim = self._where.shape[1] // 2
+            ends = a.shape[1] // dim
+            signs = np.array([-1.0, 1.0])[:ends]
+            unit = np.kron(np.outer(signs, signs), np.eye(dim))
+            K = K + pull[:, None, None] / self._spacing * (unit - along)
+        return self._gathering.matrix(self._rows, K)
 
     @override
     def inherits(self, old: Bar, state: BarState) -> BarState:
@@ -369,7 +411,9 @@ class Bar(Form, Couples, Staged, Regularised):
 
     @override
     def rebased(self, x: ndarray, state: BarState) -> BarState:
-        return BarState(state.force, state.free - self._elongation(x))
+        if self.kinematics == "finite":
+            raise ValueError("a bar of finite kinematics keeps its displacements")
+        return BarState(state.force, state.free - self._stretched(x)[0])
 
     @override
     def outputs(self, x: ndarray, state: BarState) -> Outputs:

@@ -1,6 +1,7 @@
 """Results of stages: fields, tractions, section forces, tables, reports and files."""
 
 from ..display import Table
+from .buckling import Buckling
 from .cuts import SectionForces, Sections
 from .files import Append
 from .modes import Modes
@@ -13,6 +14,7 @@ from .tractions import ContactReport, Tractions
 
 __all__ = [
     "Append",
+    "Buckling",
     "ContactReport",
     "Envelope",
     "History",

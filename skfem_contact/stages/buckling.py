@@ -1,4 +1,4 @@
-"""Buckling of members at the end of a stage: how near their thrusts are to it."""
+"""Buckling of members: its loads, and how near the thrusts of a stage are to them."""
 
 from __future__ import annotations
 
@@ -7,24 +7,33 @@ from operator import add
 
 import numpy as np
 from numpy import ndarray
+from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ..errors import NotConverged, Remark
 from ..forms.roles import Slender, having
 from ..nonlinear.system import System
+from ..results import buckling as results
+from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem, Solve
 from ..sparse import scattered
+from .setup import Setup
 
 #: Vectors of the Krylov space: the first mode of a column needs 4, of a frame of ten members 8.
 _VECTORS = 12
 #: Share of the largest energy of a vector below which it depends on the others.
 _DEPENDENT = 1e-12
+#: Up to so many free dofs the problem is solved as a full one.
+_FEW = 300
+#: Share of the largest eigenvalue below which it is round-off of members without thrust.
+_NO_THRUST = 1e-10
 #: Share of the buckling load from which second-order effects are reported.
 _TOLD = 0.1
 
 
-def buckling(system: System, last: StageResult) -> tuple[str, Remark] | None:
+def remark_on(system: System, last: StageResult) -> tuple[str, Remark] | None:
     """Return the form whose thrust is nearest to buckling, and a remark, or None.
 
     The structure buckles under the thrust over mu, the largest eigenvalue of G v = mu K v with its
@@ -32,12 +41,7 @@ def buckling(system: System, last: StageResult) -> tuple[str, Remark] | None:
     about 1 / (1 - mu).
     """
     # Stiffness that thrusts take away: (K - a G) mode = 0 at buckling.
-    lost = {}
-    for name, form in having(system.forms, Slender).items():
-        found = form.lost_by_thrust(last.states[name])
-        if found is not None:
-            dofs, matrix = found
-            lost[name] = scattered(matrix, dofs, system.size)
+    lost = _lost(system, last, _TOLD)
     if not lost:
         return None
     G = reduce(add, lost.values())
@@ -61,8 +65,83 @@ def buckling(system: System, last: StageResult) -> tuple[str, Remark] | None:
         )
     else:
         text = f"its thrust is {share:.3g} times the load at which the structure buckles"
-    advice = "; hold the member, stiffen it, or check it by a theory of second order"
+    advice = (
+        "; hold the member or stiffen it; in the plane kinematics='finite' counts these moments"
+    )
     return name, Remark("buckling", share, text + advice)
+
+
+def buckling(setup: Setup, n: int, *, start: Result | StageResult) -> results.Buckling:
+    """Return the loads at which a structure buckles, and its modes.
+
+    The thrusts of the start grow by one factor; its tangent stays: small strains, displacements
+    before buckling that are small, closed contact that stays closed. A beam with
+    ``kinematics="finite"`` follows the path itself, which imperfections change.
+
+    Parameters
+    ----------
+    n
+        Number of modes.
+    start
+        Result, or one of its stages, with the thrusts.
+
+    Raises
+    ------
+    ValueError
+        Fewer modes, no thrust, finite kinematics, or a tangent that is not symmetric.
+
+    Examples
+    --------
+    See :class:`~skfem_contact.results.Buckling`.
+    """
+    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
+        raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
+    setup.refuse_finite("buckling loads are of small kinematics: finite ones follow the path")
+    last = start[-1] if isinstance(start, Result) else start
+    setup = setup.after(last)
+    forms = {name: setup.forms[name] for name in last.states}
+    system = setup.system(forms, np.union1d(setup.fixed, setup.inactive(forms)))
+
+    # Stiffness of the start, and what its thrusts take away
+    lost = _lost(system, last, 0.0)
+    if not lost:
+        raise ValueError("no beam has a thrust at the start: nothing buckles")
+    K = system.tangent(system.evaluate(last.x, last.states, last.load))
+    K, G = (matrix[system.free][:, system.free] for matrix in (K, reduce(add, lost.values())))
+    if abs(K - K.T).max() > 1e-9 * abs(K).max():
+        raise ValueError("the tangent is not symmetric: contact slides or soil flows at the start")
+    shares, modes = _modes(csr_matrix(K), csr_matrix(G), int(n))
+    thrust = shares > _NO_THRUST * shares[0]
+    if not thrust.all():
+        raise ValueError(f"there are {int(thrust.sum())} modes with a thrust, not {n}")
+    shapes = np.zeros((system.size, n))
+    shapes[system.free] = modes
+    largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(n)]
+    return results.Buckling(1.0 / shares, shapes / largest, last)
+
+
+def _lost(system: System, last: StageResult, share: float) -> dict[str, csr_matrix]:
+    """Return the stiffness, (N, N), that the thrusts of each form take away."""
+    lost = {}
+    for name, form in having(system.forms, Slender).items():
+        found = form.lost_by_thrust(last.states[name], share)
+        if found is not None:
+            dofs, matrix = found
+            lost[name] = scattered(matrix, dofs, system.size)
+    return lost
+
+
+def _modes(K: csr_matrix, G: csr_matrix, n: int) -> tuple[ndarray, ndarray]:
+    """Return the n largest mu of G v = mu K v, descending, and their vectors."""
+    size = K.shape[0]
+    if size <= max(_FEW, 4 * n):
+        shares, modes = eigh(G.toarray(), K.toarray())
+    else:
+        inverse = LinearOperator(K.shape, matvec=splu(K.tocsc()).solve)
+        begin = G @ np.cos(np.arange(size) ** 2.0)
+        shares, modes = eigsh(G, n, K, Minv=inverse, which="LA", v0=begin)
+    order = np.argsort(shares)[::-1][:n]
+    return shares[order], modes[:, order]
 
 
 def _first_mode(solve: Solve, G: csr_matrix) -> tuple[float, ndarray]:

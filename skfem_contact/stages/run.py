@@ -27,7 +27,7 @@ from ..results.stage import StageResult, undeformed
 from ..results.strength import undrained_friction
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
-from .buckling import buckling
+from .buckling import remark_on
 from .creep import creep_errors
 from .energies import INERTIA, Log
 from .in_time import InTime, first_motion, steps_of
@@ -345,7 +345,7 @@ class _Follower:
         """Return a remark on thrusts near buckling at the end of the last stage, with its form."""
         if self._system is None:
             return None
-        return buckling(self._system, last)
+        return remark_on(self._system, last)
 
     def _followed(
         self, increments: Iterator[StageResult], stage: Stage, last: StageResult
