@@ -2,10 +2,10 @@ r"""
 Natural frequencies of an embankment dam
 ========================================
 
-A dam of height H and shear wave velocity c vibrates across its axis. Taken as a truncated wedge that
-deforms in shear alone, with the same motion on every level (as in G. Gazetas 1982, Int. J. Numer.
-Anal. Meth. Geomech. 6, 219), it has frequencies in closed form. With a crest of :math:`\lambda`
-times the width of the base
+A dam of height H and shear wave velocity c vibrates across its axis. Taken as a truncated wedge
+that deforms in shear alone, with the same motion on every level (as in G. Gazetas 1982, Int. J.
+Numer. Anal. Meth. Geomech. 6, 219), it has frequencies in closed form. With a crest of
+:math:`\lambda` times the width of the base
 
 .. math:: f_k = \frac{(1 - \lambda)\, \beta_k\, c}{2 \pi H}, \qquad
    J_0(\beta) Y_1(\lambda \beta) = Y_0(\beta) J_1(\lambda \beta) ,
