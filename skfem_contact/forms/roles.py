@@ -492,6 +492,23 @@ class Wet:
         """Return remarks on the accepted states of other forms."""
         return ()
 
+    def with_inertia(self: Self, rho_inf: float, density: ndarray) -> tuple[Self, float]:
+        """Return the form in a stage with inertia, and the time in which its water speeds up.
+
+        Parameters
+        ----------
+        rho_inf
+            Share of the amplitude of the highest frequencies that a step leaves.
+        density
+            Density of the ground by elements of the mesh, (n_elements,).
+
+        Raises
+        ------
+        ValueError
+            Water that inertia is not supported with.
+        """
+        raise ValueError("inertia is not supported with this water")
+
 
 class Absorbing:
     """Boundaries in motion: masses and viscosity beside those of bodies.

@@ -60,7 +60,7 @@ _BEFORE = ("x before", "load before")
 #: facet.
 _FREE = {"internal", "position", "stick_point", "gap", "clearance", "cuts"}
 #: Parts of states, with defaults, that older files lack.
-_ADDED = {"rounded"}
+_ADDED = {"rate", "rounded"}
 #: First bytes of a file of records.
 _MAGIC = b"skfem-contact records\n"
 #: Length and checksum before each record.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..dynamics.scheme import Motion
-from ..forms.roles import Dissipating, Touching, having
+from ..forms.roles import Dissipating, Touching, Wet, having
 from ..nonlinear.system import System
 
 #: Name of the form of inertia in the system of a stage; results have its forces as `inertial`.
@@ -46,6 +46,7 @@ class Log:
 
     def __init__(self, system: System, in_time: Any, states: Mapping[str, Any]) -> None:
         self._pairs = set(having(system.forms, Touching))
+        self._wet = set(having(system.forms, Wet))
         # Forms that never change do not dissipate.
         self._dissipating: dict[str, Any] = {}
         for name, form in having(system.forms, Dissipating).items():
@@ -60,7 +61,8 @@ class Log:
         self._motions: list[ndarray] = []
         self._base: list[ndarray] = []
         self._began = 0.0
-        self._elastic = self._plastic = self._friction = self._work = 0.0
+        self._elastic = self._plastic = self._friction = self._flow = self._work = 0.0
+        self._squares = np.zeros(2)
         self._last: _End | None = None
 
     def add(
@@ -86,7 +88,10 @@ class Log:
         self._last = now
         # Write the energies down.
         kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
-        dissipated = self._plastic, self._friction, motion.damped
+        if self._wet:
+            inertial = float(motion.acceleration @ (self._M @ motion.acceleration))
+            self._squares += (2.0 * kinetic, inertial)
+        dissipated = self._plastic, self._friction, motion.damped + self._flow
         self._rows.extend((time, kinetic, self._elastic, *dissipated, self._work))
         # Write the motions down.
         if self._points.size:
@@ -111,6 +116,8 @@ class Log:
             self._elastic += work - lost
             if name in self._pairs:
                 self._friction += lost
+            elif name in self._wet:
+                self._flow += lost
             else:
                 self._plastic += lost
         self._states = states
@@ -129,6 +136,14 @@ class Log:
     def _energies(self) -> ndarray:
         """Energies of all steps, (n, 7), for as long as none is added."""
         return np.frombuffer(self._rows).reshape(-1, _COLUMNS)
+
+    @property
+    def frequency(self) -> float:
+        """Angular frequency of motions with water, from squares of accelerations and velocities."""
+        moved, inertial = self._squares
+        if moved > 0.0:
+            return float(np.sqrt(inertial / moved))
+        return 0.0
 
     def gained(self) -> float:
         """Return the energy that comes from nowhere, as a share of the largest one."""

@@ -6,7 +6,7 @@ import logging
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -26,7 +26,7 @@ from ..dynamics.settings import Dynamic
 from ..dynamics.steps import Steps
 from ..errors import NotConverged, Remark
 from ..forms.base import Form, Response, responses_of, solids_of, summaries
-from ..forms.roles import Absorbing, Body, Touching, Wet, having
+from ..forms.roles import Absorbing, Body, Touching, having
 from ..layout import Layout, dofs_at
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
@@ -36,6 +36,7 @@ from ..results.motion import Counts, Lazy
 from ..results.stage import StageResult
 from ..sparse import padded
 from .energies import INERTIA, Log
+from .saturated import check_base, pores_in_motion
 from .setup import Setup
 from .stage import Stage
 
@@ -77,6 +78,10 @@ class InTime:
         True where the base moves rock below a viscous boundary.
     transit
         Time of a wave through an element.
+    wet
+        Forms of water in motion.
+    lag
+        Time in which their water speeds up.
     """
 
     settings: Dynamic
@@ -88,6 +93,8 @@ class InTime:
     base: tuple[tuple[int, Record, ndarray], ...] = ()
     of_rock: bool = False
     transit: float = np.inf
+    wet: Mapping[str, Form] = field(default_factory=dict)
+    lag: float = 0.0
 
     def with_base(self, load: ndarray, time: float) -> ndarray:
         """Return a load at a time, with the motion of the base, (N,)."""
@@ -121,7 +128,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
     assert settings is not None
     # Make the matrices and the motion of the base.
     try:
-        check_forms(forms)
+        check_materials(forms)
         g = setup.acceleration_of_gravity()
         _check_boundaries(forms, fixed, setup.layout)
         M, C = mass_and_damping(forms, setup.layout, settings, g)
@@ -129,6 +136,8 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
             raise ValueError("no form has a mass: give the solids their unit_weight")
         points = _points(forms, settings.points)
         base = _base(setup, stage, forms, settings, M)
+        wet, lag = pores_in_motion(forms, settings, g)
+        check_base(lag, [record for _, record, _ in base])
     except ValueError as error:
         raise ValueError(f"stage '{stage.name}': {error}") from None
     # Check the start, and choose the steps.
@@ -138,8 +147,19 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
     if settings.explicit:
         return InTime(settings, M, C, 0, 0.0, points, base, absolute)
     steps = settings.steps(stage.duration)
-    transit = _transit(forms, g)
-    return InTime(settings, M, C, steps, stage.duration / steps, points, base, absolute, transit)
+    return InTime(
+        settings,
+        M,
+        C,
+        steps=steps,
+        step=stage.duration / steps,
+        points=points,
+        base=base,
+        of_rock=absolute,
+        transit=_transit(forms, g),
+        wet=wet,
+        lag=lag,
+    )
 
 
 def _base(
@@ -223,14 +243,8 @@ def _check_boundaries(forms: Mapping[str, Form], fixed: ndarray, layout: Layout)
             )
 
 
-def check_forms(forms: Mapping[str, Form]) -> None:
-    """Refuse water that flows, and materials that creep."""
-    wet = list(having(forms, Wet))
-    if wet:
-        raise ValueError(
-            f"inertia and water that flows are not supported together: deactivate {wet}; Undrained "
-            "soil stands for saturated ground that shakes quickly"
-        )
+def check_materials(forms: Mapping[str, Form]) -> None:
+    """Refuse materials that creep."""
     for name, form in solids_of(forms).items():
         for region, material in form.materials.items():
             if material.time_dependent:

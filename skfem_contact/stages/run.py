@@ -32,6 +32,7 @@ from .creep import creep_errors
 from .energies import INERTIA, Log
 from .in_time import InTime, first_motion, steps_of
 from .plan import Phase, plan, timeless
+from .saturated import remark_on_motion
 from .setup import Setup
 from .stage import Stage, checked
 
@@ -296,6 +297,7 @@ class _Follower:
             forms[name] = form.in_motion()
             states[name] = form.begun(last.states, states[name])
         last = replace(last, states=states)
+        forms.update(in_time.wet)
         forms[INERTIA] = in_time.form()
         system = self._setup.system(forms, phase.fixed)
         self._system = None
@@ -337,6 +339,9 @@ class _Follower:
                 f"stage '{stage.name}': {abs(share):.0%} of the energy is {what}: shorten the "
                 "steps, or take rho_inf nearer to 1"
             )
+        text = remark_on_motion(log.frequency, in_time.lag)
+        if text:
+            warn(f"stage '{stage.name}': {text}")
         rest = remaining if remaining.any() else None
         summary = {**last.summary, "motion": log.summary()}
         return replace(last, unreleased=rest, series=log.series(), summary=summary)

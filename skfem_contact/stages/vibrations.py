@@ -12,11 +12,12 @@ from ..dynamics.mass import mass_and_damping, translation
 from ..dynamics.modes import modes_of
 from ..dynamics.settings import Dynamic
 from ..forms.base import responses_of
+from ..forms.roles import Wet, having
 from ..results import modes as results
 from ..results.result import Result
 from ..results.stage import StageResult, undeformed
 from ..sparse import Total
-from .in_time import check_forms
+from .in_time import check_materials
 from .setup import Setup
 
 #: Kinds of masses.
@@ -76,7 +77,13 @@ def modes(
             layout=setup.layout,
         )
     forms = {name: setup.forms[name] for name in last.states}
-    check_forms(forms)
+    wet = list(having(forms, Wet))
+    if wet:
+        raise ValueError(
+            f"modes are those of ground whose water does not flow: deactivate {wet}, and give the "
+            "soil an Undrained material"
+        )
+    check_materials(forms)
     settings = Dynamic(1.0, mass=mass, contact_mass="kept")
     M, _ = mass_and_damping(forms, setup.layout, settings, setup.acceleration_of_gravity())
     if M.nnz == 0:

@@ -16,7 +16,7 @@ from typing_extensions import override
 from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
 from ..forms.base import Form, Outputs, Response
-from ..forms.roles import Couples, Staged, Timed, Wet
+from ..forms.roles import Couples, Dissipating, Staged, Timed, Wet
 from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..loads import weight_of_water
 from ..sparse import constant, with_data
@@ -24,6 +24,7 @@ from .boundary import Given, exchange, nodes_on, values_at
 from .conductivity import Conductivity, Permeability
 from .darcy import Tensor, laws_with_content, permeability_tensors, regions
 from .drainage import check_step, check_units, pulled
+from .flow_scheme import FlowScheme
 from .moisture import Moisture
 from .pore_storage import FullPores, PartlyFilledPores, Storage
 from .porous import CompactedState, PoreState, Porous
@@ -39,7 +40,7 @@ PRESSURE = "pore pressure"
 _FLOWING = 1e-6
 
 
-class PoreWater(Form, Couples, Staged, Timed, Wet):
+class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
     r"""Water in the pores of ground, which consolidates by Darcy's law.
 
     The form goes with solids, whose stresses are effective. With the excess pore pressure p,
@@ -107,6 +108,10 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
     stabilised: changes of pressure that differ from their mean over an element store water, 1 / 2G
     a unit (P. B. Bochev and C. R. Dohrmann 2006).
 
+    In stages with ``dynamic`` the solids have the unit weight of saturated ground, and the water
+    flows by Darcy's law without inertia of its own. That needs ``omega k rho / gamma_w`` below 0.1,
+    with the density rho of the ground and the angular frequency of the motion.
+
     With a retention the load contains the weight of the water at the start, and its pressures:
     ``water_load(basis, water.initial)`` of the form of a model. The flow is then the whole one, not
     the flow by the excess alone.
@@ -162,6 +167,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
     _duration: float | None = None
     _step: csr_matrix
     _steps: dict[float, PoreWater]
+    _scheme: FlowScheme = FlowScheme()
 
     def __init__(
         self,
@@ -477,7 +483,8 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
             new._duration = duration
             if isinstance(self.storage, FullPores) and self.conductivity.linear:
                 kept = self.storage.matrix
-                data = kept.data + duration * self.conductivity.saturated.data
+                flowing = self._scheme.implicit(duration)
+                data = kept.data + flowing * self.conductivity.saturated.data
                 new._step = constant(with_data(kept, data))
             self._steps.clear()
             self._steps[duration] = new
@@ -517,9 +524,13 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
             changed["strain"] = strain
         # Balance stored and leaving water at the nodes.
         water = self.storage.held(x)
-        leaving = duration * self.conductivity.leaving(pressure, strain)
+        leaving = self.conductivity.leaving(pressure, strain)
+        before = leaving
+        if self._scheme.gamma < 1.0:
+            before = self.conductivity.leaving(state.pressure, strain)
+        left, rate = self._scheme.step(duration, state.rate, before, leaving)
         gained = state.stored - water.volume
-        entering = gained - leaving
+        entering = gained - left
         # Measure round-off by the water that nodes store and that flows in and out.
         through = _FLOWING * duration * self.conductivity.gross(self.start + pressure)
         round_off = duration * self.conductivity.round_off(pressure)
@@ -531,6 +542,7 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
                 stored=water.volume,
                 entered=state.entered - entering,
                 pressure=pressure,
+                rate=rate,
                 **changed,
             )
 
@@ -575,6 +587,25 @@ class PoreWater(Form, Couples, Staged, Timed, Wet):
             middle.pressure, after.pressure, _strain_of(middle), _strain_of(after)
         )
         return 0.5 * self._duration * change / self._time_error, max(flowed, *movable)
+
+    @override
+    def with_inertia(self, rho_inf: float, density: ndarray) -> tuple[PoreWater, float]:
+        if not self.conductivity.linear:
+            raise ValueError(
+                "inertia needs saturated ground of constant permeability, without `retention` and "
+                "without Permeability(change=...)"
+            )
+        new = copy(self)
+        new._steps = {}
+        new._scheme = FlowScheme.of(rho_inf)
+        mobility = np.linalg.eigvalsh(self.mobility)[:, -1]
+        return new, float((mobility * density[self.elements]).max())
+
+    @override
+    def dissipated(self, before: PoreState, after: PoreState, work: float) -> float:
+        # What water neither stores nor takes along through boundaries is lost in its flow.
+        mean = 0.5 * (before.pressure + after.pressure)
+        return -float(mean @ (after.stored - before.stored))
 
     @override
     def rebased(self, x: ndarray, state: PoreState) -> PoreState:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -203,12 +203,19 @@ class PoreState:
         begins.
     pressure
         Excess pore pressure, positive in compression.
+    rate
+        Water that flows to the nodes in a unit of time; by default zero.
     """
 
     stored: ndarray
     first: ndarray
     entered: ndarray
     pressure: ndarray
+    rate: ndarray = field(default_factory=lambda: np.zeros(0), kw_only=True)
+
+    def __post_init__(self) -> None:
+        if len(self.rate) != len(self.stored):
+            object.__setattr__(self, "rate", np.zeros_like(self.stored))
 
 
 @dataclass(frozen=True)

@@ -144,3 +144,15 @@ def test_mast_of_beams():
         found.history((0.0, 10.0))
     tip = found.x[: 2 * len(nodes) * 2 : 2].min()
     assert tip == pytest.approx(-2.0 * 0.8 * 0.5 * 10.0**4 / (8.0 * 2e4), rel=0.03)
+
+
+def test_no_modes_of_water():
+    """[X] Water that flows has no modes: it is refused by name."""
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()))
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0), unit_weight=20.0),
+        "water": sc.PoreWater(basis, 1e-3, unit_weight=10.0),
+    }
+    model = sc.Model(forms, basis.get_dofs("bottom").all(), gravity_acceleration=9.81)
+    with pytest.raises(ValueError, match=r"water does not flow: deactivate \['water'\]"):
+        model.modes(1)

@@ -244,7 +244,7 @@ def test_bad_input_of_stages():
 
 
 def test_bad_forms():
-    """[X] Solids without density, soil that creeps and water that flows are refused by name."""
+    """[X] Solids without density and soil that creeps are refused by name."""
 
     def light(basis):
         return {"solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0))}
@@ -257,14 +257,9 @@ def test_bad_forms():
         clay = sc.SoftSoilCreep(0.02, 0.1, 1.2, 0.25, 100.0, mu=4e-3, tau=1.0)
         return {"clay": sc.SolidForm(basis, clay, unit_weight=16.0)}
 
-    def wet(basis):
-        soil = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0), unit_weight=20.0)
-        return {"soil": soil, "water": sc.PoreWater(basis, 1e-3, unit_weight=10.0)}
-
     refused("'solid' has no unit_weight, from which its mass follows", light)
     refused("no form has a mass", weightless)
     refused("creeps .SoftSoilCreep., which inertia is not", creeping)
-    refused("inertia and water that flows are not supported together", wet)
 
 
 def test_searches_start_from_rest():
