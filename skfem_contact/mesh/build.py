@@ -46,18 +46,23 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
     # Number the nodes by scikit-fem, and tag elements and sides
     mesh, node = _bare_mesh(content, kind)
     content.cells[kind] = content.cells[kind][:1].copy()  # one for its kind: the mesh has them all
-    subdomains = {}
-    for name, group in content.groups.items():
-        if kind in group and len(group[kind]):
-            group[kind] = group[kind].astype(np.int32, copy=False)
-            subdomains[name] = group[kind]
     sides = _boundaries(content, mesh, node)
     _tell_left_out(content)
     # No tags are None
-    mesh._subdomains = subdomains or None
+    mesh._subdomains = _subdomains(content, kind) or None
     if sides:
         mesh._boundaries = Boundaries.of(mesh, sides)
     return mesh
+
+
+def _subdomains(content: Content, kind: str) -> dict[str, Integers]:
+    """Return the elements of all groups of bodies."""
+    subdomains: dict[str, Integers] = {}
+    for name, group in content.groups.items():
+        members = group.get(kind)
+        if members is not None and len(members):
+            subdomains[name] = members.astype(np.int32, copy=False)
+    return subdomains
 
 
 def _lay_flat(content: Content, plane: str) -> None:
@@ -72,7 +77,9 @@ def _lay_flat(content: Content, plane: str) -> None:
         flat = [
             name for name, kept in _AXES.items() if extent[3 - sum(kept)] <= _FLAT * extent.max()
         ]
-        remedy = f": pass plane='{flat[0]}'" if flat else ": rotate it"
+        remedy = ": rotate it, or add the volumes, if it is the surface of a body"
+        if flat:
+            remedy = f": pass plane='{flat[0]}'"
         raise ValueError(f"the mesh does not lie in the {plane[0]}-{plane[1]} plane{remedy}")
     height = np.zeros(len(content.points))
     content.points = np.column_stack((content.points[:, axes], height))

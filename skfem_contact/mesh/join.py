@@ -61,9 +61,7 @@ def join_bodies(
     -------
     Mesh
         New mesh, with its nodes numbered body by body.  ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and
-        ``remove_duplicate_nodes`` would weld coincident nodes.  Save it with :func:`save_mesh`, or
-        load scikit-fem's files with :func:`load_mesh`: ``Mesh.load`` cuts names at their first
-        colon.
+        ``remove_duplicate_nodes`` would weld coincident nodes.
 
     Raises
     ------
@@ -71,8 +69,15 @@ def join_bodies(
         If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist,
         an element belongs to no body or to two, or a name is not unique.
 
+    Warnings
+    --------
+    Save the mesh with :func:`save_mesh` and load it with :func:`load_mesh`, also from files of
+    ``Mesh.save``.  ``Mesh.load`` cuts names at their first colon, so that ``"a:left"`` and
+    ``"a:top"`` become one boundary ``"a"``, without a message.
+
     See Also
     --------
+    save_mesh : Save the mesh with all names.
     load_mesh : Load the mesh of a file with all names.
 
     Examples

@@ -546,6 +546,26 @@ def test_instances_of_a_deck(tmp_path):
     np.testing.assert_allclose(np.sort(middles, axis=1), [[0.5, 2.0], [0.5, 1.0]], atol=1e-12)
 
 
+def test_internal_sets_of_surfaces_are_no_names(tmp_path):
+    """[X] Abaqus/CAE writes the elements of a surface as a set that nobody named."""
+    file = tmp_path / "deck.inp"
+    surface = (
+        "*Elset, elset=_Top_S3, internal, instance=Left\n7,\n"
+        "*Surface, type=ELEMENT, name=Roof\n_Top_S3, S3\n*End Assembly"
+    )
+    assert "*End Assembly" in DECK
+    file.write_text(DECK.replace("*End Assembly", surface, 1))
+    mesh = load_mesh(file)
+    assert side_of(mesh, "Roof") == pytest.approx(1.0)
+    assert not [name for name in mesh.subdomains if "_Top_S3" in name]
+    # Likewise in a part, whose sets have the name of the instance before them
+    inside = "*Elset, elset=_E_S1, internal\n7,\n*Surface, name=Under\n_E_S1, S1\n*End Part"
+    file.write_text(DECK.replace("*End Part", inside, 1))
+    mesh = load_mesh(file)
+    assert side_of(mesh, "Under") == pytest.approx(2.0)
+    assert not [name for name in mesh.subdomains if "_E_S1" in name]
+
+
 PIECES = """*NODE, NSET=NALL
 1, 0, 0, 0
 2, 1, 0, 0
@@ -616,6 +636,48 @@ def test_bulk_data_of_nastran(tmp_path):
     file.write_text(BULK.replace("GRID,2,,", "GRID,2,5,"))
     with pytest.raises(ValueError, match="coordinates of the system 5"):
         load_mesh(file)
+
+
+def test_second_order_of_gmsh_in_bulk_data(tmp_path, model):
+    """[X] CHEXA of 27 nodes, and CQUAD9 as lines of their own, are not of Nastran."""
+    box = gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    gmsh.model.occ.synchronize()
+    gmsh.model.addPhysicalGroup(3, [box])
+    gmsh.model.addPhysicalGroup(2, [1])
+    gmsh.model.mesh.setTransfiniteAutomatic()
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.setOrder(2)
+    file = str(tmp_path / "bulk.bdf")
+    gmsh.write(file)
+    with pytest.raises(ValueError, match=r"has more than 20 nodes.*SecondOrderIncomplete = 1"):
+        load_mesh(file)
+    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 1)
+    gmsh.model.mesh.setOrder(1)
+    gmsh.model.mesh.setOrder(2)
+    gmsh.write(file)
+    mesh = load_mesh(file)
+    assert size_of(mesh, "property 1") == pytest.approx(1.0)
+    text = (tmp_path / "bulk.bdf").read_text().replace("CQUAD8 ", "CQUAD9 ")
+    (tmp_path / "bulk.bdf").write_text(text)
+    with pytest.warns(sc.AnalysisWarning, match=r"left out of the mesh.* elements CQUAD9"):
+        assert load_mesh(file).boundaries is None
+
+
+def test_regions_of_gmsh_in_files_of_vtk(tmp_path, model):
+    """[X] Gmsh writes the numbers of groups as data of cells in one column."""
+    gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+    gmsh.model.occ.addRectangle(1, 0, 0, 2, 1)
+    gmsh.model.occ.fragment([(2, 1)], [(2, 2)])
+    gmsh.model.occ.synchronize()
+    for dim, entity in (*gmsh.model.getEntities(2), *gmsh.model.getEntities(1)):
+        gmsh.model.addPhysicalGroup(dim, [entity])
+    gmsh.model.mesh.generate(2)
+    gmsh.write(str(tmp_path / "mesh.vtk"))
+    mesh = load_mesh(tmp_path / "mesh.vtk")
+    sizes = sorted(size_of(mesh, name) for name in mesh.subdomains)
+    np.testing.assert_allclose(sizes, [1.0, 2.0])
+    assert len(mesh.boundaries) == 7
+    assert all(name.startswith("CellEntityIds ") for name in mesh.boundaries)
 
 
 @pytest.mark.parametrize("corners", [True, False])

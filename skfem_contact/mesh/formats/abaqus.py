@@ -88,6 +88,7 @@ class _Part:
     node_sets: dict[str, list[Integers]] = field(default_factory=dict)
     element_sets: dict[str, list[Integers]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    internal: set[str] = field(default_factory=set)
     spelled: dict[str, str] = field(default_factory=dict)
 
     def key(self, name: str) -> str:
@@ -95,6 +96,13 @@ class _Part:
         name = name.strip().strip('"')
         self.spelled.setdefault(name.upper(), name)
         return name.upper()
+
+    def named(self, sets: Mapping[str, list[Integers]]) -> Iterator[tuple[str, Integers]]:
+        """Yield names and members of sets, without empty ones and internal ones of Abaqus."""
+        for key, parts in sets.items():
+            members = np.unique(np.concatenate([np.zeros(0, int), *parts]))
+            if len(members) and key not in self.internal:
+                yield self.spelled[key], members
 
     def coordinates(self) -> tuple[Integers, Floats]:
         """Return the numbers of the nodes and their coordinates."""
@@ -243,6 +251,7 @@ def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
             moved = [numbers + shift for numbers in members]
             known.setdefault(whole.key(part.spelled[key]), []).extend(moved)
             known.setdefault(whole.key(f"{name}.{part.spelled[key]}"), []).extend(moved)
+    whole.internal |= part.internal | {f"{name}.{key}".upper() for key in part.internal}
     # Surfaces refer to moved elements, or to sets of the instance.
     for key, lines in part.surfaces.items():
         moved_lines = []
@@ -268,7 +277,11 @@ def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Par
             sets = part.node_sets
         shift = instances.get(options.get("INSTANCE", "").strip('"').upper(), (0, part))[0]
         members = _members(sets, part, card, shift)
-        sets.setdefault(part.key(options.get(card.keyword, "")), []).append(members)
+        key = part.key(options.get(card.keyword, ""))
+        sets.setdefault(key, []).append(members)
+        # Sets that Abaqus makes for its surfaces have no name of their own.
+        if card.flag("INTERNAL"):
+            part.internal.add(key)
     elif card.keyword == "SURFACE":
         _read_surface(part, card)
 
@@ -332,33 +345,37 @@ def _kind_of(name: str) -> tuple[str, int]:
 
 def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift: int) -> Integers:
     """Return the numbers of a set, which may name other sets, or steps of a sequence."""
-    # Count from a first to a last number by steps.
     if card.flag("GENERATE"):
-        found = []
-        for line in card.data.split(b"\n"):
-            bounds = [int(word) for word in line.replace(b",", b" ").split()]
-            if bounds:
-                first, last, *step = bounds
-                if last - first > _MOST:
-                    raise ValueError(f"a set counts from {first} to {last}: these are too many")
-                found.append(np.arange(first, last + 1, *step[:1]))
-        if found:
-            return shift + np.concatenate(found)
-        return np.zeros(0, int)
+        return shift + _generated(card.data)
     # Most sets have numbers alone.
     if not re.search(rb"[A-Za-z_]", card.data):
         return shift + np.asarray(parsed(card.data, "the set", np.int64, commas=True))
     # Other sets may be among the members.
     words = [word.strip() for word in re.split(rb"[,\n]", card.data) if word.strip()]
-    numbers = [int(word) for word in words if word.lstrip(b"-").isdigit()]
-    parts = [np.array(numbers, dtype=int) + shift]
+    parts = [np.zeros(0, int)]
     for word in words:
-        if not word.lstrip(b"-").isdigit():
-            other = part.key(word.decode("utf-8", "replace"))
-            if other not in sets:
-                raise ValueError(f"the set '{part.spelled[other]}' does not exist")
-            parts += sets[other]
+        if word.lstrip(b"-").isdigit():
+            parts.append(np.array([int(word) + shift]))
+            continue
+        other = part.key(word.decode("utf-8", "replace"))
+        if other not in sets:
+            raise ValueError(f"the set '{part.spelled[other]}' does not exist")
+        parts += sets[other]
     return np.concatenate(parts)
+
+
+def _generated(data: bytes) -> Integers:
+    """Return the numbers of lines "first, last, step"."""
+    found = [np.zeros(0, int)]
+    for line in data.replace(b",", b" ").split(b"\n"):
+        bounds = [int(word) for word in line.split()]
+        if not bounds:
+            continue
+        first, last, *step = bounds
+        if last - first > _MOST:
+            raise ValueError(f"a set counts from {first} to {last}: these are too many")
+        found.append(np.arange(first, last + 1, *step[:1]))
+    return np.concatenate(found)
 
 
 def _read_surface(part: _Part, card: _Card) -> None:
@@ -381,26 +398,22 @@ def _content(whole: _Part) -> Content:
     """Return the content of the whole file with its groups."""
     ids, points = whole.coordinates()
     content = Content(points, {})
+    cells: dict[str, list[Integers]] = {}
     place: dict[str, list[Integers]] = {}
+    # Join the elements of each kind.
     for kind, numbers, nodes in whole.elements:
-        if kind not in content.cells:
-            content.cells[kind] = np.zeros((0, nodes.shape[1]), int)
-        known = content.cells[kind]
-        content.cells[kind] = np.concatenate((known, numbers_of(ids, nodes, "node")))
+        cells.setdefault(kind, []).append(numbers_of(ids, nodes, "node"))
         place.setdefault(kind, []).append(numbers)
+    content.cells = {kind: np.concatenate(parts) for kind, parts in cells.items()}
     numbers_by_kind = {kind: np.concatenate(parts) for kind, parts in place.items()}
-
-    # Name sets of elements and of nodes as they are spelled
-    for key, members in whole.element_sets.items():
-        wanted = np.unique(np.concatenate(members)) if members else np.zeros(0, int)
+    # Name sets of elements and of nodes as they are spelled, then surfaces.
+    for name, members in whole.named(whole.element_sets):
         for kind, numbers in numbers_by_kind.items():
-            found = np.flatnonzero(np.isin(numbers, wanted))
+            found = np.flatnonzero(np.isin(numbers, members))
             if len(found):
-                content.add(whole.spelled[key], kind, found)
-    for key, members in whole.node_sets.items():
-        wanted = np.unique(np.concatenate(members)) if members else np.zeros(0, int)
-        if len(wanted):
-            content.node_groups[whole.spelled[key]] = numbers_of(ids, wanted, "node")
+                content.add(name, kind, found)
+    for name, members in whole.named(whole.node_sets):
+        content.node_groups[name] = numbers_of(ids, members, "node")
     for key, lines in whole.surfaces.items():
         for face, behind in _members_by_face(whole, whole.spelled[key], lines).items():
             _add_face(content, numbers_by_kind, ids, whole.spelled[key], face, behind)

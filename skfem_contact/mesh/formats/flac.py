@@ -20,6 +20,8 @@ _ZONES = {
     b"Q4": ("quad", [0, 1, 2, 3]),
     b"T3": ("triangle", [0, 1, 2]),
 }
+#: Numbers of a group on one line.
+_ON_A_LINE = 12
 
 
 def read(path: str) -> Content:
@@ -155,7 +157,16 @@ def write(content: Content, path: str) -> None:
         for nodes in (cells[:, np.argsort(order)] + 1).tolist():
             lines.append(f"{letter} {word} {counts[letter]} {' '.join(map(str, nodes))}")
             counts[letter] += 1
-    # A zone is in one group of each slot.
+    lines += _group_lines(content, first)
+    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _group_lines(content: Content, first: dict[str, tuple[str, int]]) -> list[str]:
+    """Return the lines of all groups, by the letter and the first number of each kind.
+
+    A zone is in one group of each slot.
+    """
+    lines = []
     taken: dict[str, list[Integers]] = {"Z": [], "F": []}
     for name, group in content.groups.items():
         for kind, members in group.items():
@@ -163,9 +174,9 @@ def write(content: Content, path: str) -> None:
             slot = _free_slot(taken[letter], members + number)
             lines.append(f'{letter}GROUP "{name}" SLOT {slot}')
             ids = (members + number).tolist()
-            for start in range(0, len(ids), 12):
-                lines.append(" ".join(map(str, ids[start : start + 12])))
-    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+            for start in range(0, len(ids), _ON_A_LINE):
+                lines.append(" ".join(map(str, ids[start : start + _ON_A_LINE])))
+    return lines
 
 
 def _free_slot(taken: list[Integers], members: Integers) -> int:

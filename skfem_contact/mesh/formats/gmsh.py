@@ -419,11 +419,15 @@ def _element_data(data: mmap.mmap, is_text: bool) -> dict[str, Integers]:
     return found
 
 
+#: Kind, numbers of groups, and nodes of the elements of an entity.
+_Entity = tuple[str, tuple[int, ...], Integers]
+
+
 def write(content: Content, path: str) -> None:
     """Write a text of format 4.1, with an entity for every combination of groups."""
     check_names(content, '"', "Gmsh's files")
     names: dict[tuple[int, str], int] = {}
-    entities: dict[int, list[tuple[str, tuple[int, ...], Integers]]] = {0: [], 1: [], 2: [], 3: []}
+    entities: dict[int, list[_Entity]] = {0: [], 1: [], 2: [], 3: []}
     for kind, cells in content.cells.items():
         dim = KINDS[kind].dim
         nodes = from_vtk(cells, _ORDER.get(kind)) + 1
@@ -447,16 +451,20 @@ def write(content: Content, path: str) -> None:
     lines += ["$EndEntities", "$Nodes", f"1 {count} 1 {count}", f"{content.dim} 1 0 {count}"]
     lines += [*map(str, range(1, count + 1))]
     lines += [" ".join(map(repr, x)) for x in content.points.tolist()]
-    total = sum(len(cells) for cells in content.cells.values())
-    n_blocks = sum(map(len, entities.values()))
-    lines += ["$EndNodes", "$Elements", f"{n_blocks} {total} 1 {total}"]
-    element = 1
+    lines += ["$EndNodes", "$Elements", *_element_lines(entities), "$EndElements", ""]
+    Path(path).write_text("\n".join(lines), encoding="utf-8")
+
+
+def _element_lines(entities: Mapping[int, list[_Entity]]) -> list[str]:
+    """Return the lines of the elements of all entities, numbered from one."""
+    lines = []
+    first = 1
     numbers = {kind: number for number, kind in _KINDS.items()}
     for dim, parts in entities.items():
-        for number, (kind, _, nodes) in enumerate(parts, start=1):
-            lines.append(f"{dim} {number} {numbers[kind]} {len(nodes)}")
-            ids = element + np.arange(len(nodes))
+        for entity, (kind, _, nodes) in enumerate(parts, start=1):
+            lines.append(f"{dim} {entity} {numbers[kind]} {len(nodes)}")
+            ids = first + np.arange(len(nodes))
             lines.append(table_text(np.column_stack((ids, nodes))).rstrip())
-            element += len(nodes)
-    lines += ["$EndElements", ""]
-    Path(path).write_text("\n".join(lines), encoding="utf-8")
+            first += len(nodes)
+    n_blocks = sum(map(len, entities.values()))
+    return [f"{n_blocks} {first - 1} 1 {first - 1}", *lines]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..content import (
     Content,
     check_names,
     from_vtk,
+    members_by_tag,
     numbers_of,
     parsed,
     point_text,
@@ -26,6 +28,8 @@ _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
     "hexahedron27": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26],
 }
+#: Blocks of elements, whose numbers are counted apart.
+_TABLES = ("Elements", "Conditions", "Geometries")
 _BLOCK = re.compile(rb"^[ \t]*(Begin|End)[ \t]+(\w+)[ \t]*(.*)$", re.MULTILINE)
 
 
@@ -43,42 +47,47 @@ def read(path: str) -> Content:
     properties: dict[str, list[Integers]] = {}
     parts: list[tuple[str, str, Integers]] = []
     open_parts: list[str] = []
-    position = 0
-    while match := _BLOCK.search(text, position):
+    for word, name, body in _blocks(text):
         # Follow the beginning and the end of sub-model parts.
-        position = match.end()
-        word, name = match[2].decode(), match[3].decode("utf-8", "replace").strip()
-        if match[1] == b"End":
-            if word == "SubModelPart" and open_parts:
-                open_parts.pop()
-            continue
         if word == "SubModelPart":
             open_parts.append(name)
-            continue
-        # Take the text of any other block.
-        end = re.compile(rb"^[ \t]*End[ \t]+" + match[2] + rb"\b", re.MULTILINE).search(
-            text, position
-        )
-        if end is None:
-            raise ValueError(f"it is not complete: it ends within the block {word} {name}".rstrip())
-        body = text[position : end.start()]
-        position = end.end()
+        elif word == "End SubModelPart":
+            del open_parts[-1:]
         # Read nodes, elements, or members of sub-model parts.
-        if word == "Nodes":
+        elif word == "Nodes":
             table = rows(parsed(body, "the lines of Nodes"), 4, "Nodes")
             ids = np.concatenate((ids, whole(table[:, 0], "node")))
             content.points = np.concatenate((content.points, table[:, 1:]))
-        elif word in ("Elements", "Conditions", "Geometries"):
+        elif word in _TABLES:
             _read_elements(content, word, name, body, ids, numbers, properties)
-        elif word.startswith("SubModelPart") and open_parts:
-            what = word.removeprefix("SubModelPart")
-            if what in ("Nodes", "Elements", "Conditions", "Geometries"):
-                members = np.asarray(parsed(body, f"the lines of {word}", np.int64))
-                parts.append((".".join(open_parts), what, members))
+        elif word.removeprefix("SubModelPart") in ("Nodes", *_TABLES) and open_parts:
+            members = np.asarray(parsed(body, f"the lines of {word}", np.int64))
+            parts.append((".".join(open_parts), word.removeprefix("SubModelPart"), members))
     if open_parts:
         raise ValueError(f"it is not complete: it ends within the sub-model part {open_parts[-1]}")
     _name_parts(content, ids, parts, numbers, properties)
     return content
+
+
+def _blocks(text: bytes) -> Iterator[tuple[str, str, bytes]]:
+    """Yield the words, names and texts of blocks; sub-model parts begin and end without a text."""
+    position = 0
+    while match := _BLOCK.search(text, position):
+        position = match.end()
+        word, name = match[2].decode(), match[3].decode("utf-8", "replace").strip()
+        if match[1] == b"End":
+            yield f"End {word}", name, b""
+        elif word == "SubModelPart":
+            yield word, name, b""
+        else:
+            # Take the text up to the end of the block.
+            end = re.compile(rb"^[ \t]*End[ \t]+" + match[2] + rb"\b", re.M).search(text, position)
+            if end is None:
+                raise ValueError(
+                    f"it is not complete: it ends within the block {word} {name}".rstrip()
+                )
+            position = end.end()
+            yield word, name, text[match.end() : end.start()]
 
 
 def _read_elements(
@@ -107,7 +116,7 @@ def _read_elements(
     known = content.cells.get(kind)
     content.cells[kind] = nodes if known is None else np.concatenate((known, nodes))
     # Numbers of elements, conditions and geometries are counted apart
-    for other in ("Elements", "Conditions", "Geometries"):
+    for other in _TABLES:
         own = table[:, 0] if other == word else np.full(len(table), -1)
         numbers.setdefault(kind, {}).setdefault(other, []).append(own)
     tags = table[:, 1] if head == 2 and word == "Elements" else np.zeros(len(table), int)
@@ -147,30 +156,40 @@ def _name_parts(
     numbers: dict[str, dict[str, list[Integers]]],
     properties: dict[str, list[Integers]],
 ) -> None:
-    """Name elements by their sub-model parts, or by their properties if no part has elements."""
+    """Name elements by their sub-model parts, or by their properties if no part has bodies."""
     # Join the blocks of each kind.
     joined = {}
     for kind, kinds in numbers.items():
         joined[kind] = {word: np.concatenate(found) for word, found in kinds.items()}
-    with_sides = {name for name, what, members in parts if what != "Nodes" and len(members)}
     # Sub-model parts with elements need no nodes.
+    with_sides = {name for name, what, members in parts if what != "Nodes" and len(members)}
     for name, what, members in parts:
-        if what == "Nodes":
-            if name not in with_sides and len(members):
-                content.node_groups[name] = numbers_of(ids, members, "node")
-            continue
-        for kind, words in joined.items():
-            found = np.flatnonzero(np.isin(words[what], members))
-            if len(found):
-                content.add(name, kind, found)
-    # Without names of bodies the properties name them.
-    dim = content.dim
-    named = any(KINDS[kind].dim == dim for group in content.groups.values() for kind in group)
-    for kind, tags in properties.items():
-        if KINDS[kind].dim == dim and not named:
-            values = np.concatenate(tags)
-            for tag in np.unique(values[values > 0]).tolist():
-                content.add(f"property {tag}", kind, np.flatnonzero(values == tag))
+        if what != "Nodes":
+            _add_part(content, name, members, {kind: words[what] for kind, words in joined.items()})
+        elif name not in with_sides and len(members):
+            content.node_groups[name] = numbers_of(ids, members, "node")
+    _name_bodies(content, properties)
+
+
+def _name_bodies(content: Content, properties: Mapping[str, list[Integers]]) -> None:
+    """Name elements by their properties where no group has elements of the highest dimension."""
+    bodies = {kind for kind in content.cells if KINDS[kind].dim == content.dim}
+    if any(bodies.intersection(group) for group in content.groups.values()):
+        return
+    for kind in bodies:
+        for tag, found in members_by_tag(np.concatenate(properties[kind])).items():
+            if tag > 0:
+                content.add(f"property {tag}", kind, found)
+
+
+def _add_part(
+    content: Content, name: str, members: Integers, numbers: Mapping[str, Integers]
+) -> None:
+    """Name the elements of a sub-model part in all kinds."""
+    for kind, known in numbers.items():
+        found = np.flatnonzero(np.isin(known, members))
+        if len(found):
+            content.add(name, kind, found)
 
 
 #: Names of elements and conditions that are written, without the number of nodes.

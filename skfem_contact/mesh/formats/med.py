@@ -72,25 +72,29 @@ def read(path: str, name: str | None = None) -> Content:
     except OSError as error:
         raise ValueError("it is not a file of MED, or not complete") from error
     with file:
-        if "ENS_MAA" not in file:
-            raise ValueError("it is not a file of MED: it has no mesh")
-        # Choose the mesh.
-        meshes = list(file["ENS_MAA"])
-        if not meshes:
-            raise ValueError("it has no mesh")
-        if name is None and len(meshes) != 1:
-            raise ValueError(f"it has {len(meshes)} meshes, {', '.join(meshes)}: give one as name=")
-        chosen = meshes[0] if name is None else name
-        look_up(chosen, dict.fromkeys(meshes), "mesh")
+        chosen = _chosen(file, name)
         mesh = file["ENS_MAA"][chosen]
-        dim = int(mesh.attrs["ESP"])
         families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
         # Take the first step of it that has nodes and elements.
-        steps = [mesh, *mesh.values()]
-        step = next((part for part in steps if "NOE" in part and "MAI" in part), None)
-        if step is None:
-            raise ValueError(f"the mesh '{chosen}' has no nodes or no elements")
-        return _content(step, dim, families)
+        for step in (mesh, *mesh.values()):
+            if "NOE" in step and "MAI" in step:
+                return _content(step, int(mesh.attrs["ESP"]), families)
+        raise ValueError(f"the mesh '{chosen}' has no nodes or no elements")
+
+
+def _chosen(file: Any, name: str | None) -> str:
+    """Return the name of the mesh to read."""
+    if "ENS_MAA" not in file:
+        raise ValueError("it is not a file of MED: it has no mesh")
+    meshes = list(file["ENS_MAA"])
+    if not meshes:
+        raise ValueError("it has no mesh")
+    if name is not None:
+        look_up(name, dict.fromkeys(meshes), "mesh")
+        return name
+    if len(meshes) > 1:
+        raise ValueError(f"it has {len(meshes)} meshes, {', '.join(meshes)}: give one as name=")
+    return str(meshes[0])
 
 
 def _content(step: Any, dim: int, families: Any) -> Content:

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, numbers_of, to_vtk
-from ..kinds import Integers
+from ..content import Content, members_by_tag, numbers_of, to_vtk
 
 #: Kinds of elements by card and number of nodes.
 _CARDS = {
@@ -32,6 +31,9 @@ _CARDS = {
     "CBEAM": {2: "line"},
     "CROD": {2: "line"},
 }
+#: Starts of the names of cards of elements.
+_STARTS = ("CTRI", "CPLST", "CQUAD", "CTETRA", "CPYR", "CPENTA", "CHEX")
+#: Numbers of corners of bodies.
 _CORNERS = {"CTETRA": 4, "CPYRAM": 5, "CPENTA": 6, "CHEXA": 8}
 #: Nodes in the order of VTK, where the two differ: upright edges come before upper ones.
 _ORDER = {
@@ -43,43 +45,56 @@ _ORDER = {
 def read(path: str) -> Content:
     """Read grid points and elements; properties are groups."""
     text = Path(path).read_text(encoding="utf-8", errors="replace")
-    # Read names of components from comments of HyperMesh.
-    names: dict[int, str] = {}
-    for kind, number, name in re.findall(
-        r'^\$HMNAME\s+(COMP|PROP)\s+(\d+)\s*"([^"]+)"', text, re.M
-    ):
-        names[int(number)] = name if kind == "COMP" else names.get(int(number), name)
     ids = []
     points = []
     cells: dict[str, list[list[int]]] = {}
     properties: dict[str, list[int]] = {}
+    left_out: set[str] = set()
     # Read points and elements.
     for card in _cards(text):
         if card[0] == "GRID":
-            if card[2] not in ("", "0"):
-                raise ValueError(
-                    f"grid point {card[1]} has coordinates of the system {card[2]}; only the basic "
-                    "system is read"
-                )
             ids.append(_integer(card[1]))
-            coordinates = [*card[3:6], "", "", ""][:3]
-            points.append([_number(word) for word in coordinates])
+            points.append(_point(card))
         elif card[0] in _CARDS:
             kind, nodes = _nodes(card)
             cells.setdefault(kind, []).append(nodes)
             properties.setdefault(kind, []).append(_integer(card[2] or card[1]))
+        elif card[0].startswith(_STARTS):
+            left_out.add(f"elements {card[0]}")
     if not ids or not cells:
         raise ValueError("it is not bulk data of Nastran: it has no GRID or no elements")
     # Number the nodes, and name elements by their properties.
-    content = Content(np.array(points), {})
+    names = _names(text)
+    content = Content(np.array(points), {}, left_out=sorted(left_out))
     for kind, rows_of in cells.items():
         numbers = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
         content.cells[kind] = to_vtk(numbers, _ORDER.get(kind))
-        tags: Integers = np.array(properties[kind])
-        for tag in np.unique(tags).tolist():
-            name = names.get(tag, f"property {tag}")
-            content.add(name, kind, np.flatnonzero(tags == tag))
+        for tag, members in members_by_tag(np.array(properties[kind])).items():
+            content.add(names.get(tag, f"property {tag}"), kind, members)
     return content
+
+
+def _names(text: str) -> dict[int, str]:
+    """Return the names of components and properties in the comments of HyperMesh."""
+    names: dict[int, str] = {}
+    for kind, number, name in re.findall(
+        r'^\$HMNAME\s+(COMP|PROP)\s+(\d+)\s*"([^"]+)"', text, re.M
+    ):
+        # A component precedes a property.
+        if kind == "COMP" or int(number) not in names:
+            names[int(number)] = name
+    return names
+
+
+def _point(card: list[str]) -> list[float]:
+    """Return the coordinates of a grid point."""
+    if card[2] not in ("", "0"):
+        raise ValueError(
+            f"grid point {card[1]} has coordinates of the system {card[2]}; only the basic system "
+            "is read"
+        )
+    coordinates = [*card[3:6], "", "", ""][:3]
+    return [_number(word) for word in coordinates]
 
 
 def _cards(text: str) -> Iterator[list[str]]:
@@ -130,17 +145,20 @@ def _nodes(card: list[str]) -> tuple[str, list[int]]:
     name = card[0]
     kinds = _CARDS[name]
     most = max(kinds)
+    if name in _CORNERS and any(card[3 + most :]):
+        raise ValueError(
+            f"{name} {card[1]} has more than {most} nodes, which is no Nastran: in Gmsh, set "
+            "Mesh.SecondOrderIncomplete = 1"
+        )
+    # Elements have the nodes of all edges, or of none.
     words = [*card[3:], *[""] * most][:most]
-    corners = _CORNERS.get(name, min(kinds))
-    given = [word for word in words if word]
-    count = corners
-    if len(given) == most:
-        count = most
-    if name == "CQUAD" and len(given) in kinds:
-        count = len(given)
-    if len(given) < count or not all(words[:count]):
-        raise ValueError(f"{name} {card[1]} has {len(given)} nodes, but needs {count}")
-    if len(given) not in (count, most) and name in _CORNERS:
+    given = sum(map(bool, words))
+    count = _CORNERS.get(name, min(kinds))
+    if given == most or (name == "CQUAD" and given in kinds):
+        count = given
+    if not all(words[:count]):
+        raise ValueError(f"{name} {card[1]} has {given} nodes, but needs {count}")
+    if given != count and name in _CORNERS:
         raise ValueError(f"{name} {card[1]} has some, but not all of the nodes of its edges")
     return kinds[count], [_integer(word) for word in words[:count]]
 

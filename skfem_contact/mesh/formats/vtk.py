@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..content import Content, check_names
+from ..content import Content, check_names, members_by_tag
 from ..kinds import KINDS, Integers
 from .scikit_fem import add_encoded
 
@@ -43,9 +43,10 @@ def read(path: str) -> Content:
         cells = np.asarray(block.data, dtype=int)
         content.cells[block.type] = cells if known is None else np.concatenate((known, cells))
         blocks.append((block.type, first + np.arange(len(cells))))
-    # Read groups from data of cells.
+    # Read groups from whole numbers of cells; Gmsh's have a column.
     encoded = {}
-    for key, parts in file.cell_data.items():
+    for key, columns in file.cell_data.items():
+        parts = [part[:, 0] if part.shape[1:] == (1,) else part for part in columns]
         if key.startswith("skfem:"):
             encoded[key] = np.concatenate(parts).astype(int)
         elif all(part.ndim == 1 and part.dtype.kind in "iub" for part in parts):
@@ -81,27 +82,28 @@ def _add_data(
     Ones among zeros are the cells of the group of that name, else every value is a group.  meshio
     joins the names of sets by "-", and numbers them from zero.
     """
-    # Two values 0 and 1 are a mask, many values are no groups.
-    low = min((int(part.min(initial=0)) for part in parts), default=0)
-    high = max((int(part.max(initial=0)) for part in parts), default=0)
-    masks = low == 0 and high == 1 and key not in _REGIONS
-    values = np.arange(2) if masks else np.unique(np.concatenate(parts).astype(int))
-    if len(values) > _MOST:
-        return
+    names = _names_of_values(key, np.concatenate(parts))
+    for (kind, members), part in zip(blocks, parts):
+        for value, where in members_by_tag(part.astype(np.int64)).items():
+            if value in names:
+                content.add(names[value], kind, members[where])
+
+
+def _names_of_values(key: str, values: Integers) -> dict[int, str]:
+    """Return the names of groups by the values of their cells."""
+    # Zeros and ones are a mask.
+    low, high = int(values.min(initial=0)), int(values.max(initial=0))
+    if low == 0 and high == 1 and key not in _REGIONS:
+        return {1: key}
+    # Many values are no groups.
+    different = np.unique(values).tolist()
+    if len(different) > _MOST:
+        return {}
     # Names joined by a hyphen are numbered in their order.
     joined = key.split("-")
-    numbered = len(joined) > 1 and set(values.tolist()) <= set(range(-1, len(joined)))
-    # Choose the cells of each value.
-    for (kind, members), part in zip(blocks, parts):
-        if masks:
-            chosen = {key: part == 1}
-        elif numbered:
-            chosen = {name: part == k for k, name in enumerate(joined)}
-        else:
-            chosen = {f"{key} {value}": part == value for value in values if value >= 0}
-        for name, where in chosen.items():
-            if where.any():
-                content.add(name, kind, members[where])
+    if len(joined) > 1 and set(different) <= set(range(-1, len(joined))):
+        return dict(enumerate(joined))
+    return {value: f"{key} {value}" for value in different if value >= 0}
 
 
 def write(content: Content, path: str) -> None:
