@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
-from scipy.sparse.linalg import lsqr
+from scipy.sparse.linalg import lsqr, norm
 from typing_extensions import override
 
 from ..errors import Remark
@@ -28,6 +28,11 @@ _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _PIVOT, _APART = 0.3, 0.1
 _ACCURACY = 1e-14
 _MOST = 10_000
+#: Damping of the least change of tractions, over the size of the operator. Tractions that hardly
+#: exert a force would balance round-off, or facets that do not match, by a thousand times the
+#: pressure: round a pipe of 32 facets in 32 or 40, a K0 state is .42 and .24 of the load out of
+#: balance without damping, and 2e-10 and 1e-4 with 1e-3 or 1e-2.
+_DAMPED = 1e-3
 
 
 def prestressed(
@@ -39,8 +44,9 @@ def prestressed(
     """Return states in which pairs exert given nodal forces together.
 
     Of all tractions with these nodal forces the least ones are taken, or the nearest ones to a
-    guess. Gap and slip then begin where the penalty and the multipliers give these tractions:
-    nothing moves. Tractions that the law does not admit, such as tension, are left out.
+    guess; forces that only large tractions balance remain. Gap and slip then begin where the
+    penalty and the multipliers give these tractions: nothing moves. Tractions that the law does
+    not admit, such as tension, are left out.
 
     Parameters
     ----------
@@ -71,9 +77,7 @@ def prestressed(
         near.append(tractions)
         blocks.append(forces @ diags_array(operator.scale))
     matrix = csr_matrix(hstack(blocks))[where]
-    change, *_ = lsqr(
-        matrix, (force - given)[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST
-    )
+    change = _least_change(matrix, (force - given)[where])
 
     # Split the change by pairs
     states = {}
@@ -83,6 +87,28 @@ def prestressed(
         states[name] = operator.state_with(tractions + operator.scale * change[start:end])
         start = end
     return states
+
+
+def _least_change(matrix: csr_matrix, force: ndarray) -> ndarray:
+    r"""Return the damped least squares of A x = b.
+
+    .. math:: |b - A x|^2 + \lambda^2 |x|^2 \to \min
+
+    leaves parts of b whose singular values are far below :math:`\lambda`.
+    """
+    if matrix.nnz == 0:
+        return np.zeros(matrix.shape[1])
+    size = np.sqrt(norm(matrix, 1) * norm(matrix, np.inf))
+    x, *_ = lsqr(
+        matrix,
+        force,
+        damp=_DAMPED * size,
+        atol=_ACCURACY,
+        btol=_ACCURACY,
+        conlim=0.0,
+        iter_lim=_MOST,
+    )
+    return np.asarray(x)
 
 
 class TractionOperator:

@@ -5,6 +5,7 @@ contact.
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from tests.contact.test_overlaps import annulus
 from tests.tools.helpers import grid, vector_basis
 
 QUIET = {"progress": False}
@@ -539,3 +541,45 @@ def test_k0_beyond_the_passive_ratio_is_told():
         start = model.k0_state(K0=2.9)
     stress = start["initial"].states["ground"].stress
     np.testing.assert_allclose(stress[0], 2.9 * stress[1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "aug."])
+@pytest.mark.parametrize(
+    ("inner", "outer", "left"), [(32, 32, 1e-8), (32, 40, 5e-4), (40, 32, 5e-4)]
+)
+def test_given_stresses_round_a_pipe(inner: int, outer: int, left: float, enforcement) -> None:
+    """[X] Tractions are those of the stresses, n . sigma . n, and not of coordinates of 9 digits.
+
+    The chords of 32 and 40 facets enclose areas that differ by .2 %: this weight remains.
+    """
+    rings = {"pipe": annulus(0.5, 1.0, inner, 3), "ground": annulus(1.0, 3.0, outer, 6)}
+    rounded = {name: replace(m, doflocs=np.round(m.p, 9)) for name, m in rings.items()}
+    basis = vector_basis(sc.join_bodies(rounded), "Q2", intorder=4)
+    bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    joint = sc.ContactPair(
+        basis,
+        "pipe:outer",
+        "ground:inner",
+        sc.Coulomb(mu=0.5),
+        "segments",
+        initial="adjusted",
+        enforcement=enforcement,
+    )
+    held = basis.get_dofs({"pipe:inner", "ground:outer"})
+    model = sc.Model({"bodies": bodies, "joint": joint}, held)
+
+    def stress(x: np.ndarray) -> np.ndarray:
+        vertical = -20.0 * (5.0 - x[1])
+        return np.stack((0.5 * vertical, vertical, 0.5 * vertical, 0.0 * vertical))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error" if inner == outer else "ignore")
+        start = model.initial_state(stress=stress)["initial"]
+    assert start.residual < left
+    found = start.tractions("joint")
+    sector = np.pi / inner  # half of the angle of a facet, whose normal shows to its middle
+    angle = sector * (2 * np.floor(np.arctan2(found.y, found.x) / (2 * sector)) + 1)
+    right = 20.0 * (5.0 - found.y) * (0.5 * np.cos(angle) ** 2 + np.sin(angle) ** 2)
+    error = np.abs(found.pressure - right).max() / right.max()
+    # normals of unmatched facets differ by up to 10 degrees, the pressure by half the sine of twice
+    assert error < (1e-6 if inner == outer else 0.09)
