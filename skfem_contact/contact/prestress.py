@@ -77,7 +77,9 @@ def prestressed(
         near.append(tractions)
         blocks.append(forces @ diags_array(operator.scale))
     matrix = csr_matrix(hstack(blocks))[where]
-    change = _least_change(matrix, (force - given)[where])
+    # Given stresses may not match the facets; forces of a replaced pair have tractions
+    damping = 0.0 if guess is None else _DAMPED
+    change = _least_change(matrix, (force - given)[where], damping)
 
     # Split the change by pairs
     states = {}
@@ -89,12 +91,13 @@ def prestressed(
     return states
 
 
-def _least_change(matrix: csr_matrix, force: ndarray) -> ndarray:
+def _least_change(matrix: csr_matrix, force: ndarray, damping: float) -> ndarray:
     r"""Return the damped least squares of A x = b.
 
     .. math:: |b - A x|^2 + \lambda^2 |x|^2 \to \min
 
-    leaves parts of b whose singular values are far below :math:`\lambda`.
+    leaves parts of b whose singular values are far below :math:`\lambda`, the damping times the
+    size of A.
     """
     if matrix.nnz == 0:
         return np.zeros(matrix.shape[1])
@@ -102,7 +105,7 @@ def _least_change(matrix: csr_matrix, force: ndarray) -> ndarray:
     x, *_ = lsqr(
         matrix,
         force,
-        damp=_DAMPED * size,
+        damp=damping * size,
         atol=_ACCURACY,
         btol=_ACCURACY,
         conlim=0.0,
