@@ -163,6 +163,16 @@ class Log:
             return float(lost / largest)
         return 0.0
 
+    def gained_by_contact(self) -> float:
+        """Return the energy that contact has given, as a share of the largest one.
+
+        Friction takes energy only; steps that are long for penalties return more than they stored.
+        """
+        _, kinetic, _, _, friction, _, work = self._energies.T
+        gained = -float(np.minimum(np.diff(friction), 0.0).sum())
+        largest = max(float(kinetic.max()), float(np.abs(work).max()))
+        return gained / max(largest, 1e-300)
+
     def summary(self) -> str:
         """Return the kinetic energy, and the energy that the scheme has taken, in one line."""
         kinetic = self._energies[:, 1]

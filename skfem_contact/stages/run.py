@@ -44,8 +44,8 @@ _SUDDEN = 1e-9
 
 #: Share of the largest kinetic energy with which a motion has not faded.
 _MOVING = 1e-2
-#: Share of the energy that a scheme may take before it is remarked on.
-_MISSING = 0.1
+#: Share of the energy that a scheme may take, and that contact may give, before it is remarked on.
+_MISSING, _GIVEN = 0.1, 0.02
 
 #: Seconds between two updates of the bars.
 _SHOWN = 0.05
@@ -330,15 +330,7 @@ class _Follower:
                 self._accepted.reached = replace(self._accepted.reached, series=log.series())
             raise
         # Energy that is missing shows steps that are too long.
-        share = log.missing()
-        if abs(share) > _MISSING:
-            what = "gained"
-            if share > 0.0:
-                what = "missing, taken by the scheme"
-            warn(
-                f"stage '{stage.name}': {abs(share):.0%} of the energy is {what}: shorten the "
-                "steps, or take rho_inf nearer to 1"
-            )
+        _warn_of_energy(stage.name, log)
         text = remark_on_motion(log.frequency, in_time.lag)
         if text:
             warn(f"stage '{stage.name}': {text}")
@@ -381,6 +373,25 @@ class _Follower:
                 if self._on_increment is not None:
                     self._on_increment(last)
         return replace(last, increments=tuple(accepted.kept), seconds=perf_counter() - began)
+
+
+def _warn_of_energy(name: str, log: Log) -> None:
+    """Warn of steps that are too long: the scheme takes energy, or contact gives it."""
+    share = log.missing()
+    if abs(share) > _MISSING:
+        what = "gained"
+        if share > 0.0:
+            what = "missing, taken by the scheme"
+        warn(
+            f"stage '{name}': {abs(share):.0%} of the energy is {what}: shorten the steps, or take "
+            "rho_inf nearer to 1"
+        )
+    given = log.gained_by_contact()
+    if given > _GIVEN:
+        warn(
+            f"stage '{name}': contact that closes and opens gives {given:.0%} of the energy: "
+            "shorten the steps, or give a softer penalty"
+        )
 
 
 def _remarked(
