@@ -45,6 +45,13 @@ def work(slip: np.ndarray, traction: np.ndarray) -> float:
     return float((0.5 * (traction[1:] + traction[:-1]) * np.diff(slip)).sum())
 
 
+@pytest.mark.parametrize("name", ["mu", "adhesion"])
+def test_shear_at_a_single_node_has_no_potential(name: str) -> None:
+    assert Coulomb(tension=1.0).symmetric
+    assert Coulomb(**{name: np.zeros(2)}).symmetric
+    assert not Coulomb(**{name: np.array([0.0, 0.3])}).symmetric
+
+
 def test_cyclic_slip():
     """[X] Case A7: plateau 30, elastic slip 0.003, energy per cycle 4 mu N (a - mu N / eps_T) =
     0.84.

@@ -14,6 +14,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.base import initial_clearance
 from tests.fuzz.frames import as_drawn
 from tests.fuzz.kinds import drawn
 from tests.fuzz.model import build
@@ -55,6 +56,15 @@ def test_body_placed_on_settled_ground_does_not_overlap(initial, recwarn):
         placed.tractions("joint").pressure, 40.0, rtol=0.02
     )  # the mesh has 16 elements a side
     assert not [warning for warning in recwarn if "overlap" in str(warning.message)]
+
+
+def test_adjusted_surfaces_touch_up_to_half_a_facet_apart() -> None:
+    """Gaps of the mesh above half of the slave's facets are kept, and all gaps as meshed."""
+    gap = np.array([-0.52, -0.49, 0.0, 0.49, 0.52])
+    size = np.ones(5)
+    apart = initial_clearance(gap, gap, size, "adjusted", bonded=False)
+    np.testing.assert_array_equal(apart, [0.0, -0.49, 0.0, 0.49, 0.0])
+    np.testing.assert_array_equal(initial_clearance(gap, gap, size, "as meshed", False), 0.0)
 
 
 @pytest.mark.parametrize(

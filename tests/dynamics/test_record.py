@@ -46,6 +46,23 @@ def test_columns(tmp_path, separator):
     np.testing.assert_allclose(found.values, record.values, atol=1e-8)
 
 
+def test_columns_may_begin_at_any_time(tmp_path):
+    """[X] The step is the mean of the differences of the times."""
+    file = tmp_path / "later.csv"
+    file.write_text("\n".join(f"{3.0 + 0.02 * k:.2f} {k}" for k in range(11)))
+    assert sc.Record.read(file).step == pytest.approx(0.02, rel=1e-6)
+
+
+def test_values_at_both_ends():
+    """[X] The first and the last value at these times, also at one of round-off, none outside."""
+    record = sc.Record(0.1, np.array([1.0, 2.0, 4.0, 3.0]))
+    assert record.at(0.0) == 1.0
+    assert record.at(record.duration) == 3.0
+    assert record.at(record.duration * (1.0 + 1e-15)) == 3.0
+    assert record.at(-1e-9) == record.at(0.3 + 1e-9) == 0.0
+    assert record.at(0.15) == pytest.approx(3.0)
+
+
 def test_bad_files(tmp_path):
     """[X] One sentence each: no unit, wrong number, gaps, no columns."""
     values = sine(n=100).values

@@ -184,6 +184,19 @@ def test_bad_parameters(bad: dict, message: str) -> None:
         DruckerPrager(**({"E": 1e4, "nu": 0.3, "k": 10.0, "alpha": 0.2, "beta": 0.1} | bad))
 
 
+def test_flow_rules_of_angles_are_refused_where_the_cone_has_none() -> None:
+    """With dilatancy below friction; an associated cone has the same with any rule."""
+    cone = DruckerPrager(1e4, 0.3, k=10.0, alpha=0.2, beta=0.1)
+    with pytest.raises(ValueError, match="flow 'davis_b' needs cohesion and friction angle"):
+        cone.reduced(2.0, "davis_b")
+    assert cone.reduced(2.0).beta == 0.1
+    assert cone.reduced(4.0).beta == 0.05
+    assert cone.reduced(2.0, "associated").beta == 0.1
+    assert cone.reduced(0.5, "associated").beta == 0.4
+    associated = DruckerPrager(1e4, 0.3, k=10.0, alpha=0.2, beta=0.2).reduced(0.5, "davis_b")
+    assert (associated.alpha, associated.beta) == (0.4, 0.4)
+
+
 def test_reduced_strength() -> None:
     law = DruckerPrager(1e4, 0.3, k=10.0, alpha=[0.2, 0.2], beta=[0.2, 0.15]).reduced(2.0)
     assert law.k == 5.0

@@ -99,6 +99,25 @@ def test_limit_of_a_straight_strength():
     )
 
 
+def test_chords_hold_up_to_the_end_of_the_last_one():
+    """[X] Both ends of the last chord lie on the envelope of Mohr's circles, all below it."""
+    law = rock()
+    lines, most = law.lines(1e4)
+    intercept, slope = lines[-2:, :, 0].T
+    knot = -np.diff(intercept) / np.diff(slope)  # where the last two chords meet
+    sigma = np.concatenate((knot, most * [0.1, 0.5, 1.0]))
+
+    # the envelope, as the highest of many circles
+    s1 = -np.geomspace(1e3, 1e8, 400001)
+    radius = 0.5 * strength(s1, law)
+    squares = radius**2 - (sigma[:, None] + s1 - radius) ** 2
+    envelope = np.sqrt(squares.max(axis=1))
+    share = (intercept[-1] + slope[-1] * sigma) / envelope
+    np.testing.assert_allclose(share[[0, -1]], 1.0, rtol=1e-5)
+    assert (share[1:-1] < 0.999).all()
+    assert (knot < 0.01 * most).all()
+
+
 def test_index():
     """[P] Hoek, Carranza-Torres and Corkum (2002): the equations at GSI 50, and intact rock at GSI
     100.

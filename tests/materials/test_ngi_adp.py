@@ -11,6 +11,7 @@ import pytest
 
 import skfem_contact as sc
 from skfem_contact.laboratory import PathStep, simple_shear, triaxial
+from skfem_contact.materials.adp_return import measure
 from tests.tools.helpers import grid, vector_basis
 
 ACTIVE, DSS, PASSIVE = 20.0, 14.0, 8.0
@@ -150,6 +151,26 @@ def test_random_increments(size: float, ncomp: int, perfect: bool) -> None:
             error, np.where(kink[:, 0], 0.0, np.abs(slope - tangent[:, :, j].T).max(axis=0))
         )
     assert error.max() < 1e-6 * elastic.max()
+
+
+@pytest.mark.parametrize("out_of_plane", [1.0, 1e-4])
+@pytest.mark.parametrize("ncomp", [4, 6])
+def test_derivatives_of_the_measure_of_shear(ncomp: int, out_of_plane: float) -> None:
+    """[N] Differences of measure and gradient, with and without a third invariant."""
+    s = np.random.default_rng(2).standard_normal((ncomp, 50))
+    s[2] *= out_of_plane
+    s[4:] *= out_of_plane
+    s[:2] -= s[:3].sum(axis=0) / 2
+    k = clay(triaxial=0.95)._constants((50,))
+    gradient, hessian = measure(s, k).slopes()
+    for j in range(ncomp):
+        step = np.zeros((ncomp, 1))
+        step[j] = 1e-6
+        ahead, behind = (measure(s + sign * step, k) for sign in (1, -1))
+        quotient = (ahead.value - behind.value) / 2e-6
+        np.testing.assert_allclose(gradient[j], quotient, atol=1e-8)
+        quotient = (ahead.slopes()[0] - behind.slopes()[0]) / 2e-6
+        np.testing.assert_allclose(hessian[:, j], quotient, rtol=1e-6, atol=1e-6)
 
 
 def test_profile_stages_and_strength_reduction() -> None:

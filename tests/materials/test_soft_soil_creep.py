@@ -10,6 +10,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.laboratory import PathStep, oedometer
+from skfem_contact.materials.soft_soil_creep import _mean
 
 KAPPA, LAMBDA, M, NU, MU, DAY = 0.02, 0.1, 1.2, 0.25, 0.004, 1.0
 
@@ -209,6 +210,24 @@ def test_constant_rate_of_strain(rate: float) -> None:
         errors.append(abs(ratio / exact - 1))
     assert errors[1] < 1e-4
     assert errors[1] < 0.3 * errors[0]
+
+
+@pytest.mark.parametrize("change", [-3.0, -0.3, -1e-5, 1e-5, 0.3, 3.0])
+def test_mean_rate_of_an_increment(change: float) -> None:
+    """[X] Over its end, with the slope of differences: a rate that grows is a power of a linear
+    stress, a rate that falls one of the time.
+    """
+    beta = np.array([2.0, 20.0])
+    constants = clay()._constants((4, 2))
+    value, slope = _mean(np.full(2, change), beta, constants)
+    power = beta if change > 0 else np.full(2, -(LAMBDA - KAPPA) / LAMBDA)
+    begin = np.exp(-change / power)
+    points, weights = np.polynomial.legendre.leggauss(60)
+    linear = 0.5 * (1 + begin + np.outer(points, 1 - begin))
+    exact = np.log(0.5 * weights @ linear**power)
+    np.testing.assert_allclose(value, exact, atol=1e-12)
+    ahead, behind = (_mean(np.full(2, change * k), beta, constants)[0] for k in (1.01, 0.99))
+    np.testing.assert_allclose(slope, 1 + (ahead - behind) / (0.02 * change), atol=1e-4)
 
 
 @pytest.mark.parametrize("dt", [0.0, 1e-3, 1.0, 1e4])

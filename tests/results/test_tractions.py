@@ -167,13 +167,16 @@ def test_pressure_does_not_ripple(element, quadrature):
         assert ripple(joint.raw_pressure) > 0.03
 
 
-@pytest.mark.parametrize("n", [3, 8])
+@pytest.mark.parametrize(("n", "place"), [(3, 0.0), (8, 0.0), (3, 1e3)])
 @pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian(), sc.DualMultipliers()])
-def test_pressure_balances_an_eccentric_load(enforcement, n):
-    """[X] Force 10 and moment 1 by equilibrium: the load is 10 + 12 x over a column of width 1."""
-    mesh = sc.join_bodies({"column": grid("Q1", np.linspace(-0.5, 0.5, n + 1), [0, 1, 2])})
+def test_pressure_balances_an_eccentric_load(enforcement, n, place):
+    """[X] Force 10 and moment 1 by equilibrium: the load is 10 + 12 x over a column of width 1, at
+    the origin or far from it.
+    """
+    width = np.linspace(place - 0.5, place + 0.5, n + 1)
+    mesh = sc.join_bodies({"column": grid("Q1", width, [0, 1, 2])})
     basis = vector_basis(mesh, "Q1", intorder=2)
-    floor = sc.rigid.line((-2.0, 0.0), (2.0, 0.0))
+    floor = sc.rigid.line((place - 2.0, 0.0), (place + 2.0, 0.0))
     forms = {
         "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.0)),
         "joint": sc.ContactPair(
@@ -181,8 +184,10 @@ def test_pressure_balances_an_eccentric_load(enforcement, n):
         ),
     }
     model = sc.Model(forms)
-    load = model.traction("column:top", lambda x: np.array([0.0 * x[0], -10.0 - 12.0 * x[0]]))
+    load = model.traction(
+        "column:top", lambda x: np.array([0.0 * x[0], -10.0 - 12.0 * (x[0] - place)])
+    )
     joint = model.run([sc.Stage("press", load)], progress=False)["press"].tractions("joint")
     for pressure in (joint.pressure, joint.raw_pressure):
         assert (pressure * joint.weight).sum() == pytest.approx(10.0, rel=1e-6)
-        assert (pressure * joint.weight * joint.x).sum() == pytest.approx(1.0, rel=1e-3)
+        assert (pressure * joint.weight * (joint.x - place)).sum() == pytest.approx(1.0, rel=1e-3)
