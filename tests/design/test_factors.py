@@ -86,6 +86,7 @@ def test_bearing_of_clay_is_that_of_prandtl():
     """[X] (pi + 2) c + q without a horizontal force, half of it where the base slides."""
     level = sc.design.bearing_resistance(2.0, vertical=50.0, c=20.0, surcharge=5.0)
     assert np.isclose(level.pressure, (np.pi + 2.0) * 20.0 + 5.0)
+    assert level.capacity == (np.pi + 2.0, 1.0, 0.0)
     sliding = sc.design.bearing_resistance(2.0, vertical=50.0, c=20.0, horizontal=40.0)
     assert np.isclose(sliding.pressure, 0.5 * (np.pi + 2.0) * 20.0)
 
@@ -97,6 +98,21 @@ def test_bearing_of_a_square():
     found = sc.design.bearing_resistance(1.5, vertical=300.0, length=1.5, phi=30.0, c=5.0)
     assert np.allclose(found.capacity, (30.14, 18.40, 20.09), atol=0.005)
     assert np.allclose(found.shape, (1.529, 1.5, 0.7), atol=0.0005)
+
+
+@pytest.mark.parametrize("length", [2.0, np.inf])
+def test_cohesion_acts_as_a_pressure_all_round(length):
+    """[X] Caquot: c cot(phi) added to the surcharge and to the resistance, under inclined loads."""
+    c, cot = 10.0, 1.0 / np.tan(np.radians(25.0))
+    found = sc.design.bearing_resistance(
+        2.0, vertical=100.0, horizontal=30.0, length=length, c=c, phi=25.0, surcharge=5.0
+    )
+    Nq, sq, iq = found.capacity[1], found.shape[1], found.inclination[1]
+    of_cohesion = found.capacity[0] * found.shape[0]
+    assert np.isclose(of_cohesion, cot * (Nq * sq - 1.0))
+    assert np.isclose(found.inclination[0] * (Nq - 1.0), Nq * iq - 1.0)
+    pressure = c * of_cohesion * found.inclination[0] + 5.0 * Nq * sq * iq
+    assert np.isclose(found.pressure, pressure)
 
 
 def test_bearing_beside_a_limit_load():

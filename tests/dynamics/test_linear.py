@@ -94,6 +94,27 @@ def test_linear_steps_are_the_same(rho_inf, mass):
         )
 
 
+def test_dofs_without_mass_have_no_acceleration():
+    """[X] Weightless ground on heavy ground: the velocity of its nodes is that of the step."""
+    parts = {"lower": lambda x: x[1] < 2.0, "upper": lambda x: x[1] > 2.0}
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 3), np.linspace(0, 4, 5)).with_defaults()
+    basis = Basis(mesh.with_subdomains(parts), ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(
+        basis, sc.LinearElastic(E=2e4, nu=0.3), unit_weight={"lower": 20.0, "upper": 0.0}
+    )
+    model = sc.Model({"solid": solid}, sc.box_supports(basis), gravity_acceleration=9.81)
+    push = sc.traction(basis, "top", (0.0, -5.0))
+    shaken = [
+        sc.Stage(name, push, duration=0.01, dynamic=sc.Dynamic(0.01, mass="lumped"))
+        for name in ("first", "second")
+    ]
+    first, second = model.run(shaken, **QUIET)
+    light = basis.get_dofs("top").all("u^2")
+    assert not second.acceleration[light].any()
+    assert np.abs(second.acceleration).max() > 1.0
+    np.testing.assert_allclose(second.velocity[light], (second.x - first.x)[light] / 0.01)
+
+
 def test_one_factor_and_few_assemblies(monkeypatch):
     """[X] A linear stage factors once and assembles the bodies at its start and its end."""
     solid, _, fixed = ground()

@@ -67,6 +67,16 @@ def test_k0_procedure(element):
     assert start[0].summary == {"ground": ""}
 
 
+@pytest.mark.parametrize("K0", [0.02, 0.5])
+def test_elastic_ground_has_any_k0_below_one(K0):
+    """[X] Level ground under its weight."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 2, 3)), "Q1", intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    model = sc.Model({"ground": ground}, sc.box_supports(basis, base="rollers"))
+    stress = model.gravity_state(sc.weight(basis, 20.0), K0=K0)[0].states["ground"].stress
+    np.testing.assert_allclose(stress[0], K0 * stress[1], rtol=1e-9)
+
+
 def test_k0_state_of_a_body_without_one_of_the_weights():
     """[X] Two bodies share a table of weights by subdomain, of which one body holds a single
     one.

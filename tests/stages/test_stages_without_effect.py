@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
+from skfem_contact.stages.plan import acts_on
 from tests.tools.helpers import grid, vector_basis
 
 
@@ -43,3 +44,9 @@ def test_water_that_presses_on_nothing():
         sc.water_load(basis, sc.hydrostatic(1.0, unit_weight=10.0), ["nowhere"])
     with pytest.warns(sc.AnalysisWarning, match="there is no water"):
         sc.water_load(basis, sc.hydrostatic(-5.0, unit_weight=10.0), ["top"])
+
+
+def test_loads_at_a_single_dof_act() -> None:
+    load = np.array([0.0, 1.0, 1e-14])
+    assert [acts_on(load, np.array([k])) for k in range(3)] == [False, True, False]
+    assert not acts_on(load, np.array([], int))

@@ -205,3 +205,13 @@ def test_water_of_another_kind() -> None:
         ]
         with pytest.raises(ValueError, match=reason):
             model.run(stages, **QUIET)
+
+
+def test_voids_count_from_the_start() -> None:
+    """[X] Displacements before the water is there do not change its permeability."""
+    basis = column(n=2)
+    model, _ = clay(basis, compacting(basis))
+    water = model.forms["water"]
+    x = np.random.default_rng(1).standard_normal(water.first + basis.mesh.nvertices)
+    state = water.initial_state(x)
+    assert not state.strain.any() and state.before.any()

@@ -5,6 +5,7 @@ refused.
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -692,3 +693,27 @@ def test_what_is_warned_of(k, duration, drained, message):
     fixed = fixed if drained else fixed[:1]
     with pytest.warns(sc.AnalysisWarning, match=message):
         sc.Model(forms, fixed).run([sc.Stage("load", load, duration=duration)], **QUIET)
+
+
+def test_undrained_ground_keeps_its_water() -> None:
+    """[X] Its stiffness is the same with any permeability; that of a duration is not."""
+    undrained, drained = [], []
+    for k in (1e-3, 1e3):
+        basis, forms, fixed, _ = layer("P2", k=k)
+        water = sc.Model(forms, fixed).forms["water"]
+        x = np.zeros(water.first + basis.mesh.nvertices)
+        state = water.initial_state()
+        undrained.append(water.undrained().assemble(x, state).stiffness)
+        drained.append(water.over(0.1).assemble(x, state).stiffness)
+    assert abs(undrained[1] - undrained[0]).max() == 0.0
+    assert abs(drained[1] - drained[0]).max() > 1.0
+
+
+def test_water_of_a_step_is_what_flows_through() -> None:
+    """[X] Errors of a step are relative to it, half of what enters and leaves."""
+    _, forms, fixed, _ = layer("P2")
+    water = sc.Model(forms, fixed).forms["water"].over(1.0)
+    before = water.initial_state()
+    entered = np.zeros_like(before.entered)
+    entered[:2] = 3.0, -3.0
+    assert water.time_error(before, replace(before, entered=entered))[1] == 3.0

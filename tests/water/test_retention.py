@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import skfem_contact as sc
 
@@ -22,3 +23,20 @@ def test_retention():
     np.testing.assert_allclose(slope, [-1.35, -0.9 * 6 * 0.1875, 0.0], **EXACT)
     k, _ = sc.water.VanGenuchten(alpha=2.0, n=2.0, least=1e-9).relative(np.array([0.5]), np.ones(1))
     np.testing.assert_allclose(k, [2**-0.25 * (1 - np.sqrt(0.5)) ** 2], rtol=1e-8)
+
+
+@pytest.mark.parametrize("n", [1.3, 2.0, 4.0])
+def test_suction_after_a_change_of_saturation(n: float):
+    """[X] The saturation changes by its slope, at nearly wet points along a line: no change leaves
+    the suction, and a change of a dry point is that of the saturation.
+    """
+    law = sc.water.VanGenuchten(alpha=2.0, n=n, content=(0.1, 0.4))
+    suction, size = np.array([1e-4, 1e-2, 0.3, 1.0]), np.ones(4)
+    flat = np.full(4, 0.05)
+    np.testing.assert_allclose(law.moved(suction, 0.0 * suction, size, flat), suction, rtol=1e-9)
+    filled, slope = law.saturation(suction, size)
+    moved = law.moved(suction, np.full(4, 0.01), size, flat)
+    dry = slope < -0.05
+    np.testing.assert_allclose(
+        law.saturation(moved, size)[0][dry], (filled + 0.01 * slope)[dry], rtol=1e-9
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from skfem import (
@@ -21,6 +23,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.water.darcy import warn_of_dry_ground
 from tests.tools.flows import steady
 from tests.tools.helpers import distorted
 
@@ -404,3 +407,33 @@ def test_values_at_places(rng):
         np.testing.assert_allclose(water.head_at(places), 3.0 - places[0], rtol=1e-9)
         pressure = 10 * (3 - places[0] - places[-1])
         np.testing.assert_allclose(water.pressure_at(places[:, None]), pressure[None], rtol=1e-9)
+
+
+def test_dry_ground_below_a_slab_does_not_lift_it():
+    """[X] The pressure 10 (1 - x) along a sole of 2 m lifts with 5 in its first half alone."""
+    mesh = box(MeshQuad, np.linspace(0, 2, 5), np.linspace(0, 2, 3)).with_subdomains(
+        {"ground": lambda x: x[1] < 1, "slab": lambda x: x[1] > 1}
+    )
+    mesh = mesh.with_boundaries({"sole": lambda x: x[1] == 1.0}, boundaries_only=False)
+    ground = Basis(mesh, ElementQuad1()).with_elements("ground")
+    flow = sc.water.Flow(ground, 1.0, unit_weight=10.0)
+    confined = replace(
+        flow.steady(sc.water.Conditions({"left": 2.0})),
+        head=2.0 - mesh.p[0],
+        pressure=10.0 * (2.0 - mesh.p[0] - mesh.p[1]),
+    )
+    assert confined.uplift_factor("sole", {"slab": 20.0}) == pytest.approx(40.0 / 5.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.048, False), (0.052, True)])
+def test_a_twentieth_of_the_flow_through_dry_ground_is_told(share, told, recwarn):
+    """[X] One of two elements is wet, the other dry and ten times as permeable, with a share of the
+    flow.
+    """
+    basis = Basis(box(MeshQuad, np.linspace(0, 2, 3), np.linspace(0, 1, 2)), ElementQuad1())
+    left = basis.mesh.p[0, basis.mesh.t].mean(axis=0) < 1.0
+    k = np.where(left, 1.0, 1e4)[:, None, None] * np.eye(2)
+    relative = np.where(left, 1.0, 1e-3)[:, None] * np.ones((2, basis.X.shape[1]))
+    velocity = np.stack((np.where(left, 1.0 - share, share), np.zeros(2)))
+    warn_of_dry_ground(basis, k, relative, velocity)
+    assert bool(recwarn) == told

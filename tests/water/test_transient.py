@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from skfem import Basis, ElementQuad1, ElementTriP1, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.water.storage import StoringFlow
 from tests.tools.flows import in_time, steady
 
 WATER = 9.81
@@ -454,3 +455,35 @@ def test_a_later_start_goes_on() -> None:
     whole = in_time(basis, 1e-5, times=[0.0, 1e4, 2e4], start=0.0, **known)
     rest = in_time(basis, 1e-5, times=[1e4, 2e4], start=whole[1], **known)
     np.testing.assert_allclose(rest.content[-1], whole.content[-1], atol=2e-3)
+
+
+def test_a_single_period() -> None:
+    """[X] Water at rest over two times stays at rest."""
+    rest = in_time(
+        column(4),
+        1e-5,
+        {"bottom": 0.5},
+        retention=LOAM,
+        times=[0.0, 10.0],
+        start=0.5,
+        unit_weight=WATER,
+    )
+    np.testing.assert_allclose(rest[-1].head, 0.5, atol=1e-9)
+
+
+def test_balance_counts_water_that_moves_and_none_that_stays() -> None:
+    """[X] The scale of the balance is the inflow, and the change of the stored water in a unit of
+    time.
+    """
+    basis = column(4)
+    n = basis.N
+    tensors = np.broadcast_to(np.eye(2), (basis.nelems, 2, 2))
+    law = [(np.arange(basis.nelems), LOAM)]
+    flow = StoringFlow(basis, tensors, law, np.zeros(basis.nelems), False, 0.0)
+    head, inflow = np.full(n, 0.5), np.full(n, 3.0)
+    stored = flow.stored(head)
+    still = flow.over(10.0, stored)
+    assert still.scale(head, inflow) == pytest.approx(3.0 * np.sqrt(n), rel=1e-12)
+    fills = flow.over(10.0, 0.5 * stored)
+    change = 0.05 * np.linalg.norm(stored)
+    assert fills.scale(head, inflow) == pytest.approx(3.0 * np.sqrt(n) + change, rel=1e-12)

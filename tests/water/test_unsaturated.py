@@ -12,6 +12,7 @@ from scipy.integrate import quad
 from skfem import Basis, ElementQuad1, ElementTriP1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.water.pore_storage import _upward
 from tests.tools.helpers import check_tangent_of_water, two_soils, vector_basis
 
 WATER = 10.0
@@ -369,3 +370,12 @@ def test_bad_surroundings() -> None:
         ]
         with pytest.raises(ValueError, match=reason):
             drained.run(stages, **QUIET)
+
+
+def test_weight_by_corner_of_an_axisymmetric_ground() -> None:
+    """[X] The unit weight on a ring from 1 to 3, 2 high: its volume 2 (3^2 - 1) / 2 per radian."""
+    mesh = MeshQuad.init_tensor(np.linspace(1, 3, 4), np.linspace(0, 2, 3))
+    basis = vector_basis(mesh, "Q1", intorder=3)
+    corners = basis.with_element(ElementQuad1())
+    for axisymmetric, volume in ((True, 8.0), (False, 4.0)):
+        assert _upward(basis, corners, axisymmetric).sum() == pytest.approx(volume, rel=1e-12)
