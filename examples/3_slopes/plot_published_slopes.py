@@ -44,6 +44,10 @@ class Slope(NamedTuple):
     layers: tuple = ()  # what bounds the soils but the first from above
     r_u: float = 0.0  # pore pressure over the weight of what is above
 
+    def pressure(self, p):
+        """Pore pressure at points."""
+        return self.r_u * self.unit_weight * (level(self.lines[-1], p[0]) - p[1])
+
 
 krahn = {
     "lines": [15, 16, ((0, 60, 140, 180), (60, 60, 20, 20))],
@@ -142,19 +146,15 @@ def ground(slope, finer=1.0):
 
 
 def problem(slope, dilatant, finer=1.0):
-    """Model of the slope and its load."""
+    """Model of the slope and its water."""
     basis = Basis(ground(slope, finer), ElementVector(ElementTriP2()), intorder=2)
     soils = {
         name: sc.MohrCoulomb(E=1e3 * slope.unit_weight, nu=0.3, c=c, phi=phi, psi=phi * dilatant)
         for name, (c, phi) in slope.soils.items()
     }
     fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
-    load = sc.weight(basis, slope.unit_weight)
-    if slope.r_u:
-        load = load + sc.water_load(
-            basis, lambda p: slope.r_u * slope.unit_weight * (level(slope.lines[-1], p[0]) - p[1])
-        )
-    return sc.Model({"ground": sc.SolidForm(basis, soils)}, fixed), load
+    solid = sc.SolidForm(basis, soils, unit_weight=slope.unit_weight)
+    return sc.Model({"ground": solid}, fixed), slope.pressure if slope.r_u else None
 
 
 # %%
@@ -171,8 +171,8 @@ for name in chosen:
     slope, factors = slopes[name], []
     for dilatant in (True, False):
         begin = process_time()
-        model, load = problem(slope, dilatant, finer)
-        result = model.strength_reduction(load, tolerance=0.005, certify=False)
+        model, water = problem(slope, dilatant, finer)
+        result = model.strength_reduction(water=water, tolerance=0.005, certify=False)
         seconds = round(process_time() - begin, 2)
         low, high = slope.published
         error = max(low / result.factor - 1.0, result.factor / high - 1.0, 0.0)
@@ -197,6 +197,56 @@ for name in chosen:
         f"[{free.bracket[0]:.3f}, {free.bracket[1]:.3f}]  {free.davis.factor:.3f} "
         f"({free.davis.iterations:3d} it.)"
     )
+
+# %%
+# Meshes that refine themselves
+# -----------------------------
+# ``refine=True`` begins with a coarser mesh and cuts the elements of the mechanism until the error
+# is below 0.01. The bounds of :meth:`~skfem_contact.Model.bounds` on the coarse mesh enclose the
+# exact factor; the refined one lies within 1 % of their middle. It takes 0.5 to 3 times the time of
+# one search on a mesh with 1.5 times as many elements. Soil without cohesion at a surface has no
+# lower bound: that of ACADS 1(c) is computed with 0.1 kPa in the upper layer.
+
+BOUNDS = {
+    "ACADS 1(a)": (0.9788, 0.9852),
+    "ACADS 1(c)": (1.3497, 1.3606),
+    "ACADS 3(a)": (1.2578, 1.2669),
+    "Fredlund-Krahn": (1.3233, 1.3333),
+    "Fredlund-Krahn, r_u = 0.25": (1.0565, 1.0644),
+    "Arai-Tagyo 1": (1.3999, 1.4078),
+    "Arai-Tagyo 2": (0.4143, 0.4207),
+}
+
+print(f"{'':27}elements      refined  bounds         off     time / time of a single mesh")
+for name in chosen:
+    slope, seconds = slopes[name], []
+    for size, refine in ((1.0, False), (0.8, True)):
+        model, water = problem(slope, True, size)
+        begin = process_time()
+        options = {} if refine else {"tolerance": 0.005}
+        result = model.strength_reduction(water=water, refine=refine, certify=False, **options)
+        seconds.append(process_time() - begin)
+    bounds = BOUNDS[name]
+    off = result.factor / np.mean(bounds) - 1.0
+    meshes = " ".join(str(elements) for elements, _, _ in result.meshes)
+    print(
+        f"{name:27}{meshes:30}{result.factor:.3f} [{bounds[0]:.4f}, {bounds[1]:.4f}] {off:+.2%}  "
+        f"{seconds[1] / seconds[0]:.1f}"
+    )
+    rows.append(
+        {
+            "method": f"{name}, refined",
+            "n": result.meshes[-1][0],
+            "unknowns": len(result.x),
+            "error": round(abs(off), 4),
+            "factor": round(result.factor, 4),
+            "cpu_s": round(seconds[1], 2),
+            "iterations": result.iterations,
+            "of_single": round(seconds[1] / seconds[0], 2),
+        }
+    )
+    assert abs(off) < 0.01
+    assert seconds[1] < 4.0 * seconds[0] or "--full" not in sys.argv
 
 # %%
 # Two mechanisms

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -181,14 +181,21 @@ def describe_mesh(forms: Mapping[str, Form]) -> str:
     return f"{elements}, {bases[0].N} dofs"
 
 
-def added_by_mesh(
+class Lost(NamedTuple):
+    """Powers that a mesh adds to a mechanism, by element: (n,) each."""
+
+    elements: ndarray  # numbers of the elements
+    added: ndarray  # power that the mesh adds, of either sign
+    strength: ndarray  # power of the strength
+
+
+def lost_power(
     forms: Mapping[str, Form],
     bands: Mapping[str, ndarray],
     states: Mapping[str, Any],
     motion: ndarray,
-    power: float | None = None,
-) -> float:
-    r"""Estimate the share that the size of elements adds to a factor or a limit load.
+) -> Lost:
+    r"""Return the power that the size of elements adds to a mechanism, and the one of the strength.
 
     The exact stresses balance the exact load, also on the mechanism of the mesh,
     :math:`\dot\varepsilon`, so that
@@ -196,11 +203,9 @@ def added_by_mesh(
     Stresses that are projected on linear functions stand for the exact ones. Strength adds the
     power :math:`\int \tau (\dot\gamma^2 - \dot\varepsilon_V^2) / \dot\gamma` of the largest shear
     stresses and strains; soil with friction, :math:`\dot\varepsilon_V = \dot\gamma \sin\phi`, gets
-    less from it. Bands are these strains by solid, (n_elements, n_points). The whole power is the
-    given one of a limit load, or the power of the strength.
+    less from it. Bands are these strains by solid, (n_elements, n_points).
     """
-    lost = [np.zeros(0)]
-    strength = [np.zeros(0)]
+    parts = [Lost(np.zeros(0, int), np.zeros(0), np.zeros(0))]
     for name, form in solids_of(forms).items():
         if name not in bands:
             continue
@@ -212,22 +217,28 @@ def added_by_mesh(
         at, _, smooth = projected(form, stress)
         excess = stress - (at @ smooth).T.reshape(stress.shape)
         power_density = (excess * strain).sum(axis=0)
-        lost.append((form.weight * power_density).sum(axis=1))
+        added = (form.weight * power_density).sum(axis=1)
 
         # int tau (gamma^2 - eps_V^2) / gamma
         volume = strain[:3].sum(axis=0)
         less = np.divide(volume**2, slip, out=np.zeros_like(slip), where=slip > 0.0)
         largest, _, smallest = principal_stresses(stress)
         spent = form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)
-        strength.append(0.5 * spent.sum(axis=1))
+        parts.append(Lost(form.elements, added, 0.5 * spent.sum(axis=1)))
+    return Lost(*map(np.concatenate, zip(*parts, strict=True)))
 
+
+def added_by_mesh(lost: Lost, power: float | None = None) -> float:
+    """Estimate the share that the size of elements adds to a factor or a limit load.
+
+    The whole power is the given one of a limit load, or the power of the strength.
+    """
     # limit the part of every element
-    of_elements = np.concatenate(strength)
-    whole = float(of_elements.sum()) if power is None else power
+    whole = float(lost.strength.sum()) if power is None else power
     if not whole > 0.0:
         return 0.0
-    most = np.maximum(_OF_ELEMENT * of_elements, _OF_WHOLE * whole)
-    share = float(np.clip(np.concatenate(lost), -most, most).sum()) / whole
+    most = np.maximum(_OF_ELEMENT * lost.strength, _OF_WHOLE * whole)
+    share = float(np.clip(lost.added, -most, most).sum()) / whole
     return max(_ADDED * share, 0.0)
 
 

@@ -21,6 +21,7 @@ from .mechanism import (
     LOAD,
     added_by_mesh,
     describe_mesh,
+    lost_power,
     warn_of_errors,
     warn_of_mesh,
     warn_of_motion,
@@ -477,7 +478,8 @@ def conclude(
     mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = _bands(system, mechanism)
     power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
-    added = added_by_mesh(system.forms, bands, last.states, mechanism, power)
+    lost = lost_power(system.forms, bands, last.states, mechanism)
+    added = added_by_mesh(lost, power)
 
     # make a stage of the last equilibrium, with geometry that follows the displacements again
     forms = dict(system.forms)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from skfem import (
@@ -34,14 +36,39 @@ def bank(element=None, phi=20.0, psi=20.0, **options) -> sc.Model:
     return sc.Model({"ground": ground}, sc.box_supports(basis), **options)
 
 
-def once(model: sc.Model, load=None, water=None):
+def once(model: sc.Model, load=None, water=None, states=None):
     """The model on a mesh of which every third element was cut."""
     begun = loaded_start(model, load, None, water)
     finer.check(model, begun.forms, False)
     mesh = begun.forms["ground"].basis.mesh
     cut = np.arange(0, mesh.nelements, 3)
     on_top = begun.load - model.water_on(begun.forms, water)
-    return finer.finer(model, begun.forms, begun.system.fixed, on_top, cut)
+    states = states or begun.origin.states
+    new, on_top, _ = finer.finer(model, begun.forms, begun.system.fixed, on_top, cut, states)
+    return new, on_top
+
+
+def test_linear_stresses_and_memory_are_carried_exactly():
+    """[X] A stress and a memory that are linear in the coordinates stay so on a finer mesh."""
+    model = bank()
+    ground = model.forms["ground"]
+
+    def linear(form, n):
+        x, y = np.asarray(form.basis.global_coordinates())
+        return np.stack([(1 + k) * x - 2.0 * y + k for k in range(n)])
+
+    state = ground.initial_state(stress=linear(ground, 4))
+    n = len(state.internal)
+    state = dataclasses.replace(state, internal=linear(ground, n))
+    begun = loaded_start(model, None, None, None)
+    cut = np.arange(0, ground.basis.mesh.nelements, 3)
+    new, _, states = finer.finer(
+        model, begun.forms, begun.system.fixed, begun.load, cut, {"ground": state}
+    )
+    form = new.forms["ground"]
+    assert form.basis.nelems > ground.basis.nelems
+    np.testing.assert_allclose(states["ground"].stress, linear(form, 4), atol=1e-9)
+    np.testing.assert_allclose(states["ground"].internal, linear(form, n), atol=1e-9)
 
 
 @pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2()])
