@@ -403,7 +403,7 @@ class Planner:
         """Refuse loads on pressures; report prescribed pressures that are not held."""
         layout = self._setup.layout
         if callable(prescribed):
-            prescribed = prescribed(stage.duration)
+            prescribed = prescribed(1.0 if stage.dynamic is None else stage.duration)
         given = np.zeros(0, int) if prescribed is None else np.flatnonzero(prescribed)
         # Prescribed values act at supports alone.
         loose = np.setdiff1d(given, self._supports)

@@ -38,6 +38,10 @@ from .stage import Stage, checked
 
 logger = logging.getLogger("skfem_contact")
 
+#: Shares of a stage at which prescribed displacements are compared with the first ones.
+_SHARES = (0.1, 0.3, 0.6, 1.0)
+#: Round-off of prescribed displacements at the start of a stage, as a share of them.
+_JUMP = 1e-9
 #: Time of a jump at the start of a stage over the duration of the stage: nothing flows or creeps in
 #: it, and bodies with inertia stay.
 _SUDDEN = 1e-9
@@ -203,10 +207,11 @@ class _Follower:
         unreleased = lost if last.unreleased is None else lost + last.unreleased
         remaining = (1.0 - stage.released) * (unreleased - phase.gone)
         path = _path(phase, last, system.fixed, lost, remaining)
+        _check_begin(stage, path(0.0)[1], last.x[system.fixed])
         last = replace(last, load=last.load - lost)  # in balance with the states before release
 
         # Follow the increments.
-        self.parts = Parts(driven=not np.array_equal(path(0.0)[1], path(1.0)[1]))
+        self.parts = Parts(driven=_pushed(path) > 0.0)
         newton = self._setup.newton or Newton()
         ways = [_Way(stage.name, path, stage.increments, stage.duration)]
         if phase.jump is not None:
@@ -521,7 +526,7 @@ def _along(
     stepping = Stepping(way.increments, last.next_step / duration if duration else np.inf)
     start_x = last.x
     farthest = _farthest(system, path)
-    driven = not np.array_equal(path(0.0)[1], path(1.0)[1])
+    driven = _pushed(path) > 0.0
     trust = False
     while last.fraction < 1.0:
         _check_size(way, system, last, _moved(last, start_x), farthest)
@@ -616,10 +621,28 @@ def _farthest(system: System, path: Path) -> float:
     sizes = []
     for form in solids_of(system.forms).values():
         sizes.append(np.linalg.norm(np.ptp(form.basis.mesh.p, axis=1)))
-    pushed = np.abs(path(1.0)[1] - path(0.0)[1]).max(initial=0.0)
-    if sizes:
-        return float(max(sizes) + pushed)
-    return np.inf
+    if not sizes:
+        return np.inf
+    # Half a turn moves the far end of a body by twice its size.
+    turns = 2.0 if system.finite else 1.0
+    return float(turns * max(sizes) + _pushed(path))
+
+
+def _check_begin(stage: Stage, given: ndarray, held: ndarray) -> None:
+    """Refuse prescribed displacements that jump at the start of a stage."""
+    jump = float(np.abs(given - held).max(initial=0.0))
+    if jump > _JUMP * float(np.abs(held).max(initial=0.0)):
+        raise ValueError(
+            f"stage '{stage.name}': prescribed(0) differs by {jump:.3g} from the displacements at "
+            "the end of the stage before: begin with those"
+        )
+
+
+def _pushed(path: Path) -> float:
+    """Return how far supports move on a way, which may end where it begins."""
+    start = path(0.0)[1]
+    moved = [np.abs(path(share)[1] - start).max(initial=0.0) for share in _SHARES]
+    return float(max(moved))
 
 
 def _path(
@@ -632,9 +655,10 @@ def _path(
     # Begin where the last stage ended.
     load = last.load
     held = last.x[fixed]
+    given = phase.prescribed
     target = held
-    if isinstance(phase.prescribed, ndarray):
-        target = phase.prescribed[fixed]
+    if isinstance(given, ndarray):
+        target = given[fixed]
     # End with what the stage gives, less the part that is not released.
     end = phase.load - remaining
     on_top = phase.on_top
@@ -644,6 +668,8 @@ def _path(
 
     def at(fraction: float) -> tuple[ndarray, ndarray]:
         values = held + fraction * (target - held)
+        if callable(given):
+            values = given(fraction)[fixed]
         if on_top is None:
             return load + fraction * (end - load) - (1.0 - fraction) * lost, values
         faded = (1.0 - fraction) * (load - lost - start)  # weights and water that change, too

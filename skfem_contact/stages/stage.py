@@ -42,7 +42,9 @@ class Stage:
         its start on.
     prescribed
         Displacements at its end, (N,), of which the values at the fixed dofs count. By default they
-        stay as they are. In a stage with `dynamic` also a function of the time since its start.
+        stay as they are. A function of the share of the stage, 0 to 1, gives them on the way as
+        well, as for a body that is turned; in a stage with `dynamic` it is of the time since its
+        start. It begins with the displacements before.
     increments
         Number of increments to begin with; they are cut where Newton fails and grow where it is
         easy.
@@ -182,8 +184,6 @@ def _check_static(stage: Stage, where: str) -> None:
     """Refuse motion in a stage without inertia."""
     if stage.base is not None:
         raise ValueError(f"{where}: a base moves in a stage with `dynamic` alone")
-    if callable(stage.prescribed):
-        raise ValueError(f"{where}: prescribed may be a function in a stage with `dynamic` alone")
 
 
 def _check_time(stage: Stage, dynamic: Dynamic, where: str) -> None:

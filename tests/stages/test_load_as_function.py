@@ -116,3 +116,48 @@ def test_consolidation_under_a_load_that_a_function_holds():
     m = np.pi * (2 * np.arange(200) + 1) / 2
     right = q * H / E * (1 - (2 / m**2 * np.exp(-(m**2) * T)).sum())
     assert settled == pytest.approx(right, rel=0.01)
+
+
+def turned(basis, angle):
+    """Return displacements of a rotation about the origin."""
+    c, s = np.cos(angle), np.sin(angle)
+    x = basis.doflocs
+    u = basis.zeros()
+    u[0::2] = (c - 1.0) * x[0, 0::2] - s * x[1, 0::2]
+    u[1::2] = s * x[0, 1::2] + (c - 1.0) * x[1, 1::2]
+    return u
+
+
+def test_body_is_turned_by_supports_that_follow_a_circle():
+    """[X] Prescribed displacements are a function of the share: two turns leave no stress."""
+    mesh = MeshTri.init_tensor([0.0, 1.0, 2.0], [0.0, 1.0]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    body = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), kinematics="finite")
+    model = sc.Model({"body": body}, basis.get_dofs("left").all())
+    stage = sc.Stage(
+        "turn", prescribed=lambda share: turned(basis, 4.0 * np.pi * share), increments=16
+    )
+    seen = []
+    end = model.run([stage], on_increment=seen.append, **QUIET)["turn"]
+    # round-off of displacements of 4 under E = 1e3
+    assert np.abs(end.states["body"].stress).max() < 1e-9
+    quarter = next(part for part in seen if part.fraction == 1.0 / 8.0)
+    np.testing.assert_allclose(quarter.x, turned(basis, 0.5 * np.pi), atol=1e-10)
+
+
+def test_prescribed_displacements_begin_where_they_were():
+    """[X] A function that begins elsewhere is refused with the distance, the stages before kept."""
+    basis, forms, fixed = column()
+    model = sc.Model(forms, fixed)
+    down = np.zeros(basis.N)
+    down[basis.get_dofs("bottom").all("u^2")] = -0.01
+    stages = [
+        sc.Stage("down", prescribed=down),
+        sc.Stage("up", prescribed=lambda share: share * down),
+    ]
+    with pytest.raises(ValueError, match=r"stage 'up': prescribed\(0\) differs by 0.01 ") as failed:
+        model.run(stages, **QUIET)
+    assert failed.value.result[0].name == "down"
+    smooth = sc.Stage("up", prescribed=lambda share: (1.0 - share) * down)
+    end = model.run([stages[0], smooth], **QUIET)["up"]
+    assert np.abs(end.x[basis.get_dofs("bottom").all("u^2")]).max() == 0.0
