@@ -256,7 +256,8 @@ def members_by_tag(tags: Integers) -> dict[int, Integers]:
     # Small numbers are sorted by digits.
     low = int(tags.min())
     span = int(tags.max()) - low
-    small = (tags - low).astype(np.min_scalar_type(span))
+    small = np.empty(len(tags), np.min_scalar_type(span))
+    np.subtract(tags, low, out=small, casting="unsafe")
     order = np.argsort(small, kind="stable").astype(np.int32)
     # Cut the order where the next number begins.
     ordered = small[order]

@@ -108,15 +108,23 @@ def _mask(mesh: Mesh, nodes: Integers) -> NDArray[np.bool_]:
 
 def _sides_among(mesh: Mesh, chosen: NDArray[np.bool_]) -> tuple[Integers, Integers, Integers]:
     """Return elements, numbers and corners of all sides whose corners are chosen nodes."""
-    is_chosen = [chosen.take(corner) for corner in mesh.t]  # by corners of elements
+    # Leave out elements with too few chosen corners, which are most of them.
+    sides = mesh.elem.refdom.facets
+    count = np.zeros(mesh.t.shape[1], dtype=np.uint8)
+    for nodes in mesh.t:
+        count += chosen.take(nodes)
+    near = np.flatnonzero(count >= len(sides[0])).astype(np.int32)
+    t = mesh.t[:, near]
+    # Take each side of the others.
     elements = []
     local = []
     corners = []
-    for number, side in enumerate(mesh.elem.refdom.facets):
-        found = np.flatnonzero(np.logical_and.reduce([is_chosen[corner] for corner in side]))
-        elements.append(found.astype(np.int32))
+    for number, side in enumerate(sides):
+        nodes = t[side]
+        found = np.flatnonzero(chosen[nodes].all(axis=0))
+        elements.append(near[found])
         local.append(np.full(len(found), number, dtype=np.int32))
-        corners.append(mesh.t[np.array(side)[:, None], found].T)
+        corners.append(nodes[:, found].T)
     return np.concatenate(elements), np.concatenate(local), np.concatenate(corners)
 
 

@@ -663,6 +663,30 @@ def test_second_order_of_gmsh_in_bulk_data(tmp_path, model):
         assert load_mesh(file).boundaries is None
 
 
+@pytest.mark.parametrize("end", [".vtu", ".msh", ".med"])
+def test_names_of_all_letters(tmp_path, end):
+    """[X] Characters that XML keeps for itself, blanks, commas and letters with accents."""
+    names = [
+        "shaft & tip",
+        "a<b>c",
+        "'quoted'",
+        "Sohle, weich",
+        "\u00e9tan\u00e7on",
+        "p|q",
+        "x:y",
+        "a-b",
+    ]
+    if end == ".vtu":
+        names.append('"double"')
+    mesh = MeshQuad().refined(1)
+    mesh = mesh.with_subdomains({name: np.array([0]) for name in names})
+    mesh = mesh.with_boundaries({f"{name} side": np.array([0]) for name in names})
+    save_mesh(mesh, tmp_path / f"names{end}")
+    again = load_mesh(tmp_path / f"names{end}")
+    assert sorted(again.subdomains) == sorted(names)
+    assert sorted(again.boundaries) == sorted(f"{name} side" for name in names)
+
+
 def test_regions_of_gmsh_in_files_of_vtk(tmp_path, model):
     """[X] Gmsh writes the numbers of groups as data of cells in one column."""
     gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
@@ -678,6 +702,11 @@ def test_regions_of_gmsh_in_files_of_vtk(tmp_path, model):
     np.testing.assert_allclose(sizes, [1.0, 2.0])
     assert len(mesh.boundaries) == 7
     assert all(name.startswith("CellEntityIds ") for name in mesh.boundaries)
+    # meshio reads a file that ends within the types of its cells in part
+    text = (tmp_path / "mesh.vtk").read_text().partition("CELL_DATA")[0]
+    (tmp_path / "short.vtk").write_text(text.rstrip()[:-20])
+    with pytest.raises(ValueError, match=r"short.vtk: it is not complete: it announces \d+ cells"):
+        load_mesh(tmp_path / "short.vtk")
 
 
 @pytest.mark.parametrize("corners", [True, False])

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
+from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -43,6 +46,7 @@ def read(path: str) -> Content:
         cells = np.asarray(block.data, dtype=int)
         content.cells[block.type] = cells if known is None else np.concatenate((known, cells))
         blocks.append((block.type, first + np.arange(len(cells))))
+    _check_complete(path, sum(len(members) for _, members in blocks))
     # Read groups from whole numbers of cells; Gmsh's have a column.
     encoded = {}
     for key, columns in file.cell_data.items():
@@ -53,6 +57,16 @@ def read(path: str) -> Content:
             _add_data(content, key, blocks, parts)
     add_encoded(content, encoded)
     return content
+
+
+def _check_complete(path: str, count: int) -> None:
+    """Refuse a legacy file that ends within the types of its cells, which meshio reads in part."""
+    if path.lower().endswith(".vtk"):
+        announced = re.search(rb"^CELL_TYPES\s+(\d+)", Path(path).read_bytes(), re.M)
+        if announced and int(announced[1]) != count:
+            raise ValueError(
+                f"it is not complete: it announces {int(announced[1])} cells, but has {count}"
+            )
 
 
 def _meshio(path: str) -> Any:
@@ -114,9 +128,11 @@ def write(content: Content, path: str) -> None:
     blocks = list(content.cells.items())
     data: dict[str, list[Integers]] = {}
     for name, group in content.groups.items():
-        data[name] = []
+        # meshio writes names as they are, which "&" and '"' in XML must not be
+        key = escape(name, {'"': "&quot;"})
+        data[key] = []
         for kind, cells in blocks:
             mask = np.zeros(len(cells), dtype=np.int8)
             mask[group.get(kind, np.zeros(0, int))] = 1
-            data[name].append(mask)
+            data[key].append(mask)
     meshio.Mesh(content.points, blocks, cell_data=data).write(path, file_format="vtu")
