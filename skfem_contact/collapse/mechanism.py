@@ -46,9 +46,9 @@ _FAR = 0.1
 #: Share that the mesh adds, over what the stresses lose by their projection: 1.1 to 3.5 on slopes
 #: with phi of 0, 20 and 35 degrees and vertical cuts, of 48 to 1,536 elements of either order, and
 #: under rigid strips and even loads with phi of 0 and 20 degrees, whether elements shrink towards
-#: the edge or not. Reported over true shares: .65 to 1.4 on slopes with phi of 0 and 20 degrees, .3, .6
-#: and 1.1 with 35 degrees and 96, 384 and 1,536 elements; .75 to 1.2 for limit loads and .8 to 2.1
-#: for factors of rigid strips with phi of 0 to 30 degrees, .4 on sand with a weight.
+#: the edge or not. Reported over true shares: .65 to 1.4 on slopes with phi of 0 and 20 degrees;
+#: .3, .6 and 1.1 with 35 degrees and 96, 384 and 1,536 elements; .75 to 1.2 for limit loads and .8
+#: to 2.1 for factors of rigid strips with phi of 0 to 30 degrees, .4 on sand with a weight.
 _ADDED = 2.0
 #: Largest part of one element in the power that the stresses lose, over the power of its strength
 #: and over the whole power. At singular points the projection loses more than the stresses: where
