@@ -59,8 +59,8 @@ def beam(spring):
 
 right = 1000 * (LOAD * LENGTH**3 / (3 * BENDING) + LOAD * LENGTH**2 / SPRING)
 (element, moment), (support, _) = post(True), post(False)
-print(f"post: spring of the element {element:.1f} mm, of the support {support:.1f} mm, right {right:.1f} "
-      f"mm; moment {moment:.1f} kNm")
+print(f"post: spring of the element {element:.1f} mm, of the support {support:.1f} mm, "
+      f"right {right:.1f} mm; moment {moment:.1f} kNm")
 assert abs(support - right) < 0.1 and abs(element - 160.7) < 0.1 and abs(moment - 50) < 1e-6
 
 # Half of the symmetric beam: a cantilever with half of the load and twice the spring at its end.
