@@ -72,6 +72,41 @@ class Modes:
         name = f"mode {number + 1}, {self.frequencies[number]:.4g} Hz"
         return replace(self.start, name=name, x=self.shapes[:, number].copy())
 
+    def swing(self, number: int, parts: int = 8) -> list[StageResult]:
+        """Return a period of a mode, counted from 0, as stages to animate.
+
+        Parameters
+        ----------
+        number
+            The mode.
+        parts
+            Stages of the period, at least 2, and one more that closes it.
+
+        Raises
+        ------
+        ValueError
+            The mode was not computed, or fewer than two parts.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> column = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.), unit_weight=20.)
+        >>> fixed = [basis.get_dofs("bottom").all(), basis.get_dofs().all("u^1")]
+        >>> modes = sc.Model({"column": column}, fixed, gravity_acceleration=10.).modes(1)
+        >>> [round(float(stage.x.max()), 2) for stage in modes.swing(0, 4)]
+        [1.0, 0.0, 0.0, 0.0, 1.0]
+
+        ``plot.animate(modes.swing(0), "uy", "mode.gif", deformed="auto")`` writes a film.
+        """
+        if parts < 2:
+            raise ValueError(f"a period has at least 2 parts, not {parts}")
+        mode = self.stage(number)
+        phases = np.cos(2.0 * np.pi * np.arange(parts + 1) / parts)
+        return [replace(mode, x=phase * mode.x) for phase in phases]
+
     def table(self) -> Table:
         """Return frequencies, periods and shares of the mass as a table."""
         n = len(self)

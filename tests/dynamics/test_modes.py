@@ -56,6 +56,23 @@ def test_participation_of_a_layer():
     assert modes.stage(0).name == "mode 1, 2.5 Hz"
 
 
+def test_film_of_a_mode(tmp_path):
+    """[X] A period begins and ends with the shape, and is upside down in its middle."""
+    pytest.importorskip("imageio")
+    plot = pytest.importorskip("skfem_contact.plot")
+    model, _ = layer(n=4)
+    modes = model.modes(1)
+    swing = modes.swing(0, 4)
+    shape = modes.shapes[:, 0]
+    for stage, phase in zip(swing, (1.0, 0.0, -1.0, 0.0, 1.0), strict=True):
+        np.testing.assert_allclose(stage.x, phase * shape, atol=1e-15)
+    file = plot.animate(swing, "ux", tmp_path / "mode.gif", deformed="auto", frames=2)
+    if file is not None:
+        assert file.stat().st_size > 1000
+    with pytest.raises(ValueError, match="at least 2 parts, not 1"):
+        modes.swing(0, 1)
+
+
 def cantilever(fixed=True):
     """Return a beam of quadratic triangles, L / h = 20, E = 1e6 and density 1."""
     mesh = MeshTri.init_tensor(np.linspace(0, 20, 41), np.linspace(0, 1, 3)).with_defaults()
