@@ -146,7 +146,9 @@ class Explicit:
 
     def forces(self, x: ndarray) -> tuple[dict[str, ndarray], dict[str, Response]]:
         """Return the internal forces by form, all linear ones together, and other responses."""
-        forces = {"": self._force + self._K @ (x - self._start)}
+        linear = self._K @ (x - self._start)
+        linear += self._force
+        forces = {"": linear}
         try:
             found = responses_of(self._others, x, self.states)
             for name, response in found.items():
@@ -169,12 +171,18 @@ class Explicit:
         """
         h = self.length
         fixed = self._fixed
-        half = motion.velocity + (0.5 * h) * motion.acceleration
+
+        # Move by the velocity in the middle; temporary vectors cost as much as the forces
+        half = (0.5 * h) * motion.acceleration
+        half += motion.velocity
         half[fixed] = (prescribed - motion.x[fixed]) / h
-        x = motion.x + h * half
+        x = h * half
+        x += motion.x
         x[fixed] = prescribed
-        if not np.abs(x).max(initial=0.0) < _ENDLESS:
+        if not float(np.dot(x, x)) < _ENDLESS**2:
             raise NotConverged("the displacements run away: the steps are too long", motion.x)
+
+        # Find the forces
         forces, found = self.forces(x)
         self.states.update({name: response.state for name, response in found.items()})
         inertial = load - forces[""]
@@ -183,8 +191,11 @@ class Explicit:
         if self._C.nnz == 0:
             a = self._inverse * inertial
             inertial[fixed] = 0.0
-            return Motion(x, half + (0.5 * h) * a, a, inertial, 0.0), forces
-        # the diagonal of C acts with the velocity at the end: dashpots then keep steps stable
+            v = (0.5 * h) * a
+            v += half
+            return Motion(x, v, a, inertial, 0.0), forces
+
+        # The diagonal of C acts with the velocity at the end: dashpots then keep steps stable
         viscous = self._C @ half
         a = self._inverse * (inertial - viscous) / (1.0 + 0.5 * h * self._inverse * self._drag)
         viscous += (0.5 * h) * self._drag * a

@@ -54,7 +54,11 @@ class Log:
                 self._dissipating[name] = form
         self._states = states
         self._fixed = system.fixed
-        self._M = in_time.M
+        # Lumped masses need no product of a matrix.
+        M = in_time.M
+        self._M: Any = M
+        if M.nnz == np.count_nonzero(M.diagonal()):
+            self._M = M.diagonal()
         self._points = in_time.points
         self._in_time = in_time
         self._rows = array("d")  # a list of numbers takes five times the memory
@@ -87,9 +91,9 @@ class Log:
             self._add_work(self._last, now, self._states if states is None else states)
         self._last = now
         # Write the energies down.
-        kinetic = 0.5 * float(motion.velocity @ (self._M @ motion.velocity))
+        kinetic = 0.5 * self._squared(motion.velocity)
         if self._wet:
-            inertial = float(motion.acceleration @ (self._M @ motion.acceleration))
+            inertial = self._squared(motion.acceleration)
             self._squares += (2.0 * kinetic, inertial)
         dissipated = self._plastic, self._friction, motion.damped + self._flow
         self._rows.extend((time, kinetic, self._elastic, *dissipated, self._work))
@@ -99,6 +103,12 @@ class Log:
             self._motions.append(np.array([values[self._points] for values in at_points]))
             if self._in_time.base and not self._in_time.of_rock:
                 self._base.append(self._in_time.base_motion(time - self._began))
+
+    def _squared(self, values: ndarray) -> float:
+        """Return the square of the values, weighted with the masses."""
+        if self._M.ndim == 1:
+            return float(np.dot(self._M * values, values))
+        return float(values @ (self._M @ values))
 
     def _add_work(self, last: _End, now: _End, states: Mapping[str, Any]) -> None:
         """Add the work of a step, and divide that of the forms."""
