@@ -119,13 +119,14 @@ class Model(Setup):
         """
         horizontal: Any = self.seismic if seismic is None else seismic
         given: Any = weight
-        pressure = None if water is None else self.one_pressure(water)
+        resting: Any = water
         return bounds(
             self.forms,
             self.fixed,
             given,
             tractions=tractions,
-            water=pressure,
+            water=resting,
+            water_unit_weight=self.water_unit_weight,
             submerged=submerged,
             seismic=horizontal,
             reduce=reduce,

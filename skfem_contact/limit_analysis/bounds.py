@@ -9,13 +9,15 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
-from skfem import MeshTri
+from numpy.typing import ArrayLike
+from skfem import Mesh, MeshTri
 
 from ..checks import format_point, names_of
 from ..display import progress_bar
 from ..errors import AnalysisWarning, warn
 from ..forms.base import dilate_less, solids_of
 from ..loads import Pressure, by_element
+from ..loads.water_at_rest import one_pressure
 from ..solvers import single_threaded
 from .certify import dissipation
 from .model import AtRest, Loads, Site, TractionLike, named_loads, vector_loads
@@ -42,7 +44,8 @@ def bounds(
     weight: float | Mapping[str, float] | None = None,
     *,
     tractions: Mapping[str, TractionLike] | None = None,
-    water: Pressure | None = None,
+    water: Pressure | ArrayLike | Literal[False] | None = None,
+    water_unit_weight: float | None = None,
     submerged: str | Collection[str] = (),
     seismic: float = 0.0,
     reduce: str | Collection[str] | None = None,
@@ -76,8 +79,11 @@ def bounds(
         Forces per area on boundaries, (t_x, t_y) or a function of coordinates (2, n) with values
         (2, n).
     water
-        Pressure of water in the pores, positive: a function of coordinates, or values at the nodes.
-        Everything but rigid bodies has pores.
+        Water at rest in the pores: a level, a line of points (n, 2), a seepage, a function of
+        coordinates, or pressures at the vertices, positive; False: none. Everything but rigid
+        bodies has pores.
+    water_unit_weight
+        Unit weight of water, for levels and lines.
     submerged
         Boundaries on which the water presses from outside, see :func:`water_load`.
     seismic
@@ -132,12 +138,15 @@ def bounds(
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
     gamma: Any = _own(forms) if weight is None else weight
     multiplied = names_of(live)
+    pressure = None
+    if water is not None and water is not False:
+        pressure = one_pressure(water, _mesh_of(forms), water_unit_weight)
     # Loads by name are integrated on each mesh.
     loads = partial(
         named_loads,
         weight=gamma,
         tractions=dict(tractions or {}),
-        water=water,
+        water=pressure,
         submerged=names_of(submerged),
         seismic=seismic,
         live=multiplied,
@@ -155,6 +164,15 @@ def bounds(
         seconds=seconds,
         progress=progress,
     )
+
+
+def _mesh_of(forms: Mapping[str, Any]) -> Mesh:
+    """Return the mesh of the solids."""
+    solids = solids_of(forms)
+    if not solids:
+        raise ValueError(f"bounds need a solid, but there are {list(forms)}")
+    mesh: Mesh = next(iter(solids.values())).basis.mesh
+    return mesh
 
 
 def _own(forms: Mapping[str, Any]) -> ndarray | float:

@@ -182,6 +182,17 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     return hydrostatic(water, unit_weight=unit_weight)
 
 
+def one_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
+    """Return water at rest as a function of coordinates or values at vertices, for bounds."""
+    pressure = as_pressure(water, mesh, unit_weight)
+    if isinstance(pressure, Mapping):
+        raise ValueError(
+            "bounds know water with one pressure, but it is by region: give one level, or "
+            "leave out `certify`"
+        )
+    return getattr(pressure, "pressure", pressure)
+
+
 def at_nodes(solid: Any, water: Any, unit_weight: float | None) -> ndarray:
     """Return the pressure in the elements of a porous solid at their nodes, (n_elements, n)."""
     basis = solid.basis

@@ -79,9 +79,10 @@ def contour(
     bodies
         Names of the solids to draw; by default all.
     water
-        Draw the water table: the free surface of a :class:`~skfem_contact.Seepage`, or the line on
-        which the pore pressure, a function of coordinates such as
-        :func:`~skfem_contact.hydrostatic`, falls to zero; True: the stage's own water.
+        Draw the water table of water as of a :class:`~skfem_contact.Stage`: a level, a line of
+        points, water by region, the free surface of a :class:`~skfem_contact.Seepage`, or the line
+        on which a pressure, a function of coordinates, falls to zero; True: the stage's own water;
+        False: none.
     supports
         Fixed dofs, drawn as triangles.
     loads : ndarray, (N,)

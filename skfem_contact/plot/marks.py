@@ -71,10 +71,9 @@ class Marks:
     def draw(self, plotter: Any, scene: Scene) -> None:
         """Draw all marks."""
         # Draw water, supports, loads and displacements.
-        if self.water is not None:
-            waters = pressures_of(self.stage.water) if self.water is True else [self.water]
-            for water in waters:
-                _draw_water(plotter, scene, water)
+        given = self.stage.water if self.water is True else self.water
+        for water in pressures_of(given):
+            _draw_water(plotter, scene, water)
         if self.supports is not None:
             _draw_supports(plotter, scene, np.asarray(self.supports))
         if self.loads is not None:
@@ -95,7 +94,7 @@ class Marks:
         """Return labels and matplotlib's line styles of the marks that need an explanation."""
         # List what is drawn: water, points that yield, contact by status.
         entries: list[tuple[str, dict[str, Any]]] = []
-        if self.water is not None:
+        if self.water is not None and self.water is not False:
             dashed = {"color": WATER, "linewidth": 3, "linestyle": "--"}
             entries.append(("water table", dashed))
         marked = {status for status, _, _ in self._points()}
@@ -159,7 +158,7 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
 
 
 def pressures_of(water: Any) -> list[Any]:
-    """Return pressures from a stage's water, without water that cannot be drawn."""
+    """Return the pressures of water, without water that cannot be drawn."""
     if water is None or water is False or isinstance(water, str):
         return []
     if isinstance(water, Mapping):

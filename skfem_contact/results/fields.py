@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
 from skfem import CellBasis
 
 from ..checks import look_up
@@ -28,8 +29,9 @@ class _PressureField(Protocol):
 
 #: Given pore pressure: seepage, or a function of coordinates (dim, n).
 Water = _PressureField | Callable[[ndarray], ndarray]
-#: Pressure that a picture or a field adds: a given one, or True, the stage's own water.
-Shown = Water | Literal[True]
+#: Pressure that a picture or a field adds: a given one, a level, a line of points (n, 2) or water
+#: by region as of a stage; True, the stage's own water; False, none.
+Shown = Water | ArrayLike | Mapping[str, Any] | bool
 
 
 class Quantity(NamedTuple):
@@ -115,11 +117,11 @@ def region_field(
     """
     # Check what is asked for.
     quantity = look_up(name, quantities(stage), "field")
+    water = None if water is False else water
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError(
             "pore pressure where there is no PoreWater and no ground is Undrained: give water=True "
-            "for "
-            "that of the stage, a Seepage, or a function of coordinates such as hydrostatic(level)"
+            "for the water of the stage, a level, a line, a Seepage, or a function of coordinates"
         )
     bodies = solids(stage)
     if since is not None:
@@ -147,32 +149,34 @@ def _of_water(
     nodes = region_mesh(*bodies.values()).nodes
     values = _excess(stage, nodes)
     if water is True:
-        values = values + _own(stage, bodies)
+        values = values + _at_rest(stage, bodies, stage.water)
         if since is not None:
-            values = values - _own(since, bodies)
+            values = values - _at_rest(since, bodies, since.water)
     if since is not None:
         return values - _excess(since, nodes)
     if water is None or water is True:
         return values
 
-    # Add a given pressure.
+    # Add a given pressure, everywhere, or the pressure of a level in the pores.
     pressure: Any = getattr(water, "pressure_at", water)
-    return values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes])
+    if callable(pressure):
+        return np.asarray(values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes]))
+    return values + _at_rest(stage, bodies, water)
 
 
-def _own(stage: StageData, bodies: Mapping[str, SolidForm]) -> ndarray:
-    """Return the pressure of the stage's water at the nodes of the :func:`region_mesh`, (n,)."""
-    if stage.water is None or isinstance(stage.water, str):
+def _at_rest(stage: StageData, bodies: Mapping[str, SolidForm], water: Any) -> ndarray:
+    """Return the pressure of water in the pores at the nodes of the :func:`region_mesh`, (n,)."""
+    if water is None or isinstance(water, str):
         raise ValueError(
-            f"the water of stage '{stage.name}' is {stage.water or 'not given'}: give water= a "
-            "Seepage or a function of coordinates such as hydrostatic(level)"
+            f"the water of stage '{stage.name}' is {water or 'not given'}: give water= a level, a "
+            "line, a Seepage, or a function of coordinates"
         )
     parts = []
     for name, form in bodies.items():
         mesh = region_mesh(form)
         pressure = np.zeros(len(mesh.nodes))
-        if form.porous and name in stage.states and stage.water is not False:
-            pressure[mesh.cells] = at_nodes(form, stage.water, stage.water_unit_weight)
+        if form.porous and name in stage.states and water is not False:
+            pressure[mesh.cells] = at_nodes(form, water, stage.water_unit_weight)
         parts.append(pressure)
     return np.concatenate(parts)
 
@@ -216,7 +220,7 @@ def quantities(stage: StageData, water: Shown | None = None) -> dict[str, Quanti
     fields = SPACE
     if basis_of(stage).mesh.dim() == 2:
         fields = PLANE
-    if water is None:
+    if water is None or water is False:
         return fields
     return fields | {"pore": fields["pore"]._replace(title="pore pressure")}
 

@@ -239,8 +239,9 @@ class StageResult(files.StageData):
             not hold count from their activation. Invariants of strains follow from the change of
             the strains; invariants of stresses are subtracted.
         water
-            Further pore pressure: a :class:`~skfem_contact.water.Seepage`, a function of
-            coordinates such as :func:`hydrostatic`, or True, the stage's own water.
+            Further pore pressure: a level, a line or water by region, a
+            :class:`~skfem_contact.water.Seepage`, a function of coordinates such as
+            :func:`hydrostatic`, or True, the stage's own water; False: none.
         """
         return fields.nodal_field(self, name, since, water)
 

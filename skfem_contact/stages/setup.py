@@ -27,7 +27,7 @@ from ..forms.roles import (
     joined_by,
 )
 from ..layout import Field, FieldDofs, Layout, different, others
-from ..loads.water_at_rest import as_pressure, loads_at_rest
+from ..loads.water_at_rest import loads_at_rest, one_pressure
 from ..mesh.check import check_connections, check_elements
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -284,13 +284,7 @@ class Setup:
     def one_pressure(self, water: Any) -> Any:
         """Return water at rest as a function of coordinates or values at vertices, for bounds."""
         mesh = next(iter(self.solids.values())).basis.mesh
-        pressure = as_pressure(water, mesh, self.water_unit_weight)
-        if isinstance(pressure, Mapping):
-            raise ValueError(
-                "bounds know water with one pressure, but it is by region: give one level, or "
-                "leave out `certify`"
-            )
-        return getattr(pressure, "pressure", pressure)
+        return one_pressure(water, mesh, self.water_unit_weight)
 
     def vector(self, values: Any, what: str) -> ndarray:
         """Return values of all dofs, given up to the end of any field.

@@ -29,6 +29,7 @@ from skfem import (
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact import limit_analysis
 from skfem_contact.limit_analysis.model import Site, vector_loads
 from tests.tools.helpers import analysis
 
@@ -571,6 +572,15 @@ def test_bounds_take_water_as_every_search_does() -> None:
     for water in (0.4, [(0.0, 0.4), (1.0, 0.4)], sc.hydrostatic(0.4, 10.0)):
         bounds = model.bounds(20.0, water=water, elements=1)
         found.append((bounds.lower, bounds.upper))
-    np.testing.assert_allclose(found, found[:1] * 3, rtol=1e-6)
+    unit_weight = model.water_unit_weight
+    alone = limit_analysis.bounds(
+        model.forms, model.fixed, 20.0, water=0.4, water_unit_weight=unit_weight, elements=1
+    )
+    found.append((alone.lower, alone.upper))
+    np.testing.assert_allclose(found, found[:1] * 4, rtol=1e-6)
+    dry = model.bounds(20.0, water=False, elements=1)
+    assert dry.lower == pytest.approx(model.bounds(20.0, elements=1).lower)
     with pytest.raises(ValueError, match="one pressure, but it is by region"):
         model.bounds(20.0, water={"low": 0.4})
+    with pytest.raises(ValueError, match="water level needs the unit weight"):
+        limit_analysis.bounds(model.forms, model.fixed, 20.0, water=0.4)

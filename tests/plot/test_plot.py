@@ -313,6 +313,18 @@ def test_free_surface_is_the_water_table():
         shot(plot.contour(step, "pore", water=given, mesh=False, colors="Greys"))
         for given in (sc.hydrostatic(0.5 * height, unit_weight=9.81), water, water.pressure_at)
     ]
+    at_rest = replace(step, water_unit_weight=9.81)
+    line = [(-100.0, 0.5 * height), (100.0, 0.5 * height)]
+    for given in (0.5 * height, line):
+        values = at_rest.field("pore", water=given)
+        np.testing.assert_allclose(values, step.field("pore", water=water.pressure_at), atol=1e-9)
+        picture = shot(plot.contour(at_rest, "pore", water=given, mesh=False, colors="Greys"))
+        np.testing.assert_array_equal(picture, pictures[0])
+    np.testing.assert_array_equal(
+        shot(plot.contour(step, "uy", water=False)), shot(plot.contour(step, "uy"))
+    )
+    with pytest.raises(ValueError, match="give water=True"):
+        step.field("pore", water=False)
     blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
     rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
     # the transition between wet and dry is a part of an element wide
