@@ -54,7 +54,7 @@ print(result)
 # ----------------
 
 time = np.array([step.time for step in impact.increments])
-force = np.array([step.report("joint").force[0] for step in impact.increments])
+force = np.array([step.contact("joint").force[0] for step in impact.increments])
 exact = density * c * velocity * h / 2
 
 fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 6), layout="constrained")

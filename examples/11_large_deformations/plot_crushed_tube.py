@@ -115,7 +115,7 @@ iterations = [sum(stage.iterations) for stage in result]
 error = float(np.abs(force / exact - 1.0).max())
 print(f"largest difference of a force {error:.1e}; {touching:.0%} of the inner wall touches itself")
 # the forces of the walls on each other have no resultant
-resultant = float(np.abs(result[-1].report("inside").normal).max())
+resultant = float(np.abs(result[-1].contact("inside").normal).max())
 print(f"resultant of self-contact {resultant:.1e}, force of a plate {force[-1]:.3g}")
 assert resultant < 1e-9 * force[-1]
 # gaps count along normals of facets, which tilt a little

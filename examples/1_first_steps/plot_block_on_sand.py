@@ -34,7 +34,7 @@ push = sc.traction(basis, "top", (12.0, -40.0))
 stages = [sc.Stage("weight"), sc.Stage("push", push, increments=3)]
 result = sc.Model(forms, sc.box_supports(basis)).run(stages)
 print(result)
-print(result["push"].report("joint"))
+print(result["push"].contact("joint"))
 
 # %%
 # The load, the tractions that the sand exerts on the block, and the points that yield:
@@ -46,7 +46,7 @@ plot.contour(
 plot.diagram({stage.name: stage.tractions("joint") for stage in result}, along="x")
 
 # sphinx_gallery_start_ignore
-report = result["push"].report("joint")
+report = result["push"].contact("joint")
 by_hand = np.array([2 * 12.0, -2 * 1.0 * 24.0 - 2 * 40.0])  # push and weight, on the sand
 error = float(np.abs(report.force - by_hand).max() / 128.0)
 assert error < 1e-4, (report.force, by_hand)

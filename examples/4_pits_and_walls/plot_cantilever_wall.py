@@ -40,12 +40,12 @@ moment = result[-1].section_forces("wall", stem)
 plot.diagram(moment, "M", on=result[-1])
 
 # %%
-print(result[-1].report("skin"))
+print(result[-1].contact("skin"))
 plot.contour(result[-1], "mobilised", contact=True, deformed="auto")
 
 # sphinx_gallery_start_ignore
 weight = 25.0 * (0.6 * 3.6 + 0.5 * 5.4)  # of the wall, on the ground
-error = abs(abs(result[-1].report("skin").force[1]) / weight - 1.0)
+error = abs(abs(result[-1].contact("skin").force[1]) / weight - 1.0)
 assert error < 1e-4, error  # tolerance of the equilibrium
 largest = abs(moment.M).max()
 active, at_rest = (

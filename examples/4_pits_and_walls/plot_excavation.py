@@ -126,7 +126,7 @@ cpu, iterations = process_time() - begin, sum(sum(stage.iterations) for stage in
 last = result["lift 2"]
 held = last.reactions()
 reaction = held[strut][0]
-contacts = [last.report(name) for name in last.states if name.endswith("|wall")]
+contacts = [last.contact(name) for name in last.states if name.endswith("|wall")]
 pushed = -sum(contact.force[0] for contact in contacts)
 balance = abs(pushed + reaction) / abs(reaction)
 base = held[fixed[fixed % 2 == 1]].sum()

@@ -79,7 +79,7 @@ plot.diagram(result["lift 2"].section_forces("wall", cuts), "M", on=result["lift
 import json
 
 last = result["lift 2"]
-pushed = -sum(last.report(name).force[0] for name in last.states if name.endswith("|wall"))
+pushed = -sum(last.contact(name).force[0] for name in last.states if name.endswith("|wall"))
 error = float(abs(pushed + last.reactions()[prop][0]) / abs(pushed))
 assert error < 1e-4, error  # the wall is in balance
 row = {"method": "Q1", "n": 33, "unknowns": int(basis.N), "error": error, "cpu_s": None}

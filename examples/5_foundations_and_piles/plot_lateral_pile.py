@@ -188,7 +188,7 @@ plot.cutaway(result[-1], "uz", **view)
 
 _, forms, result, _ = piles["free to come off"]
 plot.cutaway(result[-1], "uz", **view)
-print(result[-1].report("shaft"))
+print(result[-1].contact("shaft"))
 
 # %%
 # Headline numbers

@@ -76,7 +76,7 @@ steel = sc.LinearElastic(E=3e7, nu=0.2)
 exact = 0.5 * np.pi * DIAMETER * LENGTH**2 * MU * K0 * GAMMA
 rigid = pull(elastic, steel, pile, [0.01])
 print(f"Q = {rigid[0][-1]:.2f} kN, by the formula {exact:.2f} kN")
-print(rigid[2]["10 mm"].report("shaft"))
+print(rigid[2]["10 mm"].contact("shaft"))
 
 # %%
 # Concrete pile in sand

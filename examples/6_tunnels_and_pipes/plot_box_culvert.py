@@ -103,7 +103,7 @@ for name, load in marston.items():
     )  # measured .012, .013: points of contact at the ends
     weight = 25.0 * (2.4 * 2.0 - 1.8 * 1.4)
     assert (
-        abs(result[name].report("skin").force[1] + weight) < 1e-4 * weight
+        abs(result[name].contact("skin").force[1] + weight) < 1e-4 * weight
     )  # tolerance of the equilibrium
 iterations = sum(sum(stage.iterations) for stage in result)
 print(

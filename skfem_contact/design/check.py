@@ -314,7 +314,7 @@ def _forces(stage: StageResult, dofs: ndarray, toe: ndarray, heel: ndarray) -> _
         normal = facets[name].normal
         tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
         force = t.weight[:, None] * (t.shear[:, None] * tangent - t.pressure[:, None] * normal)
-        force = _turned(force, stage.report(name).force)
+        force = _turned(force, stage.contact(name).force)
         points.append(np.column_stack((t.x, t.y)))
         vectors.append(force if as_slave else -force)
         strengths.append(_strength(pair, facets[name]))

@@ -323,7 +323,7 @@ def of(
     >>> x[basis.nodal_dofs[1]] = -1e-3
     >>> state = floor.assemble(x, floor.initial_state()).state
     >>> stage = sc.results.of({"floor": floor}, x, {"floor": state})
-    >>> print(stage.report("floor"))
+    >>> print(stage.contact("floor"))
     contact of bottom on obstacle: 2 stick, 0 slip, 0 open
       pressure           10   resultant on the slave (0, 10)
       friction            0   resultant on the slave (0, 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -144,10 +145,17 @@ class StageResult(files.StageData):
         form, state = self._pair(pair)
         return tractions(form, state, self.x[: form.size])
 
-    def report(self, pair: str) -> ContactReport:
+    def contact(self, pair: str) -> ContactReport:
         """Return resultants, status and penetration of a contact pair."""
         form, state = self._pair(pair)
         return contact_report(form, self.x[: form.size], state)
+
+    def report(self, pair: str) -> ContactReport:
+        """Return :meth:`contact`: deprecated, as :meth:`Result.report` writes a file."""
+        warnings.warn(
+            "stage.report is deprecated: use stage.contact", DeprecationWarning, stacklevel=2
+        )
+        return self.contact(pair)
 
     def section_forces(self, body: str, sections: Sections | None = None) -> SectionForces:
         """Return normal force, shear force and moment of a body or beam.

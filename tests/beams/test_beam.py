@@ -503,7 +503,7 @@ def test_contact_on_both_sides(sign, tmp_path):
         for start in (result, again)
     )
     np.testing.assert_array_equal(bent.x, resumed.x)
-    left, right = (bent.report(pair).force[0] for pair in ("low:right", "high:left"))
+    left, right = (bent.contact(pair).force[0] for pair in ("low:right", "high:left"))
     assert left + right == pytest.approx(3.0, rel=1e-6)  # on the soil
     M = bent.section_forces("beam").M
     # the ends are free; friction has an arm of half the thickness, and its moment is taken as
@@ -763,7 +763,7 @@ def test_sheet_pile_in_a_slit():
         np.testing.assert_allclose(found.pressure[found.y > 0.7], 10.0, rtol=5e-3)
     forces = result["head"].section_forces("pile")
     assert abs(forces.V).max() == pytest.approx(abs(forces.V[0]), rel=1e-9)
-    left, right = (result["head"].report(side).force[0] for side in ("wall|left", "wall|right"))
+    left, right = (result["head"].contact(side).force[0] for side in ("wall|left", "wall|right"))
     assert left + right == pytest.approx(1.0, rel=1e-6)
 
 
@@ -892,7 +892,7 @@ def test_contact_beside_water_carries_effective_stress():
     pump = sc.Stage("pump", water=pumped(basis), deactivate=["pit", "dug"])
     stage = model.run([pump], start=model.k0_state(K0=0.5), **QUIET)["pump"]
     wall = model.forms["wall"]
-    contact = sum(stage.report(name).force[0] for name in ("front", "wall|right"))
+    contact = sum(stage.contact(name).force[0] for name in ("front", "wall|right"))
     pushed = stage.load[wall._dofs[: 2 * len(wall.points) : 2]].sum()
     assert contact == pytest.approx(pushed, rel=1e-6)  # of the iterations
 

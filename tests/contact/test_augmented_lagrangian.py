@@ -119,7 +119,7 @@ def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
         )["press"]
         assert len(stage.iterations) == 1
         assert stage.iterations[0] <= 40  # measured 20 to 26
-        forces.append(stage.report("tie").force[1])
+        forces.append(stage.contact("tie").force[1])
     assert forces[0] == pytest.approx(forces[1], rel=0.01)
 
 

@@ -116,5 +116,5 @@ def test_resultant_of_the_report_is_that_of_nodal_forces(
         .force[unknowns_of(basis, "block")]
         .sum(axis=0)
     )
-    report = stage.report("joint")
+    report = stage.contact("joint")
     np.testing.assert_allclose(report.force, nodal, rtol=1e-12)

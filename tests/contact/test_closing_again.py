@@ -75,7 +75,7 @@ def test_bouncing_block(enforcement) -> None:
     assert depth < (5e-3 if enforcement is METHODS[0] else 1e-4)
 
     # It touches, flies without any traction, and touches again
-    force = np.array([part.report("joint").force[1] for part in found])
+    force = np.array([part.contact("joint").force[1] for part in found])
     touches = np.abs(force) > 0.0
     assert np.count_nonzero(np.diff(touches.astype(int)) == 1) >= 1  # the first touch is before
     assert not any(found[k].states["joint"].traction.any() for k in np.flatnonzero(~touches))

@@ -50,7 +50,7 @@ def test_friction_of_points_that_have_just_closed(quadrature) -> None:
                 [sc.Stage("pull", load, moved, 2)], start=held, progress=False
             )["pull"]
         told = any("have only just closed" in str(warning.message) for warning in caught)
-        pulls.append((abs(slid.report("joint").force[0]), told))
+        pulls.append((abs(slid.contact("joint").force[0]), told))
     assert pulls[0][0] == pytest.approx(12.0, rel=1e-3) and not pulls[0][1]
     assert pulls[1][0] < 11.0 and pulls[1][1]
 

@@ -222,7 +222,7 @@ def check(cell: Cell) -> None:
     model, basis, stages, expected = pressed(cell)
     area = 0.5 if cell.dimension == "axisymmetric" else 1.0  # per radian
     for stage, (pressure, shear) in zip(model.run(stages, progress=False), expected, strict=True):
-        joint, report = stage.tractions("joint"), stage.report("joint")
+        joint, report = stage.tractions("joint"), stage.contact("joint")
         sheared = joint.shear if cell.dim == 2 else np.linalg.norm(joint.shear, axis=1)
         bottom = basis.get_dofs("low:bottom").all(f"u^{cell.dim}")
         found = {

@@ -372,7 +372,7 @@ def punched(enforcement, half: bool):
 def test_half_of_a_punch_with_friction(method) -> None:
     """[X] The half on a plane of symmetry has half of the force, the pressures and no shear."""
     whole, half = punched(method, half=False), punched(method, half=True)
-    force = [stage.report("joint").force[1] for stage in (whole, half)]
+    force = [stage.contact("joint").force[1] for stage in (whole, half)]
     assert 2.0 * force[1] == pytest.approx(force[0], rel=2e-3)
     largest = [stage.tractions("joint").pressure.max() for stage in (whole, half)]
     assert largest[1] == pytest.approx(largest[0], rel=0.1)
@@ -401,7 +401,7 @@ def test_push_out_of_a_press_fit() -> None:
     push = sc.Stage("push", prescribed=prescribed, increments=5)
     stage = model.run([push], start=fit, progress=False)["push"]
     force = -stage.reactions()[pushed].sum()
-    assert force == pytest.approx(-0.1 * stage.report("joint").force[0], rel=1e-3)
+    assert force == pytest.approx(-0.1 * stage.contact("joint").force[0], rel=1e-3)
 
 
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
@@ -422,7 +422,9 @@ def test_fit_of_a_strip_with_friction() -> None:
             basis, "s:right", "w:left", sc.Coulomb(mu), initial=1e-3, enforcement=DUAL
         )
         model = sc.Model({"solid": solid, "joint": pair}, fixed)
-        thrusts.append(model.run([sc.Stage("fit")], progress=False)["fit"].report("joint").force[0])
+        thrusts.append(
+            model.run([sc.Stage("fit")], progress=False)["fit"].contact("joint").force[0]
+        )
     assert thrusts[1] == pytest.approx(thrusts[0], rel=5e-3)
 
 
@@ -566,8 +568,8 @@ def test_reported_forces_balance_the_bodies(mu: float) -> None:
     np.testing.assert_allclose(
         (normal + friction)[free], inner[free], atol=1e-9 * inner.max()
     )  # hats: 3e-3
-    np.testing.assert_allclose(stage.report("joint").normal, normal.sum(axis=0), rtol=1e-12)
-    np.testing.assert_allclose(stage.report("joint").tangential, friction.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(stage.contact("joint").normal, normal.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(stage.contact("joint").tangential, friction.sum(axis=0), rtol=1e-12)
 
 
 # -- what it does not do

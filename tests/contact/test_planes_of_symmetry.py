@@ -49,7 +49,7 @@ def punched(enforcement, planes: int) -> tuple[np.ndarray, float]:
     prescribed[top] = -0.15
     model = sc.Model(forms, np.unique(np.concatenate(fixed)))
     stage = model.run([sc.Stage("press", prescribed=prescribed, increments=2)], progress=False)[-1]
-    joint, report = stage.tractions("joint"), stage.report("joint")
+    joint, report = stage.tractions("joint"), stage.contact("joint")
     parts = 2**planes
     across = np.abs(joint.shear[np.abs(joint.x) < 0.2, 0]).max()
     found = np.array([parts * report.force[2], parts * report.friction, joint.pressure.max()])

@@ -95,7 +95,7 @@ def test_adhesion_acts_on_the_present_area(enforcement: Any) -> None:
     assert np.abs(found.raw_shear[slides]) == pytest.approx(0.01, rel=1e-9)
     # the lower side is about twice as long, and its points count present lengths
     assert found.weight.sum() == pytest.approx(2.0, rel=0.05)
-    friction = last.report("pair").friction
+    friction = last.contact("pair").friction
     assert friction == pytest.approx((np.abs(found.raw_shear) * found.weight).sum(), rel=1e-9)
 
 

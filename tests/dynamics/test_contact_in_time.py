@@ -44,7 +44,7 @@ def test_impact_of_two_bars(enforcement):
     rows = []
 
     def watch(stage):
-        force = -stage.report("pair").force[0]
+        force = -stage.contact("pair").force[0]
         rows.append((stage.time, abs(force)))
 
     stage = sc.Stage("fly", duration=0.3, dynamic=sc.Dynamic(h / c, velocity=v))

@@ -100,7 +100,7 @@ def test_impact():
     seen = []
     stage = sc.Stage("fly", duration=0.3, dynamic=settings)
     found = model.run(
-        [stage], on_increment=lambda s: seen.append(abs(s.report("pair").force[0])), **QUIET
+        [stage], on_increment=lambda s: seen.append(abs(s.contact("pair").force[0])), **QUIET
     )["fly"]
     time = np.arange(1, len(seen) + 1) * 0.05 * h
     # two elements of a compliance like that of an element

@@ -138,7 +138,7 @@ def test_a_block_slides_off():
         if stage.velocity is None:
             return
         speeds = [mass @ stage.velocity[k::2] for k in (0, 1)]
-        force = stage.report("pair").force[1]
+        force = stage.contact("pair").force[1]
         rows.append((stage.time, mass @ stage.x[::2], *speeds, force))
 
     held, free = np.arange(0, basis.N, 2), np.zeros(0, int)

@@ -124,7 +124,7 @@ def test_flight_and_impact():
     rows = []
 
     def watch(stage):
-        rows.append((stage.time, abs(stage.report("pair").force[0])))
+        rows.append((stage.time, abs(stage.contact("pair").force[0])))
 
     settings = sc.Dynamic(0.1, velocity=v, tolerance=1e-3)
     stage = sc.Stage("fly", duration=2.0, dynamic=settings)

@@ -106,7 +106,7 @@ def test_beam_touches_soil_on_both_sides(tmp_path):
         for start in (result, again)
     )
     np.testing.assert_array_equal(bent.x, resumed.x)
-    left, right = (bent.report(side).force[0] for side in ("left", "right"))
+    left, right = (bent.contact(side).force[0] for side in ("left", "right"))
     assert left + right == pytest.approx(-3.0, rel=1e-6)
     assert np.abs(bent.x[rotations]).max() > 1e-4
     bent.to_vtu(tmp_path / "wall.vtu")

@@ -150,7 +150,7 @@ def stands(drawn: Stack, n: int) -> Iterator[Check]:
         yield from of_run(model, result, Setting(quadrature=drawn.quadrature))
         # weight over the base, of joints from the lowest one
         for k, (weight, *_) in enumerate(drawn.above.T):
-            force = result["weight"].report(f"j{k}").force
+            force = result["weight"].contact(f"j{k}").force
             yield Check("resultant", apart(np.linalg.norm(force), weight), 1e-6)
 
 

@@ -149,7 +149,7 @@ def same(drawn: Pressed) -> Iterator[Check]:
     for one, both in zip(halves, wholes, strict=True):
         size = np.abs(both.x[: whole.N]).max()
         yield Check("half", np.abs(one.x[: part.N] - both.x[image]).max() / size, 1e-2)
-        found, right = one.report("joint"), both.report("joint")
+        found, right = one.contact("joint"), both.contact("joint")
         force = right.force[-1]
         yield Check("half force", apart(2.0 * found.force[-1], force), 1e-2)
         friction = abs(2.0 * found.friction - right.friction)

@@ -130,7 +130,7 @@ def uniform(walls: Walls) -> Iterator[Check]:
     area = 0.5 * walls.width**2 if walls.kind == "axisymmetric" else walls.width
     for stage, share in zip(result, (1.0, 0.4), strict=True):
         pressure = share * walls.pressure
-        joint, report = stage.tractions("joint"), stage.report("joint")
+        joint, report = stage.tractions("joint"), stage.contact("joint")
         # Rotations of the joint leave errors of the order of P / E; a thousandth is far above them
         yield Check("held pressure", np.abs(joint.pressure / pressure - 1.0).max(), 1e-3)
         yield Check("held shear", np.abs(joint.shear).max() / pressure, 1e-3)
@@ -188,7 +188,7 @@ class Fit:
         x[pushed] -= self.slips * self.overlap
         push = sc.Stage("push", prescribed=x, increments=4)
         stage = model.run([push], start=start, progress=False)["push"]
-        normal = abs(stage.report("joint").force[0])
+        normal = abs(stage.contact("joint").force[0])
         return -stage.reactions()[pushed].sum(), normal, stage.x[: basis.N]
 
 

@@ -201,7 +201,7 @@ def placed(rng: np.random.Generator) -> Iterator[Check]:
     result = model.run(stages, progress=False)
     yield from of_run(model, result, Setting())
     for name, sideways in (("placed", 0.0), ("pushed", push), ("back", 0.0)):
-        force = np.asarray(result[name].report("joint").force)
+        force = np.asarray(result[name].contact("joint").force)
         yield Check(
             "carried", float(np.abs(force - (-sideways, 2.0 * gamma)).max() / (2.0 * gamma)), 1e-7
         )

@@ -701,7 +701,7 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
     total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(
         axis=0
     )
-    report = stage.report("skin")
+    report = stage.contact("skin")
     scale = (t.weight * t.pressure).sum()
     np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
     data = interface.on_facets()

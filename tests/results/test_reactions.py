@@ -59,10 +59,12 @@ def test_reactions_balance_the_load():
 
 def test_forms_of_the_right_kind_are_needed():
     stage = pushed_block()[2]["pushed"]
+    with pytest.warns(DeprecationWarning, match=r"use stage\.contact"):
+        assert str(stage.report("joint")) == str(stage.contact("joint"))
     with pytest.raises(
         ValueError, match=r"'base' is a SolidForm, no ContactPair; there are \['joint'\]"
     ):
-        stage.report("base")
+        stage.contact("base")
     with pytest.raises(
         ValueError, match=r"'joint' is a ContactPair, no SolidForm; there are \['base'"
     ):

@@ -115,7 +115,7 @@ def test_two_walls_that_meet():
     """The ground bears the pull on one of them, and none on the other."""
     _, _, result = moved(slab=True)
     push = {
-        name: result["whole"].report(name).force
+        name: result["whole"].contact(name).force
         for name in result["whole"].states
         if name not in ("ground", "wall", "plate")
     }

@@ -77,7 +77,7 @@ def test_changed_wall_keeps_its_water_and_skin_its_stiffness():
     _, flows, softer = model.run(stages, start=start, **QUIET)
     assert np.allclose(softer.x, flows.x, rtol=0.0, atol=1e-9)
     for stage in (flows, softer):
-        sides = (stage.report(name).force[0] for name in ("wall|left", "wall|right"))
+        sides = (stage.contact(name).force[0] for name in ("wall|left", "wall|right"))
         assert abs(sum(sides)) > 20.0  # of the water, which the contact on both sides resists
     assert softer.forms["skin"].T_max[0] == 40.0
     elsewhere = sc.Beam(None, nodes + 0.1, EI=1e2, EA=1e5)

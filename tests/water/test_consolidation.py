@@ -604,7 +604,7 @@ def test_contact_carries_the_total_stress(soil):
     ):
         result = sc.Model(forms, fixed).run(stages, **QUIET)
     for stage in result:
-        assert stage.report("joint").pressure == pytest.approx(
+        assert stage.contact("joint").pressure == pytest.approx(
             10.0, rel=1e-3
         )  # along turned facets
     p = [np.nanmax(stage.forms["water"].pressure(stage.x)) for stage in result]

@@ -94,7 +94,7 @@ def test_open_joint(law, options):
         )
         assert abs(low - high) < 1e-3 * LOAD
         area = 0.1**2 / 2 if stage.forms["joint"].axisymmetric else 0.1
-        force = stage.report("joint").force[1]
+        force = stage.contact("joint").force[1]
         assert abs(force) == pytest.approx(area * (LOAD - p[joint].mean()), abs=0.002 * LOAD * area)
     state = stages[-1].states["water"]
     assert water.inflow(state, "high:top") == pytest.approx(water.volume(state), rel=1e-8)
@@ -157,7 +157,7 @@ def test_tight_joint(mu: float):
     low = basis.mesh.p[1, np.arange(basis.mesh.p.shape[1])] < 0.49
     p = stages[-1].forms["water"].pressure(stages[-1].x)
     np.testing.assert_allclose(p[low], LOAD, rtol=2e-3)  # closing of the contact
-    assert abs(stages[-1].report("joint").force[1]) == pytest.approx(0.1 * LOAD, rel=1e-6)
+    assert abs(stages[-1].contact("joint").force[1]) == pytest.approx(0.1 * LOAD, rel=1e-6)
 
 
 def test_friction_is_of_the_effective_stress():
@@ -185,7 +185,7 @@ def test_friction_is_of_the_effective_stress():
         sc.Stage("push", load, prescribed=moved, duration=1.0),
     ]
     result = model.run(stages, progress=False)
-    normal, shear = (abs(result["push"].report("joint").force[i]) for i in (1, 0))
+    normal, shear = (abs(result["push"].contact("joint").force[i]) for i in (1, 0))
     assert normal == pytest.approx(4.0, rel=1e-6) and shear == pytest.approx(
         0.5 * 4.0, rel=1e-4
     )  # friction: residual
