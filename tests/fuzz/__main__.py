@@ -1,5 +1,5 @@
 """``python -m tests.fuzz --scenes 500 --seed 1``, in pieces with ``--start 100``, or
-``--scene 1000042`` for a single one; ``--calls``: wrong calls.
+``--scene 1000042`` for a single one; ``--kind large`` for one kind; ``--calls``: wrong calls.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from . import calls
 from .comparisons import COMPARISONS
+from .kinds import OTHERS
 from .report import details, table, verdict
 from .scenes import seeds
 from .trial import trial
@@ -23,6 +24,8 @@ def main() -> int:
     parser.add_argument("--scenes", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--start", type=int, default=0, help="number of the first scene")
+    kinds = sorted({kind.__name__ for kind in OTHERS})
+    parser.add_argument("--kind", choices=kinds, help="scenes of one kind alone")
     parser.add_argument("--scene", type=int, help="seed of a single scene")
     parser.add_argument(
         "--calls", action="store_true", help="wrong calls of public functions, 3 minutes"
@@ -31,10 +34,11 @@ def main() -> int:
     if given.calls:
         return calls.main(seed=given.seed)
     if given.scene is not None:
-        trials = [trial(given.scene, len(COMPARISONS))]
+        trials = [trial(given.scene, len(COMPARISONS), given.kind)]
     else:
         trials = [
-            trial(seed) for seed in tqdm(seeds(given.seed, given.scenes, given.start), disable=None)
+            trial(seed, kind=given.kind)
+            for seed in tqdm(seeds(given.seed, given.scenes, given.start), disable=None)
         ]
     violations, silent = verdict(trials)
     if violations:

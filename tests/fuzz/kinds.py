@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import arches, bars, blocks, halves, held, joints, own, staged, wet
+from . import arches, bars, blocks, halves, held, joints, large, own, staged, wet
 from .cases import Case
 from .scenes import Scene, draw
 
@@ -21,12 +21,16 @@ OTHERS: tuple[Callable[[int, np.random.Generator], Case], ...] = (
     joints.joints,
     halves.half,
     held.held,
+    large.large,
 )
 OF = 25
 
 
-def drawn(seed: int) -> Scene | Case:
-    """The scene of a seed."""
+def drawn(seed: int, kind: str | None = None) -> Scene | Case:
+    """The scene of a seed, of any kind or of one."""
+    if kind is not None:
+        (one,) = {each for each in OTHERS if each.__name__ == kind}
+        return one(seed, np.random.default_rng(seed))
     if (seed % OF) >= len(OTHERS):
         return draw(seed)
     return OTHERS[seed % OF](seed, np.random.default_rng(seed))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
-from tests.fuzz import calls, halves, held
+from skfem_contact.forms.finite import FiniteKinematics
+from tests.fuzz import calls, halves, held, large
 from tests.fuzz.cases import Case
 from tests.fuzz.report import details
 from tests.fuzz.scenes import draw, seeds
@@ -72,6 +73,25 @@ def test_half_models_and_held_ends(monkeypatch) -> None:
     none = np.zeros(0, dtype=int)
     monkeypatch.setattr(sc.ContactPair, "supported", lambda self, fixed: (self, none))
     assert "half shear" in violated(drawn)
+
+
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_large_bodies(monkeypatch) -> None:
+    """Bodies that turn, slide and come back hold; stresses that do not turn are found."""
+
+    def violated(seed: int) -> list[str]:
+        case = large.large(seed, np.random.default_rng(seed))
+        return [finding.oracle for finding in case.findings() if not finding.holds]
+
+    tasks = {}
+    for seed in range(100):
+        words = str(large.large(seed, np.random.default_rng(seed)))
+        tasks.setdefault(words.split()[0], seed)
+    assert sorted(tasks) == sorted(large.TASKS)
+    for seed in tasks.values():
+        assert not violated(seed)
+    monkeypatch.setattr(FiniteKinematics, "cauchy", lambda self, gradient, stress: stress)
+    assert "large turn" in violated(tasks["turn"])
 
 
 def test_wrong_calls(tmp_path, monkeypatch) -> None:

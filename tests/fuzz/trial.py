@@ -57,9 +57,9 @@ class Trial:
         return () if self.remarks else self.violations
 
 
-def trial(seed: int, comparisons: int = DRAWN) -> Trial:
+def trial(seed: int, comparisons: int = DRAWN, kind: str | None = None) -> Trial:
     """The scene of a seed, analysed and looked at."""
-    scene = drawn(seed)
+    scene = drawn(seed, kind)
     try:
         return _of_case(scene) if isinstance(scene, Case) else _of_scene(scene, comparisons)
     except Exception as error:
