@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.diagnosis import _on_closing
 from skfem_contact.contact.laws import Status
 from tests.tools.helpers import grid, vector_basis
 
@@ -136,3 +138,24 @@ def test_friction_of_bodies_that_touch_from_the_start(across, recwarn):
     run = model.run([sc.Stage("pressed", prescribed=moved)], **QUIET)
     assert np.abs(run["pressed"].tractions("joint").shear).max() > 0.0
     assert not any("more increments" in str(warning.message) for warning in recwarn)
+
+
+@pytest.mark.parametrize(("slips", "told"), [(1.0, True), (10.0, False)])
+def test_points_that_slide_far_may_have_closed_on_the_way(slips: float, told: bool) -> None:
+    """Slips of ten times the elastic displacement of the bodies leave no part that sticks."""
+    points = SimpleNamespace(weight=np.ones(3), positions=lambda nodes: nodes)
+    nodes = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    pair = SimpleNamespace(
+        stiffness=2.0,
+        slave=SimpleNamespace(name="foot", nodes=nodes, spacing=1.0),
+        points=lambda state: points,
+    )
+    slip = np.full((1, 3), slips)  # elastic displacement: 1 * 2 / (2 * 1)
+    state = SimpleNamespace(
+        traction=np.array([[-3.0, -3.0, -3.0], [1.0, 1.0, 1.0]]),
+        slip=slip,
+        closing_slip=slip[0],
+        status=np.full(3, Status.SLIP),
+    )
+    remarks = list(_on_closing(pair, state))
+    assert [remark.kind for remark in remarks] == ["closing"] * told

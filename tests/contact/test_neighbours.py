@@ -9,7 +9,7 @@ import pytest
 
 import skfem_contact as sc
 from skfem_contact.contact.interface import Interface
-from skfem_contact.contact.neighbours import NeighbourList, Neighbours
+from skfem_contact.contact.neighbours import NeighbourList, Neighbours, neighbours
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import Surface
@@ -26,6 +26,26 @@ def wavy(element: str, closed: bool) -> Surface:
         line = np.stack((6 * s - 3, 0.4 * np.sin(5 * s)), axis=1)
     mesh = body_along(line, element, 0.2, closed=closed)
     return Surface.from_boundary(vector_basis(mesh, element), "face")
+
+
+@pytest.mark.parametrize("stretch", [1.0, 4.0])
+def test_facets_that_have_grown_keep_the_nearest_one_among_their_neighbours(
+    stretch: float, rng
+) -> None:
+    """[X] An ellipse that is pressed flat and drawn out: samples of the other side come nearer than
+    those of the facet on which a point lies.
+    """
+    surface = wavy("P1", closed=True)
+    x, y = surface.nodes.T
+    nodes = np.stack((stretch * (x + 0.2 * y), 2e-3 * y), axis=1)
+    points = rng.uniform((-stretch, -3e-3), (stretch, 3e-3), (500, 2))
+    point, neighbour, *_ = neighbours(surface, nodes, points)[0]
+    found = set(zip(point.tolist(), neighbour.tolist(), strict=True))
+    begin, end = nodes[surface.facets].transpose(1, 0, 2)
+    along, away = end - begin, points[:, None] - begin
+    share = np.clip((away * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
+    nearest = np.linalg.norm(away - share[..., None] * along, axis=2).argmin(axis=1)
+    assert all(pair in found for pair in enumerate(nearest.tolist()))
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,8 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
+from skfem_contact.contact.quadrature import _pairs
+from skfem_contact.surfaces.surface import Surface
 from tests.tools.helpers import grid, vector_basis
 
 X = np.linspace(0.0, 1.0, 6)
@@ -320,3 +322,27 @@ def test_two_rigid_surfaces_are_refused() -> None:
         sc.ContactPair(None, *lines, LAW)
     with pytest.raises(ValueError):
         sc.ContactPair(None, "top", lines[0], LAW)
+
+
+def test_facets_of_any_size_that_may_face_each_other_are_paired() -> None:
+    """[X] All pairs whose spheres touch, by brute force; the master's facets are 1 to 1.9 wide."""
+    lines = np.linspace(0, 12, 13), np.linspace(0, 12, 13)
+    steps = np.concatenate(([0.0], np.cumsum(np.tile([1.0, 1.9], 4))))
+    bodies = {
+        "low": MeshHex.init_tensor(steps, steps, [-1.0, 0.0]).with_defaults(),
+        "up": MeshHex.init_tensor(*lines, [0.0, 1.0]).with_defaults(),
+    }
+    basis = Basis(sc.join_bodies(bodies), ElementVector(ElementHex1()), intorder=2)
+    slave, master = (Surface.from_boundary(basis, name) for name in ("up:front", "low:back"))
+    own, facing = _pairs(slave, slave.nodes, master, master.nodes)
+    found = set(zip(own.tolist(), facing.tolist(), strict=True))
+
+    def spheres(surface):
+        corners = surface.nodes[surface.facets[:, :4]]
+        centre = corners.mean(axis=1)
+        return centre, np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
+
+    (x, r), (y, s) = spheres(slave), spheres(master)
+    apart = np.linalg.norm(x[:, None] - y, axis=2)
+    near = np.argwhere(apart < r[:, None] + slave.size[:, None] + s - 1e-9)
+    assert set(map(tuple, near.tolist())) <= found

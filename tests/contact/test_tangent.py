@@ -19,6 +19,7 @@ from tests.tools.helpers import (
     body_along,
     closest,
     facing,
+    grid,
     resultant,
     rotation,
     rough_pair,
@@ -244,3 +245,24 @@ def test_damped_tangent_is_the_exact_one_while_the_bodies_bear_the_tractions(rng
     assert (
         abs(soft.damped - least).max() < 1e-8 * abs(least).max() < 1e-2 * abs(exact - least).max()
     )
+
+
+def test_slip_that_a_pair_keeps_acts_as_slip_of_the_bodies() -> None:
+    """[X] A block that has moved sideways, and one whose pair is shifted by this slip."""
+    bodies = {
+        "base": grid("Q1", np.linspace(0, 3, 4), [-1.0, 0.0]),
+        "block": grid("Q1", np.linspace(1, 2, 3), [0.0, 1.0]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    pair = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(10.0), penalty=(1e4, 1e4))
+    lowered = basis.zeros()
+    lowered[basis.get_dofs(elements="block").all("u^2")] = -1e-3
+    state = pair.assemble(lowered, pair.initial_state()).state
+    moved = lowered.copy()
+    moved[basis.get_dofs(elements="block").all("u^1")] = 2e-3
+    expected = pair.assemble(moved, state)
+    slip = expected.state.slip - state.slip
+    assert np.abs(slip).max() > 1e-3
+    found = pair.with_(slip_shift=slip).assemble(lowered, state)
+    traction = expected.state.traction
+    np.testing.assert_allclose(found.state.traction, traction, atol=1e-9 * np.abs(traction).max())

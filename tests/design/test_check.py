@@ -135,3 +135,19 @@ def test_wrong_calls():
     welded = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("weight")])["weight"]
     with pytest.raises(ValueError, match="'high' is welded"):
         check(welded, "high", [(0.0, 0.5), (1.0, 0.5)])
+
+
+def test_wall_by_the_subdomain_of_a_solid_of_its_own():
+    """[X] Named by its subdomain, a wall beside ground that is another solid has its own weight."""
+    forms = wall().forms
+    basis = forms["solid"].basis
+    soil = sc.SolidForm(basis.with_elements("ground"), sc.LinearElastic(E=1e5, nu=0.3))
+    concrete = sc.SolidForm(
+        basis.with_elements("wall"), sc.LinearElastic(E=1e7, nu=0.2), unit_weight=WEIGHT
+    )
+    solids = {"soil": soil, "concrete": concrete, "base": forms["base"]}
+    model = sc.Model(solids, sc.box_supports(basis, part="ground"))
+    load = model.traction("wall:right", (-5.0, 0.0))
+    found = check(model.run([sc.Stage("thrust", load)])["thrust"], "wall", BASE)
+    assert np.isclose(found.vertical, WEIGHT * B * H, rtol=1e-3)
+    assert np.isclose(found.overturning, WEIGHT * B**2 * H / 2 / (5.0 * H**2 / 2), rtol=2e-3)

@@ -11,17 +11,21 @@ import pytest
 from skfem import (
     Basis,
     BilinearForm,
+    ElementHex1,
+    ElementHex2,
     ElementQuad1,
     ElementQuad2,
     ElementTriP2,
     ElementVector,
     LinearForm,
+    MeshHex,
     MeshQuad,
     MeshQuad2,
     MeshTri2,
     condense,
     solve,
 )
+from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
 from skfem_contact.forms.assembly import Pattern, element_stiffness, force_matrix, strain_operator
@@ -373,3 +377,23 @@ def test_b_bar_strain_operator_averages_volume(element, rng):
     )
     assert np.array_equal(averaged.B[:, :, 3], plain.B[:, :, 3])
     np.testing.assert_array_equal(plain.weight, basis.dx)
+
+
+@pytest.mark.parametrize("element", [ElementHex1(), ElementHex2()])
+def test_stiffness_in_space_is_that_of_scikit_fem(element) -> None:
+    """[X] A box that is stretched and sheared, with all six strains."""
+    mesh = MeshHex.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 2, 3), np.linspace(0, 1, 2))
+    shear = np.array([[1.0, 0.2, 0.1], [0.0, 1.3, 0.3], [0.2, 0.0, 0.8]])
+    basis = Basis(MeshHex(shear @ mesh.p, mesh.t), ElementVector(element), intorder=4)
+    E, nu = 1e4, 0.3
+    form = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu))
+    expected = linear_elasticity(*lame_parameters(E, nu)).assemble(basis)
+    assert_equal_matrices(form.elastic_stiffness, expected)
+
+
+def test_bodies_that_do_not_flow_keep_the_full_strain_in_large_deformations() -> None:
+    """Quad1 and Hex1 have F-bar where they flow, other elements the full strain."""
+    basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1", intorder=2)
+    elastic = sc.SolidForm(basis, HARD, kinematics="finite")
+    flows = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=10.0), kinematics="finite")
+    assert (elastic.strain, flows.strain) == ("full", "f_bar")

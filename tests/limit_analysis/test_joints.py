@@ -14,6 +14,8 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.limit_analysis.reading import _strong
+from skfem_contact.limit_analysis.strength import Strength
 from skfem_contact.solvers.superlu import SuperLU
 from tests.fuzz import joints
 from tests.fuzz.blocks import Stack
@@ -210,3 +212,16 @@ def test_a_wall_that_is_much_stronger_than_clay() -> None:
     assert "much stronger than the rest would be rigid, and bounds closer: wall" in str(
         caught[-1].message
     )
+
+
+def test_strength_that_is_much_larger_counts_the_pressure() -> None:
+    """[X] c + t p: 1, 1 + 2 * 100 and 250 beside 1 as a bound; what never yields is left out."""
+    soil = Strength(
+        c=np.array([1.0, 1.0, 250.0, np.inf]),
+        t=np.array([0.0, 2.0, 0.0, 0.0]),
+        tension=np.full(4, np.inf),
+        reduced=np.ones(4, bool),
+    )
+    strong = _strong(soil, 100.0, np.arange(4))
+    assert strong.tolist() == [False, True, True, False]
+    assert not _strong(soil, 10.0, np.arange(4))[1]

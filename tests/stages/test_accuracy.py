@@ -15,6 +15,7 @@ from skfem import Basis, ElementHexS2, ElementQuad1, ElementQuad2, ElementVector
 
 import skfem_contact as sc
 from skfem_contact.laboratory import PathStep, triaxial
+from skfem_contact.stages.accuracy import _counts
 
 CLAY = {"kappa": 0.02, "lambda_": 0.1, "M": 1.2, "nu": 0.25, "p_ref": 100.0}
 CREEPING = sc.SoftSoilCreep(**CLAY, mu=0.004, tau=1.0)
@@ -241,3 +242,13 @@ def test_footing_in_one_increment() -> None:
     assert estimate(result) == pytest.approx(
         true, rel=0.5
     )  # weights by work, not by the length of the strip
+
+
+def test_materials_whose_increments_have_errors() -> None:
+    """Stiffness by stress counts, but for clay that creeps in a stage with a duration."""
+    creeping = {"mu": 0.004, "tau": 1.0}
+    parameters = (0.02, 0.1, 1.2, 0.25, 100.0)
+    for timed in (False, True):
+        assert _counts(sc.CamClay(*parameters), timed)
+        assert _counts(sc.SoftSoilCreep(*parameters, **creeping), timed) != timed
+        assert not _counts(sc.LinearElastic(E=1e4, nu=0.3), timed)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.stages.energies import Log
 from tests.dynamics.cases import QUIET, oscillator, pushed
 
 PERIOD = 2.0 * np.pi / 100.0
@@ -301,3 +304,12 @@ def test_histories_need_records():
         static.history((0.0, 1.0))
     with pytest.raises(ValueError, match="has no inertia"):
         _ = static.energy
+
+
+def test_energy_that_friction_and_yielding_take_is_not_missing() -> None:
+    """[X] Of 10 remain 4; yielding takes 1, friction 3, damping 1.5, and .5 is missing."""
+    columns = ("time", "kinetic", "elastic", "plastic", "friction", "damping", "work")
+    rows = np.zeros((2, len(columns)))
+    rows[0, 1] = 10.0
+    rows[1] = 1.0, 4.0, 0.0, 1.0, 3.0, 1.5, 0.0
+    assert Log.missing(SimpleNamespace(_energies=rows)) == pytest.approx(0.05)

@@ -235,3 +235,16 @@ def test_joint_of_what_is_not_porous():
     part = basis.with_elements("high")
     with pytest.raises(ValueError, match="porous ground on both sides, but not on 'low:top'"):
         sc.PoreWater(part, MOBILITY, connected=OPEN, unit_weight=9.81)
+
+
+def test_connected_boundary_that_is_porous_in_part_is_refused() -> None:
+    """A side of four facets, of which the lower two bound porous ground."""
+    lines = np.linspace(0, 1, 3), np.linspace(0, 2, 5)
+    left = MeshQuad.init_tensor(*lines).with_defaults()
+    left = left.with_subdomains({"sand": lambda x: x[1] < 1, "rock": lambda x: x[1] > 1})
+    right = MeshQuad.init_tensor(*lines).translated((1.0, 0.0)).with_defaults()
+    mesh = sc.join_bodies({"p": left, "q": right})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    porous = basis.with_elements(np.append(mesh.subdomains["p:sand"], mesh.subdomains["q"]))
+    with pytest.raises(ValueError, match="porous ground on both sides, but not on 'p:right'"):
+        sc.PoreWater(porous, 1e-5, unit_weight=10.0, connected=[("p:right", "q:left")])
