@@ -79,7 +79,8 @@ class Record:
         Parameters
         ----------
         file
-            Columns may be separated by blanks, commas or semicolons; lines that begin with letters
+            Columns may be separated by blanks, commas or semicolons, beside which commas are
+            decimal; lines that begin with letters
             or ``#``, ``%``, ``!`` are comments.
         scale
             Factor from the unit of the file to the unit of the model, such as 9.81 for a file in g.
@@ -332,6 +333,10 @@ def _peer(path: Path, lines: Sequence[str], head: int, scale: float | None) -> R
     number = re.search(r"NPTS\s*=?\s*(\d+)", text, re.I)
     step = re.search(r"\bDT\s*=?\s*([0-9.]+(?:E[+-]?\d+)?)", text, re.I)
     if number is None or step is None:
+        # Older files have both numbers before these words.
+        number = re.match(r"\s*(\d+)\s", lines[head])
+        step = re.match(r"\s*\d+\s+([0-9.]+(?:E[+-]?\d+)?)\s*,?\s*NPTS", lines[head], re.I)
+    if number is None or step is None:
         raise ValueError(f"{path.name} has no NPTS and DT in its line {head + 1}")
     # Read the values.
     words = " ".join(lines[head + 1 :]).split()
@@ -344,14 +349,22 @@ def _peer(path: Path, lines: Sequence[str], head: int, scale: float | None) -> R
     return Record(float(step[1]), scale * values, path.stem)
 
 
+def _words(line: str) -> list[str]:
+    """Return the numbers of a line as words, none of a line of text."""
+    # Commas beside semicolons are decimal.
+    comma = " "
+    if ";" in line:
+        comma = "."
+    words = line.replace(",", comma).replace(";", " ").split()
+    if words and (words[0][0].isalpha() or words[0][0] in "#%!\"'"):
+        return []
+    return words
+
+
 def _columns(path: Path, lines: Sequence[str], scale: float) -> Record:
     """Return the record of a file with columns of times and accelerations."""
     # Leave out lines of text.
-    rows = []
-    for line in lines:
-        words = line.replace(",", " ").replace(";", " ").split()
-        if words and not words[0][0].isalpha() and words[0][0] not in "#%!\"'":
-            rows.append(words[:2])
+    rows = [words[:2] for words in map(_words, lines) if words]
     if len(rows) < 2 or min(map(len, rows)) < 2:
         raise ValueError(f"{path.name} must have two columns, times and accelerations")
     # Check that times rise by equal steps.

@@ -236,6 +236,11 @@ def _check_boundaries(forms: Mapping[str, Form], fixed: ndarray, layout: Layout)
     for name, form in having(forms, Absorbing).items():
         _, viscous = form.matrices(Masses(1.0, False, {}, layout.size))
         acting = np.flatnonzero(np.diff(viscous.indptr))
+        if not len(acting):
+            raise ValueError(
+                f"the ground at '{name}' has no stiffness or no weight, so that no wave can leave: "
+                "give its material and unit_weight, or leave the boundary out"
+            )
         if np.isin(acting, fixed).all():
             raise ValueError(
                 f"all {len(acting)} dofs of '{name}' are held, where no wave can leave: take these "

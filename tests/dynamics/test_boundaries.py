@@ -160,3 +160,15 @@ def test_boundaries_do_nothing_in_statics():
     loose = sc.Model(model.forms, vertical, gravity_acceleration=10.0)
     with pytest.raises(ValueError, match="is not held"):
         loose.run([sc.Stage("weight")], **QUIET)
+
+
+def test_boundary_of_weightless_ground():
+    """[X] Dashpots of nothing are refused in the stage, by name."""
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    soft = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    light = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=0.0)
+    forms = {"ground": soft, "side": sc.ViscousBoundary(light, "left")}
+    model = sc.Model(forms, basis.get_dofs("bottom").all(), gravity_acceleration=9.81)
+    shake = sc.Stage("shake", duration=1.0, dynamic=sc.Dynamic(0.1))
+    with pytest.raises(ValueError, match="ground at 'side' has no stiffness or no weight"):
+        model.run([shake], progress=False)

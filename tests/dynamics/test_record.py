@@ -46,6 +46,25 @@ def test_columns(tmp_path, separator):
     np.testing.assert_allclose(found.values, record.values, atol=1e-8)
 
 
+def test_decimal_commas(tmp_path):
+    """[X] Columns of other countries: semicolons between numbers with decimal commas."""
+    file = tmp_path / "made.csv"
+    file.write_text("t (s); a, in m/s2\n0,00;0,5\n0,01;-1,25\n0,02;2\n", encoding="utf-8")
+    record = sc.Record.read(file)
+    np.testing.assert_array_equal(record.values, [0.5, -1.25, 2.0])
+    assert record.step == pytest.approx(0.01)
+
+
+def test_older_file_of_peer(tmp_path):
+    """[X] Number and step before their names."""
+    file = tmp_path / "old.AT2"
+    head = "PEER\nmade\nACCELERATION IN UNITS OF G\n    4    .0050    NPTS, DT\n"
+    file.write_text(head + "  .1000000E-01  .2000000E-01\n -.3000000E-01  .4\n", encoding="utf-8")
+    record = sc.Record.read(file, scale=10.0)
+    np.testing.assert_allclose(record.values, [0.1, 0.2, -0.3, 4.0])
+    assert record.step == 0.005
+
+
 def test_columns_may_begin_at_any_time(tmp_path):
     """[X] The step is the mean of the differences of the times."""
     file = tmp_path / "later.csv"
