@@ -34,19 +34,21 @@ def extremes(stress: Array) -> tuple[Array, Array]:
         centre, _, radius = _mohr_circle(stress)
         return np.maximum(centre + radius, stress[2]), np.minimum(centre - radius, stress[2])
 
-    # Compute the third invariant J3 of the deviator, its determinant.
+    # Divide the deviator by r = 2 sqrt(J2 / 3): iterations far beyond a collapse reach 1e103.
     mean, shear = mean_and_shear(stress)
-    xx, yy, zz = stress[:3] - mean
-    xy, yz, zx = stress[3:]
+    radius = 2 / np.sqrt(3) * shear
+    inverse = 1 / np.where(radius > 0, radius, 1)
+    xx, yy, zz = (stress[:3] - mean) * inverse
+    xy, yz, zx = stress[3:] * inverse
+
+    # Compute its third invariant J3 / r^3, the determinant.
     first_minor = yy * zz - yz * yz
     second_minor = xy * zz - yz * zx
     third_minor = xy * yz - yy * zx
     j3 = xx * first_minor - xy * second_minor + zx * third_minor
 
-    # s_i = mean + r cos(lode + 2 pi i / 3) with cos(3 lode) = 4 J3 / r^3 and r = 2 sqrt(J2 / 3)
-    radius = 2 / np.sqrt(3) * shear
-    cosine = 4 * j3 / np.where(radius > 0, radius, 1) ** 3
-    lode = np.arccos(np.clip(cosine, -1, 1)) / 3
+    # s_i = mean + r cos(lode + 2 pi i / 3) with cos(3 lode) = 4 J3 / r^3
+    lode = np.arccos(np.clip(4 * j3, -1, 1)) / 3
     largest = np.cos(lode) + _MARGIN
     smallest = np.cos(lode + 2 * np.pi / 3) - _MARGIN
     return mean + radius * largest, mean + radius * smallest

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
-from skfem_contact.materials.spectral import product, square
+from skfem_contact.materials.spectral import extremes, product, square
 
 #: Exact up to the round-off of a few operations.
 EXACT = {"rtol": 1e-12, "atol": 1e-12}
@@ -82,3 +82,14 @@ def test_products_of_deviators(ncomp: int) -> None:
     e, f = components[:, :, None]
     assert product(e, f) == pytest.approx((tensors[0] * tensors[1]).sum(), rel=1e-12)
     assert square(e) == pytest.approx((tensors[0] ** 2).sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-120, 1.0, 1e120])
+@pytest.mark.filterwarnings("error")
+def test_extremes_of_stresses_of_any_size(size: float) -> None:
+    """[N] Principal stresses by numpy, also of 1e120, which iterations beyond a collapse pass."""
+    xx, yy, zz, xy, yz, zx = -3.0, 1.0, -2.0, 0.5, -1.5, 0.7
+    right = np.linalg.eigvalsh([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+    largest, smallest = extremes(size * np.array([xx, yy, zz, xy, yz, zx])[:, None])
+    found = [smallest.item() / size, largest.item() / size]
+    np.testing.assert_allclose(found, right[[0, 2]], rtol=2e-7)  # bounds are 1e-7 outside
