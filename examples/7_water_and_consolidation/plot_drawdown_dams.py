@@ -78,7 +78,7 @@ riprap = [(100.0, 40.0), (140.0, 60.0), (144.0, 60.0), (104.0, 40.0)]
 silty = [(0.0, 0.0), (100.0, 40.0), (104.0, 40.0), (144.0, 60.0), (180.0, 60.0), (180.0, 51.0)]
 silty += [(158.0, 51.0), (95.6, 30.0), (5.3, 0.0)]
 areas = {"silty sand": silty, "sand": sand, "clay": clay, "gravel": gravel, "riprap": riprap}
-section = sc.section.Section(areas, size=4.0)
+section = sc.section.Section(areas, size=2.5)
 soils = {
     "silty sand": (128.0, 240.0, 32.7, *from_isotropic(750.0, 15.0, 32.7)),
     "sand": (123.0, 220.0, 22.5, *from_isotropic(480.0, 13.0, 22.5)),
@@ -90,8 +90,11 @@ bouldin = factor(section, soils, (47.0, 15.0))
 plot.mechanism(bouldin)
 
 # %%
-# Less the error of the mesh, Pilarcitos is 2 % and Walter Bouldin 4 % above the published factor.
-# The stresses of the full reservoir are those of finite elements here, not of slices.
+# Pilarcitos is 2 % above the published factor; less the error of the mesh, Walter Bouldin is 3.4 %
+# above it, 3.9 % with elements of 4 ft. Poisson's ratios from 0.2 to 0.4, which change the stresses
+# of the full reservoir, move the factor by half a per cent. Programs of slices differ as well:
+# GEO-SLOPE publishes 1.013 for Walter Bouldin with the same method ("Rapid drawdown with
+# multi-stage", www.scribd.com/document/436165615).
 for name, found, published in (("Pilarcitos", pilarcitos, 1.05), ("Bouldin", bouldin, 1.04)):
     less = found.factor / (1.0 + found.added)
     print(
@@ -99,7 +102,7 @@ for name, found, published in (("Pilarcitos", pilarcitos, 1.05), ("Bouldin", bou
     )
 error = pilarcitos.factor / 1.05 - 1.0
 assert abs(error) < 0.03
-assert abs(bouldin.factor / (1.0 + bouldin.added) / 1.04 - 1.0) < 0.05
+assert abs(bouldin.factor / (1.0 + bouldin.added) / 1.04 - 1.0) < 0.04
 row = {"method": "three stages", "n": len(pilarcitos.x), "unknowns": len(pilarcitos.x)}
 row |= {"error": abs(error), "cpu_s": None, "iterations": pilarcitos.iterations}
 print(json.dumps({"case": "drawdown_dams", "rows": [row]}))
