@@ -19,7 +19,7 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.collapse.result import CollapseResult, Stop
-from tests.tools.helpers import analysis
+from tests.tools.helpers import analysis, grid, vector_basis
 
 CONE = {"E": 1e4, "nu": 0.3, "k": 10.0, "alpha": 0.2}
 CHANGING = {"E": 1e4, "nu": 0.3, "c": 10.0, "c_end": 5.0, "strain_end": 0.1}
@@ -193,3 +193,19 @@ def test_load_of_zeros_has_no_limit():
     for load in (basis.zeros(), on_supports):
         with pytest.raises(ValueError, match="the load to be multiplied is zero"):
             model.limit_load(load, progress=False)
+
+
+def test_result_is_that_of_the_last_equilibrium() -> None:
+    """[X] A strip of clay, 2 wide, bears 2 c: it has shortened by the strain of this load, and
+    steps that end at once have no iterations.
+    """
+    E, nu, c = 1e3, 0.3, 10.0
+    basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1", intorder=2)
+    clay = sc.SolidForm(basis, sc.Tresca(E=E, nu=nu, c=c), strain="b_bar")
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    load = sc.traction(basis, "top", (0.0, -1.0))
+    found = sc.Model({"clay": clay}, fixed).limit_load(load, progress=False)
+    assert found.value == pytest.approx(2.0 * c, rel=1e-6)
+    settled = -found.x[basis.get_dofs("top").all("u^2")]
+    np.testing.assert_allclose(settled, 2.0 * c * (1.0 - nu**2) / E, rtol=1e-6)
+    assert min(step.iterations for step in found.steps if step.outcome != "equilibrium") == 0

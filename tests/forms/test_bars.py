@@ -61,3 +61,17 @@ def test_strut_that_is_prestressed_against_a_wall(force):
     last = model.run(stages, start=model.k0_state(K0=0.5), progress=False)["jacked"]
     assert last.states["strut"].force[0] == -force
     assert sum(last.iterations) <= 25
+
+
+def test_short_rope_is_slack_without_force() -> None:
+    """[X] A rope of .05 m takes no compression at all, and EA times its strain in tension."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 2), np.linspace(0, 1, 2)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    rope = sc.Bar(basis, (0.0, 0.0), (-0.05, 0.0), EA=100.0, fixed_end=True, tension_only=True)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    rope = sc.Model({"solid": solid, "rope": rope}).forms["rope"]
+    for moved, force in ((-1e-3, 0.0), (1e-3, 100.0 * 1e-3 / 0.05)):
+        x = basis.zeros()
+        x[basis.nodal_dofs[0]] = moved
+        found = rope.assemble(x, rope.initial_state()).force
+        assert np.abs(found).max() == pytest.approx(force, abs=1e-12)
