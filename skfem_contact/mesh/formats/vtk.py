@@ -11,7 +11,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from ..content import Content, check_names, members_by_tag
+from ..content import Content, check_names
 from ..kinds import KINDS, Integers
 from .scikit_fem import add_encoded
 
@@ -98,9 +98,10 @@ def _add_data(
     """
     names = _names_of_values(key, np.concatenate(parts))
     for (kind, members), part in zip(blocks, parts):
-        for value, where in members_by_tag(part.astype(np.int64)).items():
-            if value in names:
-                content.add(names[value], kind, members[where])
+        for value, name in names.items():
+            found = members[part == value]
+            if len(found):
+                content.add(name, kind, found)
 
 
 def _names_of_values(key: str, values: Integers) -> dict[int, str]:
