@@ -59,8 +59,8 @@ def test_wheel_rolls_by_a_whole_turn():
         sc.Stage("roll", prescribed=lambda share: rolled(turn * share), increments=48, keep="all"),
     ]
     result = model.run(stages)
-    at_rest = result["press"].report("rim").force[1]
-    forces = np.array([stage.report("rim").force for stage in result["roll"].increments])
+    at_rest = result["press"].contact("rim").force[1]
+    forces = np.array([stage.contact("rim").force for stage in result["roll"].increments])
     # facets of 15 degrees press by 1 to 8 % less between their nodes and at them
     assert np.abs(forces[:, 1] / at_rest - 1.0).max() < 0.1
     # a whole turn later the same facet presses; the drag of a rolling radius that is a little off

@@ -177,7 +177,7 @@ def _pressed(body: Body) -> Iterator[Check]:
 def _on_ground(body: Body, stage: StageResult, top: ndarray) -> Iterator[Check]:
     """The ground resists what the top presses, and no more shear than friction."""
     reactions = stage.reactions()
-    shear, normal = stage.report("ground").force
+    shear, normal = stage.contact("ground").force
     size = max(np.abs(reactions[top]).sum(), 1e-2 * E * body.width)
     left = reactions[top].reshape(-1, 2).sum(axis=0) + np.array([shear, normal])
     yield Check("large action", np.abs(left).max() / size, 1e-7)
