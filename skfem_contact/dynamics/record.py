@@ -12,8 +12,9 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..checks import finite, positive
+from ..checks import finite, format_point, positive
 from ..display import Table
+from ..results.motion import History
 from .spectrum import Spectrum, response_spectrum
 
 #: Times of a file may differ from equal steps by this share of a step, as its digits are cut.
@@ -71,6 +72,36 @@ class Record:
 
     def __repr__(self) -> str:
         return f"<Record {len(self.values)} values, step {self.step:g}, peak {self.peak:.4g}>"
+
+    @classmethod
+    def of(cls, history: History, axis: str = "x") -> Record:
+        """Return a record of an acceleration of a stage, such as for its response spectrum.
+
+        Steps that differ are interpolated linearly at the shortest one.
+
+        Parameters
+        ----------
+        history
+            Accelerations at a node, :meth:`~skfem_contact.results.StageResult.history`, by
+            ``absolute=True`` with those of the base.
+        axis
+            ``"x"``, ``"y"`` or ``"z"``.
+
+        Raises
+        ------
+        ValueError
+            A history of another quantity, or an axis that it has not.
+        """
+        if history.quantity != "acceleration":
+            raise ValueError(f"a record has accelerations, not those of a {history.quantity}")
+        axes = "xyz"[: history.values.shape[1]]
+        if axis not in tuple(axes):
+            raise ValueError(f"axis must be one of {', '.join(axes)}, not {axis!r}")
+        time = history.time - history.time[0]
+        step = float(np.diff(time).min())
+        equal = step * np.arange(round(time[-1] / step) + 1)
+        values = np.interp(equal, time, history.values[:, axes.index(axis)])
+        return cls(step, values, f"acceleration {axis} at {format_point(history.point)}")
 
     @classmethod
     def read(cls, file: str | Path, scale: float | None = None) -> Record:

@@ -13,6 +13,7 @@ from .flow import flow_diagram
 from .live import live
 from .mechanism import load_curve, mechanism
 from .model import model
+from .motion import motion
 from .points import values
 from .report import report
 from .sketch import sketch
@@ -30,6 +31,7 @@ __all__ = [
     "load_curve",
     "mechanism",
     "model",
+    "motion",
     "report",
     "sketch",
     "soundings",

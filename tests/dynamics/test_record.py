@@ -197,3 +197,23 @@ def test_synthetic_record():
     assert not np.allclose(record.values, sc.Record.synthetic(3.0, seed=5).values)
     assert abs(record.velocity[-1]) < 0.05 * np.abs(record.velocity).max()
     assert len(record.table()) == 2001
+
+
+def history(time, values, quantity="acceleration"):
+    """Motion of the origin."""
+    return sc.results.History(quantity, np.zeros(2), np.asarray(time), np.asarray(values))
+
+
+def test_record_of_a_history():
+    """[X] Equal steps are taken as they are; others are interpolated at the shortest one."""
+    time = np.linspace(2.0, 3.0, 11)
+    values = np.column_stack((np.sin(time), np.cos(time)))
+    found = sc.Record.of(history(time, values), "y")
+    assert found.step == pytest.approx(0.1)
+    np.testing.assert_allclose(found.values, np.cos(time), atol=1e-14)
+    found = sc.Record.of(history([0.0, 0.1, 0.3, 0.5], [[0, 0], [1, 0], [3, 0], [5, 0]]))
+    np.testing.assert_allclose(found.values, np.arange(6.0), atol=1e-12)
+    with pytest.raises(ValueError, match="a record has accelerations, not those of a velocity"):
+        sc.Record.of(history(time, values, "velocity"))
+    with pytest.raises(ValueError, match="axis must be one of x, y, not 'z'"):
+        sc.Record.of(history(time, values), "z")

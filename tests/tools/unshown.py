@@ -39,6 +39,7 @@ MADE = (
     "sc.results.StageResult",
     "sc.results.Table",
     "sc.section.Drawing",
+    "sc.water.PoreState",
 )
 #: Parameters that stand for further ones of another function.
 _OPEN = (inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL)
