@@ -222,6 +222,7 @@ def test_tutorial_is_the_same_analysis(model: Culvert, monkeypatch: pytest.Monke
         np.testing.assert_allclose(tutorial[stage].x, model.result[stage].x, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_command_line_writes_all_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables in the terminal, pictures and files in the folder, and the saved result is the
     computed one.
@@ -250,6 +251,7 @@ def test_command_line_writes_all_files(tmp_path: Path, capsys: pytest.CaptureFix
     )
 
 
+@pytest.mark.slow
 def test_without_graphics_everything_else_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -266,6 +268,7 @@ def test_without_graphics_everything_else_is_written(
     assert "Warning" not in printed.err
 
 
+@pytest.mark.slow
 def test_slope_is_shown_and_others_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

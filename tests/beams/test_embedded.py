@@ -216,6 +216,7 @@ def in_space(side, fraction, pushed=False, T_max=1e6, F_max=1e6):
     return model, model.forms["pile"]
 
 
+@pytest.mark.slow
 def test_pile_in_space_settles_like_a_solid_one():
     """[X] A solid pile of 1000 kN in a fine axisymmetric mesh settles by 9.32 mm: within 5 % in
     coarse elements.
@@ -232,6 +233,7 @@ def test_pile_in_space_settles_like_a_solid_one():
     assert found[0] == pytest.approx(found[1], rel=0.015)
 
 
+@pytest.mark.slow
 def test_pile_in_space_bends_like_a_solid_one():
     """[X] A solid pile under 100 kN at its head, in 54,000 dofs, moves by 4.74 mm; a quarter bears
     a quarter.
@@ -243,6 +245,7 @@ def test_pile_in_space_bends_like_a_solid_one():
     assert 1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[0]] == pytest.approx(4.74, rel=0.05)
 
 
+@pytest.mark.slow
 def test_limit_of_a_pile_in_space():
     """[X] A quarter of a pile: 20 m of skin with 10 kN/m and the foot with 30 kN."""
     model, form = in_space(3.2, 0.25, T_max=10.0, F_max=30.0)

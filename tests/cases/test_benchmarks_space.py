@@ -96,6 +96,7 @@ def test_far_field_is_in_equilibrium():
 # -- partial slip
 
 
+@pytest.mark.slow
 def test_partial_slip():
     """[X] Radius of the zone that sticks and force to and fro, with four elements in the radius."""
     problem = sheared_paraboloid(4)

@@ -114,6 +114,7 @@ def test_numbers_of_the_rounded_punch():
     assert depth(exact, 1.0) - depth(exact) == pytest.approx(0.3**2 / 100, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "n", "whole", "inner"), [("Q1", 20, 0.04, 0.02), ("Q2", 16, 0.02, 0.01)]
 )
@@ -158,6 +159,7 @@ def test_numbers_of_the_wedge():
     assert depth(exact, 1.0) - depth(exact) == pytest.approx(np.tan(np.radians(3)), rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "error"), [("Q1", 2e-3), ("Q2", 1e-4)])
 def test_wedge(element, error):
     """[X] B6: forces, pressures away from the logarithmic peak; width and force grow in

@@ -273,6 +273,7 @@ def growing(first: float, size: float, n: int, last: float) -> np.ndarray:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", PERSSON)
 def test_pin_in_a_plate(degrees):
     """[X] B9: a pin of radius 1 in a hole of 1.001 in a plate of radius 25: largest pressure, angle

@@ -181,6 +181,7 @@ def table(kind: str, quadrature) -> tuple[dict, np.ndarray, int]:
     return forms, np.union1d(held, drag), int(drag)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "quadrature"),
     [("line", "nodal"), ("line", 4), ("corner", "nodal"), ("elastic", "nodal")],

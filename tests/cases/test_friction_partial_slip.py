@@ -230,6 +230,7 @@ def test_soft_tangential_penalty(quadrature) -> None:
     assert force[4] == pytest.approx(RATIO, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_augmented_shear_does_not_depend_on_the_penalty() -> None:
     """[X] S2: the augmented method gives one answer from 1e-6 to 1e6 times the normal penalty."""
     options = {"quadrature": 2, "enforcement": sc.AugmentedLagrangian()}

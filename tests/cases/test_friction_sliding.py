@@ -66,6 +66,7 @@ def largest_jump(smoothing: float | None, steps: int) -> float:
     return float(np.linalg.norm(np.diff(direction, axis=0), axis=1).max())
 
 
+@pytest.mark.slow
 def test_jumps_at_vertices() -> None:
     """[X] D1: at a vertex of the facets the force turns by their angle; on Hermite curves it does
     not jump.
@@ -81,6 +82,7 @@ def test_jumps_at_vertices() -> None:
     ] == pytest.approx(2, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("smoothing", "steps"), [(None, 1800), (0.5, 450)])
 def test_closed_round_trip(smoothing: float | None, steps: int) -> None:
     """[X] D1: without friction no work is left after a turn on an eccentric circle, whatever is

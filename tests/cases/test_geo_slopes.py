@@ -41,6 +41,7 @@ def associated(c: float, phi: float) -> sc.MohrCoulomb:
     return sc.MohrCoulomb(E=1e5, nu=0.3, c=c, phi=phi, psi=phi)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("depth", "beyond", "low", "high"),
     [(0.0, 0.0, 1.375, 1.385), (5.0, 15.0, 1.360, 1.368)],
@@ -58,6 +59,7 @@ def test_slopes_of_griffiths_and_lane(depth, beyond, low, high):
     assert 0.995 * low < limit < 1.005 * high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "low", "centre", "radius"),
     [
@@ -112,6 +114,7 @@ def test_steep_slopes(beta, phi, c, depth, bound):
     assert limit < fine < 1.01 * bound
 
 
+@pytest.mark.slow
 def test_slope_that_just_does_not_stand():
     """[B] Case H7: 2 to 1, c = 3, phi = 19.6 degrees, on half a height of the same soil; the factor
     is not 1.

@@ -128,6 +128,7 @@ def rough_wall(n: int, delta: float, moved: float) -> float:
     return float((joint.weight * joint.pressure).sum()) / (0.5 * GAMMA * HEIGHT**2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("delta", "passive", "active"),
     [

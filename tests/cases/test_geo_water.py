@@ -49,6 +49,7 @@ def test_slope_under_water():
         assert under_water(slope(5), SOIL, 20.0, HEIGHT + above) == pytest.approx(dry, abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "published"), [(0.0, 1.85), (0.4, 1.40), (0.7, 1.30)])
 def test_slow_drawdown(level, published):
     """[P] Case H5: the water has fallen by a share of the height; the least factor is at 0.7 of it.

@@ -179,6 +179,7 @@ def test_collapse_of_a_cube(element, n, psi):
     assert limit.bands["cube"].min() > 0
 
 
+@pytest.mark.slow
 def test_stage_beyond_collapse():
     """[X] Below the limit the cube is elastic; a load above it is followed up to the limit."""
     basis = box("Hex1", n=1)

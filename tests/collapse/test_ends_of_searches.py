@@ -67,6 +67,7 @@ def steep(psi):
     return forms, fixed, sc.weight(basis, 19.0)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:no collapse was shown")
 def test_factor_without_dilatancy_is_enclosed():
     """[X] Radenkovic: no flow exceeds the associated factor, which follows from that of Davis."""
@@ -232,6 +233,7 @@ def test_limit_load_on_a_material_that_refuses_increments():
     assert found.multiplier > 100.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("intorder", "shown"), [(2, True), (3, False), (4, True)])
 def test_rule_with_a_negative_weight_is_named(intorder, shown):
     """[N] A stiff foot on sand: the search ends on a plateau with three and with six points, and

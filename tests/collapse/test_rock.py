@@ -112,6 +112,7 @@ def bearing_capacity(law: sc.HoekBrown) -> float:
     return centre + radius
 
 
+@pytest.mark.slow
 def test_footing() -> None:
     """[X] Prandtl's fan with a curved strength lies between the bounds; Merifield, Lyamin, Sloan
     (2006) call it N.

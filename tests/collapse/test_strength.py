@@ -69,6 +69,7 @@ def test_factor_lies_above_the_rigorous_lower_bound(reference):
     assert reference.stop.kind == "plateau"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("psi", [20.0, 0.0])
 def test_factor_agrees_with_trials_at_fixed_factors(psi):
     """K7 [X]: the bracket is at most 0.01 wide; the curve ends at most 0.0025 below its plateau."""
@@ -344,6 +345,7 @@ def test_vertical_cut_without_tensile_strength(phi: float, c: float, exact: floa
     assert 0.5 * (found.factor / exact - 1.0) < found.added
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.01, 0.02])
 def test_vertical_cut_without_tensile_strength_on_tall_elements(tolerance: float) -> None:
     """[N] A linear programme on the same mesh gives 1.3187; elements at the face are 8 times as

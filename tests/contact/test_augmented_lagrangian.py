@@ -273,6 +273,7 @@ def test_stiff_round_slave_has_no_peaks(stiff_slave: bool) -> None:
     assert found == pytest.approx(hertz, rel=0.2 if stiff_slave else 0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [AUGMENTED, sc.DualMultipliers()])
 @pytest.mark.parametrize(("n_master", "n_slave"), [(24, 24), (24, 96)])
 def test_peaks_of_a_rigid_slave_are_told(method: Any, n_master: int, n_slave: int) -> None:

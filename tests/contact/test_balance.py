@@ -44,6 +44,7 @@ def kinked_blocks(phase: float, mu: float):
     return forms, stages, np.union1d(basis.get_dofs("base:bottom").all(), top.all())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("phase", "mu"), [(0.8, 1.0), (2.4, 0.6)])
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_what_is_accepted_balances(phase: float, mu: float) -> None:

@@ -43,6 +43,7 @@ class Inertia(sc.Form, sc.roles.Timed):
         return sc.Response(self.mass * new_a, lambda: (x, new_v, new_a), lambda: K)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 @pytest.mark.parametrize("enforcement", METHODS, ids=IDS)
 def test_bouncing_block(enforcement) -> None:

@@ -73,6 +73,7 @@ def test_hertz(n: int) -> None:
     assert dual[1] <= augmented[1]
 
 
+@pytest.mark.slow
 def test_hertz_in_space() -> None:
     """[N] The edge is foreseen where it has few elements, too: 11 iterations, a fifth of the
     augmented method's.

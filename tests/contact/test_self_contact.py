@@ -225,6 +225,7 @@ def ring(half):
     return basis, sc.Model(forms, np.unique(np.concatenate(fixed)))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_crushed_ring_as_its_half_on_the_plane_of_symmetry():
     """[N] A rigid plane is touched at half of the gap, so with twice the penalty: no self-contact.

@@ -176,6 +176,7 @@ def test_a_stress_beyond_the_strength():
     )  # 1 step
 
 
+@pytest.mark.slow
 def test_both_lateral_stresses_are_advised_against():
     """Both lateral stresses of a compression leave the strain between them free at yield:
     `triaxial` prescribes it.

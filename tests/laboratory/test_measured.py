@@ -26,6 +26,7 @@ def noisy(cell: float, noise: float, seed: int) -> Measured:
     return Measured(cell, path, columns)
 
 
+@pytest.mark.slow
 def test_known_parameters() -> None:
     """[X] Without noise the parameters come back; with 1 % they lie within three standard
     errors.

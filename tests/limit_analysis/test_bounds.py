@@ -87,6 +87,7 @@ def test_tension(tension: float | None, strength: float) -> None:
     assert found.upper - found.lower < 5e-3 * strength
 
 
+@pytest.mark.slow
 def test_water_and_acceleration() -> None:
     """[X] A flooded column weighs what it weighs in water; a wall of water beside it does not
     matter then.

@@ -47,6 +47,7 @@ def ground(law: Material, width: float, across: int, pit: float) -> tuple[Basis,
     return basis, sc.Model(forms, np.union1d(sc.box_supports(basis), wall))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(
     "ignore:.*(rotate by|are taken for small)"
 )  # clay below the footing: strains of 20 %

@@ -141,6 +141,7 @@ def test_stages_searches_and_files(tmp_path) -> None:
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_vertical_cut_of_normally_consolidated_clay() -> None:
     """[X] Without c0 the plane through the toe is exact, 2 rho / gamma = 1; with it both bounds
     enclose the plane's.

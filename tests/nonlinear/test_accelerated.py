@@ -122,6 +122,7 @@ def test_soil_without_dilation_takes_one_increment(caplog: pytest.LogCaptureFixt
     assert load == pytest.approx(8.3023, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_stalled_iterations_leave_the_increment_to_newton(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where accelerated iterations fail at once, the increment is cut as without them."""
     calls = []

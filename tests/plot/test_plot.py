@@ -298,6 +298,7 @@ def test_marks_are_drawn_where_they_belong():
     assert np.flatnonzero(margin).max() < (1.05 / 1.10 + 0.01) * (len(plain) - FOOT)
 
 
+@pytest.mark.slow
 @needs_opengl
 def test_free_surface_is_the_water_table():
     """A seepage, its pressure and water at rest are drawn alike; the bar tells what the pore
@@ -773,6 +774,7 @@ def test_cutaway(element, monkeypatch):
     )  # also between regions
 
 
+@pytest.mark.slow
 @needs_opengl
 def test_cutaway_is_seen():
     """The cube from the side is a square, the half that a cut leaves is twice as wide as high; both

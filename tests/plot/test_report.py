@@ -112,6 +112,7 @@ def pictures(html: str) -> list[bytes]:
     return [b64decode(data) for data in re.findall(r'src="data:image/png;base64,([^"]+)"', html)]
 
 
+@pytest.mark.slow
 def test_report_holds_model_stages_and_figures(result, report) -> None:
     """Materials with parameters, every stage with two pictures, values of the table, versions;
     nothing from outside.
@@ -218,6 +219,7 @@ def test_own_template(tmp_path) -> None:
     assert not (tmp_path / "b.html").exists()
 
 
+@pytest.mark.slow
 def test_searches_and_sections_of_solids(tmp_path) -> None:
     """[X] A column, F = 2 c / q, N = -q b: factor, mechanism and curve, and section forces of a
     solid.
@@ -351,6 +353,7 @@ def test_stresses_at_rest_and_water_in_words() -> None:
     assert report_tables.in_words(np.zeros(4)) == "pressures at the vertices"
 
 
+@pytest.mark.slow
 def test_word_document(result, tmp_path) -> None:
     """A .docx file has the same tables and pictures; other formats are refused."""
     docx = pytest.importorskip("docx")

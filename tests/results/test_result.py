@@ -217,6 +217,7 @@ def test_other_materials_than_in_the_file_are_told(tmp_path, recwarn):
         ] == [True] * len(texts)
 
 
+@pytest.mark.slow
 def test_partial_result_can_be_saved(tmp_path):
     """[X] What NotConverged carries is a result like any other."""
     _, forms, fixed, stages = blocks()

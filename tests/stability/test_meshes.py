@@ -29,6 +29,7 @@ from tests.tools.helpers import distorted, grid, traction, vector_basis
 QUADRATURES = ["nodal", 2, "segments"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("dim", "sizes", "quadrature"),
     [
@@ -307,6 +308,7 @@ def test_five_thousand_points():
     )  # each second node faces the middle of a segment
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [14, 141])
 def test_search_in_space(n):
     """[X] Case S20: 200 and 20,000 points over a wavy surface: a few facets for each, and Gauss

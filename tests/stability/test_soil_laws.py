@@ -55,6 +55,7 @@ def creeping(**changes):
 # -- histories and pressures
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sense", "drained", "most"),
     [

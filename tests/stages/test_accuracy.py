@@ -98,6 +98,7 @@ def test_drained_compression_by_a_load(increments: int, space: bool) -> None:
     )  # 0.87 to 0.95: parts have errors of second order as well
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "drained"), [(sc.CamClay(**CLAY), True), (UNDRAINED, False)])
 def test_compression_by_moved_supports(law: Any, drained: bool) -> None:
     """[N] The axial force beside 400 increments."""
@@ -148,6 +149,7 @@ def test_clay_that_is_sheared_in_a_day(increments: int, error: float, space: boo
     assert len(result[-1].iterations) <= 24
 
 
+@pytest.mark.slow
 def test_clay_that_is_sheared_by_moved_supports_in_a_day() -> None:
     """[N] The same for the axial force, 7 % too small in one step, beside 400 increments at a
     point.
@@ -161,6 +163,7 @@ def test_clay_that_is_sheared_by_moved_supports_in_a_day() -> None:
     assert 2 <= len(result[-1].iterations) <= 10
 
 
+@pytest.mark.slow
 def test_creep_under_a_load_that_is_held_takes_few_steps() -> None:
     """[N] A strip load of a day that stays for a year: 1 % off beside 20 steps each, and no remark
     on increments, though the load does no work in the year.

@@ -14,6 +14,7 @@ from tests.tools.scenes import halves
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
 
 
+@pytest.mark.slow
 def test_many_stages_begin_at_once():
     """The checks of ten times as many stages take ten times as long, not a hundred times."""
     basis = halves()

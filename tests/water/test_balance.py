@@ -119,6 +119,7 @@ def test_rain_takes_few_iterations(seed: int) -> None:
     assert sum(steady(seed)[0].iterations) <= 120
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(RANDOM))
 def test_flow_in_time(seed: int) -> None:
     """[X] Rain that comes and goes, a well, a level that falls, compressible ground: what has

@@ -101,6 +101,7 @@ def test_well_with_a_radius():
     assert water.discharge("screen", of="silt") == pytest.approx(-pumped * 4e-5 / 3.4e-4, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_well_that_falls_dry_is_told():
     """More water than the head can drive to the top of the screen, with or without a balance."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 4, 13), np.linspace(0, 1, 5)).with_boundaries(

@@ -65,6 +65,7 @@ def finite_volumes(
     return (np.arange(n) + 0.5) * d, done.y[:, -1]
 
 
+@pytest.mark.slow
 def test_celias_column() -> None:
     """[N] M. A. Celia, E. T. Bouloutas and R. L. Zarba 1990: infiltration into dry loam for a
     day.
@@ -150,6 +151,7 @@ def test_saturated_storage() -> None:
     assert water.balance_error < 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "start", [3.0, lambda x: 2.0 + np.sin(0.5 * np.pi * x[1])], ids=["at once", "smooth"]
 )
@@ -170,6 +172,7 @@ def test_order_in_time(start) -> None:
     assert coarse < 2e-3
 
 
+@pytest.mark.slow
 def test_vauclins_recharge() -> None:
     """[P] M. Vauclin, D. Khanji, G. Vachaud 1979: computed and measured water tables under a strip
     that is sprinkled.
@@ -221,6 +224,7 @@ def test_vauclins_recharge() -> None:
     assert water.balance_error < 1e-8
 
 
+@pytest.mark.slow
 def test_brooks_corey() -> None:
     """[X] Content above a table at rest; suction at which the ground conducts a rain; a dry
     start.
