@@ -38,6 +38,10 @@ _TOUCHING = 0.01
 #: Displacements of a wavy joint without friction, in 1 to 12 increments, differ by 3e-3 with 2e-3
 #: left, where a point is open or not, and by 8e-4 with this, in a fifth more iterations.
 _ROUNDED = 5e-4
+#: The same where facets match, whose clearance is none: what penetrations show of one.
+_MATCHED = 2e-3
+#: Clearance of facets that match, as a share of their size.
+_NONE = 1e-9
 
 
 class ContactPair(ContactBase):
@@ -267,8 +271,9 @@ class ContactPair(ContactBase):
         pressure = np.abs(found.traction[0])
         change = np.abs(rounded - accepted.rounded)[pressure > 0.0].max(initial=0.0)
         stiffness = self.stiffness or self.penalties(accepted)[0]
-        small = stiffness * change <= _ROUNDED * pressure.max(initial=0.0)
-        if small:
+        matched = np.abs(accepted.rounded).max(initial=0.0) <= _NONE * self.slave.size.max()
+        left = _MATCHED if matched else _ROUNDED
+        if stiffness * change <= left * pressure.max(initial=0.0):
             return None
         return rounded
 
