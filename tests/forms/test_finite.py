@@ -210,6 +210,25 @@ def test_small_loads_are_those_of_small_kinematics() -> None:
             assert np.linalg.norm(f - g) < 1e-6 * np.linalg.norm(f)
 
 
+@pytest.mark.parametrize("kinematics", ["small", "finite"])
+@pytest.mark.parametrize("unit", [1.0, 1e6])
+def test_round_off_of_stresses_that_vanish_is_that_of_the_last_ones(
+    kinematics: Any, unit: float
+) -> None:
+    """[X] Back at the first place, up to 1e-13, the differences of the last stresses remain, in all
+    units; under load the displacements alone count.
+    """
+    law = sc.LinearElastic(E=100.0 * unit, nu=0.3)
+    form = sc.SolidForm(SQUARE, law, kinematics=kinematics)
+    x = linear(SQUARE, np.array([[1.01, 0.0], [0.0, 1.0]]))
+    loaded = form.assemble(x, form.initial_state())
+    on = form.assemble(x, loaded.state).round_off
+    back = form.assemble(1e-11 * x, loaded.state).round_off
+    assert on == pytest.approx(loaded.round_off, rel=1e-12)
+    assert 0.1 < back / on < 10.0
+    assert form.assemble(1e-11 * x, form.initial_state()).round_off < 1e-10 * on
+
+
 def test_a_body_that_is_activated_in_displaced_ground() -> None:
     """[X] It is free of stress there; a change of its volume by 2 % is warned of."""
     form = finite(SQUARE, LAWS["elastic"])

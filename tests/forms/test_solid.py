@@ -252,6 +252,14 @@ def test_from_elastic_to_plastic(rng):
     np.testing.assert_allclose(ours.internal, theirs.internal, atol=1e-14)
 
 
+def test_tangents_change_where_one_region_of_several_yields(rng):
+    """[X] Elastic regions alone have no dofs where the tangent changes; beside soil all may."""
+    basis = vector_basis(layered("Q1", rng), "Q1")
+    elastic = sc.SolidForm(basis, {n: sc.LinearElastic(E=100.0, nu=0.3) for n in "abc"})
+    assert elastic.changing is not None and len(elastic.changing) == 0
+    assert elastic.with_materials({"b": SOIL}).changing is None
+
+
 def test_element_forces_sum_up_to_the_internal_force(rng):
     """[X] Scattered element by element."""
     basis = vector_basis(layered("P2", rng), "P2")

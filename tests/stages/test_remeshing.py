@@ -231,6 +231,17 @@ def test_remark_on_distorted_elements():
         deformed(lambda x: np.stack((7.0 * x[1], 0 * x[1])), element=ElementQuad1(), steps=10)
 
 
+def test_measure_of_distorted_elements():
+    """[X] A parallelogram of shear 8 has corners of arctan(1 / 8) = 7.1 degrees: 0.921 of 90."""
+    basis = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+    form = sc.SolidForm(basis, STIFF, kinematics="finite")
+    x = np.zeros(basis.N)
+    x[basis.nodal_dofs[0]] = 8.0 * basis.mesh.p[1]
+    (remark,) = form._remarks_on_shape(x)
+    assert remark.kind == "shape"
+    assert remark.figure == pytest.approx(1.0 - np.degrees(np.arctan(1.0 / 8.0)) / 90.0, rel=1e-9)
+
+
 def test_refusals():
     """Each mistake has one sentence, and the stage remains."""
     stage = deformed(stretched)
