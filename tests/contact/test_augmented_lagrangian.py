@@ -162,6 +162,25 @@ def test_errors_of_multipliers_at_nodes_that_stick():
     )  # the little mass of _INDIFFERENT
 
 
+def test_harder_penalty_keeps_the_shear_of_points_that_stick():
+    """[X] The penalty grows tenfold, and the elastic slip becomes a tenth: the same shear."""
+    mesh = MeshQuad.init_tensor(np.array([0.0, 3.0, 4.0]), np.array([0.0, 1.0])).with_defaults()
+    basis = Basis(sc.join_bodies({"block": mesh}), ElementVector(ElementQuad1()))
+    floor = sc.rigid.line((-9.0, 0.0), (9.0, 0.0))
+    options = {"penalty": 100.0, "enforcement": sc.AugmentedLagrangian()}
+    pair = sc.ContactPair(basis, "block:bottom", floor, sc.Coulomb(0.5), 2, **options)
+    x = np.zeros(basis.N)
+    x[basis.nodal_dofs[0]] = 4e-4 * (1.0 + basis.mesh.p[0])
+    x[basis.nodal_dofs[1]] = -0.01
+    accepted = pair.assemble(x, pair.initial_state()).state
+    assert (accepted.status == Status.STICK).all()
+    found = pair.assemble(1.2 * x, accepted).state
+    after, _ = pair.enforcement.after_equilibrium(pair, accepted, found)
+    assert pair.penalties(after)[1] == pytest.approx(1000.0)
+    shear = pair.penalties(after)[1] * pair.interface.elastic_slip(after)
+    np.testing.assert_allclose(shear, accepted.traction[1:], rtol=1e-9)
+
+
 def test_multipliers_do_not_pull():
     """[X] Pressures of 1 and 0 at two points of a facet: the best line would pull at its end, by
     (3**.5 - 1) / 2.

@@ -282,6 +282,17 @@ def test_bad_input():
         clay().reduced(2.0)
 
 
+@pytest.mark.parametrize("stress", [(1.0, 1.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)])
+def test_initial_stress_without_pressure_is_refused(stress):
+    """Tension and shear without pressure have no yield surface; no stress at all has an empty
+    one.
+    """
+    points = np.array([(-1.0, -1.0, -1.0, 0.0), stress]).T[:, None]
+    with pytest.raises(ValueError, match=r"at point 1 \(1 of 2 points\)"):
+        clay().initial_internal(points)
+    assert not clay().initial_internal(0.0 * points).any()
+
+
 def test_unloading_to_zero_is_told():
     """The mean stress never falls to zero: an element test names the end, and keeps what was
     reached.

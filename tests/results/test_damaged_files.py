@@ -133,7 +133,7 @@ def test_saving_keeps_mode_and_link(saved, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["good.npz", "link.npz", "new.npz"]
 
 
-@pytest.mark.parametrize(("shift", "stretch"), [(100.0, 1.0), (0.0, 2.0)])
+@pytest.mark.parametrize(("shift", "stretch"), [(100.0, 1.0), (0.0, 2.0), (0.0, 1.0 + 2e-8)])
 def test_another_mesh_of_the_same_size(saved, shift, stretch):
     with pytest.raises(ValueError, match="'bodies' has another mesh"):
         sc.load_result(saved[0], block_on_base(shift, stretch)[1])

@@ -269,6 +269,14 @@ def test_points_that_are_not_in_the_plane_are_refused(point):
             cut()
 
 
+def test_coordinates_of_the_plane_and_of_space_are_named():
+    """A ring lies in the plane; a line in space has an end in space."""
+    with pytest.raises(ValueError, match=r"must be a finite \(x, y\), not \(0, 0, 0\)"):
+        sc.Sections.ring((0, 0, 0), 0.5, 1.0)
+    with pytest.raises(ValueError, match=r"must be a finite \(x, y, z\), not \(1, 0\)"):
+        sc.Sections.line((0, 0, 0), (1, 0), 1.0)
+
+
 def test_cuts_at_the_faces_of_walls():
     """[X] A portal frame: shear at the faces of its walls and thrust below its roof follow from
     statics.
