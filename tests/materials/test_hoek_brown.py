@@ -118,6 +118,19 @@ def test_chords_hold_up_to_the_end_of_the_last_one():
     assert (knot < 0.01 * most).all()
 
 
+def test_last_tangent_touches_beyond_the_bearing_capacity():
+    """[X] At least at three times that of two wedges of weightless rock, ci (s^a + (m_b s^a +
+    s)^a), where the stresses of the search are lower.
+    """
+    law = rock()
+    uniaxial = law.s**law.a
+    capacity = law.sigma_ci * (uniaxial + (law.m_b * uniaxial + law.s) ** law.a)
+    growth = law.a * law.m_b * (3.0 * law.m_b * capacity / law.sigma_ci + law.s) ** (law.a - 1.0)
+    lines, _ = law.lines(0.0, inner=False)
+    sine = growth / (2.0 + growth)
+    assert lines[-1, 1, 0] == pytest.approx(sine / np.sqrt(1.0 - sine**2), rel=1e-9)
+
+
 def test_index():
     """[P] Hoek, Carranza-Torres and Corkum (2002): the equations at GSI 50, and intact rock at GSI
     100.
