@@ -197,6 +197,16 @@ def test_flow_rules_of_angles_are_refused_where_the_cone_has_none() -> None:
     assert (associated.alpha, associated.beta) == (0.4, 0.4)
 
 
+def test_cohesion_of_a_strength_that_varies() -> None:
+    """[X] Bounds take that of the cone, s / sqrt(3), at points; a constant one is no function."""
+    points = np.array([[0.0, 1.0], [-2.0, -4.0]])
+    law = VonMises(1e4, 0.3, strength=lambda x: 3.0 - x[1])
+    np.testing.assert_allclose(law.cohesion_at(points), [5.0 / np.sqrt(3), 7.0 / np.sqrt(3)])
+    cone = VonMises(1e4, 0.3, strength=5.0).cone()
+    assert law.cohesion_at(points)[0] == pytest.approx(cone[0])
+    assert LAWS["von Mises"].cohesion_at(points) is None
+
+
 def test_reduced_strength() -> None:
     law = DruckerPrager(1e4, 0.3, k=10.0, alpha=[0.2, 0.2], beta=[0.2, 0.15]).reduced(2.0)
     assert law.k == 5.0
