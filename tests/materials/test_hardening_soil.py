@@ -248,6 +248,21 @@ def test_bad_initial_stress() -> None:
         sand().initial_internal(1e-4 * inside)
 
 
+@pytest.mark.parametrize("least", [1.0, 100.0, 1e4])
+def test_initial_stress_at_failure_within_round_off(least: float) -> None:
+    """[X] s1 / s3 = (1 + sin(phi)) / (1 - sin(phi)), and a share of 1e-7 more, of every size."""
+    sine = np.sin(np.radians(HOSTUN["phi"]))
+    largest = least * (1.0 + sine) / (1.0 - sine)
+    law = sand(c=0.1)
+    shift = 0.1 / np.tan(np.radians(HOSTUN["phi"]))
+    stress = np.array([-least, -(1.0 + 1e-7) * largest, -least, 0.0])
+    stress[:3] += shift
+    assert law.initial_internal(stress[:, None, None]).shape[1:] == (1, 1)
+    stress[1] = shift - 1.01 * largest
+    with pytest.raises(ValueError, match="outside the failure surface"):
+        law.initial_internal(stress[:, None, None])
+
+
 def test_preconsolidation() -> None:
     """The cap goes through the largest stress of the past, on the line of normal consolidation."""
     stress = -np.array([34.0, 100.0, 34.0, 0.0])[:, None, None]
