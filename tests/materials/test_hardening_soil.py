@@ -409,3 +409,19 @@ def test_mode_of_a_point_without_stress() -> None:
     with np.errstate(all="raise"):
         _, shear, cap = likely_modes(points(law, [0.0] * 4, [0.0] * 4), law.constants)
     assert shear == cap == 0
+
+
+def test_first_guess_of_a_small_isotropic_compression() -> None:
+    """[X] The cap's multiplier is C = dp / (2 p (K + H)) to first order, with the bulk modulus K
+    and the modulus H = d p_p / d eps_v of the cap; no shear.
+    """
+    law = sand()
+    p, dp = 100.0, 1e-3
+    k = law.constants
+    at = points(law, [-p, -p, -p, 0.0], [-dp, -dp, -dp, 0.0])
+    at = at._replace(cap=np.array([p]))
+    _, shear, multiplier = likely_modes(at, k)
+    bulk = k.lam + 2.0 / 3.0 * k.mu
+    hardening = k.hardened(at.cap, np.zeros(1))[1] / at.scale
+    assert shear == 0.0
+    np.testing.assert_allclose(multiplier, dp / (2.0 * p * (bulk + hardening)), rtol=1e-4)

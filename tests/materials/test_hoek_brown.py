@@ -131,6 +131,14 @@ def test_last_tangent_touches_beyond_the_bearing_capacity():
     assert lines[-1, 1, 0] == pytest.approx(sine / np.sqrt(1.0 - sine**2), rel=1e-9)
 
 
+def test_dilatancy_of_a_reduced_strength():
+    """[X] The given one stays; with the associated flow it is as large as the friction."""
+    law = rock(psi=5.0)
+    assert law.reduced(2.0).psi == 5.0
+    assert law.dilates_less and law.reduced(2.0).dilates_less
+    assert not law.reduced(2.0, "associated").dilates_less
+
+
 def test_index():
     """[P] Hoek, Carranza-Torres and Corkum (2002): the equations at GSI 50, and intact rock at GSI
     100.
