@@ -160,3 +160,22 @@ def test_design_values():
     joint = sc.design.factored.__globals__["divided"](rock, sc.design.EC7["DA1-2"]).joints[0]
     assert np.isclose(joint.c, 8.0)
     assert np.isclose(np.tan(np.radians(joint.phi)), np.tan(np.radians(30.0)) / 1.25)
+
+
+def test_mobilised_strength_of_the_worst_set():
+    """[X] Level joints under a pressure of 100 and a shear of 20 have tau / (c + p tan(phi)); of
+    several sets that with the largest share counts.
+    """
+    stress = np.array([-40.0, -100.0, -60.0, 20.0])[:, None, None]
+    level = sc.Joint(dip=0.0, c=5.0, phi=30.0)
+    upright = sc.Joint(dip=90.0, c=5.0, phi=30.0)
+    wide = (20.0, 5.0 + 100.0 * np.tan(np.pi / 6.0))
+    narrow = (20.0, 5.0 + 40.0 * np.tan(np.pi / 6.0))
+    for joints, expected in (
+        ((level,), wide),
+        ((level, upright), narrow),
+        ((upright, level), narrow),
+    ):
+        law = sc.JointedRock(E=1e5, nu=0.3, joints=joints)
+        found = law.mobilised(stress, law.initial_internal(stress))
+        np.testing.assert_allclose(np.ravel(found), expected, rtol=1e-12)
