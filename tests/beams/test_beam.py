@@ -946,6 +946,16 @@ def shell(line, cells=None, GA=1e4):
     )
 
 
+def test_points_beside_vertices_are_refused():
+    """A share of 1e-8 of the ground is round-off of coordinates, one of 1e-5 is none."""
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, 4.0, 5), np.linspace(0.0, 2.0, 3))
+    basis = vector_basis(mesh, "Q2")
+    beam = sc.Beam(basis, [(0.0, 1.0), (4.0, 1.0 + 4e-8)], EI=1.0, EA=1.0, bonded=True)
+    np.testing.assert_allclose(beam.points[:, 1], 1.0)
+    with pytest.raises(ValueError, match="0 vertices of the mesh lie at"):
+        sc.Beam(basis, [(0.0, 1.0), (4.0, 1.0 + 4e-5)], EI=1.0, EA=1.0, bonded=True)
+
+
 def test_bent_edge_of_a_cylinder():
     """[X] A tank of radius a clamped at its foot, filled with water (S. Timoshenko, Plates and
     Shells, art. 118).

@@ -311,3 +311,29 @@ def test_pile_softer_than_the_ground_is_refused():
         ValueError, match=r"EA=1000 of the embedded beam is less than that of the ground .* 1963"
     ):
         sc.Model(forms, basis.get_dofs("bottom").all())
+
+
+def test_units_of_length_of_a_pile_in_space():
+    """[X] In metres and in millimetres its head moves by the same length, and springs around it
+    have the same stiffness per length.
+    """
+    found = []
+    for unit in (1.0, 1e3):
+        mesh = MeshHex.init_tensor(*3 * [unit * np.linspace(0.0, 4.0, 5)]).with_defaults()
+        basis = vector_basis(mesh, "Q1", intorder=2)
+        line = unit * np.linspace((2.1, 2.2, 4.0), (2.1, 2.2, 2.0), 3)
+        stiffness = {"EI": 1e4 * unit**4, "GJ": 1e4 * unit**4, "EA": 1e6 * unit**2}
+        beam = sc.Beam(None, line, **stiffness)
+        skin = sc.Embedded(basis, beam, T_max=1e9 * unit, F_max=1e9 * unit**2, radius=0.1 * unit)
+        forms = {
+            "soil": sc.SolidForm(basis, sc.LinearElastic(1e3, 0.3)),
+            "pile": beam,
+            "skin": skin,
+        }
+        model = sc.Model(forms, [sc.box_supports(basis), *beam.dofs(line[0], ["theta^3"])])
+        pile = model.forms["pile"]
+        push = pile.load((0.0, 0.0, -10.0 * unit**2), at=line[0])
+        stage = model.run([sc.Stage("push", push)], **QUIET)["push"]
+        found.append((stage.x[pile.numbers(line[0])[2]] / unit, model.forms["skin"]._k[0]))
+    assert found[0][0] < -1e-3
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-6)

@@ -141,7 +141,8 @@ def test_curves_of_the_api():
         curve = sc.curves.clay_p_y(z, 1.0, su=30.0, unit_weight=8.0)
         assert np.isclose(curve[-1, 1], share * 30.0)
     curve = sc.curves.sand_p_y(4.0, 1.0, phi=35.0, unit_weight=10.0, k=2e4)
-    assert np.isclose(curve[1, 1] / curve[1, 0], 2e4 * 4.0, rtol=0.01)  # tanh(0.15) / 0.15
+    chord = np.tanh(0.15) / 0.15  # of the first step
+    assert np.isclose(curve[1, 1] / curve[1, 0], chord * 2e4 * 4.0, rtol=1e-9)
     assert np.isclose(sc.curves.sand_t_z(50.0, 0.5)[-1, 1], 50.0 * np.pi * 0.5)
     for known in (curve, sc.curves.clay_t_z(40.0, 1.0), sc.curves.q_z(500.0, 1.0)):
         checked(known, 1.0, "curve")
@@ -183,6 +184,14 @@ def test_wrong_curves(curve, message):
     """One sentence for each, with the distance from the head."""
     with pytest.raises(ValueError, match=message):
         sc.PileSprings(pile(EI=1.0, EA=1.0), p_y=curve)
+
+
+def test_slopes_that_grow_by_more_than_round_off_are_refused():
+    """A share of 1e-15 of the first slope is round-off, one of 1e-8 is none."""
+    beam = pile(EI=1.0, EA=1.0)
+    sc.PileSprings(beam, p_y=[(0.0, 0.0), (1.0, 5.0), (2.0, 10.0 + 5e-15)])
+    with pytest.raises(ValueError, match="slope must not grow"):
+        sc.PileSprings(beam, p_y=[(0.0, 0.0), (1.0, 5.0), (2.0, 10.0 + 5e-8)])
 
 
 def test_wrong_piles():
