@@ -26,7 +26,8 @@ from skfem.generic_utils import OrientedBoundary
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, join_bodies
-from skfem_contact.mesh.connections import loose_links, outside_of, touching_sides
+from skfem_contact.mesh.connections import lies_on, loose_links, outside_of, touching_sides
+from skfem_contact.mesh.content import side_kind
 
 KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
 SQUARE = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
@@ -357,3 +358,29 @@ def test_one_side_touches_no_other():
     alone = outside.part(np.arange(len(outside.facets)) == 0)
     first, second = touching_sides(alone)
     assert len(first) == len(second) == 0
+
+
+def test_two_sides_touch_each_other():
+    """[X] The sides between two squares with nodes of their own are a pair, in both orders."""
+    square = MeshQuad1()
+    outside = outside_of(join_bodies({"a": square, "b": square.translated((1.0, 0.0))}))
+    pair = outside.part(np.isclose(outside.middles[:, 0], 1.0))
+    first, second = touching_sides(pair)
+    assert sorted(zip(first, second, strict=True)) == [(0, 1), (1, 0)]
+
+
+@pytest.mark.parametrize("length", [1e-3, 1.0, 1e3])
+def test_ends_of_a_side_lie_on_it(length):
+    """[X] Both ends do, up to round-off, and points beyond them or beside it do not."""
+    ends = length * np.array([[0.3, 0.1], [1.1, 0.7]])
+    share = np.array([0.0, 0.5, 1.0, 1.0 + 1e-12, 1.01, -0.01])
+    points = ends[0] + share[:, None] * (ends[1] - ends[0])
+    points = np.concatenate((points, points[1:2] + 0.01 * length))
+    sides = np.tile(ends, (len(points), 1, 1))
+    on = lies_on(points, sides, np.full(len(points), 0.5 * length))
+    assert on.tolist() == [True, True, True, True, False, False, False]
+
+
+def test_kinds_of_sides():
+    """Elements in the plane have lines, those in space triangles or quadrilaterals."""
+    assert [side_kind(*side) for side in ((2, 2), (3, 3), (4, 3))] == ["line", "triangle", "quad"]
