@@ -16,8 +16,9 @@ from skfem import Basis, FacetBasis, MeshHex, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
+from skfem_contact.mesh.formats import abaqus, kratos, med, nastran
+from skfem_contact.mesh.formats import gmsh as own_gmsh
 from skfem_contact.mesh.formats.abaqus import _kind_of
-from skfem_contact.mesh.formats.nastran import _ORDER
 from skfem_contact.mesh.kinds import BY_NODES, KINDS
 
 FILE = resources.files("skfem_contact") / "data" / "culvert.msh"
@@ -945,7 +946,62 @@ def test_kinds_by_their_nodes():
         assert n_nodes == (int(digits) if digits else KINDS[kind].corners), kind
 
 
-def test_orders_of_nastran_are_permutations():
-    """[X] Every node has one place."""
-    for order in _ORDER.values():
-        assert sorted(order) == [*range(len(order))]
+def test_kinds_of_gmsh_are_those_of_its_library(model):
+    """[P] Dimensions, order, corners and numbers of nodes of the first 19 types of Gmsh."""
+    assert sorted(own_gmsh._KINDS) == list(range(1, 20))
+    for number, kind in own_gmsh._KINDS.items():
+        _, dim, order, nodes, _, corners = model.model.mesh.getElementProperties(number)
+        shape = KINDS[kind]
+        assert own_gmsh._NODES[kind] == nodes
+        assert (shape.dim, shape.corners) == (dim, corners)
+        assert shape.order == max(order, 1)  # of a point Gmsh has 0
+
+
+@pytest.mark.parametrize("reader", [abaqus, kratos, med, nastran, own_gmsh])
+def test_orders_of_nodes_have_each_node_once(reader):
+    """[X] They are permutations whose corners come first."""
+    for kind, order in reader._ORDER.items():
+        assert sorted(order) == list(range(own_gmsh._NODES[kind]))
+        assert order[: KINDS[kind].corners] == list(range(KINDS[kind].corners))
+
+
+def test_middles_of_edges_of_gmsh_lie_on_the_edges_of_vtk(model):
+    """[P] Coordinates of Gmsh's nodes in the order of VTK: between the corners of each edge."""
+    edges = {
+        "tetra10": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+        "hexahedron20": [
+            (0, 1),
+            (1, 2),
+            (2, 3),
+            (3, 0),
+            (4, 5),
+            (5, 6),
+            (6, 7),
+            (7, 4),
+            (0, 4),
+            (1, 5),
+            (2, 6),
+            (3, 7),
+        ],
+    }
+    numbers = {kind: number for number, kind in own_gmsh._KINDS.items()}
+    for kind, pairs in edges.items():
+        places = model.model.mesh.getElementProperties(numbers[kind])[4].reshape(-1, 3)
+        places = places[own_gmsh._ORDER[kind]]
+        first, second = np.transpose(pairs)
+        middles = places[KINDS[kind].corners :]
+        np.testing.assert_allclose(middles, 0.5 * (places[first] + places[second]), atol=1e-12)
+
+
+def test_cards_of_nastran_have_the_nodes_of_their_kinds():
+    """[X] Every number of nodes that a card may have."""
+    for counts in nastran._CARDS.values():
+        assert counts == {own_gmsh._NODES[kind]: kind for kind in counts.values()}
+
+
+@pytest.mark.parametrize("kind", abaqus._FACES)
+def test_faces_of_abaqus_are_the_sides_of_the_element(kind):
+    """[X] With the same corners, each side once."""
+    faces = {frozenset(face) for face in abaqus._FACES[kind]}
+    assert faces == {frozenset(side) for side in KINDS[kind].sides}
+    assert len(faces) == len(abaqus._FACES[kind])
