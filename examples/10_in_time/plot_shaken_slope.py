@@ -14,6 +14,7 @@ joint and slides farther: the response and the slip are coupled.
 # The rock below the joint is rigid. The joint has Coulomb's friction, the ground above Mohr-Coulomb
 # strength.
 
+import sys
 from itertools import pairwise
 
 import matplotlib.pyplot as plt
@@ -136,7 +137,8 @@ def decoupled(E, record):
 # Two records
 # -----------
 # Two cycles of 2.5 Hz, and a synthetic record. The rock slides like the block within 1 %. Ground
-# whose first frequency comes near to the one of the record slides 1.2 to 2.6 times as far. The
+# whose first frequency comes near to the one of the record slides 1.8 to 2.6 times as far; stiffer
+# soil, with ``--full``, 1.2 to 1.4 times. The
 # decoupled analysis finds a part of this: slip changes the vibration as well. Steps are short for
 # the pulses of the record: with 0.01 s the rock slides 10 % farther in the synthetic one.
 
@@ -146,7 +148,9 @@ records = {
     "sine": sc.Record(step, 0.4 * g * np.sin(5 * np.pi * t) * (t <= 0.8)),
     "synthetic": sc.Record.synthetic(peak=4.0, duration=2.0, step=0.01).resampled(step),
 }
-moduli = {"rock": 1e7, "stiff soil": 1e5, "soft soil": 2e4}
+moduli = {"rock": 1e7, "soft soil": 2e4}
+if "--full" in sys.argv:
+    moduli["stiff soil"] = 1e5
 
 fig, axes = plt.subplots(1, 2, figsize=(8, 3.5), layout="constrained")
 slips = {}
@@ -173,7 +177,7 @@ error = {name: abs(slips[name, "rock"][0] - 1) for name in records}
 assert abs(k_y / np.tan(phi - dip) - 1) < 0.01
 assert max(error.values()) < 0.02, error
 for name in records:
-    ratios = np.array([slips[name, ground] for ground in moduli])
+    ratios = np.array([slips[name, ground] for ground in sorted(moduli, key=moduli.get)[::-1]])
     assert (np.diff(ratios, axis=0) > 0.05).all(), ratios  # the softer, the farther
     assert abs(ratios[0, 1] - 1) < 0.01
     assert (ratios[1:, 1] < ratios[1:, 0]).all()
