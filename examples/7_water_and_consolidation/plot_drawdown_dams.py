@@ -92,10 +92,10 @@ plot.mechanism(bouldin)
 
 # %%
 # Pilarcitos is 2 % above the published factor; less the error of the mesh, Walter Bouldin is 3.9 %
-# above it, with ``--full`` and elements of 2.5 ft 3.4 %. Poisson's ratios from 0.2 to 0.4, which change the stresses
-# of the full reservoir, move the factor by half a per cent. Programs of slices differ as well:
-# GEO-SLOPE publishes 1.013 for Walter Bouldin with the same method ("Rapid drawdown with
-# multi-stage", www.scribd.com/document/436165615).
+# above it, with ``--full`` and elements of 2.5 ft 3.4 %. Poisson's ratios from 0.2 to 0.4, which
+# change the stresses of the full reservoir, move the factor by half a per cent. Programs of slices
+# differ as well: GEO-SLOPE publishes 1.013 for Walter Bouldin with the same method ("Rapid drawdown
+# with multi-stage", www.scribd.com/document/436165615).
 for name, found, published in (("Pilarcitos", pilarcitos, 1.05), ("Bouldin", bouldin, 1.04)):
     less = found.factor / (1.0 + found.added)
     print(
