@@ -19,7 +19,7 @@ from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
 from skfem_contact.mesh.formats import abaqus, kratos, med, nastran
 from skfem_contact.mesh.formats import gmsh as own_gmsh
 from skfem_contact.mesh.formats.abaqus import _kind_of
-from skfem_contact.mesh.kinds import BY_NODES, KINDS
+from skfem_contact.mesh.kinds import BY_NODES, KINDS, signed_size
 
 FILE = resources.files("skfem_contact") / "data" / "culvert.msh"
 gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
@@ -944,6 +944,33 @@ def test_kinds_by_their_nodes():
         digits = kind.lstrip("abcdefghijklmnopqrstuvwxyz")
         assert KINDS[kind].dim == dim, kind
         assert n_nodes == (int(digits) if digits else KINDS[kind].corners), kind
+
+
+def test_signed_sizes_of_elements():
+    """[X] Areas of a triangle and a trapezoid, the volume of a tetrahedron, and mirrored ones."""
+    plane = np.array([(0.0, 0.0), (3.0, 0.0), (2.0, 1.0), (1.0, 1.0)])
+    space = np.array([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0), (0.0, 2.0, 0.0), (0.0, 0.0, 1.0)])
+    for kind, points, size in (
+        ("triangle", plane, 1.5),
+        ("quad", plane, 2.0),
+        ("tetra", space, 1.0),
+    ):
+        cells = np.arange(KINDS[kind].corners)[None]
+        assert signed_size(points, cells, kind) == pytest.approx([size])
+        mirrored = cells[:, list(KINDS[kind].mirrored)]
+        assert signed_size(points, mirrored, kind) == pytest.approx([-size])
+
+
+def test_kinds_that_follow_from_their_nodes():
+    """Without points and two kinds of Gmsh alone, all do."""
+    assert {*KINDS} - {*BY_NODES.values()} == {"vertex", "pyramid14", "wedge18"}
+
+
+def test_bulk_data_begin_after_the_case_control():
+    """In small letters and below other lines, up to the end of the data."""
+    text = "SOL 101\nTITLE = PLATE\n begin bulk\nGRID,7,,0.,1.,2.\nENDDATA\nGRID,8\n"
+    (card,) = nastran._cards(text)
+    assert card[:2] == ["GRID", "7"]
 
 
 def test_kinds_of_gmsh_are_those_of_its_library(model):
