@@ -281,7 +281,7 @@ def warn_of_mesh(
 
 def _warn_of_coarse_mesh(what: str, value: float, share: float, bounds: str = "") -> None:
     """Raise a warning of a value that is too high by a share, estimated or from bounds."""
-    doubt = " (half to twice that)"
+    doubt = " (mostly half to twice that, on coarse meshes with friction up to four times)"
     if bounds:
         doubt = ""
     evidence = f"bounds are {bounds}; " if bounds else ""
