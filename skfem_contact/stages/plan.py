@@ -13,7 +13,7 @@ from numpy import ndarray
 from ..checks import look_up, names_of, trusted_calls
 from ..errors import Remark
 from ..forms.base import Form, solids_of
-from ..forms.roles import Couples, Staged, Wet, having, joined_by
+from ..forms.roles import Couples, Slender, Staged, Wet, having, joined_by
 from ..layout import nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
@@ -347,7 +347,10 @@ class Planner:
         found = []
         try:
             for name, form in having(self._active, Staged).items():
-                for remark in form.check_stage(self._supports, self._inactive, duration):
+                held = self._inactive
+                if stage.dynamic is not None and isinstance(form, Slender):
+                    held = np.arange(self._setup.layout.size)  # inertia holds a mechanism
+                for remark in form.check_stage(self._supports, held, duration):
                     found.append(replace(remark, text=f"{name}: {remark.text}"))
         except ValueError as error:
             raise ValueError(f"stage '{stage.name}': {error}") from None
