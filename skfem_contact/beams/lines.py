@@ -189,8 +189,9 @@ def _vertices_along(mesh: Mesh, vertices: ndarray, points: ndarray) -> ndarray:
             if not len(end) or count != 1 or distance[end[0]] > near:
                 raise ValueError(
                     f"{count} vertices of the mesh lie at {format_point(point)}, where a bonded "
-                    f"beam has a node; the nearest is at {format_point(x[distance.argmin()])}; "
-                    "where bodies touch give the basis of one, basis.with_elements(...)"
+                    f"beam has a node; the nearest is at {format_point(x[distance.argmin()])}, "
+                    f"{distance.min():.3g} away; where bodies touch give the basis of one, "
+                    "basis.with_elements(...)"
                 )
         chain += list(vertices[found[1 if chain else 0 :]])
     return np.array(chain)

@@ -34,7 +34,7 @@ from .small_strain import SMALL_STRAIN, SmallStrain, Stiffening
 from .spectral import Frame, principal, principal_stresses
 
 # Excess of an initial stress over the failure surface that is round-off of an analysis, relative to
-# q_f.
+# the largest stress.
 _OUTSIDE = 1e-6
 # Increments without an admissible result are halved so often; step of the differences of their
 # tangents, as a share.
