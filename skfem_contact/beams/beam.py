@@ -18,7 +18,7 @@ from typing_extensions import override
 
 from ..checks import finite, format_point, vector
 from ..errors import Remark
-from ..forms.base import Form, Outputs, Response
+from ..forms.base import Form, Kinematics, Outputs, Response
 from ..forms.roles import Slender, Touching, having
 from ..layout import Field
 from ..sparse import Gathering, constant
@@ -173,7 +173,7 @@ class Beam(BeamNodes, Slender):
         coordinates: Literal["plane", "axisymmetric"] = "plane",
         nu: float = 0.0,
         GJ: float | None = None,
-        kinematics: Literal["small", "finite"] = "small",
+        kinematics: Kinematics = "small",
     ) -> None:
         # With nu = .25: 5/6 G A of a rectangle, and 2 G I of a circle.
         if GA is None:
@@ -496,9 +496,7 @@ class Beam(BeamNodes, Slender):
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
     @override
-    def lost_by_thrust(
-        self, state: BeamState, share: float = 0.1
-    ) -> tuple[ndarray, csr_matrix] | None:
+    def lost_by_thrust(self, state: BeamState, share: float) -> tuple[ndarray, csr_matrix] | None:
         if self.coordinates == "axisymmetric" or self._finite:
             return None
         N = self._lines(state)[3].reshape(-1, 2)
@@ -595,10 +593,8 @@ def _elements_of(
     return BeamElements.of(corners)
 
 
-def _check_kinematics(kinematics: str, coordinates: str) -> None:
+def _check_kinematics(kinematics: Kinematics, coordinates: str) -> None:
     """Refuse finite kinematics of shells and of beams in space."""
-    if kinematics not in ("small", "finite"):
-        raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
     if kinematics == "finite" and coordinates != "plane":
         raise ValueError(
             "beams with kinematics='finite' lie in the plane: shells of revolution and beams in "

@@ -26,6 +26,7 @@ from ..forms.roles import Regularised, having
 from ..nonlinear.system import System
 from ..solvers.direct import REFINE, UNCHECKED, SingularSystem
 from ..sparse import Total, constant
+from .mass import lumped
 from .scheme import Inertia, Motion
 
 #: Steps after which products of matrices are computed anew, and solutions checked.
@@ -108,9 +109,7 @@ class Linear:
         self._start = motion.x
         self._begun = np.sum([response.force for response in responses.values()], axis=0)
         self._M = inertia.M
-        self._masses: ndarray | None = None
-        if inertia.M.nnz == np.count_nonzero(inertia.M.diagonal()):
-            self._masses = inertia.M.diagonal()
+        self._masses = lumped(inertia.M)
         self.force = self._begun
         self._factor(inertia, motion, step)
 

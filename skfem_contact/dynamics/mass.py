@@ -202,6 +202,14 @@ def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
     return coo_matrix(entries, shape=(size, size)).tocsr()
 
 
+def lumped(M: csr_matrix) -> ndarray | None:
+    """Return the diagonal of a mass without other entries, which needs no product, or None."""
+    diagonal = M.diagonal()
+    if M.nnz == np.count_nonzero(diagonal):
+        return np.asarray(diagonal)
+    return None
+
+
 def accelerations(M: csr_matrix, force: ndarray, fixed: ndarray) -> ndarray:
     """Return accelerations by forces, zero at supports and at nodes without mass, (N,)."""
     # M a = f at dofs that are free and have mass

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy import ndarray
@@ -17,7 +16,7 @@ from typing_extensions import override
 from ..checks import finite, is_number, positive
 from ..layout import Field, FieldDofs, dofs_at
 from ..sparse import Gathering
-from .base import Form, Outputs, Response
+from .base import Form, Kinematics, Outputs, Response
 from .roles import Couples, Regularised, Staged, Stiff, with_force_kept
 
 
@@ -243,10 +242,8 @@ class Bar(Form, Couples, Staged, Regularised):
         *,
         compression_only: bool = False,
         spacing: float = 1.0,
-        kinematics: Literal["small", "finite"] = "small",
+        kinematics: Kinematics = "small",
     ) -> None:
-        if kinematics not in ("small", "finite"):
-            raise ValueError(f"kinematics must be 'small' or 'finite', not {kinematics!r}")
         self.kinematics = kinematics
         self._set_strength(EA, yield_force, tension_only, compression_only)
         a, b = np.broadcast_arrays(_points(start, "start", basis), _points(end, "end", basis))

@@ -460,7 +460,7 @@ class Regularised:
 class Slender:
     """Members that a thrust may buckle, in a theory of first order."""
 
-    def lost_by_thrust(self, state: Any, share: float = 0.1) -> tuple[ndarray, Any] | None:
+    def lost_by_thrust(self, state: Any, share: float) -> tuple[ndarray, Any] | None:
         """Return n dofs and the stiffness that thrusts take away, a ``csr_matrix`` (n, n).
 
         None stands for thrusts below a share of the smallest buckling load, whatever the supports.

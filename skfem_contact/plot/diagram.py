@@ -127,6 +127,14 @@ def diagram(
     return saved(_along(series, quantity, along, upright), file)
 
 
+def stacked(n: int) -> tuple[Figure, list[Axes]]:
+    """Return a figure with n panels below each other over one abscissa."""
+    figure, panels = plt.subplots(
+        n, 1, figsize=(8.0, 1.5 + 2.4 * n), sharex=True, squeeze=False, layout="constrained"
+    )
+    return figure, list(panels.ravel())
+
+
 def history(
     result: Result,
     quantity: str,

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 from numpy import ndarray
 
 from ..dynamics.record import Record
 from ..dynamics.spectrum import Spectrum
 from ..results.motion import History
-from .diagram import saved, styles, tidy
+from .diagram import saved, stacked, styles, tidy
 
 Motion = Record | History | Spectrum
 
@@ -56,11 +55,7 @@ def motion(
     titles = list(next(iter(curves.values()))[1])
 
     # Draw a panel for each quantity.
-    n = len(titles)
-    figure, panels = plt.subplots(
-        n, 1, figsize=(8.0, 1.5 + 2.0 * n), sharex=True, squeeze=False, layout="constrained"
-    )
-    axes = panels.ravel()
+    figure, axes = stacked(len(titles))
     for ax, title in zip(axes, titles, strict=True):
         for style, (label, (abscissa, values)) in zip(styles(len(curves)), curves.items()):
             ax.plot(abscissa, values[title], label=label, **style)

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..results.points import PointValues
 from ..units import labelled
-from .diagram import saved, styles, tidy
+from .diagram import saved, stacked, styles, tidy
 
 
 def values(
@@ -107,11 +107,7 @@ def _histories(found: PointValues) -> Figure:
     steps = _abscissa(found, len(different))
 
     # Draw every field in its panel.
-    n = len(found.titles)
-    figure, panels = plt.subplots(
-        n, 1, figsize=(8.0, 1.5 + 2.4 * n), sharex=True, squeeze=False, layout="constrained"
-    )
-    axes = panels.ravel()
+    figure, axes = stacked(len(found.titles))
     for ax, (name, title) in zip(axes, found.titles.items(), strict=True):
         for style, label in zip(styles(len(different)), different, strict=True):
             style |= {"linestyle": "-", "marker": "o", "markersize": 4}

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from typing_extensions import override
 
 from ..display import Table
+from .modes import Shapes
 from .stage import StageResult
 
 
 @dataclass(frozen=True)
-class Buckling:
+class Buckling(Shapes):
     """Factors of the thrusts at which a structure buckles, the lowest first, and its modes.
 
     Attributes
@@ -43,26 +45,12 @@ class Buckling:
     shapes: ndarray = field(repr=False)
     start: StageResult = field(repr=False)
 
-    def __len__(self) -> int:
-        return len(self.factors)
+    @override
+    def _title(self, number: int) -> str:
+        return f"at {self.factors[number]:.4g} times the thrust"
 
-    def stage(self, number: int) -> StageResult:
-        """Return a mode, counted from 0, as a stage to draw: its displacements alone.
-
-        Raises
-        ------
-        ValueError
-            The mode was not computed.
-        """
-        if not 0 <= number < len(self):
-            raise ValueError(f"there are {len(self)} modes, numbers 0 to {len(self) - 1}")
-        name = f"mode {number + 1}, at {self.factors[number]:.4g} times the thrust"
-        return replace(self.start, name=name, x=self.shapes[:, number].copy())
-
+    @override
     def table(self) -> Table:
         """Return the factors as a table."""
         columns: dict[str, Any] = {"mode": np.arange(1, len(self) + 1), "factor": self.factors}
         return Table.of(columns, "buckling")
-
-    def __str__(self) -> str:
-        return str(self.table())

@@ -1,4 +1,4 @@
-"""Natural frequencies and modes of a model."""
+"""Modes of a model: their shapes, and natural frequencies."""
 
 from __future__ import annotations
 
@@ -8,13 +8,56 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from typing_extensions import override
 
 from ..display import Table
 from .stage import StageResult
 
 
+class Shapes:
+    """Shapes of modes, which are drawn as stages.
+
+    Attributes
+    ----------
+    shapes : ndarray, shape (N, n)
+        Displacements of the modes, the largest component 1.
+    start
+        Equilibrium from which the modes move.
+    """
+
+    shapes: ndarray
+    start: StageResult
+
+    def __len__(self) -> int:
+        return self.shapes.shape[1]
+
+    def stage(self, number: int) -> StageResult:
+        """Return a mode, counted from 0, as a stage to draw: its displacements alone.
+
+        Raises
+        ------
+        ValueError
+            The mode was not computed.
+        """
+        if not 0 <= number < len(self):
+            raise ValueError(f"there are {len(self)} modes, numbers 0 to {len(self) - 1}")
+        name = f"mode {number + 1}, {self._title(number)}"
+        return replace(self.start, name=name, x=self.shapes[:, number].copy())
+
+    def table(self) -> Table:
+        """Return the modes as a table."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return str(self.table())
+
+    def _title(self, number: int) -> str:
+        """Return the value of a mode in words."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True)
-class Modes:
+class Modes(Shapes):
     """Natural frequencies and modes, the lowest first.
 
     Attributes
@@ -56,21 +99,9 @@ class Modes:
     effective: ndarray = field(repr=False)
     start: StageResult = field(repr=False)
 
-    def __len__(self) -> int:
-        return len(self.frequencies)
-
-    def stage(self, number: int) -> StageResult:
-        """Return a mode, counted from 0, as a stage to draw: its displacements alone.
-
-        Raises
-        ------
-        ValueError
-            The mode was not computed.
-        """
-        if not 0 <= number < len(self):
-            raise ValueError(f"there are {len(self)} modes, numbers 0 to {len(self) - 1}")
-        name = f"mode {number + 1}, {self.frequencies[number]:.4g} Hz"
-        return replace(self.start, name=name, x=self.shapes[:, number].copy())
+    @override
+    def _title(self, number: int) -> str:
+        return f"{self.frequencies[number]:.4g} Hz"
 
     def swing(self, number: int, parts: int = 8) -> list[StageResult]:
         """Return a period of a mode, counted from 0, as stages to animate.
@@ -108,6 +139,7 @@ class Modes:
         phases = np.cos(2.0 * np.pi * np.arange(parts + 1) / parts)
         return [replace(mode, x=phase * mode.x) for phase in phases]
 
+    @override
     def table(self) -> Table:
         """Return frequencies, periods and shares of the mass as a table."""
         n = len(self)
@@ -119,9 +151,6 @@ class Modes:
         for axis, share in zip(axes, self.effective.T, strict=True):
             columns[f"mass {axis}"] = share
         return Table.of(columns, "natural frequencies")
-
-    def __str__(self) -> str:
-        return str(self.table())
 
 
 def modes(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, overload
@@ -73,11 +72,12 @@ class Counts(Sequence[int]):
 
     def followed_by(self, value: int) -> Counts:
         """Return these numbers and one more."""
-        new = copy(self)
+        new = Counts.__new__(Counts)
+        new._shared = self._shared
         if len(self._shared) > self._n:  # another step has followed these numbers already
             new._shared = self._shared[: self._n]
         new._shared.append(value)
-        new._n += 1
+        new._n = self._n + 1
         return new
 
     @override

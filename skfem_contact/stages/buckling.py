@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from ..errors import NotConverged, Remark
 from ..forms.roles import Slender, having
@@ -20,6 +20,7 @@ from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem, Solve
 from ..sparse import scattered
 from .setup import Setup
+from .vibrations import check_number, is_symmetric
 
 #: Vectors of the Krylov space: the first mode of a column needs 4, of a frame of ten members 8.
 _VECTORS = 12
@@ -94,8 +95,7 @@ def buckling(setup: Setup, n: int, *, start: Result | StageResult) -> results.Bu
     --------
     See :class:`~skfem_contact.results.Buckling`.
     """
-    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
-        raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
+    check_number(n)
     setup.refuse_finite("buckling loads are of small kinematics: finite ones follow the path")
     last = start[-1] if isinstance(start, Result) else start
     setup = setup.after(last)
@@ -107,10 +107,9 @@ def buckling(setup: Setup, n: int, *, start: Result | StageResult) -> results.Bu
     if not lost:
         raise ValueError("no beam has a thrust at the start: nothing buckles")
     K = system.tangent(system.evaluate(last.x, last.states, last.load))
-    K, G = (matrix[system.free][:, system.free] for matrix in (K, reduce(add, lost.values())))
-    if abs(K - K.T).max() > 1e-9 * abs(K).max():
+    if not is_symmetric(K, system.free):
         raise ValueError("the tangent is not symmetric: contact slides or soil flows at the start")
-    shares, modes = _modes(csr_matrix(K), csr_matrix(G), int(n))
+    shares, modes = _modes(system, K, reduce(add, lost.values()), int(n))
     thrust = shares > _NO_THRUST * shares[0]
     if not thrust.all():
         raise ValueError(f"there are {int(thrust.sum())} modes with a thrust, not {n}")
@@ -131,15 +130,25 @@ def _lost(system: System, last: StageResult, share: float) -> dict[str, csr_matr
     return lost
 
 
-def _modes(K: csr_matrix, G: csr_matrix, n: int) -> tuple[ndarray, ndarray]:
-    """Return the n largest mu of G v = mu K v, descending, and their vectors."""
-    size = K.shape[0]
+def _modes(system: System, K: csr_matrix, G: csr_matrix, n: int) -> tuple[ndarray, ndarray]:
+    """Return the n largest mu of G v = mu K v among free dofs, descending, and their vectors."""
+    free = system.free
+    size = len(free)
+    K_free = csr_matrix(K[free][:, free])
+    G_free = csr_matrix(G[free][:, free])
     if size <= max(_FEW, 4 * n):
-        shares, modes = eigh(G.toarray(), K.toarray())
+        shares, modes = eigh(G_free.toarray(), K_free.toarray())
     else:
-        inverse = LinearOperator(K.shape, matvec=splu(K.tocsc()).solve)
-        begin = G @ np.cos(np.arange(size) ** 2.0)
-        shares, modes = eigsh(G, n, K, Minv=inverse, which="LA", v0=begin)
+        solve = system.factor(K)
+
+        def inverse(right: ndarray) -> ndarray:
+            whole = np.zeros(system.size)
+            whole[free] = np.ravel(right)
+            return solve(whole)[free]
+
+        solved = LinearOperator(K_free.shape, matvec=inverse)
+        begin = G_free @ np.cos(np.arange(size) ** 2.0)
+        shares, modes = eigsh(G_free, n, K_free, Minv=solved, which="LA", v0=begin)
     order = np.argsort(shares)[::-1][:n]
     return shares[order], modes[:, order]
 

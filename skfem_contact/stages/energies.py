@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..dynamics.mass import lumped
 from ..dynamics.scheme import Motion
 from ..forms.roles import Dissipating, Touching, Wet, having
 from ..nonlinear.system import System
@@ -54,11 +55,8 @@ class Log:
                 self._dissipating[name] = form
         self._states = states
         self._fixed = system.fixed
-        # Lumped masses need no product of a matrix.
-        M = in_time.M
-        self._M: Any = M
-        if M.nnz == np.count_nonzero(M.diagonal()):
-            self._M = M.diagonal()
+        self._M = in_time.M
+        self._masses = lumped(in_time.M)
         self._points = in_time.points
         self._in_time = in_time
         self._rows = array("d")  # a list of numbers takes five times the memory
@@ -106,8 +104,8 @@ class Log:
 
     def _squared(self, values: ndarray) -> float:
         """Return the square of the values, weighted with the masses."""
-        if self._M.ndim == 1:
-            return float(np.dot(self._M * values, values))
+        if self._masses is not None:
+            return float(np.dot(self._masses * values, values))
         return float(values @ (self._M @ values))
 
     def _add_work(self, last: _End, now: _End, states: Mapping[str, Any]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -65,6 +64,7 @@ class _Accepted:
         self.done = [*done]
         self.reached: StageResult | None = None  # the last increment of a stage that is not done
         self.kept: list[StageResult] = []
+        self.seconds = 0.0  # since the begin of that stage
         self.begun = False
 
     def result(self) -> Result:
@@ -72,7 +72,8 @@ class _Accepted:
         stages = [*self.done]
         reached = self.reached
         if reached is not None and reached.name not in [stage.name for stage in stages[-1:]]:
-            stages.append(replace(reached, increments=tuple(self.kept)))
+            kept = tuple(self.kept)
+            stages.append(replace(reached, increments=kept, seconds=self.seconds))
         return Result(tuple(stages))
 
 
@@ -206,14 +207,17 @@ class _Follower:
         last = self._begun(stage, phase, last, system.forms)
         unreleased = lost if last.unreleased is None else lost + last.unreleased
         remaining = (1.0 - stage.released) * (unreleased - phase.gone)
-        path = _path(phase, last, system.fixed, lost, remaining)
-        _check_begin(stage, path(0.0)[1], last.x[system.fixed])
+        held = last.x[system.fixed]
+        values = _values(phase, held, system.fixed)
+        _check_begin(stage, values(0.0), held)
+        path = _path(phase, last, values, lost, remaining)
         last = replace(last, load=last.load - lost)  # in balance with the states before release
 
         # Follow the increments.
-        self.parts = Parts(driven=_pushed(path) > 0.0)
+        pushed = _pushed(values)
+        self.parts = Parts(driven=pushed > 0.0)
         newton = self._setup.newton or Newton()
-        ways = [_Way(stage.name, path, stage.increments, stage.duration)]
+        ways = [_Way(stage.name, path, stage.increments, stage.duration, pushed=pushed)]
         if phase.jump is not None:
             jump = _jump_path(phase.jump, path)
             sudden = _SUDDEN * stage.duration
@@ -357,6 +361,7 @@ class _Follower:
         # Keep the increments that the stage asks for, and show the progress.
         accepted.kept = []
         accepted.reached = last
+        accepted.seconds = 0.0
         iterations = 0
         shown = -np.inf
         began = perf_counter()
@@ -366,8 +371,8 @@ class _Follower:
                 if stage.dynamic is None:
                     self.parts.add(last, new)
                 last = new
-                accepted.reached = copy(new)  # states of linear steps are not computed for it
-                vars(accepted.reached)["seconds"] = seconds
+                accepted.reached = new
+                accepted.seconds = seconds
                 if _keeps(stage, last):
                     accepted.kept.append(last)
                 iterations += last.iterations[-1]
@@ -481,6 +486,8 @@ class _Way:
         Load and prescribed values at a share of the way.
     increments, duration
         Number of increments to begin with, and time that they take.
+    pushed
+        How far supports move.
     at_start
         True for a jump at the start of the stage.
     """
@@ -489,6 +496,7 @@ class _Way:
     path: Path
     increments: int
     duration: float
+    pushed: float = 0.0
     at_start: bool = False
 
     def __str__(self) -> str:
@@ -525,8 +533,8 @@ def _along(
     path = way.path
     stepping = Stepping(way.increments, last.next_step / duration if duration else np.inf)
     start_x = last.x
-    farthest = _farthest(system, path)
-    driven = _pushed(path) > 0.0
+    farthest = _farthest(system, way.pushed)
+    driven = way.pushed > 0.0
     trust = False
     while last.fraction < 1.0:
         _check_size(way, system, last, _moved(last, start_x), farthest)
@@ -616,7 +624,7 @@ def _check_size(
         )
 
 
-def _farthest(system: System, path: Path) -> float:
+def _farthest(system: System, pushed: float) -> float:
     """Return the size of the bodies and how far supports move: no structure moves farther."""
     sizes = []
     for form in solids_of(system.forms).values():
@@ -625,7 +633,7 @@ def _farthest(system: System, path: Path) -> float:
         return np.inf
     # Half a turn moves the far end of a body by twice its size.
     turns = 2.0 if system.finite else 1.0
-    return float(turns * max(sizes) + _pushed(path))
+    return float(turns * max(sizes) + pushed)
 
 
 def _check_begin(stage: Stage, given: ndarray, held: ndarray) -> None:
@@ -638,15 +646,28 @@ def _check_begin(stage: Stage, given: ndarray, held: ndarray) -> None:
         )
 
 
-def _pushed(path: Path) -> float:
-    """Return how far supports move on a way, which may end where it begins."""
-    start = path(0.0)[1]
-    moved = [np.abs(path(share)[1] - start).max(initial=0.0) for share in _SHARES]
+def _values(phase: Phase, held: ndarray, fixed: ndarray) -> Callable[[float], ndarray]:
+    """Return the values of the fixed dofs at a share of a stage, which held some before."""
+    given = phase.prescribed
+    if callable(given):
+        return lambda share: given(share)[fixed]
+    target = held if given is None else given[fixed]
+    return lambda share: held + share * (target - held)
+
+
+def _pushed(values: Callable[[float], ndarray]) -> float:
+    """Return how far supports move in a stage, which may end where it begins."""
+    start = values(0.0)
+    moved = [np.abs(values(share) - start).max(initial=0.0) for share in _SHARES]
     return float(max(moved))
 
 
 def _path(
-    phase: Phase, last: StageResult, fixed: ndarray, lost: ndarray, remaining: ndarray
+    phase: Phase,
+    last: StageResult,
+    values: Callable[[float], ndarray],
+    lost: ndarray,
+    remaining: ndarray,
 ) -> Path:
     """Return load and prescribed values at a share of a stage.
 
@@ -654,11 +675,6 @@ def _path(
     """
     # Begin where the last stage ended.
     load = last.load
-    held = last.x[fixed]
-    given = phase.prescribed
-    target = held
-    if isinstance(given, ndarray):
-        target = given[fixed]
     # End with what the stage gives, less the part that is not released.
     end = phase.load - remaining
     on_top = phase.on_top
@@ -667,13 +683,10 @@ def _path(
         start = start - phase.jump
 
     def at(fraction: float) -> tuple[ndarray, ndarray]:
-        values = held + fraction * (target - held)
-        if callable(given):
-            values = given(fraction)[fixed]
         if on_top is None:
-            return load + fraction * (end - load) - (1.0 - fraction) * lost, values
+            return load + fraction * (end - load) - (1.0 - fraction) * lost, values(fraction)
         faded = (1.0 - fraction) * (load - lost - start)  # weights and water that change, too
-        return on_top(fraction) - fraction * remaining + faded, values
+        return on_top(fraction) - fraction * remaining + faded, values(fraction)
 
     return at
 

@@ -308,7 +308,7 @@ class Setup:
         if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)
-        if values.ndim != 1 or len(values) not in {part.stop for part in self.layout.parts}:
+        if values.ndim != 1 or (len(values) != n and len(values) not in self._ends()):
             either = f"({n_first},)" if n == n_first else f"({n_first},) or ({n},)"
             raise ValueError(f"{what} has shape {values.shape}, not {either}")
         if not np.isfinite(values).all():
@@ -316,6 +316,10 @@ class Setup:
         if len(values) == n:
             return values
         return np.pad(values, (0, n - len(values)))
+
+    def _ends(self) -> set[int]:
+        """Return the numbers of dofs up to the end of each field."""
+        return {part.stop for part in self.layout.parts}
 
     def load(self, given: Any, what: str = "the load") -> ndarray:
         """Return a load vector, or the sum of several, (N,); zero for None."""

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import csr_matrix
 
 from ..dynamics.mass import mass_and_damping, translation
 from ..dynamics.modes import modes_of
@@ -20,6 +21,8 @@ from ..sparse import Total
 from .in_time import check_materials
 from .setup import Setup
 
+#: Skew part of a tangent, over its largest entry, that is round-off.
+_SKEW = 1e-9
 #: Kinds of masses.
 Masses = Literal["lumped", "consistent"]
 
@@ -65,8 +68,7 @@ def modes(
     mode  frequency  period  mass x  mass y
     ...
     """
-    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
-        raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
+    check_number(n)
     # Modes about a result, or about the undeformed body.
     last = start[-1] if isinstance(start, Result) else start
     setup = setup.after(last)
@@ -95,8 +97,7 @@ def modes(
     x = setup.vector(last.x, "start")
     responses = responses_of(system.forms, x, last.states)
     K = Total().of([response.stiffness for response in responses.values()])
-    free = system.free
-    if abs(K - K.T)[free][:, free].max() > 1e-9 * abs(K).max():
+    if not is_symmetric(K, system.free):
         raise ValueError(
             "the tangent is not symmetric: contact slides or soil flows at the start, about which "
             "there are no modes of vibration"
@@ -110,6 +111,17 @@ def modes(
         moves[c] = translation(setup.layout, c)
         moves[c][system.fixed] = 0.0
     return results.modes(squares, shapes, M, moves, last)
+
+
+def check_number(n: int) -> None:
+    """Refuse a number of modes that is not positive and whole."""
+    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1:
+        raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
+
+
+def is_symmetric(K: csr_matrix, free: ndarray) -> bool:
+    """Return True if the tangent of the start is symmetric among the free dofs."""
+    return bool(abs(K - K.T)[free][:, free].max() <= _SKEW * abs(K).max())
 
 
 def frequencies(
