@@ -56,7 +56,7 @@ _PARAMETERS = {
     **dict.fromkeys(("phi", "psi", "phi_end"), "angle"),
     **dict.fromkeys(("yield_force", "jack", "F_base"), "force"),
     **dict.fromkeys(("spacing", "diameter"), "length"),
-    "T_max": "line",
+    **dict.fromkeys(("T_max", "p_max"), "line"),
     "unit_weight": "weight",
 }
 _chosen: dict[str, str] = {}

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -53,7 +54,7 @@ class EmbeddedState:
     skin
         Force per length along the beam that the ground exerts on it at the points, (n,).
     free
-        Displacements of the ground against the beam without force, (n, 2).
+        Displacements of the ground against the beam without force, (n, dim).
     foot
         Force on the foot, negative in compression, and displacement without force, (2,).
     """
@@ -67,8 +68,9 @@ class Embedded(Form, Couples, Staged, Regularised):
     """Skin and foot of a beam inside the elements of the ground, whose mesh does not know the beam.
 
     Springs join the beam to the ground at three points of each of its elements. Along the beam they
-    yield at ``T_max``. Across a beam they are elastic, so that no ground flows between the members
-    of a row; across :class:`~skfem_contact.Reinforcement` they have no force.
+    yield at ``T_max``, across a beam at ``p_max``: by default they are elastic across, so that no
+    ground flows between the members of a row. Across :class:`~skfem_contact.Reinforcement` they
+    have no force.
 
     Parameters
     ----------
@@ -92,16 +94,26 @@ class Embedded(Form, Couples, Staged, Regularised):
         between. The beam replaces ground: take ``EA = (E_beam - E_soil) * area``. A mesh that is
         cut along the axis has a half or a quarter of the beam, whose stiffnesses and resistances
         are given.
+    p_max
+        Largest lateral resistance of the ground on one member per length, in space of the
+        resultant: a number, or a function of the distances from the start of the beam. By default
+        none is reached.
 
     Raises
     ------
     ValueError
         A beam that is bonded or leaves the mesh, resistances or a stiffness that are negative, a
-        beam in space without radius.
+        beam in space without radius, a lateral resistance of reinforcement.
 
     Notes
     -----
-    Strength reduction leaves `T_max` and `F_max` as they are; `bounds` refuses embedded beams. In
+    ``stage.table(name)`` has the columns of :class:`~skfem_contact.PileSprings`: deflections of the
+    beam and resistances of the ground, positive with the deflection, of one member per length, and
+    the `share` of the limit. The kinds are "p" to the left of the beam's direction, in space "px",
+    "py" and "pz", "t" along the beam, and "q", the force on the foot.
+
+    Strength reduction leaves `T_max`, `p_max` and `F_max` as they are; `bounds` refuses embedded
+    beams. In
     the plane the settlement grows with the logarithm of the mesh size, as under a line load. In
     space it is too small: by 3 % beside a solid pile of 25 diameters, and by 5 % beside Mindlin's
     solution for forces in a half-space, on coarse and fine meshes alike.
@@ -134,7 +146,7 @@ class Embedded(Form, Couples, Staged, Regularised):
     #: Active set and stiffness of the last iteration, by the share that slipping points keep.
     _known: dict[float, tuple[bytes, csr_matrix]]
     _same = ("_where", "_given", "radius")
-    _brought = ("parameters", "T_max", "F_max")
+    _brought = ("parameters", "T_max", "F_max", "p_max")
 
     def __init__(
         self,
@@ -144,6 +156,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         F_max: float = 0.0,
         stiffness: float | None = None,
         radius: float | None = None,
+        p_max: float | Callable[[ndarray], ArrayLike] | None = None,
     ) -> None:
         # Check the input
         check_basis(basis)
@@ -172,22 +185,26 @@ class Embedded(Form, Couples, Staged, Regularised):
         if stiffness is not None:
             self._given = positive(stiffness, "stiffness")
 
-        # Find the points and the skin resistance at each of them
+        # Find the points and the resistances at each of them
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
+        self._points = points
         self._where = points[:-1]
         self._lengths = self._weight.reshape(len(beam.cells), -1).sum(axis=1)
-        limit = finite(T_max(self.positions) if callable(T_max) else T_max, "T_max")
-        if limit.shape not in ((), self.positions.shape) or not (limit >= 0.0).all():
-            raise ValueError(
-                "T_max must be a skin resistance that is finite and not negative, or a function of "
-                f"the distances, (n,), not {T_max!r}"
-            )
-        self.T_max = np.broadcast_to(limit, len(self.positions))
+        self._bends = _has_rotations(beam)
+        skin = _limit(T_max, self.positions, "T_max", "a skin resistance")
+        lateral = np.array(np.inf)
+        if p_max is not None:
+            lateral = _limit(p_max, self.positions, "p_max", "a lateral resistance")
+            if not self._bends:
+                raise ValueError("reinforcement has no lateral resistance: leave out p_max")
+        self.T_max = np.broadcast_to(skin, len(self.positions))
+        self.p_max = np.broadcast_to(lateral, len(self.positions))
         self.F_max = float(F_max)
         self.parameters = {
-            "T_max": limit if limit.ndim else float(limit),
+            "T_max": skin if skin.ndim else float(skin),
             "F_max": float(F_max),
             "radius": radius,
+            "p_max": lateral if lateral.ndim else float(lateral),
         }
 
         # Displacements of the ground less displacements of the beam at the points and the foot
@@ -264,16 +281,23 @@ class Embedded(Form, Couples, Staged, Regularised):
 
     @override
     def assemble(self, x: ndarray, state: EmbeddedState) -> Response:
-        # Skin: a spring k along the beam, which slips at T_max, and elastic springs across
+        # Skin: a spring k along the beam, which slips at T_max
         jump, foot = self._jumps(x)
         t = self._along[:-1]
         moved = jump - state.free
-        # Skin: elastic along the beam up to T_max, and stiff across.
         slip = (moved * t).sum(axis=1)
         elastic = self._k * slip
         skin = np.clip(elastic, -self.T_max, self.T_max)
         slips = skin != elastic
-        across = self._across[:, None] * (moved - slip[:, None] * t)
+
+        # Springs across, p = k u, in the direction of u where they flow at p_max
+        lateral = moved - slip[:, None] * t
+        trial = self._across[:, None] * lateral
+        size = np.linalg.norm(trial, axis=1)
+        flows = size > self.p_max
+        share = np.where(flows, self.p_max / np.where(flows, size, 1.0), 1.0)
+        across = share[:, None] * trial
+        pushes = trial / np.where(size > 0.0, size, 1.0)[:, None]
 
         # Foot: a spring in compression alone, which is crushed at F_max
         t_foot = self._along[-1]
@@ -288,40 +312,47 @@ class Embedded(Form, Couples, Staged, Regularised):
 
         def after() -> EmbeddedState:
             free = state.free + (slip - skin / self._k)[:, None] * t
+            free += (1.0 - share)[:, None] * lateral
             free_foot = state.foot[1]
             if crushed:
                 free_foot = foot - force / self._at_foot
             return EmbeddedState(skin, free, np.array([force, free_foot]))
 
+        limits = _AtLimit(slips, flows, stands, share, pushes)
         return Response(
             self._jump.T @ forces,
             after,
-            lambda: self._tangent(slips, stands, _KEPT),
-            lambda: self._tangent(slips, stands, _DAMPED),
-            active=slips.tobytes() + bytes([int(stands)]),
+            lambda: self._tangent(limits, _KEPT),
+            lambda: self._tangent(limits, _DAMPED),
+            active=limits.key,
             measure=abs(self._jump).T @ abs(forces),
             dofs=self._dofs,
         )
 
-    def _tangent(self, slips: ndarray, stands: bool, kept: float) -> csr_matrix:
-        """Return the stiffness, of which points that slip or a foot without force keep a share.
+    def _tangent(self, limits: _AtLimit, kept: float) -> csr_matrix:
+        """Return the stiffness, of which points at a limit or a foot without force keep a share.
 
-        It is known where they are those of the last iteration.
+        It is known where they are those of the last iteration. In space lateral resistances at
+        their limit turn with the displacement.
         """
-        key = slips.tobytes() + bytes([int(stands)])
+        turns = len(self._along[0]) == 3 and bool(limits.flows.any())
         known = self._known.get(kept)
-        if known is not None and known[0] == key:
+        if not turns and known is not None and known[0] == limits.key:
             return known[1]
 
         # Springs along the beam and across it, and of the foot
         t = self._along[:-1]
         t_foot = self._along[-1]
         tt = t[:, :, None] * t[:, None]  # (n, dim, dim)
-        along = np.where(slips, kept, 1.0) * self._k
+        along = np.where(limits.slips, kept, 1.0) * self._k
+        m = limits.pushes
+        mm = np.where(limits.flows, 1.0, 0.0)[:, None, None] * m[:, :, None] * m[:, None]
+        turned = (limits.share * self._across)[:, None, None]
+        pushed = (kept * self._across)[:, None, None]
         skin = self._weight[:, None, None] * (
-            self._across[:, None, None] * (np.eye(t.shape[1]) - tt) + along[:, None, None] * tt
+            turned * (np.eye(t.shape[1]) - tt - mm) + pushed * mm + along[:, None, None] * tt
         )
-        foot = self._at_foot * (1.0 if stands else kept) * np.outer(t_foot, t_foot)
+        foot = self._at_foot * (1.0 if limits.stands else kept) * np.outer(t_foot, t_foot)
         blocks = np.concatenate((skin, foot[None])) / self._spacing
 
         # K = J' D J with the jumps J
@@ -329,7 +360,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         D = bsr_matrix((blocks, n, np.append(n, len(n)))).tocsr()
         K = csr_matrix(self._jump.T @ D @ self._jump)
         K.sum_duplicates()
-        self._known[kept] = key, constant(K)
+        self._known[kept] = limits.key, constant(K)
         return K
 
     @override
@@ -340,8 +371,11 @@ class Embedded(Form, Couples, Staged, Regularised):
     @override
     def outputs(self, x: ndarray, state: EmbeddedState) -> Outputs:
         def summary() -> str:
-            largest = self._used(state).max()
-            return f"skin up to {largest:.0%} of its resistance, foot {state.foot[0]:.4g}"
+            text = f"skin up to {self._used(state).max():.0%} of its resistance"
+            if np.isfinite(self.p_max).any():
+                size = np.linalg.norm(self._lateral(x, state), axis=1)
+                text += f", ground across up to {_share(size, self.p_max).max():.0%}"
+            return f"{text}, foot {state.foot[0]:.4g}"
 
         def yielding(before: EmbeddedState) -> tuple[int, int]:
             flowed = (before.free != state.free).any(axis=1)
@@ -350,22 +384,107 @@ class Embedded(Form, Couples, Staged, Regularised):
         return Outputs(
             summary=summary,
             parameters=self.parameters,
-            members=lambda: self._members(state),
+            members=lambda: self._members(x, state),
             yielding=yielding,
         )
 
     def _used(self, state: EmbeddedState) -> ndarray:
-        return np.divide(
-            abs(state.skin), self.T_max, out=np.zeros(len(self.T_max)), where=self.T_max > 0.0
-        )
+        return _share(abs(state.skin), self.T_max)
 
-    def _members(self, state: EmbeddedState) -> dict[str, ndarray]:
+    def _lateral(self, x: ndarray, state: EmbeddedState) -> ndarray:
+        """Return the forces across the beam that the ground exerts on it, (n, dim)."""
+        t = self._along[:-1]
+        moved = self._jumps(x)[0] - state.free
+        along = (moved * t).sum(axis=1)
+        return np.asarray(self._across[:, None] * (moved - along[:, None] * t))
+
+    def _members(self, x: ndarray, state: EmbeddedState) -> dict[str, ndarray]:
+        # Displacements of the beam at the points and the foot
+        beam = len(self._ground)
+        moved = -(self._jump[:, beam:] @ x[self._dofs[beam:]]).reshape(self._along.shape)
+        along = (moved * self._along).sum(axis=1)
+        n = len(self.positions)
+        points = np.arange(n)
+
+        # Rows of each kind: points, deflections, resistances and shares of the limit
+        rows = [("t", points, along[:-1], -state.skin, self._used(state))]
+        if self._bends:
+            forces = self._lateral(x, state)
+            used = _share(np.linalg.norm(forces, axis=1), self.p_max)
+            lateral = (moved - along[:, None] * self._along)[:-1]
+            directions = {f"p{axis}": direction for axis, direction in zip("xyz", np.eye(3))}
+            if self._along.shape[1] == 2:
+                left = np.column_stack((-self._along[:-1, 1], self._along[:-1, 0]))
+                directions = {"p": left}
+            rows = [
+                (kind, points, (lateral * to).sum(axis=1), -(forces * to).sum(axis=1), used)
+                for kind, to in directions.items()
+            ] + rows
+        if self.F_max > 0.0:
+            bears = -state.foot[:1]
+            rows.append(("q", np.array([n]), along[-1:], bears, bears / self.F_max))
+
+        kinds, numbers, deflections, resistances, shares = zip(*rows)
+        at = np.concatenate(numbers)
+        positions = np.append(self.positions, self._lengths.sum())
         return {
-            "position": self.positions,
-            **dict(zip("xyz", self._where.T)),
-            "skin": state.skin,
-            "share": self._used(state),
+            "kind": np.repeat(kinds, [len(part) for part in numbers]),
+            "position": positions[at],
+            **dict(zip("xyz", self._points[at].T)),
+            "deflection": np.concatenate(deflections),
+            "resistance": np.concatenate(resistances),
+            "share": np.concatenate(shares),
         }
+
+
+class _AtLimit(NamedTuple):
+    """Points of an iteration whose springs are at their limits.
+
+    Attributes
+    ----------
+    slips, flows
+        Points that slip along the beam and flow across it, (n,).
+    stands
+        True if the foot is elastic.
+    share
+        Lateral forces over elastic ones, (n,).
+    pushes
+        Directions of the lateral forces, (n, dim).
+    """
+
+    slips: ndarray
+    flows: ndarray
+    stands: bool
+    share: ndarray
+    pushes: ndarray
+
+    @property
+    def key(self) -> bytes:
+        """The points as bytes."""
+        return self.slips.tobytes() + self.flows.tobytes() + bytes([int(self.stands)])
+
+
+def _share(force: ndarray, limit: ndarray) -> ndarray:
+    """Return forces over limits, zero where these are zero."""
+    return np.divide(force, limit, out=np.zeros(len(limit)), where=limit > 0.0)
+
+
+def _limit(
+    values: float | Callable[[ndarray], ArrayLike], positions: ndarray, name: str, what: str
+) -> ndarray:
+    """Return a resistance at positions, () or (n,)."""
+    limit = finite(values(positions) if callable(values) else values, name)
+    if limit.shape not in ((), positions.shape) or not (limit >= 0.0).all():
+        raise ValueError(
+            f"{name} must be {what} that is finite and not negative, or a function of the "
+            f"distances, (n,), not {values!r}"
+        )
+    return limit
+
+
+def _has_rotations(beam: BeamNodes) -> bool:
+    """Return whether a beam bends."""
+    return any(field.kind == "rotation" for field in beam.fields)
 
 
 def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:
@@ -376,9 +495,8 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     # Interpolate at the points of all elements, (m, points, ...), and at the foot
     corners = beam.points[beam.cells]
     xi, weight = _NODES
-    for field in beam.fields:
-        if field.kind == "rotation":
-            xi, weight = _GAUSS
+    if _has_rotations(beam):
+        xi, weight = _GAUSS
     # Points of contact with the ground, and the foot.
     N = np.array([shapes(point)[0] for point in xi])
     dN = np.array([shapes(point)[1] for point in xi])

@@ -195,7 +195,7 @@ class StageResult(files.StageData):
         name
             Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact
             pairs columns of :class:`Tractions`, bars their ends and ``force``, embedded beams
-            ``skin``, the force of one member per length, and its ``share`` of the resistance.
+            and springs along piles ``deflection`` and ``resistance`` by ``kind``: p, t and q.
         sections
             Cuts through a solid, as for :meth:`section_forces`.
 

@@ -337,3 +337,123 @@ def test_units_of_length_of_a_pile_in_space():
         found.append((stage.x[pile.numbers(line[0])[2]] / unit, model.forms["skin"]._k[0]))
     assert found[0][0] < -1e-3
     np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
+
+
+def winkler(length, m, EI, p_max=None, k=1e4, spacing=1.0):
+    """Model of an upright pile of m elements in ground that does not move, springs of stiffness k
+    per length.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(-1.0, 1.3, 3), np.linspace(-length - 1.0, 0.0, 8))
+    basis = vector_basis(mesh.with_defaults(), "Q1", intorder=2)
+    line = np.linspace((0.0, 0.0), (0.0, -length), m + 1)
+    beam = sc.Beam(None, line, EI=EI, EA=1e8, GA=1e9, spacing=spacing)
+    forms = {
+        "soil": sc.SolidForm(basis, ELASTIC),
+        "pile": beam,
+        "skin": sc.Embedded(basis, beam, T_max=1e6, stiffness=k, p_max=p_max),
+    }
+    return sc.Model(forms, np.arange(basis.N))
+
+
+def test_deflections_and_resistances_of_a_long_pile():
+    """[X] Hetenyi: y = 2 H b / k D(b s), p = k y, V = H C(b s), M = H / b B(b s) on springs.
+
+    Elements of b h = 0.125; V is a mean of an element's, M at its ends.
+    """
+    H, k, EI, spacing = 100.0, 1e4, 4e4, 2.0
+    model = winkler(20.0, 80, EI, k=k, spacing=spacing)
+    push = model.forms["pile"].load((H / spacing, 0.0), at=(0.0, 0.0))
+    stage = model.run([sc.Stage("push", push)], **QUIET)["push"]
+    table = stage.table("skin")
+    lateral = table["kind"] == "p"
+    s, y, p = (table[name][lateral] for name in ("position", "deflection", "resistance"))
+    b = (k / (4.0 * EI)) ** 0.25
+    exact = 2.0 * H * b / k * np.exp(-b * s) * np.cos(b * s)
+    np.testing.assert_allclose(y, exact, atol=2e-4 * exact.max())
+    np.testing.assert_allclose(p, k * exact, atol=2e-4 * k * exact.max())
+    forces = stage.section_forces("pile")
+    s = forces.position
+    M = H / b * np.exp(-b * s) * np.sin(b * s)
+    np.testing.assert_allclose(abs(spacing * forces.M), abs(M), atol=5e-3 * M.max())
+    V = H * np.exp(-b * s) * (np.cos(b * s) - np.sin(b * s))
+    middle = V.reshape(-1, 2).mean(axis=1)
+    found = spacing * forces.V.reshape(-1, 2).mean(axis=1)
+    np.testing.assert_allclose(abs(found), abs(middle), atol=5e-3 * H)
+
+
+def test_rows_of_the_table():
+    """[X] Springs along the shaft and at the foot carry the load; shares are of the limits."""
+    model, load = pile(ground(), p_max=1e3)
+    stage = model.run([sc.Stage("load", 100.0 * load)], **QUIET)["load"]
+    table = stage.table("skin")
+    rows = {kind: table["kind"] == kind for kind in ("p", "t", "q")}
+    np.testing.assert_allclose(
+        table["resistance"][rows["t"]], -stage.states["skin"].skin, rtol=1e-12
+    )
+    assert table["resistance"][rows["q"]] == pytest.approx([-stage.states["skin"].foot[0]])
+    assert table["position"][rows["q"]] == pytest.approx([10.0])
+    head = stage.x[model.forms["pile"].numbers((0.0, 0.0))[1]]
+    assert table["deflection"][rows["t"]][0] == pytest.approx(-head, rel=0.02)
+    np.testing.assert_allclose(
+        table["share"][rows["p"]], abs(table["resistance"][rows["p"]]) / 1e3, atol=1e-15
+    )
+    assert "ground across up to" in stage.outputs("skin").summary
+
+
+@pytest.mark.parametrize("ground_moves", [False, True])
+def test_lateral_limit_of_a_rigid_pile(ground_moves):
+    """[X] A rigid pile turns about L / sqrt(2) under H = (sqrt(2) - 1) p L, in any ground.
+
+    The springs next to this depth reach no limit in a search: 0.2 %.
+    """
+    if ground_moves:
+        basis = ground()
+        beam = sc.Beam(None, np.linspace((0, 0), (0, -10), 41), EI=1e8, EA=1e8, GA=1e8)
+        skin = sc.Embedded(basis, beam, T_max=1e6, p_max=lambda s: 40.0 + 0.0 * s)
+        forms = {"soil": sc.SolidForm(basis, ELASTIC), "pile": beam, "skin": skin}
+        model = sc.Model(forms, sc.box_supports(basis))
+    else:
+        model = winkler(10.0, 40, 1e9, p_max=40.0)
+    load = model.forms["pile"].load((1.0, 0.0), at=(0.0, 0.0))
+    found = model.limit_load(load, step=20.0, **QUIET)
+    assert found.stop.kind == "plateau"
+    assert found.multiplier == pytest.approx((np.sqrt(2.0) - 1.0) * 400.0, rel=2e-3)
+
+
+def test_tangent_of_lateral_limits():
+    """[N] The tangent is the derivative where ground flows around a pile, in the plane and, with a
+    direction that turns, in space; unloading begins with the first stiffness.
+    """
+    rng = np.random.default_rng(0)
+    for dim in (2, 3):
+        if dim == 2:
+            model = winkler(10.0, 4, 1e4, p_max=40.0)
+        else:
+            mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 4.0, 4)]).with_defaults()
+            basis = vector_basis(mesh, "Q1", intorder=2)
+            line = np.linspace((2.1, 2.2, 4.0), (1.9, 2.0, 2.0), 3)
+            beam = sc.Beam(None, line, EI=1e4, EA=1e6)
+            skin = sc.Embedded(basis, beam, T_max=3.0, F_max=9.0, radius=0.1, p_max=2.0)
+            forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(1e3, 0.3)), "pile": beam}
+            model = sc.Model(forms | {"skin": skin}, basis.get_dofs("bottom").all())
+        form = model.forms["skin"]
+        for size in (1e-5, 3e-2):
+            x = size * rng.standard_normal(model.layout.size)
+            sc.testing.check_form(form, x, form.initial_state(), tolerance=1e-4)
+        after = form.assemble(x, form.initial_state()).state
+        used = np.linalg.norm(form._lateral(x, after), axis=1) / form.p_max
+        assert used.max() == pytest.approx(1.0) and (used <= 1.0 + 1e-9).all()
+        back = form.assemble(0.999 * x, after)
+        used = np.linalg.norm(form._lateral(0.999 * x, back.state), axis=1) / form.p_max
+        assert used.max() < 1.0
+
+
+def test_wrong_lateral_limits():
+    basis = ground(1)
+    beam = sc.Beam(None, [(0.0, -1.0), (0.0, -5.0)], EI=1.0, EA=1.0)
+    for wrong in (-1.0, np.nan, lambda s: s[:2]):
+        with pytest.raises(ValueError, match="p_max"):
+            sc.Embedded(basis, beam, 1.0, p_max=wrong)
+    grid = sc.Reinforcement(None, [(0.0, -1.0), (0.0, -5.0)], EA=1.0)
+    with pytest.raises(ValueError, match="leave out p_max"):
+        sc.Embedded(basis, grid, 1.0, p_max=5.0)

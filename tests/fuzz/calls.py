@@ -126,7 +126,14 @@ def doors():
     yield (
         "Embedded",
         sc.Embedded,
-        {"basis": basis, "beam": nail, "T_max": 5.0, "F_max": 1.0, "stiffness": 100.0},
+        {
+            "basis": basis,
+            "beam": nail,
+            "T_max": 5.0,
+            "F_max": 1.0,
+            "stiffness": 100.0,
+            "p_max": 3.0,
+        },
     )
     yield (
         "Reinforcement",
