@@ -14,8 +14,8 @@ from .beams import (
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
-from .dynamics import Dynamic, FreeField, Rayleigh, Record, Rock, Spectrum, ViscousBoundary
-from .errors import AnalysisWarning, NoEquilibrium, NotConverged
+from .dynamics import Bedrock, Dynamic, FreeField, Rayleigh, Record, Spectrum, ViscousBoundary
+from .errors import AnalysisWarning, NoEquilibrium, NotConverged, warn
 from .forms import roles
 from .forms.base import Form, Outputs, Response
 from .forms.links import Bar, MatrixForm, Spring
@@ -47,7 +47,7 @@ from .materials.jointed_rock import Joint
 from .mesh import join_bodies, load_mesh, save_mesh
 from .model import Model
 from .nonlinear.newton import Newton
-from .results import Sections, load_result
+from .results import Cuts, load_result
 from .stages.remeshing import remeshed
 from .stages.stage import Stage
 from .surfaces import rigid
@@ -62,9 +62,11 @@ __all__ = [
     "AugmentedLagrangian",
     "Bar",
     "Beam",
+    "Bedrock",
     "CamClay",
     "ContactPair",
     "Coulomb",
+    "Cuts",
     "DruckerPrager",
     "DualMultipliers",
     "Dynamic",
@@ -99,8 +101,6 @@ __all__ = [
     "Reinforcement",
     "Response",
     "RigidBoundary",
-    "Rock",
-    "Sections",
     "SoftSoilCreep",
     "SolidForm",
     "Spectrum",
@@ -139,6 +139,18 @@ __all__ = [
     "water_load",
     "weight",
 ]
+
+#: Names of former versions, which warn, and their successors.
+_FORMER = {"Rock": "Bedrock", "Sections": "Cuts"}
+
+
+def __getattr__(name: str) -> object:
+    """Return the successor of a former name."""
+    if name not in _FORMER:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    warn(f"sc.{name} is deprecated: use sc.{_FORMER[name]}", DeprecationWarning)
+    return globals()[_FORMER[name]]
+
 
 guard(
     __name__,

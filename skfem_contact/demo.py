@@ -171,7 +171,7 @@ def _draw(result: sc.results.Result, out: Path) -> dict[str, str]:
     diagram("pressure", "contact pressure", "stress", angle, pressure)
     diagram("friction", "friction", "stress", angle, shear)
 
-    cuts = sc.Sections.ring((0.0, 0.0), 0.72, 0.90, n=72)
+    cuts = sc.Cuts.ring((0.0, 0.0), 0.72, 0.90, n=72)
     ring = {stage.name: stage.section_forces("culvert", cuts) for stage in result}
     moment = {name: forces.M for name, forces in ring.items()}
     thrust = {name: -forces.N for name, forces in ring.items()}

@@ -110,7 +110,7 @@ def checks(model: Culvert) -> list[Check]:
 
 def section_forces(model: Culvert, stage: StageResult) -> SectionForces:
     """Return section forces of the pipe at cuts through its nodes, from the crown clockwise."""
-    return stage.section_forces("culvert", sc.Sections.ring((0.0, 0.0), INNER, OUTER, n=72))
+    return stage.section_forces("culvert", sc.Cuts.ring((0.0, 0.0), INNER, OUTER, n=72))
 
 
 def carried(model: Culvert, stage: StageResult) -> ndarray:
@@ -203,7 +203,7 @@ def test_pipe_carries_more_after_the_surcharge(model: Culvert) -> None:
     """[P] Moment and thrust keep their rhythm and grow: the strip lies above the pipe's right
     half.
     """
-    cuts = sc.Sections.ring((0.0, 0.0), 0.72, 0.90, n=72)
+    cuts = sc.Cuts.ring((0.0, 0.0), 0.72, 0.90, n=72)
     before, after = (model.result[k].section_forces("culvert", cuts) for k in STAGES)
     assert np.ptp(after.M) > 1.2 * np.ptp(before.M)
     assert after.N.min() < 1.1 * before.N.min() < 0.0

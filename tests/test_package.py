@@ -80,3 +80,13 @@ def test_lines_of_the_changelog_are_short() -> None:
     for line in changes.splitlines():
         if line.startswith("- "):
             assert len(line[2:].split()) <= 15, line
+
+
+@pytest.mark.parametrize(("former", "name"), [("Sections", "Cuts"), ("Rock", "Bedrock")])
+def test_former_names_warn(former: str, name: str) -> None:
+    """[X] A former name is its successor, with a warning; unknown names are no attributes."""
+    with pytest.warns(DeprecationWarning, match=rf"use sc\.{name}"):
+        assert getattr(skfem_contact, former) is getattr(skfem_contact, name)
+    assert former not in NAMES
+    with pytest.raises(AttributeError, match="no attribute 'Section'"):
+        _ = skfem_contact.Section

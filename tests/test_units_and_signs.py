@@ -42,7 +42,7 @@ ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
             lambda: (
                 column()
                 .run([sc.Stage("w")])[-1]
-                .section_forces("soil", sc.Sections.line((9, 1), (9, 0), 1))
+                .section_forces("soil", sc.Cuts.line((9, 1), (9, 0), 1))
             ),
             "at .9, 1",
         ),

@@ -176,7 +176,7 @@ SLIPS: dict[str, tuple[Callable[[Any], Any], str]] = {
     # results
     "sections of a solid": (
         lambda s: s.stage.section_forces("solid"),
-        r"a solid needs `sections`, such as Sections\.line",
+        r"a solid needs `sections`, such as Cuts\.line",
     ),
     "point outside": (
         lambda s: s.stage.at((9.0, 1.0), "uy"),

@@ -28,7 +28,7 @@ layers = [
     (12.0, 17.0, 180.0),
     (18.0, 19.0, 320.0),
 ]  # thickness (m), unit weight, vs (m/s), from top
-rock = sc.Rock(unit_weight=24.0, vs=800.0)
+rock = sc.Bedrock(unit_weight=24.0, vs=800.0)
 record = sc.Record.synthetic(peak=1.0, duration=10.0, step=0.0025, seed=5).filtered(high=12.0)
 
 

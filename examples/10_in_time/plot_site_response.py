@@ -28,7 +28,7 @@ basis = Basis(
 soils = {"clay": sc.LinearElastic(E=1.2e5, nu=0.45), "sand": sc.LinearElastic(E=1.5e5, nu=0.3)}
 ground = sc.SolidForm(basis, soils, unit_weight={"clay": 18.0, "sand": 20.0})
 
-rock = sc.Rock(unit_weight=25.0, vs=900.0)
+rock = sc.Bedrock(unit_weight=25.0, vs=900.0)
 forms = {
     "ground": ground,
     "base": sc.ViscousBoundary(ground, "bottom", rock=rock),

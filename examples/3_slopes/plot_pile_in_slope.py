@@ -300,7 +300,7 @@ plot.diagram(right, along="y")
 # stretches the right side. At failure the pile bears all it can in its two hinges, the 150 kNm/m of
 # its cross section.
 
-cuts = sc.Sections.line((0.0, 0.0), (0.0, tip), depth=width, n=79)
+cuts = sc.Cuts.line((0.0, 0.0), (0.0, tip), depth=width, n=79)
 carried = {stage.name: stage.section_forces("pile", cuts) for stage in (gravity, failure)}
 plot.diagram(carried, upright=True)
 

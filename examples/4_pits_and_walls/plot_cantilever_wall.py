@@ -34,7 +34,7 @@ forms = section.solids(basis, soils, unit_weight={"sand": 19.0, "backfill": 18.0
 forms["skin"] = sc.ContactPair(basis, "ground|wall", "wall|ground", sc.Coulomb(mu=0.42))
 model = sc.Model(forms, sc.box_supports(basis, part="ground"))
 result = model.run([sc.Stage("weight", increments=2)])
-stem = sc.Sections.line((0.25, 5.0), (0.25, -0.4), depth=0.5, n=28)
+stem = sc.Cuts.line((0.25, 5.0), (0.25, -0.4), depth=0.5, n=28)
 print(result.table(sections={"wall": stem}))
 moment = result[-1].section_forces("wall", stem)
 plot.diagram(moment, "M", on=result[-1])

@@ -192,7 +192,7 @@ assert difference < 1e-10
 # Contact pressure on the side of the ground and on that of the pit, and the moment in the wall.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 4.5), sharey=True, layout="constrained")
-cuts = sc.Sections.line(
+cuts = sc.Cuts.line(
     ((INNER + OUTER) / 2, TOP - 0.25), ((INNER + OUTER) / 2, TOE + 0.25), OUTER - INNER, n=39
 )
 for color, name in (("#777777", "at rest"), ("#1f4e8c", "lift 1"), ("#d55e00", "lift 2")):

@@ -257,7 +257,7 @@ rows[-1]["error"] = float(balance)
 # Moments
 # -------
 
-cuts = sc.Sections.line((INNER + THICK / 2, -0.25), (INNER + THICK / 2, TOE + 0.25), THICK, n=55)
+cuts = sc.Cuts.line((INNER + THICK / 2, -0.25), (INNER + THICK / 2, TOE + 0.25), THICK, n=55)
 moments = {
     key: {stage.name: stage.section_forces("wall", cuts) for stage in result}
     for key, result in results.items()

@@ -57,7 +57,7 @@ print(f"prop {result['lift 2'].reactions()[prop][0]:.1f} kN/m")
 # %%
 # Forces of all stages in a table, and a report for others: one HTML file that a browser shows and
 # prints.
-cuts = sc.Sections.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
+cuts = sc.Cuts.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
 print(result.table(sections={"wall": cuts}).to_markdown())
 file = result.report(
     "propped_excavation.html", title="A propped excavation", quantity="ux", sections={"wall": cuts}

@@ -161,7 +161,7 @@ for n in sizes:
         stages = [sc.Stage("rest", toe), sc.Stage("dig", toe, deactivate=["pit", "dug"])]
         result = pit.run(stages, start=start, progress=False)
         stage = result["dig"]
-        cuts = sc.Sections.line((0.0, 0.0), (0.0, TOE), depth=THICK, n=9 * n + 1)
+        cuts = sc.Cuts.line((0.0, 0.0), (0.0, TOE), depth=THICK, n=9 * n + 1)
         forces = stage.section_forces("wall", cuts if kind == "solid" else None)
         dofs = (
             pit.forms["wall"].numbers((0.0, 0.0))[:1]

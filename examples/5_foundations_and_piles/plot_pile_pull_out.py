@@ -100,7 +100,7 @@ plt.show()
 # The force at the head goes into the ground along the shaft, first near the head. What the pile
 # carried at rest is subtracted.
 
-cuts = sc.Sections.line((0, 0, -0.95 * LENGTH), (0, 0, -0.05 * LENGTH), depth=1.1 * DIAMETER, n=19)
+cuts = sc.Cuts.line((0, 0, -0.95 * LENGTH), (0, 0, -0.05 * LENGTH), depth=1.1 * DIAMETER, n=19)
 fig, ax = plt.subplots(figsize=(5, 4.5), layout="constrained")
 rest = result["initial"].section_forces("pile", cuts).N
 for name in ("0.5 mm", "2 mm", "8 mm"):

@@ -60,7 +60,7 @@ result = model.run(
         sc.Stage("traffic", model.traction("backfill:surface", (0.0, -20.0))),
     ]
 )
-roof = sc.Sections.line((-0.9, -3.85), (0.9, -3.85), depth=0.3, n=19)
+roof = sc.Cuts.line((-0.9, -3.85), (0.9, -3.85), depth=0.3, n=19)
 print(result.table(sections={"pipe": roof}), result["traffic"].table("pipe", roof), sep="\n\n")
 plot.contour(
     result["traffic"], "uy", since=result["open trench"], contact=True, window=(-4, 4, -7, 0)
@@ -77,7 +77,7 @@ ends = [
     (-1.05, -5.4),
     (-1.05, -4.0),
 ]
-axes = [sc.Sections.line(*ends[k : k + 2], depth=0.3) for k in range(0, 8, 2)]  # from face to face
+axes = [sc.Cuts.line(*ends[k : k + 2], depth=0.3) for k in range(0, 8, 2)]  # from face to face
 members = {
     f"member {k}": result["traffic"].section_forces("pipe", axis) for k, axis in enumerate(axes)
 }

@@ -149,7 +149,7 @@ for name, points in skin.items():
 # positive in tension, so that a thrust is negative; the moment is positive where it stretches the
 # outer fibres.
 
-cuts = sc.Sections.ring(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
+cuts = sc.Cuts.ring(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
 ring = {stage.name: stage.section_forces("culvert", cuts) for stage in result}
 
 plot.diagram(

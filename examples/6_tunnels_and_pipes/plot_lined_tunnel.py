@@ -195,9 +195,7 @@ def line(forms, placed):
 # 19 of 72 cuts, on the radial lines of nodes; the first and the last are left out, for no elements
 # lie beyond them.
 
-CUTS = sc.Sections(
-    *(values[1:18] for values in astuple(sc.Sections.ring((0, 0), INNER, WALL, n=72)))
-)
+CUTS = sc.Cuts(*(values[1:18] for values in astuple(sc.Cuts.ring((0, 0), INNER, WALL, n=72))))
 
 
 def fit(position, values):

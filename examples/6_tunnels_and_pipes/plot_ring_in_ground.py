@@ -188,7 +188,7 @@ def fit(theta, values, weight, wave=np.cos):
 def results(forms, step):
     """The same four quantities as in the exact solution, and the curves behind them."""
     joint = step.tractions("joint")
-    cuts = sc.Sections.ring((0, 0), inner, outer, n=72)
+    cuts = sc.Cuts.ring((0, 0), inner, outer, n=72)
     ring = step.section_forces("ring", cuts)
     theta, cut, once = np.arctan2(joint.y, joint.x), np.radians(90 - ring.position), np.ones(72)
     fits = {

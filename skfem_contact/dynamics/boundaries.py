@@ -20,8 +20,8 @@ from .settings import Rayleigh
 
 
 @dataclass(frozen=True)
-class Rock:
-    """Elastic rock below a model.
+class Bedrock:
+    """Bedrock below a model: an elastic half-space.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Rock:
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> round(sc.Rock(unit_weight=25., vs=1000.).vp, 1)
+    >>> round(sc.Bedrock(unit_weight=25., vs=1000.).vp, 1)
     1732.1
     """
 
@@ -104,13 +104,13 @@ class ViscousBoundary(Form, Couples, Absorbing):
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()))
     >>> ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=.3), unit_weight=20.)
-    >>> sc.ViscousBoundary(ground, "bottom", rock=sc.Rock(unit_weight=24., vs=800.))
+    >>> sc.ViscousBoundary(ground, "bottom", rock=sc.Bedrock(unit_weight=24., vs=800.))
     <ViscousBoundary on 'bottom', 4 facets, rock>
     """
 
     symmetric = True
 
-    def __init__(self, solid: SolidForm, boundary: str, rock: Rock | None = None) -> None:
+    def __init__(self, solid: SolidForm, boundary: str, rock: Bedrock | None = None) -> None:
         basis = solid.basis
         mesh = basis.mesh
         facets = facets_of(mesh, boundary)

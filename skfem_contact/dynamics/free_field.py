@@ -19,7 +19,7 @@ from ..forms.roles import Absorbing, Couples, Staged
 from ..forms.solid import SolidForm, SolidState
 from ..layout import Field, dofs_at
 from ..sparse import scattered
-from .boundaries import Masses, Rock, ViscousBoundary
+from .boundaries import Bedrock, Masses, ViscousBoundary
 
 #: Coordinates of a vertical side and of its layers differ by less than this share of its height.
 _STRAIGHT = 1e-6
@@ -84,7 +84,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
     <FreeField at 'left', 4 elements>
     """
 
-    def __init__(self, solid: SolidForm, boundary: str, rock: Rock | None = None) -> None:
+    def __init__(self, solid: SolidForm, boundary: str, rock: Bedrock | None = None) -> None:
         if solid.coordinates != "plane":
             raise ValueError(f"a free field is of plane ground, not {solid.coordinates}")
         self._dashpots = ViscousBoundary(solid, boundary)

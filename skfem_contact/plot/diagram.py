@@ -105,7 +105,7 @@ def diagram(
     >>> from skfem_contact.demo import culvert
     >>> import skfem_contact.plot as plot
     >>> result = culvert().result
-    >>> cuts = sc.Sections.ring((0., 0.), .72, .90)
+    >>> cuts = sc.Cuts.ring((0., 0.), .72, .90)
     >>> forces = {stage.name: stage.section_forces("culvert", cuts) for stage in result}
     >>> along = plot.diagram({stage.name: stage.tractions("skin") for stage in result}, along="x")
     >>> around = plot.diagram(forces, "M", angle=cuts.position)

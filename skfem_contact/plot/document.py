@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..display import Table
-from ..results.cuts import Sections
+from ..results.cuts import Cuts
 from ..results.result import Result
 from ..versions import own_version, versions
 from . import report_tables
@@ -30,7 +30,7 @@ def write(
     file: Path,
     title: str,
     quantity: str,
-    sections: Mapping[str, Sections],
+    sections: Mapping[str, Cuts],
     searches: Mapping[str, Any],
     pictures: Mapping[str, Any],
 ) -> Path:

@@ -18,7 +18,7 @@ from numpy import ndarray
 from ..display import Table
 from ..forms.base import solids_of
 from ..forms.roles import materials_of
-from ..results.cuts import Sections
+from ..results.cuts import Cuts
 from ..results.result import Result
 from ..units import in_words
 from ..versions import own_version, versions
@@ -63,7 +63,7 @@ def report(
     *,
     title: str = "Analysis",
     quantity: str = "u",
-    sections: Mapping[str, Sections] | None = None,
+    sections: Mapping[str, Cuts] | None = None,
     searches: Mapping[str, Any] | None = None,
     pictures: Mapping[str, Any] | None = None,
     template: str | Path | None = None,

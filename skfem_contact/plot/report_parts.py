@@ -14,7 +14,7 @@ from numpy import ndarray
 from PIL import Image
 
 from ..display import Table
-from ..results.cuts import Sections
+from ..results.cuts import Cuts
 from ..results.fields import basis_of, has_solids, solids
 from ..results.result import COLUMNS, Result, rows_of
 from ..results.stage import StageResult
@@ -134,7 +134,7 @@ def _counted(n: int, noun: str) -> str:
     return f"{n} {noun}s"
 
 
-def diagrams_of(result: Result, sections: Mapping[str, Sections]) -> Iterator[tuple[str, Any]]:
+def diagrams_of(result: Result, sections: Mapping[str, Cuts]) -> Iterator[tuple[str, Any]]:
     """Yield section forces of plane beams and of cuts: their envelope, and the last stage's."""
     for name in dict.fromkeys((*_bent_beams(result), *sections)):
         cuts = sections.get(name)

@@ -2,7 +2,7 @@
 
 from ..display import Table
 from .buckling import Buckling
-from .cuts import SectionForces, Sections
+from .cuts import Cuts, SectionForces
 from .files import Append
 from .modes import Modes
 from .motion import History
@@ -16,13 +16,13 @@ __all__ = [
     "Append",
     "Buckling",
     "ContactReport",
+    "Cuts",
     "Envelope",
     "History",
     "Modes",
     "PointValues",
     "Result",
     "SectionForces",
-    "Sections",
     "StageResult",
     "Table",
     "Tractions",

@@ -22,7 +22,7 @@ class SectionForces:
     Attributes
     ----------
     position
-        Position of the sections, as in :class:`~skfem_contact.Sections`.
+        Position of the sections, as in :class:`~skfem_contact.Cuts`.
     x, y, z
         Coordinates of the sections; z is None in the plane.
     N
@@ -96,7 +96,7 @@ class SectionForces:
 
 
 @dataclass(frozen=True)
-class Sections:
+class Cuts:
     """Cuts across a slender body, made by :meth:`line` or :meth:`ring`.
 
     Attributes
@@ -113,9 +113,9 @@ class Sections:
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> sc.Sections.line((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
+    >>> sc.Cuts.line((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
     [0.0, 5.0, 10.0, 15.0]
-    >>> sc.Sections.ring(center=(0., 0.), inner=.72, outer=.9, n=4).center[1].round(12).tolist()
+    >>> sc.Cuts.ring(center=(0., 0.), inner=.72, outer=.9, n=4).center[1].round(12).tolist()
     [0.81, 0.0]
     """
 
@@ -126,7 +126,7 @@ class Sections:
     curvature: ndarray
 
     @classmethod
-    def ring(cls, center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
+    def ring(cls, center: ArrayLike, inner: float, outer: float, n: int = 72) -> Cuts:
         """Return radial cuts through a ring at equal central angles, from the crown clockwise.
 
         Parameters
@@ -158,7 +158,7 @@ class Sections:
         )
 
     @classmethod
-    def line(cls, start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
+    def line(cls, start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Cuts:
         """Return cuts across a straight wall, pile or beam, from one end of its axis to the other.
 
         Parameters
@@ -198,7 +198,7 @@ class Sections:
         """Unit normals to the left of the axis, (n, 2): outward on a ring."""
         return np.column_stack((-self.axis[:, 1], self.axis[:, 0]))
 
-    def moved(self, distance: ndarray) -> Sections:
+    def moved(self, distance: ndarray) -> Cuts:
         """Return cuts that are moved along the curved axis, each by a distance, (n,)."""
         # The chord of the angle 2 h of an arc has the length ds sin(h) / h and the direction h.
         half = 0.5 * self.curvature * distance

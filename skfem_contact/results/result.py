@@ -16,7 +16,7 @@ from ..display import Table
 from ..forms.base import as_forms
 from ..forms.roles import Staged, fits, having
 from . import export, fields, files, tables
-from .cuts import Sections
+from .cuts import Cuts
 from .points import PointValues, through_stages
 from .stage import StageResult
 
@@ -103,7 +103,7 @@ class Result:
             return Result(self.stages[:-1])
         return self
 
-    def envelope(self, body: str, sections: Sections | None = None) -> tables.Envelope:
+    def envelope(self, body: str, sections: Cuts | None = None) -> tables.Envelope:
         """Return the extreme section forces over the ends of all stages, without increments."""
         stages = [stage for stage in self if body in stage.states]
         if not stages:
@@ -114,7 +114,7 @@ class Result:
     def table(
         self,
         *names: str,
-        sections: Mapping[str, Sections] | None = None,
+        sections: Mapping[str, Cuts] | None = None,
         searches: Mapping[str, Any] | None = None,
     ) -> Table:
         """Return one row for each stage: largest displacements and forces, and their coordinates.
@@ -125,7 +125,7 @@ class Result:
             Names of beams, bars, embedded beams and contact pairs; by default all but contact
             pairs. Columns of zeros are left out.
         sections
-            Cuts through solids by their names, such as ``{"lining": Sections.ring(...)}``.
+            Cuts through solids by their names, such as ``{"lining": Cuts.ring(...)}``.
         searches
             Strength reductions or limit loads by the stages from which they start, such as ``{"dig
             4": found}``. A value that is not shown to be the limit has ``>=`` before it.

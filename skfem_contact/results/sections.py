@@ -27,7 +27,7 @@ from ..errors import warn
 from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
-from .cuts import SectionForces, Sections
+from .cuts import Cuts, SectionForces
 from .patch_recovery import element_regions
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its
@@ -35,14 +35,14 @@ from .patch_recovery import element_regions
 _ROUND_OFF = 1e-9
 
 
-def section_forces(form: SolidForm, state: SolidState, sections: Sections | None) -> SectionForces:
+def section_forces(form: SolidForm, state: SolidState, sections: Cuts | None) -> SectionForces:
     """Return normal force, shear force and moment at sections of a body."""
     if form.kinematics == "finite":
         raise ValueError("section forces are of small kinematics: this solid has finite ones")
     # Check the sections.
     if sections is None:
         raise ValueError(
-            "a solid needs `sections`, such as Sections.line(...); only a beam has its own"
+            "a solid needs `sections`, such as Cuts.line(...); only a beam has its own"
         )
     dim = form.basis.mesh.dim()
     if dim != sections.center.shape[1]:
@@ -66,7 +66,7 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections | None
     return SectionForces(sections.position, x, y, **forces)
 
 
-def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
+def _at(form: SolidForm, state: SolidState, sections: Cuts) -> SectionForces:
     """Return the section forces at sections on lines of nodes.
 
     In axial symmetry a rigid motion across the axis of revolution stretches circles: hoop stresses
@@ -105,7 +105,7 @@ def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces
     )
 
 
-def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
+def _lines(form: SolidForm, sections: Cuts) -> tuple[ndarray, ndarray]:
     """Return distances to the lines of nodes behind and in front of each cut, (n,), or zero.
 
     Between lines the axis is a chord: a moment about the arc would miss the thrust times the
@@ -152,7 +152,7 @@ class _Cut(NamedTuple):
     points: ndarray
 
 
-def _layers(form: SolidForm, sections: Sections) -> _Layers:
+def _layers(form: SolidForm, sections: Cuts) -> _Layers:
     """Return the elements near sections."""
     nodes = nodes_of(form.basis)
     dim = len(form.basis.doflocs)
@@ -180,7 +180,7 @@ def _layers(form: SolidForm, sections: Sections) -> _Layers:
 
 
 def _cut(
-    form: SolidForm, stresses: Sequence[ndarray], sections: Sections
+    form: SolidForm, stresses: Sequence[ndarray], sections: Cuts
 ) -> tuple[_Cut, list[ndarray]]:
     """Return cut elements, and their nodal forces, (pairs, nodes, dim), of each stress.
 
@@ -266,7 +266,7 @@ def _works_outside(layers: _Layers, phi: ndarray) -> ndarray:
 
 
 def _report_continued(
-    form: SolidForm, sections: Sections, layers: _Layers, body: ndarray, outside: ndarray
+    form: SolidForm, sections: Cuts, layers: _Layers, body: ndarray, outside: ndarray
 ) -> None:
     """Report sections where a region of the body, (pairs,), has elements outside, (pairs,)."""
     region = element_regions(form)[layers.element]
@@ -285,7 +285,7 @@ def _report_continued(
         )
 
 
-def _resultants(sections: Sections, cut: _Cut, forces: ndarray) -> SectionForces:
+def _resultants(sections: Cuts, cut: _Cut, forces: ndarray) -> SectionForces:
     """Return sums of nodal forces (pairs, nodes, dim) by section, with moments about the centres.
 
     N is the force along the axis t, V the force across it, T the moment about it, M the rest.

@@ -19,7 +19,7 @@ from ..forms.roles import Touching, having
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
 from . import points as points_
-from .cuts import SectionForces, Sections
+from .cuts import Cuts, SectionForces
 from .motion import History, Quantity, energy_table, history
 from .points import PointValues
 from .sections import section_forces
@@ -88,7 +88,7 @@ class StageResult(files.StageData):
     <StageResult 'weight', 100% of its load, 50 dofs, forms: block>
     >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
     20.0
-    >>> sections = sc.Sections.line((.5, 0.), (.5, 1.), depth=1., n=3)
+    >>> sections = sc.Cuts.line((.5, 0.), (.5, 1.), depth=1., n=3)
     >>> stage.section_forces("block", sections).N.round(9).tolist()
     [-17.5, -10.0, -2.5]
     """
@@ -157,7 +157,7 @@ class StageResult(files.StageData):
         )
         return self.contact(pair)
 
-    def section_forces(self, body: str, sections: Sections | None = None) -> SectionForces:
+    def section_forces(self, body: str, sections: Cuts | None = None) -> SectionForces:
         """Return normal force, shear force and moment of a body or beam.
 
         Parameters
@@ -166,7 +166,7 @@ class StageResult(files.StageData):
             Name of a :class:`~skfem_contact.Beam`, or of the solid that holds the body; it may hold
             other bodies.
         sections
-            Cuts through a solid, :meth:`Sections.ring` or :meth:`Sections.line`; a beam needs none:
+            Cuts through a solid, :meth:`Cuts.ring` or :meth:`Cuts.line`; a beam needs none:
             its section forces are at both ends of its elements.
 
         Notes
@@ -187,7 +187,7 @@ class StageResult(files.StageData):
             return SectionForces(*along)
         return section_forces(*self._solid(body), sections)
 
-    def table(self, name: str, sections: Sections | None = None) -> Table:
+    def table(self, name: str, sections: Cuts | None = None) -> Table:
         """Return the forces along a beam, a contact pair or bars as a table with their coordinates.
 
         Parameters

@@ -15,7 +15,7 @@ from ..display import Table
 from ..forms.base import Form
 from ..forms.roles import Touching, materials_of
 from ..units import kind_of
-from .cuts import SectionForces, Sections
+from .cuts import Cuts, SectionForces
 from .fields import basis_of, has_solids, nodal_field
 from .files import StageData
 from .sections import section_forces
@@ -85,7 +85,7 @@ class Envelope:
         return "\n".join(lines)
 
 
-def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Table:
+def of_form(stage: StageData, name: str, sections: Cuts | None = None) -> Table:
     """Return the table of a form, see :meth:`~skfem_contact.results.StageResult.table`."""
     form = look_up(name, stage.forms, f"form in stage '{stage.name}'")
     along = _along(stage, name, sections)
@@ -109,7 +109,7 @@ def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Ta
 def of_stages(
     stages: Collection[StageData],
     names: Collection[str],
-    sections: Mapping[str, Sections],
+    sections: Mapping[str, Cuts],
     searches: Mapping[str, Any],
 ) -> Table:
     """Return one row for each stage, see :meth:`~skfem_contact.results.Result.table`."""
@@ -153,7 +153,7 @@ def _check_names(
     forms: Mapping[str, Form],
     stages: Iterable[StageData],
     names: Iterable[str],
-    sections: Mapping[str, Sections],
+    sections: Mapping[str, Cuts],
     searches: Mapping[str, Any],
 ) -> None:
     """Refuse unknown forms, solids without sections, and searches from unknown stages."""
@@ -161,7 +161,7 @@ def _check_names(
         form = look_up(name, forms, "form")
         if materials_of(form) and name not in sections:
             raise ValueError(
-                f"'{name}' is a {type(form).__name__}: give sections={{'{name}': Sections.line()}}"
+                f"'{name}' is a {type(form).__name__}: give sections={{'{name}': Cuts.line()}}"
             )
     for name, search in searches.items():
         look_up(name, {stage.name: stage for stage in stages}, "stage")
@@ -174,7 +174,7 @@ def _check_names(
 def _row(
     stage: StageData,
     names: Iterable[str],
-    sections: Mapping[str, Sections],
+    sections: Mapping[str, Cuts],
     searches: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return displacement, forces and result of a search of a stage by the names of columns."""
@@ -203,7 +203,7 @@ def _row(
     return row
 
 
-def _along(stage: StageData, name: str, sections: Sections | None) -> dict[str, ndarray]:
+def _along(stage: StageData, name: str, sections: Cuts | None) -> dict[str, ndarray]:
     """Return coordinates and forces of a form by the names of columns, (n,) or (n, 3), or {}."""
     form = stage.forms[name]
     state = stage.states[name]

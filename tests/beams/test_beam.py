@@ -447,7 +447,7 @@ def test_section_forces_of_the_wrong_kind():
     }
     model = sc.Model(forms, basis.get_dofs("bottom").all())
     stage = model.run([sc.Stage("rest", sc.weight(basis, 1.0))], **QUIET)["rest"]
-    cuts = sc.Sections.line((0.5, 0.0), (0.5, 1.0), depth=1.0)
+    cuts = sc.Cuts.line((0.5, 0.0), (0.5, 1.0), depth=1.0)
     for name, sections, message in (
         ("soil", None, "a solid needs `sections`"),
         ("wall", cuts, "'wall' is a Beam"),

@@ -444,7 +444,7 @@ def test_section_forces_of_a_pile(element):
         [sc.Stage("load", load)], progress=False
     )["load"]
     z = np.array([0.8, 1.6, 2.5, 3.2])  # on layers of nodes, and between them
-    found = step.section_forces("pile", sc.Sections.line((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
+    found = step.section_forces("pile", sc.Cuts.line((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
     z = 0.8 + found.position
     np.testing.assert_allclose(found.N, -30.0 - gamma * (4.0 - z), rtol=1e-9)
     np.testing.assert_allclose(found.T, 1.0, rtol=1e-9)  # 6 (x^2 + y^2) over the head
@@ -475,7 +475,7 @@ def test_other_plane_things():
     ):
         plot.contour(step, "ux")
     with pytest.raises(ValueError, match="these sections have 2 coordinates, the body has 3"):
-        section_forces(form, state, sc.Sections.line((0.0, 0.0), (1.0, 0.0), 1.0))
+        section_forces(form, state, sc.Cuts.line((0.0, 0.0), (1.0, 0.0), 1.0))
 
 
 def test_strain_of_other_dimension():

@@ -36,7 +36,7 @@ def test_cheat_sheet_has_all_names() -> None:
         "NoEquilibrium",
         "NotConverged",
         "Response",
-        "Sections",
+        "Cuts",
         "Surface",
         "mesh",
         "water_load",

@@ -46,7 +46,7 @@ def test_site_response(impedance):
     damping = sc.Rayleigh(0.08, f=(2.5, 12.5))
     rock = None
     if impedance is not None:
-        rock = sc.Rock(unit_weight=25.0, vs=DENSITY * VS / (2.5 * impedance))
+        rock = sc.Bedrock(unit_weight=25.0, vs=DENSITY * VS / (2.5 * impedance))
     model, _basis, vertical = column(40, rock)
     settings = sc.Dynamic(step, rho_inf=1.0, damping=damping, points=[(0.0, H)])
     stage = sc.Stage(
@@ -84,7 +84,7 @@ def test_pulse_in_a_half_space():
     rise = (time - 0.1) / 0.03
     velocity = 0.1 * np.exp(-(rise**2))
     record = sc.Record(step, np.gradient(velocity, step))
-    rock = sc.Rock(unit_weight=10.0 * DENSITY, vs=VS)
+    rock = sc.Bedrock(unit_weight=10.0 * DENSITY, vs=VS)
     model, _, vertical = column(40, rock)
     settings = sc.Dynamic(step, rho_inf=1.0, points=[(0.0, 0.0), (0.0, H)])
     stage = sc.Stage("pulse", duration=0.6, dynamic=settings, base=record, fixed=vertical)
@@ -143,7 +143,7 @@ def test_bad_boundaries():
     with pytest.raises(ValueError, match="1 facets of boundary 'bottom' belong to no element"):
         sc.ViscousBoundary(high, "bottom")
     with pytest.raises(ValueError, match="vp, the velocity of pressure waves, must be"):
-        sc.Rock(unit_weight=24.0, vs=800.0, vp=800.0)
+        sc.Bedrock(unit_weight=24.0, vs=800.0, vp=800.0)
     forms = {"soil": solid, "base": sc.ViscousBoundary(solid, "bottom")}
     held = sc.Model(forms, model.fixed, gravity_acceleration=10.0)
     stage = sc.Stage("shake", duration=1.0, dynamic=sc.Dynamic(0.1))
@@ -153,7 +153,7 @@ def test_bad_boundaries():
 
 def test_boundaries_do_nothing_in_statics():
     """[X] The weight is held by supports alone, and a body without any is refused."""
-    model, _basis, vertical = column(rock=sc.Rock(unit_weight=24.0, vs=800.0))
+    model, _basis, vertical = column(rock=sc.Bedrock(unit_weight=24.0, vs=800.0))
     plain, _, _ = column()
     both = [each.run([sc.Stage("weight")], **QUIET)["weight"].x for each in (model, plain)]
     np.testing.assert_array_equal(*both)

@@ -17,7 +17,7 @@ from skfem_contact.materials.base import PLASTIC_STRAIN
 from tests.dynamics.cases import QUIET
 
 H, W, VS, DENSITY = 20.0, 40.0, 200.0, 2.0
-ROCK = sc.Rock(unit_weight=25.0, vs=800.0)
+ROCK = sc.Bedrock(unit_weight=25.0, vs=800.0)
 
 
 def pulse(step=0.005):

@@ -296,7 +296,7 @@ def test_what_stays_small_is_refused() -> None:
         model.bounds()
     result = model.run([sc.Stage("weight")])
     with pytest.raises(ValueError, match="section forces are of small kinematics"):
-        line = sc.Sections.line((0.0, 0.5), (4.0, 0.5), 1.0)
+        line = sc.Cuts.line((0.0, 0.5), (4.0, 0.5), 1.0)
         result["weight"].section_forces("bar", line)
     small = sc.SolidForm(basis, LAWS["elastic"])
     with pytest.raises(ValueError, match="small rotations and strains"):

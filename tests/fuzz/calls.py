@@ -98,7 +98,7 @@ def doors():
     head = {"left": 2.0, "right": 1.0}
     soil = {"E": 1e4, "nu": 0.3, "c": 10.0, "phi": 30.0}
     quiet = {"progress": False}
-    sections = sc.Sections.line([0.1, 0.5], [1.9, 0.5], depth=1.0, n=3)
+    sections = sc.Cuts.line([0.1, 0.5], [1.9, 0.5], depth=1.0, n=3)
     bar = sc.Bar(basis, start=[0.0, 1.0], end=[2.0, 1.0], EA=100.0)
     r = sc.rigid
     beam = sc.Beam(None, [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], EI=1.0, EA=1.0)
@@ -310,13 +310,13 @@ def doors():
     yield "mesh.bodies", sc.mesh.bodies, {"mesh": mesh}
     yield "check_mesh", sc.mesh.check_mesh, {"mesh": plain}
     yield (
-        "Sections.line",
-        sc.Sections.line,
+        "Cuts.line",
+        sc.Cuts.line,
         {"start": [0.0, 0.5], "end": [2.0, 0.5], "depth": 1.0, "n": 3},
     )
     yield (
-        "Sections.ring",
-        sc.Sections.ring,
+        "Cuts.ring",
+        sc.Cuts.ring,
         {"center": [0.0, 0.0], "inner": 1.0, "outer": 2.0, "n": 8},
     )
     yield (

@@ -203,7 +203,7 @@ def of_results(given: Analysed) -> Iterator[Door]:
     """Values, tables and files of results."""
     result, last, folder = given.result, given.result[-1], given.folder
     points = {"A": [1.0, 0.5]}
-    cuts = sc.Sections.line([0.1, 0.5], [1.9, 0.5], depth=0.8, n=3)
+    cuts = sc.Cuts.line([0.1, 0.5], [1.9, 0.5], depth=0.8, n=3)
     yield (
         "Result.at",
         lambda points, quantity: result.at(points, quantity),
@@ -263,7 +263,7 @@ def of_pictures(given: Analysed) -> Iterator[Door]:
     steady = flow.steady(water.Conditions({"left": 2.0, "right": 1.5}))
     found = last.along([[0.1, 0.5], [1.9, 0.5]], "syy", n=5)
     file = folder / "picture.png"
-    cuts = sc.Sections.line([0.1, 0.5], [1.9, 0.5], depth=0.8, n=3)
+    cuts = sc.Cuts.line([0.1, 0.5], [1.9, 0.5], depth=0.8, n=3)
     forces = last.section_forces("soil", cuts)
     yield (
         "plot.diagram",
@@ -333,8 +333,8 @@ def of_dynamics(given: Analysed) -> Iterator[Door]:
     yield "Record.significant_duration", record.significant_duration, {"begin": 0.05, "end": 0.95}
     yield "Record.spectrum", record.spectrum, {"periods": [0.1, 1.0], "ratio": 0.05}
     yield "Rayleigh", sc.Rayleigh, {"ratio": 0.05, "f": (1.0, 10.0)}
-    yield "Rock", sc.Rock, {"unit_weight": 25.0, "vs": 800.0, "vp": 1600.0}
-    rock = sc.Rock(25.0, 800.0, 1600.0)
+    yield "Bedrock", sc.Bedrock, {"unit_weight": 25.0, "vs": 800.0, "vp": 1600.0}
+    rock = sc.Bedrock(25.0, 800.0, 1600.0)
     yield (
         "ViscousBoundary",
         sc.ViscousBoundary,

@@ -231,7 +231,7 @@ def test_searches_and_sections_of_solids(tmp_path) -> None:
     )
     result = model.run([sc.Stage("load", model.traction("top", (0.0, -10.0)))])
     found = model.strength_reduction(start=result)
-    cuts = sc.Sections.line((0.5, 1.0), (0.5, 0.0), depth=1.0, n=5)
+    cuts = sc.Cuts.line((0.5, 1.0), (0.5, 0.0), depth=1.0, n=5)
     html = result.report(
         tmp_path / "c.html", searches={"load": found}, sections={"soil": cuts}
     ).read_text("utf-8")

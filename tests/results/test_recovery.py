@@ -70,7 +70,7 @@ def test_crown_of_a_thick_ring():
     model = culvert()
     stage = model.result["surcharge"]
     inner, outer = 0.72, 0.90
-    cut = stage.section_forces("culvert", sc.Sections.ring((0.0, 0.0), inner, outer, n=72))
+    cut = stage.section_forces("culvert", sc.Cuts.ring((0.0, 0.0), inner, outer, n=72))
     depth, middle = outer - inner, 0.5 * (inner + outer)
     neutral = depth / np.log(outer / inner)
     # the stress of a moment is M y / (A e r) with y from the neutral axis and e its distance from

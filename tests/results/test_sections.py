@@ -73,7 +73,7 @@ def test_loaded_at_its_tip(element, rng):
     state = solved(form, load, form.basis.get_dofs("left").all())
 
     start, end = turn @ (0.2, 0.05), turn @ (3.8, 0.05)
-    section = section_forces(form, state, sc.Sections.line(start, end, depth=1.2, n=37))
+    section = section_forces(form, state, sc.Cuts.line(start, end, depth=1.2, n=37))
     expected = (total @ turn[:, 0], total @ turn[:, 1])
     np.testing.assert_allclose(section.N, expected[0], rtol=ROUND_OFF)
     np.testing.assert_allclose(section.V, expected[1], rtol=ROUND_OFF)
@@ -90,7 +90,7 @@ def test_own_weight_between_lines_of_nodes(element):
     mesh = grid(element, [0.0, 0.5, 1.0], np.linspace(0, 10, 21))
     form = sc.SolidForm(vector_basis(mesh, element), sc.LinearElastic(E=1e4, nu=0.0))
     state = solved(form, sc.weight(form.basis, 20.0), form.basis.get_dofs("top").all())
-    cuts = sc.Sections.line((0.5, 9.7), (0.5, 0.3), depth=1.0, n=41)
+    cuts = sc.Cuts.line((0.5, 9.7), (0.5, 0.3), depth=1.0, n=41)
     section = section_forces(form, state, cuts)
     np.testing.assert_allclose(section.N, 20.0 * section.y, rtol=ROUND_OFF)
     np.testing.assert_allclose(section.M, 0.0, atol=1e-8)  # of a weight of 200
@@ -104,7 +104,7 @@ def test_ends_of_a_body_carry_what_acts_there():
         FacetBasis(mesh, form.basis.elem, facets="right")
     )
     state = solved(form, pull, form.basis.get_dofs("left").all())
-    section = section_forces(form, state, sc.Sections.line((0, 0), (4, 0), depth=1.0, n=5))
+    section = section_forces(form, state, sc.Cuts.line((0, 0), (4, 0), depth=1.0, n=5))
     np.testing.assert_allclose(section.N, 3.0, rtol=ROUND_OFF)
     np.testing.assert_allclose(section.V, -2.0, rtol=ROUND_OFF)
     np.testing.assert_allclose(section.M, 2.0 * (4 - section.position), atol=1e-9)
@@ -118,7 +118,7 @@ def test_positive_moment_stretches_the_left_fibres():
     bent = np.column_stack((1e-3 * x * y, -0.5e-3 * x**2)).ravel()
     state = form.assemble(bent, form.initial_state()).state
     for start, end, sign in (((0.5, 0), (3.5, 0), 1.0), ((3.5, 0), (0.5, 0), -1.0)):
-        section = section_forces(form, state, sc.Sections.line(start, end, depth=1.0, n=6))
+        section = section_forces(form, state, sc.Cuts.line(start, end, depth=1.0, n=6))
         np.testing.assert_allclose(section.M, sign * 0.1, rtol=1e-9)  # E I k, I = 1/12
         np.testing.assert_allclose(section.N, 0.0, atol=1e-12)
 
@@ -136,14 +136,14 @@ def test_ring_under_pressure(curved):
     load = pressure.assemble(FacetBasis(mesh, element, facets="outer", intorder=4))
     right, top, left = form.basis.nodal_dofs[:, [0, n // 4, n // 2]].T
     state = solved(form, load, np.array([right[1], top[0], left[1]]))
-    section = section_forces(form, state, sc.Sections.ring((0, 0), inner, outer, n))
+    section = section_forces(form, state, sc.Cuts.ring((0, 0), inner, outer, n))
     if curved:  # half an element to both sides: a quarter of the polygon's angle, squared
         np.testing.assert_allclose(section.N, -p * outer, rtol=(np.pi / n) ** 2)
     else:  # bars along the facets that balance the facets' loads at the corners
         np.testing.assert_allclose(section.N, -p * outer * np.cos(np.pi / n) ** 2, rtol=1e-9)
     np.testing.assert_allclose(section.V, 0.0, atol=1e-3)
     between = section_forces(
-        form, state, sc.Sections.ring((0, 0), inner, outer, 50)
+        form, state, sc.Cuts.ring((0, 0), inner, outer, 50)
     )  # two on lines of nodes
     for name in ("N", "M"):  # the same all around, up to the round-off of the linear solver
         np.testing.assert_allclose(getattr(between, name), getattr(section, name)[0], rtol=1e-6)
@@ -183,7 +183,7 @@ def test_cuts_off_the_lines_of_nodes_interpolate():
 
     errors = []
     for offset in (0.0, 0.3, 0.5):  # of an element
-        cuts = sc.Sections.ring((0, 0), 0.72, 0.9, 72)
+        cuts = sc.Cuts.ring((0, 0), 0.72, 0.9, 72)
         turn = rotation(-offset * 5.0)
         cuts = replace(
             cuts,
@@ -215,7 +215,7 @@ def test_bodies_of_one_form_are_told_apart():
     x = 1e-3 * np.random.default_rng(1).standard_normal(basis.N)
     both = sc.SolidForm(basis, dict.fromkeys(parts, STEEL))
     ring = sc.SolidForm(basis.with_elements("ring"), STEEL)
-    cuts = sc.Sections.ring((0, 0), 0.72, 0.9, 50)
+    cuts = sc.Cuts.ring((0, 0), 0.72, 0.9, 50)
     of_both, of_ring = (
         section_forces(form, form.assemble(x, form.initial_state()).state, cuts)
         for form in (both, ring)
@@ -230,38 +230,36 @@ def test_what_is_no_solid_is_refused():
     bar = sc.Bar(basis, (0, 0), (2, 0), EA=1.0)
     stage = sc.results.of({"bar": bar}, basis.zeros(), {"bar": bar.initial_state()})
     with pytest.raises(ValueError, match=r"'bar' is a Bar, no SolidForm; there are \[\]"):
-        stage.section_forces("bar", sc.Sections.line((0, 0.5), (2, 0.5), depth=1.0))
+        stage.section_forces("bar", sc.Cuts.line((0, 0.5), (2, 0.5), depth=1.0))
 
 
 def test_a_cut_beside_the_body_is_refused():
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
     with pytest.raises(ValueError, match=r"2 of 4 sections cut no element .* \(3, 0.5\)"):
-        section_forces(
-            form, form.initial_state(), sc.Sections.line((1, 0.5), (4, 0.5), depth=1.0, n=4)
-        )
+        section_forces(form, form.initial_state(), sc.Cuts.line((1, 0.5), (4, 0.5), depth=1.0, n=4))
     for inner, outer in ((0.9, 0.72), (0.0, 1.0), (np.nan, 1.0)):
         with pytest.raises(ValueError, match=r"inner < outer|must be a finite number"):
-            sc.Sections.ring((0, 0), inner, outer)
+            sc.Cuts.ring((0, 0), inner, outer)
     with pytest.raises(ValueError, match="different ends"):
-        sc.Sections.line((0, 0), (0, 0), depth=1.0)
+        sc.Cuts.line((0, 0), (0, 0), depth=1.0)
 
 
 @pytest.mark.parametrize("n", [0, 1, 2.5])
 def test_a_number_of_cuts_that_is_none_is_refused(n):
     """At a single cut of a line nothing would tell its two ends."""
     with pytest.raises(ValueError, match=r"integer, at least 2, not|n must be a whole number"):
-        sc.Sections.line((0, 0), (1, 0), depth=1.0, n=n)
-    assert len(sc.Sections.ring((0, 0), 0.5, 1.0, n=1).position) == 1
+        sc.Cuts.line((0, 0), (1, 0), depth=1.0, n=n)
+    assert len(sc.Cuts.ring((0, 0), 0.5, 1.0, n=1).position) == 1
     with pytest.raises(ValueError, match=r"integer, at least 1, not|n must be a whole number"):
-        sc.Sections.ring((0, 0), 0.5, 1.0, n=n if n != 1 else -1)
+        sc.Cuts.ring((0, 0), 0.5, 1.0, n=n if n != 1 else -1)
 
 
 @pytest.mark.parametrize("point", [(0, 0, 0), 1.0, (0, np.nan)])
 def test_points_that_are_not_in_the_plane_are_refused(point):
     for cut in (
-        lambda: sc.Sections.line(point, (1, 0), 1.0),
-        lambda: sc.Sections.line((1, 0), point, 1.0),
-        lambda: sc.Sections.ring(point, 0.5, 1.0),
+        lambda: sc.Cuts.line(point, (1, 0), 1.0),
+        lambda: sc.Cuts.line((1, 0), point, 1.0),
+        lambda: sc.Cuts.ring(point, 0.5, 1.0),
     ):
         with pytest.raises(
             ValueError, match=r"of the sections must be a finite \(x, y|must be finite numbers"
@@ -272,9 +270,9 @@ def test_points_that_are_not_in_the_plane_are_refused(point):
 def test_coordinates_of_the_plane_and_of_space_are_named():
     """A ring lies in the plane; a line in space has an end in space."""
     with pytest.raises(ValueError, match=r"must be a finite \(x, y\), not \(0, 0, 0\)"):
-        sc.Sections.ring((0, 0, 0), 0.5, 1.0)
+        sc.Cuts.ring((0, 0, 0), 0.5, 1.0)
     with pytest.raises(ValueError, match=r"must be a finite \(x, y, z\), not \(1, 0\)"):
-        sc.Sections.line((0, 0, 0), (1, 0), 1.0)
+        sc.Cuts.line((0, 0, 0), (1, 0), 1.0)
 
 
 def test_cuts_at_the_faces_of_walls():
@@ -297,7 +295,7 @@ def test_cuts_at_the_faces_of_walls():
     stage = sc.Model(forms, basis.get_dofs("feet").all()).run(
         [sc.Stage("q", load)], progress=False
     )["q"]
-    roof = stage.section_forces("frame", sc.Sections.line((-1.2, 2.15), (1.2, 2.15), depth, n=25))
+    roof = stage.section_forces("frame", sc.Cuts.line((-1.2, 2.15), (1.2, 2.15), depth, n=25))
     uneven = roof.V[
         12
     ]  # a mesh whose triangles are not symmetric: the walls carry .03 % more and less than half
@@ -309,7 +307,7 @@ def test_cuts_at_the_faces_of_walls():
     np.testing.assert_allclose(
         np.abs(roof.V - uneven)[1:-1], q * np.abs(np.linspace(-1.2, 1.2, 25)[1:-1]), atol=1e-5
     )
-    wall = stage.section_forces("frame", sc.Sections.line((-1.35, 2.0), (-1.35, 0.0), depth, n=21))
+    wall = stage.section_forces("frame", sc.Cuts.line((-1.35, 2.0), (-1.35, 0.0), depth, n=21))
     np.testing.assert_allclose(wall.N, -q * (span / 2 + depth), rtol=4e-4)
     np.testing.assert_allclose(wall.N, wall.N[10], rtol=1e-6)
 
@@ -331,15 +329,13 @@ def stretched(materials):
 def test_cuts_through_a_part_of_a_body_are_told(recwarn):
     """[X] A cut through half of a plate has half of its thrust, also at its ends, and a warning."""
     form, state = stretched(STEEL)
-    assert np.allclose(
-        section_forces(form, state, sc.Sections.line((0, 0.5), (4, 0.5), 1.0, 5)).N, 3.0
-    )
+    assert np.allclose(section_forces(form, state, sc.Cuts.line((0, 0.5), (4, 0.5), 1.0, 5)).N, 3.0)
     assert not recwarn
     for axis, depth in ((0.5, 0.5), (0.0, 1.0)):
         with pytest.warns(
             sc.AnalysisWarning, match=r"at 5 of 5 .* position 0, the body continues beside the cut"
         ):
-            part = section_forces(form, state, sc.Sections.line((0, axis), (4, axis), depth, 5))
+            part = section_forces(form, state, sc.Cuts.line((0, axis), (4, axis), depth, 5))
         assert np.allclose(part.N, 1.5)
 
 
@@ -348,7 +344,7 @@ def test_ends_of_a_body_that_is_welded_into_another(recwarn):
     is remarked.
     """
     form, state = stretched({"core": STEEL, "skin": STEEL})
-    core = section_forces(form, state, sc.Sections.line((0, 0.5), (4, 0.5), 0.5, 5))
+    core = section_forces(form, state, sc.Cuts.line((0, 0.5), (4, 0.5), 0.5, 5))
     assert np.allclose(core.N, 1.5) and not recwarn
 
 
@@ -365,7 +361,7 @@ def test_envelopes_in_space_are_those_of_a_plane():
     model = sc.Model({"bar": sc.SolidForm(basis, STEEL)}, basis.get_dofs("root").all())
     tip = model.traction("tip", (0.0, 0.0, 1.0))
     result = model.run([sc.Stage("up", tip), sc.Stage("down", -2.0 * tip)], progress=False)
-    cuts = sc.Sections.line((0, 0, 0), (4, 0, 0), depth=1.5, n=3)
+    cuts = sc.Cuts.line((0, 0, 0), (4, 0, 0), depth=1.5, n=3)
     with pytest.raises(
         ValueError, match=r"vectors: an envelope is that of one plane of bending.*towards"
     ):
@@ -387,7 +383,7 @@ def test_wall_of_a_cylinder() -> None:
     )
     model = sc.Model({"body": form}, form.basis.get_dofs("bottom").all("u^2"))
     load = model.traction("left", (10.0, 0.0)) + model.traction("top", (0.0, -3.0))
-    cuts = sc.Sections.line((1.1, 1.5), (1.1, 0.3), depth=0.2, n=4)
+    cuts = sc.Cuts.line((1.1, 1.5), (1.1, 0.3), depth=0.2, n=4)
     result = model.run([sc.Stage("in", load), sc.Stage("out", -2.0 * load)], progress=False)
     found = result["in"].section_forces("body", cuts)
     np.testing.assert_allclose(found.N, -3.0 * 0.22 / 1.1, rtol=1e-9)  # the half of 1.2^2 - 1
@@ -422,7 +418,7 @@ def test_circular_plate() -> None:
     stage = model.run([sc.Stage("even", model.traction("top", (0.0, -1.0)))], progress=False)[
         "even"
     ]
-    cuts = sc.Sections.line((0.0, 0.5 * depth), (4.0, 0.5 * depth), depth=depth, n=5)
+    cuts = sc.Cuts.line((0.0, 0.5 * depth), (4.0, 0.5 * depth), depth=depth, n=5)
     found, r = stage.section_forces("body", cuts), cuts.position
     # thick by a twentieth of its radius: shear adds less than half a percent
     np.testing.assert_allclose(found.M, -(3 + nu) / 16 * (radius**2 - r**2), rtol=5e-3)
@@ -446,7 +442,7 @@ def test_pile_on_the_axis_of_revolution() -> None:
         [form.basis.get_dofs("bottom").all(), form.basis.get_dofs("left").all("u^1")],
     )
     stage = model.run([sc.Stage("top", model.traction("top", (0.0, -7.0)))], progress=False)["top"]
-    found = stage.section_forces("body", sc.Sections.line((0.0, 2.0), (0.0, 1.0), depth=1.0, n=4))
+    found = stage.section_forces("body", sc.Cuts.line((0.0, 2.0), (0.0, 1.0), depth=1.0, n=4))
     np.testing.assert_allclose(
         found.N, -0.125 * (7.0 + 2.0 * np.array([1.0, 4 / 3, 5 / 3, 2.0])), rtol=1e-9
     )
@@ -463,7 +459,7 @@ def test_elements_within_the_depth():
     model = sc.Model({"plate": form}, held)
     load = model.traction("right", (3.0, 0.0))
     stage = model.run([sc.Stage("pull", load)], progress=False)["pull"]
-    cut = sc.Sections.line((1.1, 1.0), (2.9, 1.0), depth=1.0, n=3)
+    cut = sc.Cuts.line((1.1, 1.0), (2.9, 1.0), depth=1.0, n=3)
     with pytest.warns(sc.AnalysisWarning, match="depth is 1: forces are those of the elements"):
         found = stage.section_forces("plate", cut)
     np.testing.assert_allclose(found.N, 3.0, rtol=1e-9)

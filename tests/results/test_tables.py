@@ -15,7 +15,7 @@ from skfem_contact.results import Result, Table
 
 #: Displacement of the end of the cantilever by a force there, L³ / 3 EI + L / GA.
 FLEXIBILITY = 4.0**3 / (3 * 200.0) + 4.0 / 300.0
-CUTS = sc.Sections.ring((0.0, 0.0), 0.72, 0.90)
+CUTS = sc.Cuts.ring((0.0, 0.0), 0.72, 0.90)
 
 
 @pytest.fixture(scope="module")
