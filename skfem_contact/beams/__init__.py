@@ -4,6 +4,7 @@ from .beam import Beam
 from .embedded import Embedded
 from .lines import split_along
 from .reinforcement import Reinforcement
+from .rotation import RotationSpring
 from .sections import MomentCurvature, moment_curvature
 from .springs import PileSprings
 
@@ -13,6 +14,7 @@ __all__ = [
     "MomentCurvature",
     "PileSprings",
     "Reinforcement",
+    "RotationSpring",
     "moment_curvature",
     "split_along",
 ]

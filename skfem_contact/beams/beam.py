@@ -78,7 +78,7 @@ class Beam(BeamNodes, Slender):
         on the curve. By default the nodes are the ends of a chain of straight elements.
     hinges
         Coordinates of nodes, (k, dim) or (dim,), that transfer no moment between their elements,
-        nor to other beams; in space no torque either.
+        nor to other beams; in space no torque either. :class:`RotationSpring` resists there.
     Mp, Np
         Plastic moment and plastic normal force: hinges flow at nodes where ``|M| / Mp + |N| / Np``
         reaches 1.

@@ -171,6 +171,17 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         turns = self.dim * len(self.points) + self._turns * node + np.arange(self._turns)
         return self._of_model()[np.append(moves, turns)]
 
+    def rotations(self, at: ArrayLike) -> tuple[list[int], list[int]]:
+        """Return the rotations, in their field, of elements that end at a node, and that begin.
+
+        These are the same but at hinges.
+        """
+        node = self.node(at)
+        turn = self._rows[:, 3 * self.dim :: self._turns] - self.dim * len(self.points)
+        ends = turn[self.cells[:, 1] == node, 1]
+        begins = turn[self.cells[:, 0] == node, 0]
+        return np.unique(ends).tolist(), np.unique(begins).tolist()
+
     def load(self, force: ArrayLike, at: ArrayLike, moment: ArrayLike = 0.0) -> ndarray:
         """Return the load vector of a force and a moment at a node of a model's beam.
 
