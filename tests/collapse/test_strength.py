@@ -342,7 +342,8 @@ def test_vertical_cut_without_tensile_strength(phi: float, c: float, exact: floa
     assert found.stop.shows_limit
     assert exact < found.factor < 1.02 * exact
     assert found.iterations <= 150
-    assert 0.5 * (found.factor / exact - 1.0) < found.added
+    true = found.factor / exact - 1.0
+    assert 0.5 * true < found.added < 2.0 * true
 
 
 @pytest.mark.slow

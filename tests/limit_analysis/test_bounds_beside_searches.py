@@ -4,6 +4,7 @@ warned of.
 
 from __future__ import annotations
 
+import re
 import sys
 import warnings
 from dataclasses import replace
@@ -30,6 +31,7 @@ from skfem import (
 import skfem_contact as sc
 import skfem_contact.plot as plot
 from skfem_contact import limit_analysis
+from skfem_contact.collapse.mechanism import within_bounds
 from skfem_contact.limit_analysis.model import Site, vector_loads
 from tests.tools.helpers import analysis
 
@@ -431,12 +433,14 @@ def test_deformation_without_slip_surfaces_adds_nothing(recwarn) -> None:
     assert found.factor == pytest.approx(2.0, abs=0.01) and found.added < 1e-6 and not recwarn.list
 
 
-def strip_footing(soil, n):
-    """Half of a rough rigid strip, 2 wide, on ground of 6 by 3 in 36 n^2 squares of two triangles,
-    and its load.
+def strip_footing(soil, n, size=(6, 3), weight=0.0):
+    """Half of a rough rigid strip, 2 wide, on ground of 6 by 3 in squares of .5 / n and two
+    triangles, and its load.
     """
+    width, depth = size
     mesh = MeshTri.init_tensor(
-        np.linspace(0, 6, 12 * n + 1), np.append(np.linspace(-3, 0, 6 * n + 1), 0.25)
+        np.linspace(0, width, 2 * width * n + 1),
+        np.append(np.linspace(-depth, 0, 2 * depth * n + 1), 0.25),
     )
     mesh = mesh.restrict(
         np.flatnonzero(
@@ -450,7 +454,9 @@ def strip_footing(soil, n):
         ElementVector(ElementTriP2()),
         intorder=2,
     )
-    forms = {"all": sc.SolidForm(basis, {"strip": sc.LinearElastic(E=1e7, nu=0.2), "ground": soil})}
+    parts = {"strip": sc.LinearElastic(E=1e7, nu=0.2), "ground": soil}
+    weights = {"strip": 0.0, "ground": weight}
+    forms = {"all": sc.SolidForm(basis, parts, unit_weight=weights)}
     model = sc.Model(forms, sc.box_supports(basis))
     return model, model.traction("top", (0.0, -1.0))
 
@@ -535,6 +541,32 @@ def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
     found = model.strength_reduction(load, certify=False, progress=False)
     added = found.factor * brentq(lambda t: bearing(t) - 9.2, 0.1, 0.6) / np.tan(np.pi / 6) - 1.0
     assert 0.03 < added < 0.1 and 0.5 * added < found.added < 2.0 * added
+
+
+def test_range_of_the_share_below_a_rigid_strip_on_sand_with_weight(recwarn) -> None:
+    """[P] Martin (2005), rough strip, phi = 30: N_gamma = 14.75, with c N_c a lower bound; a coarse
+    mesh adds a third and says a range that contains it.
+    """
+    sand = sc.MohrCoulomb(E=1e5, nu=0.3, c=0.1, phi=30.0, psi=30.0)
+    model, load = strip_footing(sand, 1, size=(8, 4), weight=20.0)
+    found = model.limit_load(load, tolerance=0.02, progress=False)
+    true = found.multiplier / (0.1 * 30.14 + 20.0 * 14.75) - 1.0
+    (told,) = [str(warning.message) for warning in recwarn if "is about" in str(warning.message)]
+    least, most = re.findall(r"\((.+)% to (.+)%\)", told)[0]
+    assert 0.3 < true < 0.4 and float(least) < 100.0 * true < float(most)
+
+
+def test_bounds_limit_the_share_of_a_mesh() -> None:
+    """[X] Of a value 1.1: at least 1.1 / 1.05 - 1, at most 1.1 / .96 - 1, if both are proven."""
+    forms, fixed, _ = column()
+    proven = sc.Model(forms, fixed).bounds(weight=20.0, elements=50, gap=1.0)
+    proven = replace(proven, lower=0.96, upper=1.05, estimate=False)
+    least, most = 1.1 / 1.05 - 1.0, 1.1 / 0.96 - 1.0
+    for added, limited in ((0.0, least), (0.07, 0.07), (0.3, most)):
+        assert within_bounds(added, 1.1, proven) == pytest.approx(limited)
+    assert within_bounds(0.3, 1.1, replace(proven, estimate=True)) == 0.3
+    assert within_bounds(0.3, 1.1, replace(proven, lower=-np.inf)) == 0.3
+    assert within_bounds(0.3, 0.95, proven) == 0.0
 
 
 def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
