@@ -41,6 +41,8 @@ _FORCES = {
     "N_hoop": ("hoop force", "line"),
     "M_hoop": ("hoop moment", "moment"),
 }
+#: Extremes below this share of the largest ordinate are not written.
+_LEAST = 0.01
 #: Longest ordinate as a share of the size of the structure.
 _LONGEST = 0.28
 #: Nodes are the same point below this share of their elements' size; gaps of meshes that touch are
@@ -513,10 +515,13 @@ def _draw_ordinates(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
 
 def _write_extremes(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
     """Write the largest and the smallest value next to their ordinates."""
-    # Write the value on the outer side.
+    # Write the value on the outer side; one that is small beside the other says nothing.
     extremes = (int(line.ordinate.argmax()), int(line.ordinate.argmin()))
+    least = _LEAST * float(np.abs(line.ordinate).max())
     for i in dict.fromkeys(extremes):
         value = line.ordinate[i]
+        if abs(value) < least:
+            continue
         outward = line.left[i]
         if value < 0.0:
             outward = -outward

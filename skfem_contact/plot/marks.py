@@ -19,7 +19,8 @@ from ..results.stage import StageResult
 from ..results.strength import PointStatus, point_status
 from ..results.tractions import interfaces
 from ..water import Seepage
-from .scene import MARK, Scene
+from .scene import MARK, OUTLINE, Scene
+from .structures import structures
 
 WATER = "#1468b3"
 _LOAD = "#b3007d"
@@ -38,6 +39,8 @@ _STATUS = {
 _LONG_LOAD = 70.0
 _LONG_ARROW = 55.0
 _LONG_TRACTION = 60.0
+#: Width of beams, reinforcement and bars, in pixels.
+_THICK = 5.0
 #: Size of the triangles of supports, and least distance of marked nodes, in pixels.
 _SUPPORT = 15.0
 _APART = 34.0
@@ -69,7 +72,9 @@ class Marks:
         return 0.0
 
     def draw(self, plotter: Any, scene: Scene) -> None:
-        """Draw all marks."""
+        """Draw structures and all marks."""
+        _draw_structures(plotter, scene, self.stage)
+
         # Draw water, supports, loads and displacements.
         given = self.stage.water if self.water is True else self.water
         for water in pressures_of(given):
@@ -139,6 +144,15 @@ def _dots(plotter: Any, scene: Scene, points: ndarray, color: str, size: float) 
         plotter.add_points(
             scene.in_space(points, level), color=shade, point_size=size + grown, lighting=False
         )
+
+
+def _draw_structures(plotter: Any, scene: Scene, stage: StageResult) -> None:
+    """Draw beams, reinforcement and bars as lines, displaced like the bodies."""
+    for line in structures(stage):
+        points = line.points + scene.factor * line.displacement
+        sides = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+        lines = scene.lines(sides, points.reshape(-1, points.shape[2]), OUTLINE)
+        plotter.add_mesh(lines, color=line.color, line_width=_THICK, lighting=False)
 
 
 def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:

@@ -25,6 +25,7 @@ from .diagram import draw_sides, fill_elements, saved
 from .marks import WATER, pressures_of, water_tables
 from .scene import Scene
 from .sheet import Window
+from .structures import BEAM, structures
 
 #: Colours of materials: sand, clay, silt, rock, fill, concrete, and lighter ones.
 _MATERIALS = (
@@ -39,8 +40,6 @@ _MATERIALS = (
     "#dfe6cf",
     "#ccd5db",
 )
-_BEAM = "#22313f"
-_BAR = "#c0392b"
 _CONTACT = "#7b3294"
 _WIDTH = 6.0  # inches
 _LEGEND = 0.26  # inches a row of the legend
@@ -172,17 +171,9 @@ def _lines(ax: Axes, stage: StageResult) -> list[Line2D]:
     """Draw beams, bars and contact; return the legend."""
     # Collect the segments of each form, (n, points, 2), with colour and width.
     found: list[tuple[str, str, float, ndarray]] = []
-    for name in stage.states:
-        outputs = stage.outputs(name)
-        along = outputs.points
-        if along is not None:
-            points = along[0].reshape(-1, 3, along[0].shape[1])
-            found.append((name, _BEAM, 2.4, points[:, :2, :2]))
-            continue
-        bars = outputs.members
-        if "end x" in bars:
-            ends = np.column_stack([bars[key] for key in ("x", "y", "end x", "end y")])
-            found.append((name, _BAR, 1.6, ends.reshape(-1, 2, 2)))
+    for line in structures(stage):
+        width = 2.4 if line.color == BEAM else 1.6
+        found.append((line.name, line.color, width, line.points[:, :, :2]))
     if has_solids(stage):
         points = basis_of(stage).doflocs[:, ::2].T
         facets = [points[pair.facets[:, :2]] for pair in interfaces(stage).values()]

@@ -251,6 +251,10 @@ class Cutaway(Scene):
         for lines, style in self.edges(mesh):
             plotter.add_mesh(lines.translate(self._front), lighting=False, **style)
 
+    @override
+    def in_space(self, points: ndarray, level: int) -> ndarray:
+        return points + self._front
+
     def edges(self, mesh: bool) -> Iterator[tuple[Any, dict[str, Any]]]:
         """Yield edges of regions and of elements, on the surface and on cuts, with their styles."""
         thin = {"color": "#1a1a1a", "opacity": 0.30, "line_width": 1.2}

@@ -1,0 +1,74 @@
+"""Lines of beams and bars in pictures: where they are, how they move, and their values."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+
+import skfem_contact as sc
+import skfem_contact.plot as plot
+from skfem_contact.plot.structures import BAR, BEAM, structures
+from skfem_contact.results import SectionForces
+
+
+@pytest.fixture(scope="module")
+def stage():
+    """An anchored post on a block: a beam, a bar to it, and a bar to a fixed point."""
+    mesh = MeshTri().refined(2).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    post = sc.Beam(None, [(0.5, 1.0), (0.5, 1.5), (0.5, 2.0)], EI=10.0, EA=1e3)
+    forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2)), "post": post}
+    forms["stay"] = sc.Bar(basis, post.at((0.5, 2.0)), (0.0, 1.0), EA=50.0)
+    forms["rope"] = sc.Bar(None, post.at((0.5, 1.5)), (2.0, 1.5), EA=50.0, fixed_end=True)
+    supports = [sc.box_supports(basis), *post.dofs((0.5, 1.0))]
+    model = sc.Model(forms, supports)
+    push = model.forms["post"].load((1.0, 0.0), at=(0.5, 2.0))
+    return model.run([sc.Stage("push", push)], progress=False)["push"]
+
+
+def test_lines_move_with_their_nodes(stage) -> None:
+    """[X] Ends of bars have the displacements of the beam and of the block, fixed ends none."""
+    found = {line.name: line for line in structures(stage)}
+    assert list(found) == ["post", "stay", "rope"]
+    assert [line.color for line in found.values()] == [BEAM, BAR, BAR]
+    post = stage.forms["post"]
+    head = stage.x[post.numbers((0.5, 2.0))[:2]]
+    middle = stage.x[post.numbers((0.5, 1.5))[:2]]
+    np.testing.assert_allclose(found["post"].points[-1], [(0.5, 1.5), (0.5, 1.75), (0.5, 2.0)])
+    np.testing.assert_allclose(found["post"].displacement[-1, [0, 2]], [middle, head])
+    np.testing.assert_allclose(found["stay"].displacement[0, 0], head)
+    corner = stage.at((0.0, 1.0), "ux", "uy")
+    on_block = [corner["ux"][0], corner["uy"][0]]
+    assert np.abs(on_block).max() > 1e-5
+    np.testing.assert_allclose(found["stay"].displacement[0, 1], on_block, rtol=1e-9)
+    np.testing.assert_allclose(found["rope"].displacement[0], [middle, (0.0, 0.0)])
+
+
+def test_contours_show_them(stage) -> None:
+    """[X] The picture has one mesh of lines for each, where the deformed nodes are."""
+    plotter = plot.contour(stage, "uy", deformed=20.0)
+    if plotter is None:
+        pytest.skip("this machine cannot draw")
+    lines = [mesh for mesh in plotter.meshes if getattr(mesh, "n_lines", 0) > 0]
+    ends = np.concatenate([mesh.points[:, :2] for mesh in lines])
+    head = (0.5, 2.0) + 20.0 * stage.x[stage.forms["post"].numbers((0.5, 2.0))[:2]]
+    assert np.linalg.norm(ends - head, axis=1).min() < 1e-6
+    assert np.linalg.norm(ends - (2.0, 1.5), axis=1).min() < 1e-6
+    plotter.close()
+
+
+def test_small_extremes_are_not_written() -> None:
+    """[X] A value below 1 % of the largest gets no text, one of 2 % does."""
+    y = np.linspace(0.0, -4.0, 5)
+    for smallest, texts in ((-0.5, 1), (-2.0, 2)):
+        M = np.array([0.0, smallest, 10.0, 50.0, 100.0])
+        forces = SectionForces(-y, 0.0 * y, y, 0.0 * y, 0.0 * y, M)
+        basis = Basis(MeshTri().with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+        block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), unit_weight=1.0)
+        model = sc.Model({"block": block}, sc.box_supports(basis))
+        on = model.run([sc.Stage("weight")], progress=False)["weight"]
+        figure = plot.diagram(forces, "M", on=on)
+        assert len(figure.axes[0].texts) == texts
+        plt.close(figure)
