@@ -213,6 +213,19 @@ class Layout:
             )
         return numbers
 
+    def moves_of(self, basis: CellBasis | None, nodes: Any) -> ndarray:
+        """Return the displacements, (n, dim), of nodes by coordinates, or of nodes of a beam."""
+        if isinstance(nodes, FieldDofs):
+            return self._numbers_of(nodes).reshape(nodes.indices.shape)
+        if isinstance(nodes, list | tuple) and any(isinstance(node, FieldDofs) for node in nodes):
+            return np.concatenate([self.moves_of(basis, node) for node in nodes])
+        if basis is None:
+            raise ValueError(
+                "nodes by coordinates are those of solids, and there is no solid: give nodes of "
+                "beams as beam.at((x, y))"
+            )
+        return dofs_at(basis, nodes)
+
     @property
     def size(self) -> int:
         """Number of all dofs."""

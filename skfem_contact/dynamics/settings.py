@@ -107,8 +107,8 @@ class Dynamic:
         Velocities at the start, (N,); by default the last ones, zero after a stage without
         inertia.
     points
-        Nodes whose motion is recorded in every step, coordinates (n, dim) or (dim,), see
-        :meth:`StageResult.history`.
+        Nodes whose motion is recorded in every step, see :meth:`StageResult.history`: coordinates
+        (n, dim) or (dim,) in the mesh; nodes of a beam, :meth:`Beam.at`; or a list of both.
     explicit
         True for central differences with lumped masses: many short steps without any system of
         equations, for impact and waves in large meshes. Contact acts by penalties.

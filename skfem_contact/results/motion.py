@@ -16,7 +16,7 @@ from typing_extensions import override
 from ..checks import format_point
 from ..display import Table
 from ..forms.base import solids_of
-from ..layout import dofs_at
+from ..layout import FieldDofs
 
 #: Quantities of a history, in the order in which they are recorded.
 Quantity = Literal["displacement", "velocity", "acceleration"]
@@ -173,7 +173,9 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
     return Table.of(columns, f"energies, {name}")
 
 
-def history(stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = False) -> History:
+def history(
+    stage: Any, point: ArrayLike | FieldDofs, quantity: Quantity, absolute: bool = False
+) -> History:
     """Return the motion of a node in a stage, from its records or its kept steps.
 
     Raises
@@ -185,12 +187,12 @@ def history(stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = F
     if quantity not in _QUANTITIES:
         raise ValueError(f"quantity must be one of {', '.join(_QUANTITIES)}, not {quantity!r}")
     _check_inertia(stage.series, stage.name, "histories")
-    solids = list(solids_of(stage.forms).values())
-    if not solids:
-        raise ValueError("histories are of nodes of solids, and there is no solid")
-    basis = solids[0].basis
-    dofs = dofs_at(basis, point)[0]
-    where = np.asarray(basis.doflocs[:, dofs[0]])
+    bases = [solid.basis for solid in solids_of(stage.forms).values()]
+    dofs = stage.layout.moves_of(bases[0] if bases else None, point)[0]
+    if isinstance(point, FieldDofs):
+        where = point.field.coordinates[:, point.indices[0, 0]]
+    else:
+        where = np.asarray(bases[0].doflocs[:, dofs[0]])
     k = _QUANTITIES.index(quantity)
 
     # Take its records
@@ -207,9 +209,12 @@ def history(stage: Any, point: ArrayLike, quantity: Quantity, absolute: bool = F
 
     # Take kept steps
     if not stage.increments:
+        node = format_point(where)
+        if isinstance(point, FieldDofs):
+            node = f"beam.at({node})"
         raise ValueError(
-            f"the motion at {format_point(where)} was not recorded: give "
-            f"Dynamic(points=[{format_point(where)}]), or keep steps by Stage(keep=...)"
+            f"the motion at {format_point(where)} was not recorded: give Dynamic(points=[{node}]), "
+            "or keep steps by Stage(keep=...)"
         )
     times = np.array([part.time for part in stage.increments])
     values = []

@@ -16,6 +16,7 @@ from ..checks import finite, look_up, number
 from ..display import Table
 from ..forms.base import Form, internal_force, solids_of
 from ..forms.roles import Touching, having
+from ..layout import FieldDofs
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
 from . import points as points_
@@ -118,14 +119,18 @@ class StageResult(files.StageData):
         return energy_table(self.series, self.name)
 
     def history(
-        self, point: ArrayLike, quantity: Quantity = "displacement", *, absolute: bool = False
+        self,
+        point: ArrayLike | FieldDofs,
+        quantity: Quantity = "displacement",
+        *,
+        absolute: bool = False,
     ) -> History:
         """Return the motion of a node in a stage with ``dynamic``.
 
         Parameters
         ----------
         point : array_like, shape (dim,)
-            Coordinates of the node in the mesh.
+            Coordinates of the node in the mesh; or the node of a beam, :meth:`Beam.at`.
         quantity
             ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
         absolute

@@ -27,7 +27,7 @@ from ..dynamics.steps import Steps
 from ..errors import NotConverged, Remark
 from ..forms.base import Form, Response, responses_of, solids_of, summaries
 from ..forms.roles import Absorbing, Body, Touching, having
-from ..layout import Layout, dofs_at
+from ..layout import FieldDofs, Layout
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Step
@@ -134,7 +134,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
         M, C = mass_and_damping(forms, setup.layout, settings, g)
         if M.nnz == 0:
             raise ValueError("no form has a mass: give the solids their unit_weight")
-        points = _points(forms, settings.points)
+        points = _points(forms, setup.layout, settings.points)
         base = _base(setup, stage, forms, settings, M)
         wet, lag = pores_in_motion(forms, settings, g)
         check_base(lag, [record for _, record, _ in base])
@@ -259,14 +259,12 @@ def check_materials(forms: Mapping[str, Form]) -> None:
                 )
 
 
-def _points(forms: Mapping[str, Form], given: Any) -> ndarray:
+def _points(forms: Mapping[str, Form], layout: Layout, given: Any) -> ndarray:
     """Return the dofs of the nodes whose motion is recorded, (n, dim)."""
-    solids = list(solids_of(forms).values())
-    if np.size(given) == 0:
+    if not isinstance(given, FieldDofs) and len(given) == 0:
         return np.zeros((0, 0), int)
-    if not solids:
-        raise ValueError("points to record are nodes of solids, and there is no solid")
-    return dofs_at(solids[0].basis, given)
+    bases = [solid.basis for solid in solids_of(forms).values()]
+    return layout.moves_of(bases[0] if bases else None, given)
 
 
 def first_motion(

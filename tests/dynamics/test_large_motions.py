@@ -173,10 +173,15 @@ def test_a_rod_swings_as_a_pendulum(angle):
     rod = sc.Beam(None, line, EI=1e3, EA=1e6, unit_weight=10.0, kinematics="finite")
     model = sc.Model({"rod": rod}, rod.dofs((0.0, 0.0), ["u^1", "u^2"]), gravity_acceleration=9.81)
     period = 4.0 * ellipk(np.sin(0.5 * a) ** 2) * np.sqrt(2.0 / (3.0 * 9.81))
-    settings = sc.Dynamic(period / 400.0, rho_inf=1.0)
+    settings = sc.Dynamic(period / 400.0, rho_inf=1.0, points=rod.at(end))
     swing = model.run([sc.Stage("swing", duration=period, dynamic=settings)], progress=False)[-1]
     # it comes back; steps of a 400th leave 2e-5 of the way
     tip = model.forms["rod"].numbers(end)[:2]
     assert np.abs(swing.x[tip]).max() < 5e-5
+    # half a period before it was on the other side, at rest
+    path = swing.history(rod.at(end))
+    np.testing.assert_array_equal(path.values[-1], swing.x[tip])
+    np.testing.assert_allclose(path.values[200], (-2.0 * np.sin(a), 0.0), atol=5e-5)
+    np.testing.assert_array_equal(path.point, end)
     energy = swing.energy
     assert abs(energy["missing"][-1]) < 1e-8 * np.abs(energy["work"]).max()

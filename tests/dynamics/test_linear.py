@@ -234,3 +234,31 @@ def test_models_of_all_kinds(case, solver):
     energy = one.energy
     # the damping of the scheme alone
     assert np.abs(energy["missing"]).max() < 0.2 * np.abs(energy["work"]).max()
+
+
+def test_nodes_of_solids_and_of_beams_are_recorded():
+    """A list of both; without a record, or coordinates without a solid, one sentence says so."""
+    solid, basis, fixed = ground()
+    mast = sc.Beam(basis, [[4.0, 4.0], [4.0, 5.0], [4.0, 6.0]], EI=1e3, EA=1e5, unit_weight=1.0)
+    model = sc.Model(
+        {"ground": solid, "mast": mast, "foot": sc.Spring(basis, (4.0, 4.0), 1.0)},
+        [fixed, *mast.dofs((4.0, 4.0))],
+        gravity_acceleration=10.0,
+    )
+    top = mast.at((4.0, 6.0))
+    push = model.forms["mast"].load((1.0, 0.0), (4.0, 6.0))
+    settings = sc.Dynamic(0.01, points=[(0.0, 4.0), top])
+    stage = model.run([sc.Stage("push", push, duration=0.1, dynamic=settings)], **QUIET)["push"]
+    for node, dofs in (
+        ((0.0, 4.0), sc.dofs_at(basis, (0.0, 4.0))[0]),
+        (top, model.forms["mast"].numbers((4.0, 6.0))[:2]),
+    ):
+        history = stage.history(node, "velocity")
+        np.testing.assert_array_equal(history.values[-1], stage.velocity[dofs])
+    assert abs(stage.history(top).values[-1, 0]) > 1e-4
+    with pytest.raises(ValueError, match=r"the motion at \(4, 5\) was not recorded"):
+        stage.history(mast.at((4.0, 5.0)))
+    alone = sc.Model({"mast": mast}, mast.dofs((4.0, 4.0)), gravity_acceleration=10.0)
+    settings = sc.Dynamic(0.01, points=[(4.0, 6.0)])
+    with pytest.raises(ValueError, match="there is no solid: give nodes of beams"):
+        alone.run([sc.Stage("push", duration=0.1, dynamic=settings)], **QUIET)
