@@ -18,12 +18,9 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from tqdm import tqdm
 
 from .units import unit_of
-
-with warnings.catch_warnings():  # a notebook without widgets has bars of text
-    warnings.filterwarnings("ignore", message="IProgress not found")
-    from tqdm.auto import tqdm
 
 logger = logging.getLogger("skfem_contact")
 #: Seconds between two lines of the log within a stage.
@@ -44,7 +41,16 @@ def progress_bar(show: bool | None, **options: Any) -> Any:
     """Return a bar of tqdm, by default shown in terminals and notebooks only."""
     if show is None:
         show = sys.stderr.isatty() or in_notebook()
-    return tqdm(disable=not show, **options)
+    kind = _notebook_bar() if show and in_notebook() else tqdm
+    return kind(disable=not show, **options)
+
+
+def _notebook_bar() -> Any:
+    """Return the class of bars in a notebook, whose import takes a while."""
+    with warnings.catch_warnings():  # a notebook without widgets has bars of text
+        warnings.filterwarnings("ignore", message="IProgress not found")
+        from tqdm.auto import tqdm
+    return tqdm
 
 
 class Bars:

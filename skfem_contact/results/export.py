@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy import ndarray
@@ -164,9 +164,9 @@ def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
         times = list(range(len(stages)))
     lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
     for time, stage, path in zip(times, stages, paths, strict=True):
-        name = quoteattr(stage.name)
-        part = quoteattr(path.name)
-        lines.append(f'    <DataSet timestep="{time:g}" name={name} file={part}/>')
+        name = escape(stage.name)
+        part = escape(path.name)
+        lines.append(f'    <DataSet timestep="{time:g}" name="{name}" file="{part}"/>')
     lines += ["  </Collection>", "</VTKFile>", ""]
     file.write_text("\n".join(lines), encoding="utf-8")
     return [file, *paths]

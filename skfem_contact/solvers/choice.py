@@ -130,4 +130,4 @@ def linear_solver(
     iterates = most > 0 and len(free) > FACTORED_ONCE
     if given or iterates or anywhere or len(interface) == 0:
         return inner
-    return SchurSolver(inner, locations, free, interface)
+    return SchurSolver(inner, locations, free, interface, solver)

@@ -63,6 +63,24 @@ class LinearSolver(Protocol):
         """Prepare the solution of K[free, free] x[free] = b[free] for any b (N,)."""
 
 
+class Condensed(Protocol):
+    """Interface of factors of a matrix that is condensed to its last m dofs.
+
+    Attributes
+    ----------
+    schur : ndarray, shape (m, m)
+        Schur complement of the last dofs.
+    """
+
+    schur: ndarray
+
+    def solve(self, b: ndarray, inside: bool, last: Callable[[ndarray], ndarray]) -> ndarray:
+        """Solve for b (n,); `last` returns the last dofs from their right-hand side.
+
+        Without `inside` the other entries of b are zero.
+        """
+
+
 class Engine(Protocol):
     """Interface of SuperLU and PARDISO: sparse factors without checks."""
 
@@ -78,6 +96,12 @@ class Engine(Protocol):
         self, A: csr_matrix, symmetric: bool, careful: bool = False
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
+
+    def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
+        """Condense A to its last m dofs; return None where this is not possible.
+
+        A dense factor of the last dofs may cost the share `most` of a sparse one.
+        """
 
 
 #: Ways to compute a factor: in single precision, in double precision, and with pivots chosen for

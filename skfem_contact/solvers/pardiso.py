@@ -13,16 +13,22 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix, eye
+from scipy.sparse import csr_matrix, eye, tril, triu
 
 from ..sparse import same_pattern, with_data
 from .threads import allowed
 
-UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
+UNSYMMETRIC, SYMMETRIC, POSITIVE = 11, -2, 2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
+FORWARD, BACKWARD = 331, 333  # parts of the solution
 OUT_OF_MEMORY = -2  # its error
 #: Own options, METIS, pivots above 1e-18, scaling, matching.
 OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}
+#: Of a matrix that is condensed: its number of operations is estimated, and the Schur complement
+#: is computed beside the factors. It needs neither scaling nor matching.
+CONDENSE = {11: 0, 13: 0, 19: -1, 36: 2}
+#: Unit of the estimated operations.
+MILLION = 1e6
 #: Entries up to which minimum degree replaces METIS: with 10,000 to 90,000 of plane bodies the
 #: analysis takes 13 to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30
 #: % more, with 130,000 in space 17 %.
@@ -32,6 +38,8 @@ FEW = 100_000
 #: process they take up to four times as long as one thread, since each waits for the other at every
 #: small block.
 MANY = 300_000
+#: Difference of both triangles, as a share of the largest entry, that is round-off.
+SAME = 1e-12
 SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
 
 
@@ -75,6 +83,13 @@ class Pardiso:
             return self._analysis.solve(b)
 
         return solve
+
+    def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
+        """Condense A to its last m dofs, within a share of a factor's operations.
+
+        Return None where that costs more, or A is not symmetric beside the last dofs.
+        """
+        return Condensed.of(A, m, most)
 
     def _prepare(self, A: csr_matrix, symmetric: bool, afresh: bool) -> None:
         """Factor A with the present analysis, or with a new one where it does not serve."""
@@ -163,6 +178,72 @@ class _Analysis:
         self._call(phase, self._values, self._rows, self._columns)
 
 
+class Condensed:
+    """Factors of a symmetric matrix whose last m dofs are not eliminated.
+
+    Attributes
+    ----------
+    schur : ndarray, shape (m, m)
+        Schur complement of the last dofs.
+    """
+
+    def __init__(self, A: csr_matrix, m: int) -> None:
+        n = A.shape[0]
+        upper = triu(A, format="csr")
+        self._m = m
+        self.schur = np.zeros((m, m))
+        self._values = upper.data
+        self._rows = upper.indptr.astype(np.int32) + 1
+        self._columns = upper.indices.astype(np.int32) + 1
+        self._call = _Call(_library(), POSITIVE, A.nnz, A.dtype == np.float32)
+        self._call.keep(np.arange(n) >= n - m)
+        self._run(ANALYSE)
+        release = weakref.finalize(
+            self, self._call, RELEASE, np.zeros(1), self._rows, self._columns
+        )
+        release.atexit = False
+
+    @classmethod
+    def of(cls, A: csr_matrix, m: int, most: float) -> Condensed | None:
+        """Return the condensed matrix, see :meth:`Pardiso.condensed`."""
+        # compare the operations, and both triangles of the rows that are eliminated
+        new = cls(A, m)
+        inner = A.shape[0] - m
+        difference = A[:inner] - A[:, :inner].T
+        largest = np.abs(A.data).max()
+        asymmetric = abs(difference).max() > SAME * largest
+        if asymmetric or m**3 > 3.0 * most * new._call.operations:
+            return None
+
+        # eliminate, and add the part of the last block that is not symmetric
+        try:
+            new._run(FACTOR, None, new.schur)
+        except RuntimeError:  # the eliminated block is not positive definite
+            return None
+        lower = tril(A[inner:, inner:], -1)
+        new.schur += (lower - triu(A[inner:, inner:], 1).T).toarray()
+        return new
+
+    def solve(self, b: ndarray, inside: bool, last: Callable[[ndarray], ndarray]) -> ndarray:
+        """Solve for b (n,); `last` returns the last dofs from their right-hand side.
+
+        Without `inside` the other entries of b are zero.
+        """
+        y = self._part(FORWARD, b) if inside else b.copy()
+        y[-self._m :] = last(y[-self._m :])
+        return self._part(BACKWARD, y)
+
+    def _part(self, phase: int, b: ndarray) -> ndarray:
+        """Return the result of a part of the solution."""
+        x = np.empty_like(b)
+        self._run(phase, b, x)
+        return x
+
+    def _run(self, phase: int, *vectors: ndarray | None) -> None:
+        """Run a phase."""
+        self._call(phase, self._values, self._rows, self._columns, *vectors)
+
+
 def _ones(A: csr_matrix) -> csr_matrix:
     """Return the pattern of A with entries one, so that sums keep the pattern."""
     return with_data(A, np.ones(A.nnz))
@@ -194,17 +275,38 @@ class _Call:
         # arguments that are the same in every call
         self._one = _integer(1)
         self._zero = _integer(0)
+        self._kept: ndarray | None = None
         self._type = _integer(kind)
         self._addresses = self._handle.ctypes.data, self._options.ctypes.data
 
+    def keep(self, kept: ndarray) -> None:
+        """Condense the matrix to the dofs of a mask."""
+        self._kept = kept.astype(np.int32)
+        for number, value in CONDENSE.items():
+            self._options[number - 1] = value
+
+    @property
+    def operations(self) -> float:
+        """Estimated number of operations of a factor that is condensed, after the analysis.
+
+        It is rounded up to millions.
+        """
+        return MILLION * float(self._options[18] + 1)
+
     def __call__(
-        self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray
+        self,
+        phase: int,
+        values: ndarray,
+        rows: ndarray,
+        columns: ndarray,
+        *vectors: ndarray | None,
     ) -> None:
         # Give the addresses of the arguments.
         one, zero, error = self._one, self._zero, _integer(0)
         handle, options = self._addresses
         matrix = [each.ctypes.data for each in (values, rows, columns)]
-        b, x = (each.ctypes.data for each in vectors) if vectors else (None, None)
+        b, x = [None if each is None else each.ctypes.data for each in vectors] or (None, None)
+        kept = self._zero if self._kept is None else self._kept.ctypes.data
         size = _integer(len(rows) - 1)
 
         # Use the threads of the analysis for this call alone.
@@ -217,7 +319,7 @@ class _Call:
             _integer(phase),
             size,
             *matrix,
-            zero,
+            kept,
             one,
             options,
             zero,

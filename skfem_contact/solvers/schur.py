@@ -1,9 +1,8 @@
 """Schur complement of an interface: elastic bodies in contact are factored once.
 
-The dofs of the contact surfaces are eliminated last. The trailing blocks of the factors are then
-the factors of the Schur complement S, the condensed stiffness of the interface. A tangent ``K + P
-dK P^T`` whose change dK lies on the interface costs two solutions with the old factors and a small
-dense system
+The dofs inside the bodies are eliminated, which leaves the Schur complement S of the contact
+surfaces, the condensed stiffness of the interface. A tangent ``K + P dK P^T`` whose change dK lies
+on the interface costs two solutions with the old factors and a small dense system
 
     z = K^-1 b,    (S + dK) x_S = S z_S,    x = K^-1 (b - P dK x_S).
 
@@ -21,11 +20,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import SuperLU, splu
 
 from ..sparse import FreeBlock, same_pattern
-from .direct import REFINE, LinearSolver, Solve
-from .superlu import nested_dissection
+from .direct import REFINE, SOFT, Condensed, Engine, LinearSolver, Solve, as_engine
 
 logger = logging.getLogger("skfem_contact")
 
@@ -33,19 +30,25 @@ logger = logging.getLogger("skfem_contact")
 _SHARE = 0.3
 _NOTHING = 1e-8  # relative size of the forces inside the bodies that round-off leaves of none
 _WRONG = 1e-6  # relative residual from which the solution is left to the other solver
-_SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left to it as well
 
 
 class SchurSolver:
     """Linear solver that keeps its factors while the tangent changes on an interface only.
 
-    Other tangents are solved by `solver`.
+    Other tangents are solved by `solver`. The engine computes the kept factors; by default the
+    fastest one that is installed.
     """
 
     def __init__(
-        self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray
+        self,
+        solver: LinearSolver,
+        locations: ndarray,
+        free: ndarray,
+        interface: ndarray,
+        engine: str | None = None,
     ) -> None:
         self._solver = solver
+        self._engine = as_engine(engine)
         self._locations = locations
         self._on_interface = np.zeros(locations.shape[1], bool)
         self._on_interface[np.intersect1d(interface, free)] = True
@@ -74,11 +77,11 @@ class SchurSolver:
                 return self._base.updated(K, change, other)
         self._base = None
 
-        # factor K to be kept from the second tangent on whose change lies on the interface
-        if self._worth and last is not None and self._change(K, last) is not None:
-            self._base = _Base.of(K, self._locations, self._free, self._on_interface)
+        # condense the first tangent, or one whose change lies on the interface
+        if self._worth and (last is None or self._change(K, last) is not None):
+            self._base = _Base.of(K, self._locations, self._free, self._on_interface, self._engine)
             if self._base is not None:
-                return self._base.updated(K, csr_matrix(K.shape), other)
+                return self._base.first(other)
             self._worth = False
         return other()
 
@@ -108,19 +111,19 @@ class SchurSolver:
 
 
 class _Base:
-    """Factors of one tangent with the m dofs of the interface eliminated last.
+    """Factors of one tangent that is condensed to the m dofs of the interface.
 
     Multipliers, which no element gives stiffness to, are left to the dense system: `apart`.
     """
 
     def __init__(
-        self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, lu: SuperLU, schur: ndarray
+        self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, condensed: Condensed
     ) -> None:
         self.K = K
         self._order = order
+        self._apart = apart
         self._m = m
-        self._lu = lu
-        self._schur = schur
+        self._condensed = condensed
         self._all = np.concatenate((order, apart))
         self._ends = np.concatenate((order[-m:], apart))  # dofs of the dense system
         self._added = K[self._ends][:, self._ends].toarray()
@@ -128,9 +131,14 @@ class _Base:
 
     @classmethod
     def of(
-        cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray
+        cls,
+        K: csr_matrix,
+        locations: ndarray,
+        free: ndarray,
+        on_interface: ndarray,
+        engine: Engine,
     ) -> _Base | None:
-        """Factor K; None where the interface is too large or pivots are too small."""
+        """Condense K; None where the interface is too large or pivots are too small."""
         # order the dofs: inner ones, then the interface; multipliers couple with no inner dof
         inner = free[~on_interface[free]]
         last = free[on_interface[free]]
@@ -140,29 +148,24 @@ class _Base:
         m = len(last)
         if m == 0 or len(inner) == 0:
             return None
-        dissected = inner[nested_dissection(K[inner][:, inner], locations[:, inner])]
-        order = np.concatenate((dissected, last))
+        inner = inner[engine.order(K[inner][:, inner], locations[:, inner])]
+        order = np.concatenate((inner, last))
 
-        # factor without pivoting
-        block = FreeBlock(order).gather(K)
-        try:
-            lu = splu(
-                block.tocsc(),
-                permc_spec="NATURAL",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError:  # an exact zero among the pivots
+        # eliminate the inner dofs
+        condensed = engine.condensed(FreeBlock(order).gather(K), m, _SHARE)
+        if condensed is None:
             return None
-        columns = np.diff(lu.L.indptr).astype(float)
-        too_large = m**3 > 3.0 * _SHARE * (columns**2).sum()
-        if too_large or not _unpivoted(lu, block):
-            return None
-        lower = lu.L.tocsc()[-m:, -m:]
-        upper = lu.U.tocsc()[-m:, -m:]
-        schur = (lower @ upper).toarray()
         logger.info("elastic bodies in contact: factored once, %d dofs on the interface", m)
-        return cls(K, order, apart, m, lu, schur)
+        return cls(K, order, apart, m, condensed)
+
+    def first(self, other: Callable[[], Solve]) -> Solve:
+        """Prepare solutions with the condensed tangent; `other` where a motion has no stiffness."""
+        solve = self.updated(self.K, csr_matrix(self.K.shape), other)
+        scale = np.abs(self.K.diagonal())
+        motion = np.random.default_rng(0).standard_normal(len(scale))
+        if np.abs(solve(scale * motion)).max() < 1.0 / SOFT:
+            return solve
+        return other()
 
     def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
         """Prepare solutions with the factored tangent plus `change`.
@@ -183,7 +186,7 @@ class _Base:
         live = np.flatnonzero(~single)
         alone = np.flatnonzero(single)
         total = delta[np.ix_(live, live)]
-        total[:m, :m] += self._schur
+        total[:m, :m] += self._condensed.schur
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", LinAlgWarning)
             dense = lu_factor(total, overwrite_a=True, check_finite=False)
@@ -192,16 +195,16 @@ class _Base:
 
         # eliminate the interior, solve on the interface, and insert
         def once(b: ndarray, inside: bool = True) -> ndarray:
-            rhs = b[order]
-            right = b[ends]
-            if inside:
-                right[:m] = self._schur @ self._lu.solve(rhs)[-m:]
-            right[live] = lu_solve(dense, right[live])
-            right[alone] /= delta[alone, alone]
-            rhs[-m:] -= delta[:m] @ right
             x = np.zeros_like(b)
-            x[ends] = right
-            x[order] = self._lu.solve(rhs)
+
+            def on_interface(load: ndarray) -> ndarray:
+                right = np.concatenate((load, b[self._apart]))
+                right[live] = lu_solve(dense, right[live])
+                right[alone] /= delta[alone, alone]
+                x[self._apart] = right[m:]
+                return right[:m]
+
+            x[order] = self._condensed.solve(b[order], inside, on_interface)
             return x
 
         def unbalanced(x: ndarray, b: ndarray) -> tuple[ndarray, float]:
@@ -224,11 +227,3 @@ class _Base:
             return other()(b, rtol)
 
         return solve
-
-
-def _unpivoted(lu: SuperLU, block: csr_matrix) -> bool:
-    """Return True if the factors have the order of the block and no pivots of round-off."""
-    identity = np.arange(block.shape[0])
-    kept = np.array_equal(lu.perm_r, identity) and np.array_equal(lu.perm_c, identity)
-    pivots = np.abs(lu.U.diagonal())
-    return kept and bool((pivots > _SINGULAR * np.abs(block.diagonal())).all())

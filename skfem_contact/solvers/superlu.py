@@ -9,8 +9,10 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csc_matrix, csr_array, csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow, structural_rank
+from scipy.sparse.linalg import SuperLU as Factors
 from scipy.sparse.linalg import splu
 
+TINY = 1e-13  # ratio of a pivot to its row's stiffness that is round-off
 DRIFT = 1.15  # growth of the factors from which the dofs are ordered anew
 COINCIDENT = 1e-9  # points closer than this part of the model's extent are one point
 LEAF = 8  # points in a part that is not cut any further
@@ -83,6 +85,69 @@ class SuperLU:
             self._fill = lu.nnz
             self._first_fill = self._first_fill or lu.nnz
         return lambda b: lu.solve(b, trans="T")  # type: ignore[call-overload]  # missing in the stubs
+
+    def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
+        """Condense A to its last m dofs, within a share of a factor's operations.
+
+        Return None where that costs more, or pivots are too small.
+        """
+        return Condensed.of(A, m, most)
+
+
+class Condensed:
+    """Factors of a matrix whose last m dofs are eliminated last.
+
+    The trailing blocks of the factors are the factors of the Schur complement.
+
+    Attributes
+    ----------
+    schur : ndarray, shape (m, m)
+        Schur complement of the last dofs.
+    """
+
+    def __init__(self, lu: Factors, m: int) -> None:
+        self._lu = lu
+        self._m = m
+        lower = lu.L.tocsc()[-m:, -m:]
+        upper = lu.U.tocsc()[-m:, -m:]
+        self.schur = (lower @ upper).toarray()
+
+    @classmethod
+    def of(cls, A: csr_matrix, m: int, most: float) -> Condensed | None:
+        """Return the condensed matrix, see :meth:`SuperLU.condensed`."""
+        try:
+            lu = splu(
+                A.tocsc(),
+                permc_spec="NATURAL",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:  # an exact zero among the pivots
+            return None
+        columns = np.diff(lu.L.indptr).astype(float)
+        too_large = m**3 > 3.0 * most * (columns**2).sum()
+        if too_large or not _unpivoted(lu, A):
+            return None
+        return cls(lu, m)
+
+    def solve(self, b: ndarray, inside: bool, last: Callable[[ndarray], ndarray]) -> ndarray:
+        """Solve for b (n,); `last` returns the last dofs from their right-hand side.
+
+        Without `inside` the other entries of b are zero.
+        """
+        m = self._m
+        load = self.schur @ self._lu.solve(b)[-m:] if inside else b[-m:]
+        right = b.copy()
+        right[-m:] += self.schur @ last(load) - load
+        return self._lu.solve(right)
+
+
+def _unpivoted(lu: Factors, A: csr_matrix) -> bool:
+    """Return True if the factors have the order of A and no pivots of round-off."""
+    identity = np.arange(A.shape[0])
+    kept = np.array_equal(lu.perm_r, identity) and np.array_equal(lu.perm_c, identity)
+    pivots = np.abs(lu.U.diagonal())
+    return kept and bool((pivots > TINY * np.abs(A.diagonal())).all())
 
 
 def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from contourpy import contour_generator
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import (
@@ -152,6 +151,8 @@ def level_set(
         raise ValueError(f"'{name}': a window has xmin < xmax and ymin < ymax, unlike {bounds}")
     if resolution < 2:
         raise ValueError(f"'{name}': the resolution must be at least 2, not {resolution}")
+    from contourpy import contour_generator  # few surfaces are curves of functions
+
     # trace the zero line on a grid
     X, Y = np.meshgrid(np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution))
     values = np.asarray(function(X, Y))

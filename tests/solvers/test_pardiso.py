@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_matrix, diags
+from scipy.sparse import block_diag, csr_matrix, diags, kronsum
 
 pardiso = pytest.importorskip("skfem_contact.solvers.pardiso")
 pytest.importorskip("pypardiso")
@@ -122,3 +122,42 @@ def test_library_is_found_without_a_search_of_all_directories():
         subprocess.run([sys.executable, "-c", script], env=given, capture_output=True).returncode
         != 0
     )
+
+
+def _grid(n):
+    """Symmetric, positive definite matrix of a square of n by n points."""
+    line = diags([-1.0, 2.1, -1.0], [-1, 0, 1], shape=(n, n))
+    return csr_matrix(kronsum(line, line, format="csr"))
+
+
+def test_condensed_matrix_is_that_of_dense_algebra():
+    """[X] Schur complement, unsymmetric in the last block, and solutions beside numpy."""
+    A = _grid(12)
+    n, m = A.shape[0], 15
+    last = np.random.default_rng(1).random((m, m))
+    A = csr_matrix(A + block_diag([csr_matrix((n - m, n - m)), csr_matrix(last)]))
+    condensed = pardiso.Pardiso().condensed(A, m, 1.0)
+    full = A.toarray()
+    inner, outer = slice(0, n - m), slice(n - m, n)
+    schur = full[outer, outer] - full[outer, inner] @ np.linalg.solve(
+        full[inner, inner], full[inner, outer]
+    )
+    np.testing.assert_allclose(condensed.schur, schur, atol=1e-13)
+    b = np.random.default_rng(2).random(n)
+    for inside in (True, False):
+        b[inner] *= inside
+        x = condensed.solve(b, inside, lambda load: np.linalg.solve(schur, load))
+        np.testing.assert_allclose(x, np.linalg.solve(full, b), atol=1e-12)
+
+
+def test_matrices_that_are_not_condensed():
+    """Neither an indefinite interior nor an unsymmetric one, nor a last block that is too large."""
+    A = _grid(12)
+    engine = pardiso.Pardiso()
+    assert engine.condensed(A, 15, 1.0) is not None
+    shift = diags([np.append(np.full(100, -9.0), np.zeros(44))], [0])
+    assert engine.condensed(csr_matrix(A + shift), 15, 1.0) is None
+    coupled = A.tolil()
+    coupled[3, 140] = 0.5
+    assert engine.condensed(csr_matrix(coupled), 15, 1.0) is None
+    assert engine.condensed(A, 15, 1e-9) is None

@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -130,7 +130,7 @@ def write(content: Content, path: str) -> None:
     data: dict[str, list[Integers]] = {}
     for name, group in content.groups.items():
         # meshio writes names as they are, which "&" and '"' in XML must not be
-        key = escape(name, {'"': "&quot;"})
+        key = escape(name)
         data[key] = []
         for kind, cells in blocks:
             mask = np.zeros(len(cells), dtype=np.int8)
