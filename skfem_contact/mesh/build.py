@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from skfem import Mesh
 
 from ..errors import warn
 from .boundaries import Boundaries, Sides
-from .content import FACES_OF_27, Content, middles_of, without_doubles
+from .content import FACES_OF_27, Content, cached, middles_of, without_doubles
 from .find_sides import named_sides, sides_between
 from .kinds import KINDS, Integers, from_vtk
 from .split import split as split_elements
@@ -149,8 +150,7 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
         cells = cells[:, from_vtk(cells.shape[1])]
     # Number the corners of elements in the order of the file; mostly these are all its nodes.
     corners = cells[:, : shape.corners].T
-    used = np.zeros(len(content.points), dtype=bool)
-    used[corners] = True
+    used = _used(corners, len(content.points))
     node = np.cumsum(used, dtype=np.int32) - 1
     if used.all():
         t = np.ascontiguousarray(corners, dtype=np.int32)
@@ -173,6 +173,14 @@ def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
     doflocs = np.zeros((shape.dim, straight.dofs.N))
     doflocs[:, numbers] = content.points[cells.T, : shape.dim].transpose(2, 0, 1)
     return replace(straight, doflocs=doflocs, validate=True), node
+
+
+def _used(corners: Integers, n_points: int) -> NDArray[np.bool_]:
+    """Return True for points that are corners of elements, (n_corners, n)."""
+    used = np.zeros(n_points, dtype=bool)
+    for piece in cached(corners.shape[1]):
+        used[corners[:, piece].astype(np.intp)] = True
+    return used
 
 
 def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Sides]:

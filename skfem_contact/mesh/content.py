@@ -12,6 +12,8 @@ from .kinds import KINDS, Floats, Integers
 
 #: Random odd number of 64 bits, which is added to nodes in the key of an element.
 _ODD = np.uint64(0x9E3779B97F4A7C15)
+#: Elements of a piece, the temporary arrays of which stay in the cache.
+_ROWS = 1 << 14
 #: Distance of a node in the middle from its regular position, over the size of the element, up to
 #: which the shape is the same: round-off of coordinates.
 _SAME = 1e-9
@@ -81,7 +83,7 @@ class Content:
     def check(self) -> None:
         """Refuse coordinates that are not finite, and nodes that do not exist."""
         for kind, cells in self.cells.items():
-            if len(cells) and (cells.min() < 0 or cells.max() >= len(self.points)):
+            if len(cells) and unsigned(cells).max() >= len(self.points):
                 raise ValueError(
                     f"a {kind} has the node {cells.max() + 1} of {len(self.points)}: the number is "
                     "out of bounds"
@@ -103,18 +105,32 @@ def side_kind(corners: int, dim: int) -> str:
     return "quad"
 
 
+def unsigned(numbers: Integers) -> Integers:
+    """Return a view of whole numbers in which negative ones are the largest."""
+    return numbers.view(f"{numbers.dtype.byteorder}u{numbers.itemsize}")
+
+
+def cached(count: int) -> Iterator[slice]:
+    """Yield pieces of so many elements, the temporary arrays of which stay in the cache."""
+    for start in range(0, count, _ROWS):
+        yield slice(start, start + _ROWS)
+
+
 def node_keys(cells: Integers) -> Any:
     """Return a key of every element, (n,): the same for the same nodes in any order.
 
     It is the product of its nodes, each plus a large odd number, modulo 2**64. Of 1e6 different
     elements two have the same key with a probability of 1e-7.
     """
-    keys = cells[:, 0].astype(np.uint64)
-    keys += _ODD
-    for nodes in cells.T[1:]:
-        factors = nodes.astype(np.uint64)
-        factors += _ODD
-        keys *= factors
+    keys = np.empty(len(cells), dtype=np.uint64)
+    for piece in cached(len(cells)):
+        product = keys[piece]
+        product[:] = cells[piece, 0]
+        product += _ODD
+        for nodes in cells[piece, 1:].T:
+            factors = nodes.astype(np.uint64)
+            factors += _ODD
+            product *= factors
     return keys
 
 
@@ -122,11 +138,11 @@ def without_doubles(content: Content, kind: str) -> None:
     """Leave out elements of a kind that are repeated with the same nodes, as in Gmsh's 2.2."""
     cells = content.cells[kind]
     keys = node_keys(cells)
-    ordered = np.sort(keys)
-    if not (ordered[1:] == ordered[:-1]).any():
+    keys.sort()
+    if not (keys[1:] == keys[:-1]).any():
         return
     # Keep the first of each, and number the members of groups anew.
-    _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+    _, first, same = np.unique(node_keys(cells), return_index=True, return_inverse=True)
     kept = np.sort(first)
     number = np.searchsorted(kept, first)[same.ravel()]
     content.cells[kind] = cells[kept]
@@ -253,17 +269,31 @@ def members_by_tag(tags: Integers) -> dict[int, Integers]:
     """Return the ascending positions of every number among tags, by ascending numbers."""
     if len(tags) == 0:
         return {}
-    # Small numbers are sorted by digits.
-    low = int(tags.min())
-    span = int(tags.max()) - low
-    small = np.empty(len(tags), np.min_scalar_type(span))
-    np.subtract(tags, low, out=small, casting="unsafe")
-    order = np.argsort(small, kind="stable").astype(np.int32)
-    # Cut the order where the next number begins.
+    # Sort runs of the same number by it, small numbers by digits.
+    first = _begins(tags)
+    of_run = tags[first]
+    low = int(of_run.min())
+    span = int(of_run.max()) - low
+    small = np.empty(len(of_run), np.min_scalar_type(span))
+    np.subtract(of_run, low, out=small, casting="unsafe")
+    order = np.argsort(small, kind="stable")
+    # Put the positions of the runs behind each other.
+    count = np.diff(first, append=len(tags))[order]
+    begin = np.cumsum(count) - count
+    positions = np.repeat((first[order] - begin).astype(np.int32), count)
+    for piece in cached(len(tags)):
+        stop = min(piece.stop, len(tags))
+        positions[piece] += np.arange(piece.start, stop, dtype=np.int32)
+    # Cut them where the next number begins.
     ordered = small[order]
-    begins = np.flatnonzero(ordered[1:] != ordered[:-1]) + 1
-    parts = np.split(order, begins)
-    return {int(ordered[start]) + low: part for start, part in zip((0, *begins), parts)}
+    begins = _begins(ordered)
+    parts = np.split(positions, begin[begins[1:]])
+    return {int(ordered[start]) + low: part for start, part in zip(begins, parts)}
+
+
+def _begins(numbers: Integers) -> Integers:
+    """Return the positions at which runs of the same number begin."""
+    return np.append(0, np.flatnonzero(numbers[1:] != numbers[:-1]) + 1)
 
 
 def middles_of(x: Floats, kind: str) -> Floats:

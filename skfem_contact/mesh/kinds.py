@@ -98,6 +98,28 @@ KINDS = {
     ),
 }
 
+#: Numbers of nodes of the kinds.
+N_NODES = {
+    "vertex": 1,
+    "line": 2,
+    "line3": 3,
+    "triangle": 3,
+    "triangle6": 6,
+    "quad": 4,
+    "quad8": 8,
+    "quad9": 9,
+    "tetra": 4,
+    "tetra10": 10,
+    "pyramid": 5,
+    "pyramid13": 13,
+    "pyramid14": 14,
+    "wedge": 6,
+    "wedge15": 15,
+    "wedge18": 18,
+    "hexahedron": 8,
+    "hexahedron20": 20,
+    "hexahedron27": 27,
+}
 #: Kinds by the dimension of the element and its number of nodes.
 BY_NODES = {
     (1, 2): "line",

@@ -12,14 +12,14 @@ from importlib.util import find_spec
 import meshio
 import numpy as np
 import pytest
-from skfem import Basis, FacetBasis, MeshHex, MeshQuad
+from skfem import Basis, FacetBasis, MeshHex, MeshQuad, MeshTet
 
 import skfem_contact as sc
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
 from skfem_contact.mesh.formats import abaqus, kratos, med, nastran
 from skfem_contact.mesh.formats import gmsh as own_gmsh
 from skfem_contact.mesh.formats.abaqus import _kind_of
-from skfem_contact.mesh.kinds import BY_NODES, KINDS, signed_size
+from skfem_contact.mesh.kinds import BY_NODES, KINDS, N_NODES, signed_size
 
 FILE = resources.files("skfem_contact") / "data" / "culvert.msh"
 gmsh = pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
@@ -452,11 +452,8 @@ def test_mixed_triangles_and_quadrilaterals_are_split(tmp_path, model, order):
         assert side_of(mesh, name) == pytest.approx(size, rel=1e-12)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_random_grids_are_split_into_conforming_tetrahedra(tmp_path, order):
+def test_random_grids_are_split_into_conforming_tetrahedra(tmp_path):
     """[X] A grid of hexahedra numbered at random: volume, and the area of the outside."""
-    if order == 2:
-        return
     line = np.linspace(0, 1, 4)
     from skfem import MeshHex1
 
@@ -662,6 +659,57 @@ def test_second_order_of_gmsh_in_bulk_data(tmp_path, model):
     (tmp_path / "bulk.bdf").write_text(text)
     with pytest.warns(sc.AnalysisWarning, match=r"left out of the mesh.* elements CQUAD9"):
         assert load_mesh(file).boundaries is None
+
+
+@pytest.mark.parametrize("dtype", ["<i4", "<i8", ">i4", ">i8"])
+@pytest.mark.parametrize("compression", [None, "gzip"])
+def test_med_files_store_numbers_in_several_ways(tmp_path, dtype, compression):
+    """[X] The same mesh from data sets of 4 and 8 bytes, of either order, whole and compressed."""
+    h5py = pytest.importorskip("h5py")
+    cube = MeshTet().refined(2)
+    top = cube.facets_satisfying(lambda x: x[2] == 1.0)
+    west = cube.elements_satisfying(lambda x: x[0] < 0.5)
+    cube = cube.with_subdomains({"west": west}).with_boundaries({"top": top})
+    path = tmp_path / "cube.med"
+    save_mesh(cube, path)
+    first = load_mesh(path)
+    with h5py.File(path, "r+") as file:
+        (step,) = file["ENS_MAA/mesh"].values()
+        for name in ("MAI/TE4/NOD", "MAI/TE4/FAM", "MAI/TR3/NOD", "MAI/TR3/FAM"):
+            values = step[name][()].astype(dtype)
+            number = step[name].attrs["NBR"]
+            del step[name]
+            step.create_dataset(name, data=values, compression=compression).attrs["NBR"] = number
+    mesh = load_mesh(path)
+    np.testing.assert_array_equal(mesh.t, first.t)
+    np.testing.assert_array_equal(np.sort(mesh.t, axis=0), np.sort(cube.t, axis=0))
+    np.testing.assert_array_equal(mesh.p, cube.p)
+    np.testing.assert_array_equal(mesh.subdomains["west"], np.sort(west))
+    np.testing.assert_array_equal(np.sort(mesh.boundaries["top"]), np.sort(top))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (np.full(4, 9), "tetra has the node 9 of 4: the number is out of bounds"),
+        (np.array([1, 2, 3, 0]), "out of bounds"),
+        (np.array([1, 2, 3, 2**40]), "tetra has a node whose number is out of bounds"),
+        (np.array([1.0, 2.0, 3.0, 4.0]), "the nodes of a tetra are no whole numbers"),
+        (np.array([1, 2, 3]), "3 numbers of nodes for 1 tetra, which have 4 each"),
+        (np.array([1, 2, 3, 4, 1]), "5 numbers of nodes for 1 tetra, which have 4 each"),
+    ],
+)
+def test_med_files_with_wrong_nodes(tmp_path, values, message):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "one.med"
+    save_mesh(MeshTet.init_tensor(*[[0.0, 1.0]] * 3), path)
+    with h5py.File(path, "r+") as file:
+        (step,) = file["ENS_MAA/mesh"].values()
+        del step["MAI/TE4/NOD"], step["MAI/TE4/FAM"], step["NOE/COO"]
+        step["NOE/COO"] = np.eye(3, 4).ravel()
+        step["MAI/TE4"].create_dataset("NOD", data=values).attrs["NBR"] = 1
+    with pytest.raises(ValueError, match=rf"one.med: .*{message}"):
+        load_mesh(path)
 
 
 @pytest.mark.parametrize("end", [".vtu", ".msh", ".med"])
@@ -979,7 +1027,7 @@ def test_kinds_of_gmsh_are_those_of_its_library(model):
     for number, kind in own_gmsh._KINDS.items():
         _, dim, order, nodes, _, corners = model.model.mesh.getElementProperties(number)
         shape = KINDS[kind]
-        assert own_gmsh._NODES[kind] == nodes
+        assert N_NODES[kind] == nodes
         assert (shape.dim, shape.corners) == (dim, corners)
         assert shape.order == max(order, 1)  # of a point Gmsh has 0
 
@@ -988,7 +1036,7 @@ def test_kinds_of_gmsh_are_those_of_its_library(model):
 def test_orders_of_nodes_have_each_node_once(reader):
     """[X] They are permutations whose corners come first."""
     for kind, order in reader._ORDER.items():
-        assert sorted(order) == list(range(own_gmsh._NODES[kind]))
+        assert sorted(order) == list(range(N_NODES[kind]))
         assert order[: KINDS[kind].corners] == list(range(KINDS[kind].corners))
 
 
@@ -1023,7 +1071,7 @@ def test_middles_of_edges_of_gmsh_lie_on_the_edges_of_vtk(model):
 def test_cards_of_nastran_have_the_nodes_of_their_kinds():
     """[X] Every number of nodes that a card may have."""
     for counts in nastran._CARDS.values():
-        assert counts == {own_gmsh._NODES[kind]: kind for kind in counts.values()}
+        assert counts == {N_NODES[kind]: kind for kind in counts.values()}
 
 
 @pytest.mark.parametrize("kind", abaqus._FACES)

@@ -25,7 +25,7 @@ from ..content import (
     to_vtk,
     whole,
 )
-from ..kinds import KINDS, Floats, Integers
+from ..kinds import KINDS, N_NODES, Floats, Integers
 from .scikit_fem import add_encoded
 
 #: Kinds of elements by their numbers in the file.
@@ -49,28 +49,6 @@ _KINDS = {
     17: "hexahedron20",
     18: "wedge15",
     19: "pyramid13",
-}
-#: Numbers of nodes of these kinds.
-_NODES = {
-    "vertex": 1,
-    "line": 2,
-    "line3": 3,
-    "triangle": 3,
-    "triangle6": 6,
-    "quad": 4,
-    "quad8": 8,
-    "quad9": 9,
-    "tetra": 4,
-    "tetra10": 10,
-    "pyramid": 5,
-    "pyramid13": 13,
-    "pyramid14": 14,
-    "wedge": 6,
-    "wedge15": 15,
-    "wedge18": 18,
-    "hexahedron": 8,
-    "hexahedron20": 20,
-    "hexahedron27": 27,
 }
 #: Gmsh's nodes in the order of VTK, where the two differ (section "Node ordering" of the manual).
 _ORDER = {
@@ -246,7 +224,7 @@ def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
         kind = _kind(int(head[0]))
         many = check_count(int(head[1]), section.size, "elements")
         n_tags = check_count(int(head[2]), section.size, "tags")
-        width = 1 + n_tags + _NODES[kind]
+        width = 1 + n_tags + N_NODES[kind]
         # Read the blocks that follow with the same head at once
         length = 3 + many * width
         longest = min((len(numbers) - position) // length, (count - done) // max(many, 1))
@@ -273,7 +251,7 @@ def _lines_22(numbers: Integers, count: int) -> list[_Blocks]:
             raise ValueError("it is not complete: the section of elements ends too early")
         kind = _kind(int(numbers[position + 1]))
         n_tags = int(numbers[position + 2])
-        width = 3 + n_tags + _NODES[kind]
+        width = 3 + n_tags + N_NODES[kind]
         # Count the rows that follow with the same kind and number of tags
         longest = min((len(numbers) - position) // width, count - done)
         table = numbers[position : position + longest * width].reshape(-1, width)
@@ -313,7 +291,7 @@ def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) 
         dim, entity, number = section.ints(3).tolist()
         many = section.size_of("elements")
         kind = _kind(number)
-        table = section.sizes(many * (1 + _NODES[kind])).reshape(many, -1)
+        table = section.sizes(many * (1 + N_NODES[kind])).reshape(many, -1)
         tags = groups.get((dim, entity), np.zeros(0, int))
         blocks.append(_Blocks(kind, compact(table)[:, 1:], tuple(tags.tolist())))
     return blocks

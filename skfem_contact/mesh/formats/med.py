@@ -5,18 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...checks import look_up
 from ..content import (
     Content,
     check_names,
     combinations,
-    compact,
     from_vtk,
     members_by_tag,
     to_vtk,
+    unsigned,
 )
-from ..kinds import KINDS
+from ..kinds import KINDS, N_NODES, Integers
 
 #: Kinds of elements by their names in the file.
 _KINDS = {
@@ -57,6 +58,9 @@ _SHAPES = {
 }
 #: Steps of a mesh that does not move in time, and length of names.
 _NO_STEP = -1
+#: Numbers of a piece that stays in the cache, and the largest number of a node.
+_PIECE = 1 << 15
+_MOST = 2**31 - 1
 _LENGTH = 80
 
 
@@ -78,7 +82,7 @@ def read(path: str, name: str | None = None) -> Content:
         # Take the first step of it that has nodes and elements.
         for step in (mesh, *mesh.values()):
             if "NOE" in step and "MAI" in step:
-                return _content(step, int(mesh.attrs["ESP"]), families)
+                return _content(step, int(mesh.attrs["ESP"]), families, np.memmap(path, mode="r"))
         raise ValueError(f"the mesh '{chosen}' has no nodes or no elements")
 
 
@@ -97,29 +101,33 @@ def _chosen(file: Any, name: str | None) -> str:
     return str(meshes[0])
 
 
-def _content(step: Any, dim: int, families: Any) -> Content:
-    """Read nodes and elements, which are stored component by component."""
+def _content(step: Any, dim: int, families: Any, octets: NDArray[np.uint8]) -> Content:
+    """Read nodes and elements, which are stored component by component.
+
+    The octets are all of the file.
+    """
     # Read the nodes.
-    points = np.asarray(step["NOE"]["COO"]).reshape(dim, -1).T
-    content = Content(np.pad(points, ((0, 0), (0, 3 - dim))), {})
-    names = _names(families.get("ELEME", {}))
+    coordinates = np.array(_values(step["NOE"]["COO"], octets)).reshape(dim, -1)
+    if dim < 3:
+        coordinates = np.pad(coordinates, ((0, 3 - dim), (0, 0)))
+    content = Content(coordinates.T, {})
+    names = _names(families.get("ELEME", {}), octets)
     # Read the elements, with the groups of their families.
     for word, block in step["MAI"].items():
         if word not in _KINDS:
             raise ValueError(f"it has elements of type {word}, which are not read")
         kind = _KINDS[word]
         count = int(block["NOD"].attrs["NBR"])
-        nodes = compact(block["NOD"][()]).reshape(-1, count).T
-        nodes -= 1
+        nodes = _nodes(_values(block["NOD"], octets), kind, count)
         content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
         if "FAM" in block:
-            for number, members in members_by_tag(block["FAM"][()]).items():
+            for number, members in members_by_tag(_values(block["FAM"], octets)).items():
                 for name in names.get(number, ()):
                     content.add(name, kind, members)
     # Read the groups of nodes.
     if "FAM" in step["NOE"]:
-        family = np.asarray(step["NOE"]["FAM"])
-        for number, group in _names(families.get("NOEUD", {})).items():
+        family = _values(step["NOE"]["FAM"], octets)
+        for number, group in _names(families.get("NOEUD", {}), octets).items():
             for name in group:
                 known = content.node_groups.get(name, np.zeros(0, int))
                 found = np.flatnonzero(family == number)
@@ -129,6 +137,37 @@ def _content(step: Any, dim: int, families: Any) -> Content:
     return content
 
 
+def _values(data: Any, octets: NDArray[np.uint8]) -> Any:
+    """Return the values of a data set, without a copy where the file has them as they are."""
+    offset = data.id.get_offset()
+    if offset is None or data.file.userblock_size or data.dtype.hasobject:
+        return data[()]
+    size = data.size * data.dtype.itemsize
+    if offset + size > len(octets):
+        raise ValueError("it is not complete: a data set ends behind the file")
+    return np.ndarray(data.shape, data.dtype, octets[offset : offset + size])
+
+
+def _nodes(numbers: Integers, kind: str, count: int) -> Integers:
+    """Return the nodes of elements, (count, n_nodes), from zero on, with four bytes each."""
+    # Refuse other numbers than nodes of so many elements.
+    if numbers.dtype.kind not in "iu":
+        raise ValueError(f"the nodes of a {kind} are no whole numbers")
+    if len(numbers) != count * N_NODES[kind]:
+        raise ValueError(
+            f"it has {len(numbers)} numbers of nodes for {count} {kind}, which have "
+            f"{N_NODES[kind]} each"
+        )
+    # The file has the first nodes of all elements, then the second ones, and so on.
+    nodes = np.empty(len(numbers), dtype=np.int32)
+    for start in range(0, len(numbers), _PIECE):
+        piece = numbers[start : start + _PIECE]
+        if unsigned(piece).max() > _MOST:
+            raise ValueError(f"a {kind} has a node whose number is out of bounds")
+        np.subtract(piece, 1, out=nodes[start : start + _PIECE], casting="unsafe")
+    return nodes.reshape(N_NODES[kind], count).T
+
+
 def _drop_repeated(content: Content) -> None:
     """Drop node groups whose name elements have as well."""
     for name in list(content.node_groups):
@@ -136,14 +175,15 @@ def _drop_repeated(content: Content) -> None:
             del content.node_groups[name]
 
 
-def _names(families: Any) -> dict[int, list[str]]:
+def _names(families: Any, octets: NDArray[np.uint8]) -> dict[int, list[str]]:
     """Return the names of the groups of every family by its number."""
     found = {}
     for family in families.values():
         number = int(family.attrs["NUM"])
-        if "GRO" in family:
-            letters = family["GRO"]["NOM"][()]
-            texts = [row.astype(np.int8).tobytes().rstrip(b"\0 ") for row in letters]
+        letters = family.get("GRO/NOM")
+        if letters is not None:
+            lines = _values(letters, octets)
+            texts = [line.astype(np.int8).tobytes().rstrip(b"\0 ") for line in lines]
             found[number] = [text.decode("utf-8", "replace") for text in texts]
     return found
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..content import Content, check_names
+from ..content import Content, check_names, compact
 from ..kinds import KINDS, Integers
 from .scikit_fem import add_encoded
 
@@ -43,7 +43,7 @@ def read(path: str) -> Content:
             raise ValueError(f"it has cells of type {block.type}, which are not read")
         known = content.cells.get(block.type)
         first = 0 if known is None else len(known)
-        cells = np.asarray(block.data, dtype=int)
+        cells = compact(np.asarray(block.data, dtype=int))
         content.cells[block.type] = cells if known is None else np.concatenate((known, cells))
         blocks.append((block.type, first + np.arange(len(cells))))
     _check_complete(path, sum(len(members) for _, members in blocks))
