@@ -49,6 +49,7 @@ from .mesh import join_bodies, load_mesh, save_mesh
 from .model import Model
 from .nonlinear.newton import Newton
 from .results import Cuts, load_result
+from .stages.new_meshes import Remeshing
 from .stages.remeshing import remeshed
 from .stages.stage import Stage
 from .surfaces import rigid
@@ -100,6 +101,7 @@ __all__ = [
     "Rayleigh",
     "Record",
     "Reinforcement",
+    "Remeshing",
     "Response",
     "RigidBoundary",
     "RotationSpring",

@@ -13,8 +13,7 @@ from .limit_analysis import Bounds, bounds
 from .limit_analysis.model import TractionLike
 from .solvers import single_threaded
 from .stages import buckling as buckles
-from .stages import initial, vibrations
-from .stages import run as running
+from .stages import initial, new_meshes, vibrations
 from .stages.setup import Setup
 from .stages.stage import AtRest
 
@@ -87,7 +86,7 @@ class Model(Setup):
     initial_state = initial.initial_state
     k0_state = initial.k0_state
     gravity_state = single_threaded(initial.gravity_state)
-    run = single_threaded(running.run)
+    run = single_threaded(new_meshes.run)
     modes = single_threaded(vibrations.modes)
     frequencies = single_threaded(vibrations.frequencies)
     buckling = single_threaded(buckles.buckling)

@@ -1,16 +1,19 @@
 r"""
-A pipe pushed into clay, with new meshes
-========================================
+Pipes pushed into clay, with new meshes
+=======================================
 
-A smooth pipe of diameter D is pushed into weightless clay of the undrained strength :math:`s_u`,
-by half of its diameter or more. The clay flows round the pipe and heaves beside it. Its elements
-become too long before, so that the body gets new ones at each tenth of the diameter.
+A smooth and a rough pipe of diameter D are pushed into weightless clay of the undrained strength
+:math:`s_u`, by half of their diameter or more. The clay flows round the pipe and heaves beside it.
+Its elements become too long before, so that the body gets new ones at each tenth of the diameter.
 
-Merifield, White and Randolph (2009) fitted finite element analyses of large strains with
+Merifield, White and Randolph (2009) fitted finite element analyses of large strains of a smooth
+pipe with
 
 .. math::
 
     \frac{V}{D s_u} = 5.3 \left(\frac{w}{D}\right)^{0.25} .
+
+The force of the rough pipe is compared with proven bounds of the limit load of the deformed ground.
 """
 
 import json
@@ -19,16 +22,18 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
+from skfem import Basis, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
 D, su = 1.0, 1.0
-h = 0.08 * D  # elements near the pipe
+h = 0.06 * D  # elements near the pipe
 numbers = [float(given) for given in sys.argv[1:] if not given.startswith("-")]
 depth = numbers[0] if numbers else 0.5  # 1.0 takes twice as long
+full = "--full" in sys.argv
 wide, deep = 5.0 * D, 4.0 * D
+WAY = 0.02 * D  # of a stage
 
 
 def size(x):
@@ -41,35 +46,34 @@ def size(x):
 # The pipe is a rigid circle that stays; the bottom of the clay moves up. A penalty of 5000 su / D
 # lets the clay penetrate by a thousandth of the diameter. The default one follows the stiffness of
 # nearly incompressible clay, and is so hard that points go on and off in each iteration.
+#
+# Clay on a rough pipe slides where the shear reaches its strength, whatever the pressure, and holds
+# no tension. Points that open and close again adhere again: ``heals=True``.
+
+LAWS = {"smooth": sc.Coulomb(), "rough": sc.Coulomb(adhesion=su, heals=True)}
 
 
-def model_of(mesh):
-    """Return basis and model of the right half of the clay."""
+def model_of(mesh, law):
+    """Return the model of the right half of the clay."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
     clay = sc.Tresca(E=500.0 * su, nu=0.49, c=su)
     circle = sc.rigid.circle((0.0, D / 2), D / 2)
     forms = {
         "clay": sc.SolidForm(basis, clay, kinematics="finite"),
-        "pipe": sc.ContactPair(basis, "top", circle, sc.Coulomb(), 3, 5000.0 * su / D),
+        "pipe": sc.ContactPair(basis, "top", circle, law, 3, 5000.0 * su / D),
     }
     sides = [basis.get_dofs(name).all("u^1") for name in ("left", "right")]
-    return basis, sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
+    return sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
 
 
-def pushed(basis, ways):
-    """Return stages by which the bottom has moved up since the mesh was made."""
-    bottom = basis.get_dofs("bottom").all("u^2")
-    stages = []
-    for way in ways:
-        u = basis.zeros()
-        u[bottom] = way
-        stages.append(sc.Stage(f"{way:.3f} on", prescribed=u))
-    return stages
+def bottom_of(forms):
+    """Return the vertical dofs of the bottom."""
+    return forms["clay"].basis.get_dofs("bottom").all("u^2")
 
 
 # %%
-# The first mesh is that of a block at rest. Each further one begins with the stresses and the
-# contact of the last one, and finds equilibrium in its first stage.
+# The stages give the way of the bottom on the first mesh. ``remesh=`` makes a new one after every
+# fifth stage, and the run goes on with the stresses and the contact of the last mesh.
 
 block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5)).to_meshtri()
 block = block.with_boundaries(
@@ -80,67 +84,121 @@ block = block.with_boundaries(
         "top": lambda x: x[1] > -1e-9,
     }
 )
+at_rest = model_of(block, LAWS["smooth"]).run([sc.Stage("at rest")])[-1]
+fine = sc.remeshed(at_rest, size).mesh
+
+
+def pushed(law):
+    """Return the stages of a pipe: a mesh of its own for each tenth of the diameter."""
+    model = model_of(fine, law)
+    stages = []
+    for k in range(1, round(depth * D / WAY) + 1):
+        u = np.zeros(model.layout.size)
+        u[bottom_of(model.forms)] = k * WAY
+        stages.append(sc.Stage(f"w = {k * WAY:.2f}", prescribed=u))
+    new_meshes = sc.Remeshing(lambda mesh: model_of(mesh, law), size, every=5)
+    return model.run(stages, remesh=new_meshes)
+
+
 began = process_time()
-basis, model = model_of(block)
-stage = model.run([sc.Stage("at rest")])[-1]
-w, V, lost, making = [0.0], [0.0], [], 0.0
-iterations = 0
-for _ in range(round(10 * depth)):
-    making -= process_time()
-    new = sc.remeshed(stage, size)
-    basis, model = model_of(new.mesh)
-    start = new.start(model)
-    making += process_time()
-    lost.append(new.loss(start)["lost"][:2])
-    result = model.run(pushed(basis, D * np.arange(1, 6) / 50), start=start)
-    for stage in list(result)[1:]:
-        w.append(w[-1] + D / 50)
-        V.append(2.0 * stage.reactions()[basis.get_dofs("bottom").all("u^2")].sum())
-        iterations += sum(stage.iterations)
+results = {name: pushed(law) for name, law in LAWS.items()}
 seconds = process_time() - began
-w, V = np.array(w), np.array(V)
+
+
+# %%
+# The proven bounds belong to the ground as it is deformed: triangles of the clay, and of a rigid
+# pipe that its weight presses on the facets that touch.
+
+
+def bounds_of(stage):
+    """Return lower and upper bound of the force of a rough pipe in the ground of a stage."""
+    clay = sc.remeshed(stage, size, order=1).mesh
+    centre = np.array([0.0, D / 2])
+    on_pipe = np.abs(np.hypot(*(clay.p - centre[:, None])) - D / 2) < 0.1 * h
+    top = clay.boundaries["top"]
+    touching = top[on_pipe[clay.facets[:, top]].all(axis=0)]
+    nodes = np.unique(clay.facets[:, touching])
+    nodes = nodes[np.argsort(clay.p[0, nodes] / (D - clay.p[1, nodes]))]
+
+    # A fan of triangles from the centre is the pipe
+    n = np.arange(1, len(nodes))
+    fan = MeshTri(np.column_stack([centre, clay.p[:, nodes]]), np.array([0 * n, n, n + 1]))
+    fan = fan.with_boundaries(
+        {"skin": fan.facets_satisfying(lambda x: np.hypot(x[0], x[1] - D / 2) > 0.4 * D)}
+    ).with_boundaries({"axis": lambda x: x[0] < 1e-9})
+    clay = MeshTri(clay.p, clay.t).with_boundaries({**clay.boundaries, "skin": touching})
+    mesh = sc.join_bodies({"clay": clay, "pipe": fan})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.Tresca(E=500.0 * su, nu=0.49, c=su)
+    stiff = sc.LinearElastic(E=1e6 * su, nu=0.2)
+    forms = {
+        "bodies": sc.SolidForm(basis, {"clay": soil, "pipe": stiff}),
+        "joint": sc.ContactPair(basis, "clay:skin", "pipe:skin", sc.Coulomb(adhesion=su)),
+    }
+    sides = [basis.get_dofs(name).all("u^1") for name in ("clay:left", "clay:right", "pipe:axis")]
+    fixed = np.concatenate([basis.get_dofs("clay:bottom").all(), *sides])
+    found = sc.Model(forms, fixed).bounds(
+        {"clay": 0.0, "pipe": 1.0}, live="weight", gap=0.05, elements=3000
+    )
+    area = basis.with_elements("pipe").dx.sum()
+    return 2.0 * area * np.array([found.lower, found.upper])
+
 
 fig, ax = plt.subplots()
-fine = np.linspace(0.0, depth, 100)
-ax.plot(fine, 5.3 * fine**0.25, "k-", lw=0.8, label="Merifield et al. 2009")
-ax.plot(w / D, V / (D * su), "o-", ms=3, label="computed")
+w = np.linspace(0.0, depth, 100) * D
+ax.plot(w, 5.3 * w**0.25, "k-", lw=0.8, label="smooth, Merifield et al. 2009")
+ax.plot(w, 7.4 * w**0.4, "k--", lw=0.8, label=r"7.4 $(w / D)^{0.4}$")
+rows = []
+errors = {}
+for name, result in results.items():
+    stages = [stage for stage in result if stage.name.startswith("w")]
+    w = WAY * np.arange(1, len(stages) + 1)
+    V = np.array([2.0 * stage.reactions()[bottom_of(stage.forms)].sum() for stage in stages])
+    ax.plot(w / D, V / (D * su), "o-", ms=3, label=f"{name}, computed")
+    tenths = np.arange(4, len(stages), 5)
+    if name == "smooth":
+        reference = 5.3 * (w[tenths] / D) ** 0.25 * D * su
+    else:
+        # The last tenth alone by default: bounds take a quarter of the time of a mesh
+        tenths = tenths if full else tenths[-1:]
+        limits = np.array([bounds_of(stages[k]) for k in tenths])
+        ax.vlines(w[tenths] / D, *limits.T, lw=6, alpha=0.3, label="rough, proven bounds")
+        reference = limits.mean(axis=1)
+        # A rough strip on the chord, in ground without heave, is a lower bound as well
+        shallow = slice(4, round(0.5 * D / WAY))
+        chord = 2.0 * np.sqrt(w * (D - w))[shallow]
+        assert (V[shallow] > (2.0 + np.pi) * su * chord).all()
+    errors[name] = V[tenths] / reference - 1.0
+    for at, force, error in zip(w[tenths], V[tenths], errors[name]):
+        print(f"{name}, w / D = {at:.1f}: V / (D su) = {force:.3f}, {error:+.1%} off")
+    lost = np.max([s.series["loss"] for s in result if s.name.startswith("mesh")], axis=0)
+    print(f"{name}: largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
+    rows.append(
+        {
+            "method": f"T6, new meshes, {name}",
+            "n": int(stages[-1].forms["clay"].basis.nelems),
+            "unknowns": int(stages[-1].forms["clay"].basis.N),
+            "error": float(np.abs(errors[name]).max()),
+            "cpu_s": seconds / 2,
+            "iterations": sum(sum(stage.iterations) for stage in stages),
+        }
+    )
+    assert lost[0] < 2e-4
+    assert lost[1] < 1e-3
 ax.set_xlabel("penetration w / D")
 ax.set_ylabel("V / (D su)")
 ax.legend()
 plt.show()
 
 # %%
-# The clay beside the pipe, with its last elements. Where a new mesh begins the force falls by a
-# twentieth: interpolated stresses are out of balance until the clay flows on.
+# With ``--full`` and to w = D the force of the rough pipe is within 2.4 % of the middle of its
+# bounds at each tenth. The fit 7.4 (w / D)\ :sup:`0.4`, often quoted for rough pipes, is a tenth
+# below the lower bound at .1 D: it is even below the force of a rough strip on the chord, in ground
+# without heave, 2.95 for 3.08. At .7 D it is 8 % above the upper bound, where the trench that the
+# pipe leaves stays open.
 
-plot.contour(stage, "mises")
+plot.contour(results["rough"][-1], "mises")
 
-tenths = np.arange(5, len(w), 5)
-errors = V[tenths] / (5.3 * (w[tenths] / D) ** 0.25 * D * su) - 1.0
-for at, force, error in zip(w[tenths], V[tenths], errors):
-    print(f"w / D = {at:.1f}: V / (D su) = {force:.3f}, {error:+.1%} off")
-volume, strength = np.max(lost, axis=0)
-print(f"largest loss at a new mesh: volume {volume:.1e}, stress {strength:.1e}")
-print(f"new meshes and states take {making / seconds:.1%} of the time")
-assert np.abs(errors).max() < 0.04
-assert volume < 2e-4
-assert strength < 1e-3
-if "--full" in sys.argv:
-    assert making < 0.1 * seconds
-print(
-    json.dumps(
-        {
-            "case": "pipe_in_clay",
-            "rows": [
-                {
-                    "method": "T6, new meshes",
-                    "n": int(new.mesh.nelements),
-                    "unknowns": int(basis.N),
-                    "error": float(np.abs(errors).max()),
-                    "cpu_s": seconds,
-                    "iterations": iterations,
-                }
-            ],
-        }
-    )
-)
+assert np.abs(errors["smooth"]).max() < 0.04
+assert np.abs(errors["rough"]).max() < 0.04
+print(json.dumps({"case": "pipe_in_clay", "rows": rows}))

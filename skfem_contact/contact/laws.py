@@ -181,7 +181,8 @@ class Coulomb(InterfaceLaw):
 
     .. math:: t_N = \epsilon_N \min(g, 0), \qquad |t_T| \le a + \mu |t_N|
 
-    Adhesion and tension are a brittle bond.  A closed point that opens breaks it for good.
+    Adhesion and tension are a brittle bond.  A closed point that opens breaks it for good, unless
+    the bond heals.
 
     Parameters
     ----------
@@ -191,6 +192,9 @@ class Coulomb(InterfaceLaw):
         Shear strength ``a`` at zero pressure of closed points, in units of stress.
     tension : float or ndarray
         Tension cut-off: a closed point opens when its normal traction exceeds this stress.
+    heals : bool
+        True: a point that closes again has its bond again. Soft clay that flows round a rough tool
+        resists with its undrained strength, ``Coulomb(adhesion=su, heals=True)``, where it touches.
 
     Examples
     --------
@@ -205,6 +209,7 @@ class Coulomb(InterfaceLaw):
     mu: float | ndarray = 0.0
     adhesion: float | ndarray = 0.0
     tension: float | ndarray = 0.0
+    heals: bool = False
 
     n_internal = 1
 
@@ -240,7 +245,7 @@ class Coulomb(InterfaceLaw):
         >>> import skfem_contact as sc
         >>> sand = sc.MohrCoulomb(E=1e4, nu=.3, c=3., phi=30.)
         >>> sc.Coulomb.from_soil(sand, 2 / 3)
-        Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0)
+        Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0, heals=False)
         """
         c = np.asarray(getattr(soil, "c", ()))
         phi = getattr(soil, "phi", 0.0)
@@ -325,9 +330,10 @@ class Coulomb(InterfaceLaw):
         tangent[1:, 1:] = np.where(stick, eps_T * identity, returned)
 
         closed = np.where(stick, int(Status.STICK), int(Status.SLIP))
+        breaks = opens & (not self.heals)
         return LawUpdate(
             traction,
-            internal=np.where(opens, 1.0, internal),
+            internal=np.where(breaks, 1.0, internal),
             tangent=np.where(opens, 0.0, tangent),
             elastic_slip=traction[1:] / eps_T,  # eq. 10
             status=np.where(opens, int(Status.OPEN), closed),

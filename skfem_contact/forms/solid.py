@@ -681,16 +681,14 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
     def _remarks_on_shape(self, x: ndarray) -> Iterator[Remark]:
         """Yield a remark on corners of elements in the plane that strains have made sharp."""
-        # Compare the corners' angles before and after.
-        nodes = self.basis.nodal_dofs[:, self.basis.mesh.t[:, self.elements]]
-        places = self.basis.doflocs[:, nodes[0]]
-        before = _sines(places)
-        now = _sines(places + x[nodes])
-        sharp = (now < _SHARP) & (before > 2.0 * _SHARP)
+        now = sharpened(self, x)
+        sharp = now < _SHARP
         if sharp.any():
             # Name the sharpest.
-            k = int(np.argmin(np.where(sharp, now, np.inf).min(axis=0)))
-            where = format_point((places + x[nodes])[:, :, k].mean(axis=1))
+            k = int(np.argmin(now.min(axis=0)))
+            vertices = self.basis.mesh.t[:, self.elements][:, k]
+            nodes = self.basis.nodal_dofs[:, vertices]
+            where = format_point((self.basis.doflocs[:, nodes[0]] + x[nodes]).mean(axis=1))
             angle = float(np.degrees(np.arcsin(max(now[sharp].min(), 0.0))))
             yield Remark(
                 "shape",
@@ -785,6 +783,18 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
+
+
+def sharpened(form: SolidForm, x: ndarray) -> ndarray:
+    """Return sines of the corners of elements in the plane, (n_corners, n_elements).
+
+    They are 1 for corners that were sharp before, and negative for those that are turned over.
+    """
+    nodes = form.basis.nodal_dofs[:, form.basis.mesh.t[:, form.elements]]
+    coordinates = form.basis.doflocs[:, nodes[0]]
+    before = _sines(coordinates)
+    now = _sines(coordinates + x[nodes])
+    return np.where(before > 2.0 * _SHARP, now, 1.0)
 
 
 def _sines(corners: ndarray) -> ndarray:

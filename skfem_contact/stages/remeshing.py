@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -20,6 +20,7 @@ from ..forms.base import internal_force, solids_of
 from ..forms.roles import Touching, having
 from ..results.result import Result
 from ..results.stage import StageResult
+from ..results.tractions import tractions as tractions_of
 from ..section.deformed import outline, triangles
 from .initial import nearest_points, state_of
 from .setup import Setup
@@ -154,7 +155,7 @@ def remeshed(
     field = _size_field(size)
     # Outline the deformed bodies, and fill the outline anew.
     solids = solids_of(stage.forms)
-    mesh = _checked_mesh(stage, solids)
+    mesh = mesh_of(solids, f"stage '{stage.name}'")
     elements = np.unique(np.concatenate([form.elements for form in solids.values()]))
     basis = next(iter(solids.values())).basis
     vertices, middles = _displaced(basis, stage.x)
@@ -179,11 +180,11 @@ def _size_field(size: Any) -> Callable[[ndarray], ndarray]:
     return lambda x: np.full(x.shape[1:], float(size))
 
 
-def _checked_mesh(stage: StageResult, solids: dict[str, Any]) -> Mesh:
-    """Return the mesh of the solids; refuse what cannot be taken over to another one."""
+def mesh_of(solids: dict[str, Any], where: str) -> Mesh:
+    """Return the mesh of solids; refuse what cannot be taken over to another one."""
     # Check dimension and kinematics.
     if not solids:
-        raise ValueError(f"stage '{stage.name}' has no solids, of which a mesh could be made")
+        raise ValueError(f"{where} has no solids, of which a mesh could be made")
     mesh: Mesh = next(iter(solids.values())).basis.mesh
     if mesh.dim() != 2:
         raise ValueError("new meshes are for bodies in the plane and of axial symmetry")
@@ -268,20 +269,18 @@ def _started(new: Remeshed, model: Setup, load: Force, name: str) -> Result:
         states[key], change = _carried(form, stage.forms[key], stage, key)
         returned = max(returned, change)
 
-    # Close contact where it was closed, with the tractions of the stresses beside it
+    # Close contact where it was closed
     touching = having(system.forms, Touching)
     for key, pair in touching.items():
-        if key not in stage.states:
-            continue
-        closed = _closed(pair, states[key], stage, key)
-        operator = pair.tractions_at(x[: pair.size], closed)
-        if operator is None:
-            raise ValueError(
-                f"'{key}' has DualMultipliers, whose contact new meshes do not take over: "
-                "take the penalty method or AugmentedLagrangian()"
-            )
-        stresses = _nearest_stress(operator.coordinates, solids, states)
-        states[key] = operator.state_with(operator.of_stress(stresses))
+        if key in stage.states:
+            bodies = solids, states
+            states[key] = _touching_again(pair, states[key], x[: pair.size], bodies, stage, key)
+    remembers = [key for key, state in states.items() if state is not None]
+    others = [key for key in remembers if key not in {*solids, *touching}]
+    if others:
+        raise ValueError(
+            f"{others} are no solids or contact: new meshes do not take over their state"
+        )
 
     # Measure what was lost
     now = system.evaluate(x, states, whole)
@@ -343,25 +342,79 @@ def _nearest_stress(points: ndarray, solids: dict[str, Any], states: dict[str, A
     return np.asarray(np.concatenate(stresses, axis=1)[:, nearest_points(points, solids)])
 
 
-def _closed(pair: Any, state: Any, stage: StageResult, key: str) -> Any:
-    """Return the state of a pair whose points are closed within a facet of old closed ones."""
+class _OldContact(NamedTuple):
+    """Contact of the points on a new mesh, from the nearest ones of the old mesh.
+
+    Attributes
+    ----------
+    state : ContactState
+        State with closed points, internal variables and clearances.
+    gap : ndarray, shape (n,)
+        Gaps of the old points at closed ones, else the present ones.
+    pressure : ndarray, shape (n,)
+        Normal tractions of the old points per present area, 0 where open.
+    """
+
+    state: Any
+    gap: ndarray
+    pressure: ndarray
+
+
+def _touching_again(
+    pair: Any, state: Any, x: ndarray, bodies: tuple[Any, Any], stage: StageResult, key: str
+) -> Any:
+    """Return the state of a pair on a new mesh, with the pressures and gaps of the old one.
+
+    A closed point takes the gap g of the nearest old one for its own. Its clearance, g - t_N /
+    penalty, then is the old one, but for the area that the penalty counts. With gaps of its own,
+    each new mesh would add the errors of its curves, and surfaces would drift apart.
+    """
+    old = _old_contact(pair, state, stage, key)
+    operator = pair.tractions_at(x, old.state)
+    if operator is None:
+        raise ValueError(
+            f"'{key}' has DualMultipliers, whose contact new meshes do not take over: "
+            "take the penalty method or AugmentedLagrangian()"
+        )
+    # Take shear from the stresses beside the points.
+    stresses = _nearest_stress(operator.coordinates, *bodies)
+    tractions = operator.of_stress(stresses).reshape(pair.slave.dim, -1)
+    tractions[0] = old.pressure
+    started = operator.state_with(tractions.ravel())
+    clearance = started.clearance + (old.gap - old.state.gap)
+    return pair.assemble(x, replace(started, clearance=clearance)).state
+
+
+def _old_contact(pair: Any, state: Any, stage: StageResult, key: str) -> _OldContact:
+    """Return the contact of the old mesh at the points of a new one."""
     # Find the old contact points, where they are now, beside the new ones.
     old: Any = stage.forms[key]
     before = stage.states[key]
-    slave, _ = old.interface.positions(stage.x[: old.size])
+    x = stage.x[: old.size]
+    slave, _ = old.interface.positions(x)
     at_old = old.points(before).positions(slave + old.slave.middle)
     points = pair.points(state)
     at_new = points.positions(pair.slave.nodes)
-    internal = before.internal[:, scipy.spatial.cKDTree(at_old).query(at_new)[1]]
-    was_closed = before.status != 0
+    nearest = scipy.spatial.cKDTree(at_old).query(at_new)[1]
+    was_closed = np.flatnonzero(before.status != 0)
+    same = replace(
+        state,
+        status=np.zeros_like(state.status),
+        clearance=state.rounded + (before.clearance - before.rounded)[nearest],
+        internal=before.internal[:, nearest],
+    )
+    if not len(was_closed):
+        return _OldContact(same, state.gap, np.zeros_like(state.gap))
+
     # A new point is closed beside old closed ones, if its gap is small.
+    distance, number = scipy.spatial.cKDTree(at_old[was_closed]).query(at_new)
+    nearest = was_closed[number]
     near = np.isfinite(state.gap) & (np.abs(state.gap) < _TOUCHING * points.size)
-    if was_closed.any():
-        distance, nearest = scipy.spatial.cKDTree(at_old[was_closed]).query(at_new)
-        near &= distance < points.size
-        status = np.where(near, before.status[was_closed][nearest], 0)
-    else:
-        status = np.zeros_like(state.status)
-    # overlaps by sides that replace curves are none
-    clearance = np.where(status != 0, state.gap, np.minimum(state.gap, state.clearance))
-    return replace(state, status=status, clearance=clearance, internal=internal)
+    near &= distance < points.size
+    gap = state.rounded + (before.gap - before.rounded)[nearest]
+    pressure = -tractions_of(old, before, x).pressure
+    return _OldContact(
+        replace(same, status=np.where(near, before.status[nearest], 0)),
+        np.where(near, gap, state.gap),
+        np.where(near, pressure[nearest], 0.0),
+    )

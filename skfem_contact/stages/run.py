@@ -85,42 +85,7 @@ def run(
     on_increment: Observer | None = None,
     progress: bool | None = None,
 ) -> Result:
-    """Run stages one after the other.
-
-    Parameters
-    ----------
-    stages
-        Stages in their order.
-    start
-        Result, or one stage, to continue from, with the changes by its stages; forms it lacks
-        are inactive.
-    on_increment
-        Function of every accepted increment, a :class:`StageResult`, such as
-        ``sc.results.Append(file)``.
-    progress
-        Show a progress bar; by default where the output is a terminal.
-
-    Returns
-    -------
-    Result
-        The stages of ``start``, if any, and the new ones.
-
-    Raises
-    ------
-    ValueError
-        Bad input, before anything is computed: sizes, NaN, unknown or repeated names, a body
-        that nothing holds.
-    NotConverged
-        With the partial result, whose last entry is the last increment that was accepted. So has
-        every error that ends a run, as its attribute ``result``: of an observer, a law or a
-        solver, and the ``KeyboardInterrupt`` of a run that is stopped by hand.
-
-    Warns
-    -----
-    AnalysisWarning
-        Remarks of the forms on their states, each kind once; stages and supports that change
-        nothing.
-    """
+    """Run stages one after the other on one mesh, see :meth:`Model.run`."""
     accepted = _Accepted([start] if isinstance(start, StageResult) else list(start or ()))
     try:
         return _run(setup, stages, accepted, on_increment, progress)

@@ -27,6 +27,18 @@ def test_bond_breaks_at_its_tension():
     )
 
 
+def test_bond_that_heals():
+    """[X] A point that has opened adheres again where it closes, unless its bond is broken."""
+    opened = coulomb(sc.Coulomb(adhesion=3.0, heals=True), 0.001, 0.02)
+    assert opened.status[0] == Status.OPEN and not opened.internal.any()
+    for heals, shear in ((True, 3.0), (False, 0.0)):
+        law = sc.Coulomb(adhesion=3.0, heals=heals)
+        opened = coulomb(law, 0.001, 0.02)
+        again = law.update(np.array([[-0.008], [0.02]]), opened.internal, (1000.0, 500.0))
+        np.testing.assert_allclose(again.traction[:, 0], [-8.0, shear], **EXACT)
+    assert law.reduced(2.0).heals is False and sc.Coulomb(1.0, heals=True).reduced(2.0).heals
+
+
 @pytest.mark.parametrize(
     ("slip", "shear", "status"), [(0.0139, 6.95, Status.STICK), (0.0141, 7.0, Status.SLIP)]
 )

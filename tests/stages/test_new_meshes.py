@@ -1,0 +1,202 @@
+"""Runs that go on by themselves with new meshes: supports, contact, failures and refusals."""
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+
+import skfem_contact as sc
+
+STIFF = sc.LinearElastic(E=100.0, nu=0.3)
+CLAY = sc.Tresca(E=200.0, nu=0.49, c=1.0)
+
+
+def model_of(mesh, material=STIFF, sides=("left", "right", "bottom", "top")):
+    """Return the model of a block whose sides are held."""
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    body = sc.SolidForm(basis, material, kinematics="finite")
+    return sc.Model({"body": body}, basis.get_dofs(list(sides)).all())
+
+
+def block(n=2):
+    return MeshTri().refined(n).with_defaults()
+
+
+def stage_of(model, name, field, **options):
+    """Return a stage with displacements of a field (2, n) of coordinates."""
+    basis = model.forms["body"].basis
+    u = np.zeros(basis.N)
+    u[0::2], u[1::2] = field(basis.doflocs[:, 0::2])
+    return sc.Stage(name, prescribed=u, **options)
+
+
+def test_supports_follow_linear_fields():
+    """[X] Displacements of supports that vary along sides are carried over: the strain is uniform.
+
+    The stretch is diagonal and the second one on top of the first one, so that logarithmic strains
+    add up; stresses count the volume of the new mesh, hence one that stays.
+    """
+    model = model_of(block())
+    first = stage_of(model, "first", lambda x: np.stack((0.25 * x[0], -0.2 * x[1])))
+    second = stage_of(model, "second", lambda x: np.stack((0.6 * x[0], -0.375 * x[1])))
+    remesh = sc.Remeshing(model_of, 0.3, every=1)
+    result = model.run([first, second], remesh=remesh, progress=False)
+    assert [stage.name for stage in result] == ["first", "mesh 1", "second"]
+    stage = result["second"]
+    form = stage.forms["body"]
+    stress = form.cauchy(stage.states["body"]).reshape(4, -1)
+    strain = np.array([np.log(1.6), -np.log(1.6), 0.0])
+    exact = STIFF.E / (1 + STIFF.nu) * strain
+    assert np.abs(stress[:3] - exact[:, None]).max() < 1e-8 * exact[0]
+    corner = form.basis.doflocs[:, 0::2] + stage.x.reshape(-1, 2).T
+    assert corner.max(axis=1) == pytest.approx([1.6, 0.625], rel=1e-12)
+
+
+def test_same_as_the_loop():
+    """[X] The run is the loop around remeshed and start, to the last digit."""
+    model = model_of(block(), CLAY, ("bottom", "top"))
+
+    def slid(way):
+        return lambda x: np.stack((way * (x[1] > 1 - 1e-9), 0 * x[0]))
+
+    stages = [stage_of(model, f"{way}", slid(way), increments=2) for way in (0.2, 0.3)]
+    build = lambda mesh: model_of(mesh, CLAY, ("bottom", "top"))  # noqa: E731
+    result = model.run(stages, remesh=sc.Remeshing(build, 0.3, every=1), progress=False)
+
+    last = model.run(stages[:1], progress=False)[-1]
+    new = sc.remeshed(last, 0.3)
+    again = build(new.mesh)
+    start = new.start(again)
+    on = stage_of(again, "on", slid(0.3 - 0.2), increments=2)
+    end = again.run([on], start=start, progress=False)["on"]
+    assert np.abs(result["0.3"].x - end.x).max() < 1e-12
+    assert result["mesh 1"].series["loss"] == pytest.approx(start[-1].series["loss"])
+
+
+def test_new_meshes_where_elements_are_bad():
+    """[X] A sheared block gets meshes by itself, yields at its strength, and no remark is left."""
+    model = model_of(block(), CLAY, ("bottom", "top", "left", "right"))
+    ways = 0.25 * np.arange(1, 17)
+    stages = []
+    for way in ways:
+        sheared = lambda x, way=way: np.stack((way * x[1], 0 * x[0]))  # noqa: E731
+        stages.append(stage_of(model, f"{way}", sheared, increments=5))
+    build = lambda mesh: model_of(mesh, CLAY)  # noqa: E731
+    result = model.run(stages, remesh=sc.Remeshing(build, 0.3), progress=False)
+    names = [stage.name for stage in result if stage.name.startswith("mesh")]
+    assert 1 <= len(names) <= 4
+    stage = result["4.0"]
+    shear = stage.forms["body"].cauchy(stage.states["body"])[3]
+    assert shear == pytest.approx(1.0, abs=1e-3)  # steps of .05 in the return
+    assert not any(remark for stage in result for remark in stage.remarks)
+
+
+def test_a_failed_stage_begins_anew_on_a_new_mesh():
+    """A stage whose elements turn over on a used mesh passes on a new one; else its error stays."""
+    calls = []
+
+    class Fragile(sc.LinearElastic):
+        """Material that fails at the third stage on the first mesh."""
+
+        def update(self, strain, stress, internal):
+            if len(calls) == 0 and np.abs(stress).max() > 20.0:
+                raise sc.errors.NotConverged("too much")
+            return super().update(strain, stress, internal)
+
+    material = Fragile(E=100.0, nu=0.3)
+
+    def build(mesh):
+        calls.append(mesh)
+        return model_of(mesh, material)
+
+    model = model_of(block(1), material)
+    stages = []
+    for way in (0.1, 0.3):
+        stretched = lambda x, way=way: np.stack((way * x[0], 0 * x[1]))  # noqa: E731
+        stages.append(stage_of(model, f"{way}", stretched, increments=4))
+    result = model.run(stages, remesh=sc.Remeshing(build, 0.5, every=9), progress=False)
+    assert [stage.name for stage in result] == ["0.1", "mesh 1", "0.3"]
+    with pytest.raises(sc.errors.NotConverged) as caught:
+        calls.clear()
+        model.run(stages[1:], remesh=sc.Remeshing(build, 0.5), progress=False)
+    assert caught.value.result is not None
+
+
+def test_closed_points_stay_on_a_round_tool():
+    """[X] New meshes without any motion change neither gaps nor forces of a round tool.
+
+    With gaps of the new curves the clearances would grow by their errors at each mesh. The first
+    mesh of the same size takes 8 % of the force, since interpolated stresses are out of balance.
+    """
+
+    def build(mesh):
+        basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+        circle = sc.rigid.circle((0.5, 1.75), 0.75)
+        forms = {
+            "body": sc.SolidForm(basis, CLAY, kinematics="finite"),
+            "tool": sc.ContactPair(basis, "top", circle, sc.Coulomb(), 3, 5e3),
+        }
+        return sc.Model(forms, basis.get_dofs("bottom").all())
+
+    model = build(block(3))
+    u = np.zeros(model.layout.size)
+    u[model.forms["body"].basis.get_dofs("bottom").all("u^2")] = 0.1
+    stages = [sc.Stage("pressed", prescribed=u, increments=4)]
+    stages += [sc.Stage(f"rest {k}", prescribed=u) for k in range(3)]
+    result = model.run(stages, remesh=sc.Remeshing(build, 0.125, every=1), progress=False)
+    forces = []
+    for name in ("pressed", "rest 0", "rest 1", "rest 2"):
+        stage = result[name]
+        state = stage.states["tool"]
+        closed = state.status != 0
+        assert np.abs(state.gap[closed]).max() < 2e-3  # the penetration
+        dofs = stage.forms["body"].basis.get_dofs("bottom").all("u^2")
+        forces.append(stage.reactions()[dofs].sum())
+    assert forces[1] == pytest.approx(forces[0], rel=0.1)
+    assert forces[2:] == pytest.approx([forces[1]] * 2, rel=2e-3)
+
+
+def test_refusals():
+    """Each mistake has one sentence, before anything is computed."""
+    model = model_of(block())
+    still = stage_of(model, "still", lambda x: 0.0 * x)
+    far = stage_of(model, "far", lambda x: 0.1 * x)
+
+    def run(stages, build=model_of, **options):
+        return model.run(stages, remesh=sc.Remeshing(build, 0.3, **options), progress=False)
+
+    with pytest.raises(ValueError, match="'loaded' gives load, which new meshes do not take over"):
+        run([still, sc.Stage("loaded", load=np.zeros(model.layout.size))])
+    with pytest.raises(ValueError, match="gives prescribed as a function"):
+        run([sc.Stage("turned", prescribed=lambda share: np.zeros(model.layout.size))])
+    with pytest.raises(ValueError, match="gives activate"):
+        run([sc.Stage("more", activate="body")])
+    with pytest.raises(ValueError, match="every must be a whole number of stages, not 0"):
+        run([still], every=0)
+    with pytest.raises(ValueError, match="model_of must be a function, not 3"):
+        run([still], build=3)
+    with pytest.raises(ValueError, match="two stages are named"):
+        run([still, still])
+
+    with pytest.raises(ValueError, match="must return a Model, not NoneType") as caught:
+        run([still, far], build=lambda mesh: None, every=1)
+    assert [stage.name for stage in caught.value.result] == ["still"]
+
+    def other(mesh):
+        basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+        return sc.Model({"other": sc.SolidForm(basis, STIFF, kinematics="finite")}, np.arange(4))
+
+    with pytest.raises(ValueError, match=r"forms \['other'\], unlike \['body'\] before"):
+        run([still, far], build=other, every=1)
+    half = model_of(block(), STIFF, ("bottom", "top"))
+    with pytest.raises(ValueError, match="lie on no boundary that is held as a whole"):
+        remesh = sc.Remeshing(model_of, 0.3, every=1)
+        half.run([still, stage_of(half, "on", lambda x: 0 * x)], remesh=remesh, progress=False)
+    basis = model.forms["body"].basis
+    corner = sc.Model({"body": sc.SolidForm(basis, STIFF, kinematics="finite")}, np.arange(4))
+    with pytest.raises(ValueError, match="4 supported dofs lie on no boundary that is held"):
+        corner.run([still], remesh=remesh, progress=False)
+    small = sc.Model({"body": sc.SolidForm(basis, STIFF)}, model.fixed)
+    with pytest.raises(ValueError, match="kinematics='finite', unlike"):
+        small.run([still], remesh=remesh, progress=False)
+    with pytest.raises(ValueError, match="'short': the prescribed displacement"):
+        run([still, sc.Stage("short", prescribed=np.zeros(3))])
