@@ -712,6 +712,23 @@ def test_med_files_with_wrong_nodes(tmp_path, values, message):
         load_mesh(path)
 
 
+def test_med_files_with_damaged_links(tmp_path):
+    """Changed bytes give a mesh, or one sentence with the name of the file."""
+    pytest.importorskip("h5py")
+    path = tmp_path / "one.med"
+    cube = MeshTet.init_tensor(*[[0.0, 1.0]] * 3).with_subdomains({"soil": lambda x: x[0] < 2})
+    save_mesh(cube, path)
+    whole = path.read_bytes()
+    refused = 0
+    for position in np.random.default_rng(2).integers(0, 4000, 150):
+        path.write_bytes(whole[:position] + b"\x9e\x9e" + whole[position + 2 :])
+        try:
+            load_mesh(path)
+        except ValueError as error:
+            refused += "one.med" in str(error)
+    assert refused > 20
+
+
 @pytest.mark.parametrize("end", [".vtu", ".msh", ".med"])
 def test_names_of_all_letters(tmp_path, end):
     """[X] Characters that XML keeps for itself, blanks, commas and letters with accents."""

@@ -76,14 +76,22 @@ def read(path: str, name: str | None = None) -> Content:
     except OSError as error:
         raise ValueError("it is not a file of MED, or not complete") from error
     with file:
-        chosen = _chosen(file, name)
-        mesh = file["ENS_MAA"][chosen]
-        families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
-        # Take the first step of it that has nodes and elements.
-        for step in (mesh, *mesh.values()):
-            if "NOE" in step and "MAI" in step:
-                return _content(step, int(mesh.attrs["ESP"]), families, np.memmap(path, mode="r"))
-        raise ValueError(f"the mesh '{chosen}' has no nodes or no elements")
+        try:
+            return _read(file, name, np.memmap(path, mode="r"))
+        except (OSError, RuntimeError, AttributeError, TypeError) as error:  # damaged links
+            raise ValueError(f"it is damaged or not complete ({error})") from error
+
+
+def _read(file: Any, name: str | None, octets: NDArray[np.uint8]) -> Content:
+    """Read a mesh of an open file, whose bytes are also in `octets`."""
+    chosen = _chosen(file, name)
+    mesh = file["ENS_MAA"][chosen]
+    families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
+    # Take the first step of it that has nodes and elements.
+    for step in (mesh, *mesh.values()):
+        if "NOE" in step and "MAI" in step:
+            return _content(step, int(mesh.attrs["ESP"]), families, octets)
+    raise ValueError(f"the mesh '{chosen}' has no nodes or no elements")
 
 
 def _chosen(file: Any, name: str | None) -> str:
@@ -102,39 +110,51 @@ def _chosen(file: Any, name: str | None) -> str:
 
 
 def _content(step: Any, dim: int, families: Any, octets: NDArray[np.uint8]) -> Content:
-    """Read nodes and elements, which are stored component by component.
-
-    The octets are all of the file.
-    """
-    # Read the nodes.
+    """Read nodes and elements, which are stored component by component."""
     coordinates = np.array(_values(step["NOE"]["COO"], octets)).reshape(dim, -1)
     if dim < 3:
         coordinates = np.pad(coordinates, ((0, 3 - dim), (0, 0)))
     content = Content(coordinates.T, {})
     names = _names(families.get("ELEME", {}), octets)
-    # Read the elements, with the groups of their families.
     for word, block in step["MAI"].items():
-        if word not in _KINDS:
-            raise ValueError(f"it has elements of type {word}, which are not read")
-        kind = _KINDS[word]
-        count = int(block["NOD"].attrs["NBR"])
-        nodes = _nodes(_values(block["NOD"], octets), kind, count)
-        content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
-        if "FAM" in block:
-            for number, members in members_by_tag(_values(block["FAM"], octets)).items():
-                for name in names.get(number, ()):
-                    content.add(name, kind, members)
-    # Read the groups of nodes.
+        _add_elements(content, word, block, names, octets)
     if "FAM" in step["NOE"]:
-        family = _values(step["NOE"]["FAM"], octets)
-        for number, group in _names(families.get("NOEUD", {}), octets).items():
-            for name in group:
-                known = content.node_groups.get(name, np.zeros(0, int))
-                found = np.flatnonzero(family == number)
-                content.node_groups[name] = np.union1d(known, found).astype(int)
-    content.node_groups = {name: part for name, part in content.node_groups.items() if len(part)}
-    _drop_repeated(content)
+        names = _names(families.get("NOEUD", {}), octets)
+        _add_node_groups(content, _values(step["NOE"]["FAM"], octets), names)
     return content
+
+
+def _add_elements(
+    content: Content,
+    word: str,
+    block: Any,
+    names: dict[int, list[str]],
+    octets: NDArray[np.uint8],
+) -> None:
+    """Add the elements of a type, with the groups of their families."""
+    if word not in _KINDS:
+        raise ValueError(f"it has elements of type {word}, which are not read")
+    kind = _KINDS[word]
+    count = int(block["NOD"].attrs["NBR"])
+    nodes = _nodes(_values(block["NOD"], octets), kind, count)
+    content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
+    if "FAM" in block:
+        for number, members in members_by_tag(_values(block["FAM"], octets)).items():
+            for name in names.get(number, ()):
+                content.add(name, kind, members)
+
+
+def _add_node_groups(content: Content, family: Integers, names: dict[int, list[str]]) -> None:
+    """Add the groups of nodes, but ones whose name elements have as well."""
+    for number, group in names.items():
+        found = np.flatnonzero(family == number)
+        for name in group:
+            known = content.node_groups.get(name, found)
+            content.node_groups[name] = np.union1d(known, found)
+    for name in list(content.node_groups):
+        named = any(KINDS[kind].dim for kind in content.groups.get(name, {}))
+        if named or len(content.node_groups[name]) == 0:
+            del content.node_groups[name]
 
 
 def _values(data: Any, octets: NDArray[np.uint8]) -> Any:
@@ -166,13 +186,6 @@ def _nodes(numbers: Integers, kind: str, count: int) -> Integers:
             raise ValueError(f"a {kind} has a node whose number is out of bounds")
         np.subtract(piece, 1, out=nodes[start : start + _PIECE], casting="unsafe")
     return nodes.reshape(N_NODES[kind], count).T
-
-
-def _drop_repeated(content: Content) -> None:
-    """Drop node groups whose name elements have as well."""
-    for name in list(content.node_groups):
-        if any(KINDS[kind].dim for kind in content.groups.get(name, {})):
-            del content.node_groups[name]
 
 
 def _names(families: Any, octets: NDArray[np.uint8]) -> dict[int, list[str]]:
