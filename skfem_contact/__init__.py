@@ -49,6 +49,7 @@ from .mesh import join_bodies, load_mesh, save_mesh
 from .model import Model
 from .nonlinear.newton import Newton
 from .results import Cuts, load_result
+from .shells import Shell
 from .stages.new_meshes import Remeshing
 from .stages.remeshing import remeshed
 from .stages.stage import Stage
@@ -105,6 +106,7 @@ __all__ = [
     "Response",
     "RigidBoundary",
     "RotationSpring",
+    "Shell",
     "SoftSoilCreep",
     "SolidForm",
     "Spectrum",

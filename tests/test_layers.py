@@ -26,6 +26,7 @@ ROOMS = (
     {"forms"},
     {"contact"},
     {"beams"},
+    {"shells"},
     {"laboratory", "section"},
     {"ground"},
     {"results"},

@@ -24,9 +24,18 @@ from ..layout import Field
 from ..sparse import Gathering, constant
 from .corotation import Turned
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
-from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by, turning_ends
+from .joints import (
+    Taken,
+    frame_of,
+    loose_dof,
+    of_a_line,
+    rotations_of,
+    taken_by,
+    taken_elsewhere,
+    turning_ends,
+)
 from .lines import nodes_of
-from .nodes import BeamNodes, check_values, stiffest
+from .nodes import BeamNodes, Nodes, check_values, stiffest
 from .thrust import counts, lost_stiffness
 
 #: Round-off of a displacement or a rotation, as a share of it.
@@ -89,8 +98,8 @@ class Beam(BeamNodes, Slender):
         points is bonded to the ground: the points are vertices of the mesh, and the edges of the
         mesh along this polyline the elements, in the plane or in space.
     joined_to
-        Beams whose nodes this beam shares where both have one: rigidly, or by a hinge where
-        `hinges` names the node.
+        Beams and shells whose nodes this beam shares where both have one: rigidly, or by a hinge
+        where `hinges` names the node.
     thickness
         Distance of the two sides, for contact.
     coordinates, nu
@@ -168,7 +177,7 @@ class Beam(BeamNodes, Slender):
         Np: float = np.inf,
         unit_weight: float = 0.0,
         bonded: bool | None = None,
-        joined_to: Beam | Sequence[Beam] = (),
+        joined_to: Form | Sequence[Form] = (),
         thickness: float = 0.0,
         coordinates: Literal["plane", "axisymmetric"] = "plane",
         nu: float = 0.0,
@@ -207,7 +216,10 @@ class Beam(BeamNodes, Slender):
         if given.size and (given.ndim, given.shape[1]) != (2, self.dim):
             raise ValueError(f"hinges of a beam must be points of its line, not {hinges!r}")
         pins = np.array([self.node(point) for point in given if given.size], int)
-        others = (joined_to,) if isinstance(joined_to, BeamNodes) else tuple(joined_to)
+        others = (joined_to,) if isinstance(joined_to, Form) else tuple(joined_to)
+        for other in others:
+            if not isinstance(other, Nodes) or not other.turns:
+                raise ValueError(f"a beam may be joined_to beams and shells, not to {other!r}")
         moves, turned, joined = taken_by(self.points, self.shared is not None, pins, others)
         self._lay_out(rotations_of(self.points, self.cells, pins, joined), moves, turned)
 
@@ -234,7 +246,7 @@ class Beam(BeamNodes, Slender):
         """Give numbers to the dofs of the beam alone: displacements, then rotations."""
         # Fields of displacements and of rotations, (m, 3) by element
         dim = self.dim
-        turns = self._turns
+        turns = self.turns
         n_turns = int(turn.max()) + 1
         places = np.zeros((n_turns, dim))
         places[turn] = self.points[self.cells]
@@ -328,15 +340,9 @@ class Beam(BeamNodes, Slender):
             new._where.update(zip(dofs.tolist(), x, strict=True))
             if beam.shared is not None:
                 stiff.append(beam.shared.ravel())
+            stiff += [numbers[field][taken] for field, taken in taken_elsewhere(beam, self._frame)]
         new._stiff = np.concatenate(stiff)
         return new
-
-    def _numbers(self, numbers: Mapping[Field, ndarray]) -> ndarray:
-        """Return the dofs of the nodes: displacements, then rotations."""
-        turns = numbers[self.rotation]
-        if self.shared is not None:
-            return np.append(self.shared, turns)
-        return np.append(numbers[self.displacement], turns)
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Beam:
@@ -450,11 +456,6 @@ class Beam(BeamNodes, Slender):
     def _elastic(self) -> csr_matrix:
         """Elastic stiffness among the dofs of the beam."""
         return constant(self._gathering.matrix(self._rows, self._stiffness))
-
-    def _own(self, x: ndarray) -> ndarray:
-        if self._dofs is None:
-            return x
-        return x[self._dofs]
 
     @override
     def stretched_by(self, state: BeamState) -> ndarray:

@@ -161,6 +161,15 @@ def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field
     return frame, [field for field in fields if field in touched]
 
 
+def taken_elsewhere(beam: Any, frame: Sequence[Any]) -> Iterator[tuple[Field, ndarray]]:
+    """Yield the dofs that a beam takes from outside of its frame: from shells, or the ground."""
+    fields = list(chain.from_iterable(member.fields for member in frame))
+    for field in beam.fields:
+        for indices, other in field.taken:
+            if not isinstance(other, FieldDofs) or other.field not in fields:
+                yield field, indices
+
+
 def _acts_anywhere(form: Any) -> bool:
     """Return True if a form does not name the dofs that it acts on."""
     known = isinstance(form, Body | Touching) or form.size is not None

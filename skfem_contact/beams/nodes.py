@@ -53,48 +53,28 @@ def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
     return result
 
 
-class BeamNodes(Form, Couples, Loaded, Staged):
+class Nodes(Form, Couples, Loaded, Staged):
     """Form of nodes with displacements, with or without rotations.
 
     Attributes
     ----------
     points : ndarray, shape (n, dim)
         Coordinates of the nodes.
-    cells : ndarray, shape (m, 3)
-        Nodes of the elements: start, end and middle.
-    spacing
-        Distance of the members of a row; 1 without rows.
-    thickness
-        Distance of the two sides.
-    parameters
-        Stiffnesses and strengths by their names.
     shared : ndarray, shape (n, dim)
         Displacements of the basis that the nodes have; None for nodes of their own.
     displacement, rotation
         Fields of nodes of their own, and of the rotations.
     """
 
+    #: The structure in messages.
+    kind = "beam"
     kinematics: Kinematics = "small"
 
-    _same = ("points", "cells", "_rows", "coordinates", "thickness")
     points: ndarray
-    cells: ndarray
-    spacing: float
-    thickness: float
-    parameters: Mapping[str, Any]
     shared: ndarray | None
     displacement: Field
     rotation: Field
-    _rows: ndarray
     _dofs: ndarray | None = None
-
-    def inherits(self, old: Any, state: Any) -> Any:
-        """Return the state of an old form; a new stiffness alone changes no force."""
-        return with_force_kept(state, old.stretched_by(state), self.stretched_by(state))
-
-    def stretched_by(self, state: Any) -> ndarray:
-        """Return the deformation by the force of a state."""
-        raise NotImplementedError
 
     @property
     def dim(self) -> int:
@@ -109,7 +89,7 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         return "u^1", "u^2", "u^3", "theta^1", "theta^2", "theta^3"
 
     @property
-    def _turns(self) -> int:
+    def turns(self) -> int:
         """Number of rotations of a node."""
         return len(self._names) - self.dim
 
@@ -119,7 +99,7 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         distance, node = scipy.spatial.cKDTree(self.points).query(point)
         if distance > AT * np.ptp(self.points, axis=0).max():
             raise ValueError(
-                f"the beam has no node at {format_point(point)}; the nearest one is at "
+                f"the {self.kind} has no node at {format_point(point)}; the nearest one is at "
                 f"{format_point(self.points[node])}"
             )
         return int(node)
@@ -136,12 +116,12 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         for name in known if names is None else names:
             if name not in known:
                 raise ValueError(
-                    f"a node of the beam has the dofs {', '.join(known)}, not {name!r}"
+                    f"a node of the {self.kind} has the dofs {', '.join(known)}, not {name!r}"
                 )
             # Count the dofs of rotations, of nodes of its own, or of shared nodes.
             k = known.index(name)
             if k >= self.dim:
-                turn = self._turns * node + k - self.dim
+                turn = self.turns * node + k - self.dim
                 dofs.append(FieldDofs(self.rotation, np.array([turn])))
             elif self.shared is None:
                 dofs.append(FieldDofs(self.displacement, np.array([self.dim * node + k])))
@@ -165,11 +145,76 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         return FieldDofs(self.displacement, self.dim * nodes[:, None] + np.arange(self.dim))
 
     def numbers(self, at: ArrayLike) -> ndarray:
-        """Return all dofs of the node at coordinates (dim,) of a model's beam, rotations last."""
+        """Return all dofs of the node at coordinates (dim,) in a model, rotations last."""
         node = self.node(at)
         moves = self.dim * node + np.arange(self.dim)
-        turns = self.dim * len(self.points) + self._turns * node + np.arange(self._turns)
+        turns = self.dim * len(self.points) + self.turns * node + np.arange(self.turns)
         return self._of_model()[np.append(moves, turns)]
+
+    def load(self, force: ArrayLike, at: ArrayLike, moment: ArrayLike = 0.0) -> ndarray:
+        """Return the load vector of a force and a moment at a node in a model.
+
+        The moment is anticlockwise, in space a vector (3,).
+        """
+        load = np.zeros(self._of_model().max() + 1)
+        turn = finite(moment, "moment")
+        if turn.ndim:
+            turn = vector(turn, self.turns, "moment")
+        turns = np.broadcast_to(turn, (self.turns,))
+        load[self.numbers(at)] = [*vector(force, self.dim, "force"), *turns]
+        return load
+
+    def _of_model(self) -> ndarray:
+        if self._dofs is None:
+            raise ValueError(
+                f"the dofs of the {self.kind} are not numbered yet: take it from the model, "
+                f'model.forms["{self.kind}"]'
+            )
+        return self._dofs
+
+    def _numbers(self, numbers: Mapping[Field, ndarray]) -> ndarray:
+        """Return the dofs of the nodes: displacements, then rotations."""
+        turns = numbers[self.rotation]
+        if self.shared is not None:
+            return np.append(self.shared, turns)
+        return np.append(numbers[self.displacement], turns)
+
+    def _own(self, x: ndarray) -> ndarray:
+        """Return the dofs of the structure."""
+        if self._dofs is None:
+            return x
+        return x[self._dofs]
+
+
+class BeamNodes(Nodes):
+    """Nodes of lines: beams and reinforcement.
+
+    Attributes
+    ----------
+    cells : ndarray, shape (m, 3)
+        Nodes of the elements: start, end and middle.
+    spacing
+        Distance of the members of a row; 1 without rows.
+    thickness
+        Distance of the two sides.
+    parameters
+        Stiffnesses and strengths by their names.
+    """
+
+    _same = ("points", "cells", "_rows", "coordinates", "thickness")
+    cells: ndarray
+    spacing: float
+    thickness: float
+    parameters: Mapping[str, Any]
+    _rows: ndarray
+
+    def inherits(self, old: Any, state: Any) -> Any:
+        """Return the state of an old form; a new stiffness alone changes no force."""
+        return with_force_kept(state, old.stretched_by(state), self.stretched_by(state))
+
+    def stretched_by(self, state: Any) -> ndarray:
+        """Return the deformation by the force of a state."""
+        raise NotImplementedError
 
     def rotations(self, at: ArrayLike) -> tuple[list[int], list[int]]:
         """Return the rotations, in their field, of elements that end at a node, and that begin.
@@ -177,23 +222,10 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         These are the same but at hinges.
         """
         node = self.node(at)
-        turn = self._rows[:, 3 * self.dim :: self._turns] - self.dim * len(self.points)
+        turn = self._rows[:, 3 * self.dim :: self.turns] - self.dim * len(self.points)
         ends = turn[self.cells[:, 1] == node, 1]
         begins = turn[self.cells[:, 0] == node, 0]
         return np.unique(ends).tolist(), np.unique(begins).tolist()
-
-    def load(self, force: ArrayLike, at: ArrayLike, moment: ArrayLike = 0.0) -> ndarray:
-        """Return the load vector of a force and a moment at a node of a model's beam.
-
-        The moment is anticlockwise, in space a vector (3,).
-        """
-        load = np.zeros(self._of_model().max() + 1)
-        turn = finite(moment, "moment")
-        if turn.ndim:
-            turn = vector(turn, self._turns, "moment")
-        turns = np.broadcast_to(turn, (self._turns,))
-        load[self.numbers(at)] = [*vector(force, self.dim, "force"), *turns]
-        return load
 
     def _distributed(self, forces: ndarray) -> ndarray:
         """Return the load vector of forces (n, 3, dim) on the nodes of all elements in turn."""
@@ -203,14 +235,6 @@ class BeamNodes(Form, Couples, Loaded, Staged):
         repeated = np.tile(rows, (len(forces) // len(rows), 1))
         np.add.at(load, dofs[repeated], forces.reshape(len(forces), -1))
         return load
-
-    def _of_model(self) -> ndarray:
-        if self._dofs is None:
-            raise ValueError(
-                "the dofs of the beam are not numbered yet: take it from the model, "
-                'model.forms["beam"]'
-            )
-        return self._dofs
 
     def contact(
         self,
@@ -263,6 +287,6 @@ class BeamNodes(Form, Couples, Loaded, Staged):
             (self.displacement, np.arange(2 * len(nodes)).reshape(-1, 2)),
             cells=cells,
             name=name,
-            rotations=(self.rotation, nodes) if self._turns else None,
+            rotations=(self.rotation, nodes) if self.turns else None,
             thickness=self.thickness,
         )

@@ -128,7 +128,7 @@ class RotationSpring(Form, Couples, Staged):
             pair, weights = _pair(beam, point, to)
             turns.append(pair)
             signs.append(weights)
-        self._turns = np.array(turns)  # (n, 2): of the beam, and of the other one
+        self._pairs = np.array(turns)  # (n, 2): of the beam, and of the other one
         self._signs = np.array(signs)
         self._where = points
         # Stiffness of a row per unit of length
@@ -141,7 +141,7 @@ class RotationSpring(Form, Couples, Staged):
     def numbered(self, numbers: Mapping[Field, ndarray]) -> RotationSpring:
         new = copy(self)
         columns = [
-            numbers[field][turns] for field, turns in zip(self._fields, self._turns.T, strict=True)
+            numbers[field][turns] for field, turns in zip(self._fields, self._pairs.T, strict=True)
         ]
         dofs = np.column_stack(columns)
         new._dofs, rows = np.unique(dofs, return_inverse=True)

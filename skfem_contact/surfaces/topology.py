@@ -31,20 +31,30 @@ def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, nd
             "separate the bodies with join_bodies"
         )
     # Turn the facets so that the body lies on one side, and order them.
-    corners = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
+    corners, dofs_of = facets_and_dofs(basis, facets)
     if mesh.dim() == 2:
         order = ordered(corners, name)
-        facets = facets[order]
         corners = corners[:, order]
+        dofs_of = dofs_of[order]
         neighbours = following(len(facets), bool(corners[0, 0] == corners[1, -1]))
     else:
         neighbours = adjacent(corners.T, name)
     # number the nodes by their first displacement
-    first_dofs = _dofs(basis, facets, corners)[..., 0]
+    first_dofs = dofs_of[..., 0]
     unique, numbers = np.unique(first_dofs, return_inverse=True)
     dofs = unique[:, None] + np.arange(mesh.dim())
     nodes = basis.doflocs[:, unique].T.copy()
     return dofs, nodes, numbers.reshape(len(facets), -1), neighbours
+
+
+def facets_and_dofs(basis: CellBasis, facets: ndarray) -> tuple[ndarray, ndarray]:
+    """Return corners, (k, n), and dofs at the nodes of facets, (n, nodes, dim).
+
+    Their normals point out of their first elements.
+    """
+    mesh = basis.mesh
+    corners = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
+    return corners, _dofs(basis, facets, corners)
 
 
 def joined_cells(

@@ -339,7 +339,7 @@ LEG = sc.Beam(None, way((0, 0), (0, 3)), **STIFF)
             lambda: sc.Beam(None, way((0, 3, 0), (6, 3, 0)), **STIFF, joined_to=LEG),
         ),
         (
-            "joined_to must be a Beam",
+            "joined_to beams and shells, not to <Reinforcement",
             lambda: sc.Beam(
                 None,
                 way((0, 3), (6, 3)),

@@ -1,0 +1,336 @@
+"""Plates and shells: patch tests, closed forms, stages, shells bonded to solids, refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementHex2,
+    ElementTetP1,
+    ElementTetP2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshTet,
+    MeshTri,
+)
+
+import skfem_contact as sc
+
+QUIET = {"progress": False}
+E, NU, T = 12e3, 0.3, 0.1
+D = E * T**3 / 12 / (1 - NU**2)
+MOVES = ["u^1", "u^2", "u^3"]
+
+
+def cells_of(kind, n=3, size=1.0, skew=0.0):
+    """Nodes, (n, 3), and cells of a square of facets with k nodes, whose inner nodes are moved."""
+    line = np.linspace(0.0, size, n + 1)
+    mesh = (MeshTri if kind in (3, 6) else MeshQuad).init_tensor(line, line)
+    p = mesh.p.T.copy()
+    inner = ((p > 1e-9) & (p < size - 1e-9)).all(axis=1)
+    p[inner] += skew / n * np.column_stack((np.sin(7 * p[inner, 1]), np.cos(5 * p[inner, 0])))
+    cells = mesh.t.T
+    # corners anticlockwise
+    a, b = p[cells[:, 1]] - p[cells[:, 0]], p[cells[:, 2]] - p[cells[:, 0]]
+    around = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0
+    cells = np.where(around[:, None], cells, cells[:, ::-1])
+    points = [tuple(x) for x in p]
+    k = cells.shape[1]
+    if kind > k:
+        numbers = {}
+        rows = []
+        for cell in cells:
+            row = list(cell)
+            for i in range(k):
+                edge = tuple(sorted((cell[i], cell[(i + 1) % k])))
+                if edge not in numbers:
+                    numbers[edge] = len(points)
+                    points.append(tuple(0.5 * (p[edge[0]] + p[edge[1]])))
+                row.append(numbers[edge])
+            if kind == 9:
+                row.append(len(points))
+                points.append(tuple(p[cell].mean(axis=0)))
+            rows.append(row)
+        cells = np.array(rows)
+    xy = np.array(points)
+    return np.column_stack((xy, 0.0 * xy[:, 0])), cells
+
+
+def plate(kind=4, n=3, size=1.0, skew=0.0, turned=None, **more):
+    """Square plate with nodes of its own, turned by a rotation matrix."""
+    points, cells = cells_of(kind, n, size, skew)
+    if turned is not None:
+        points = points @ turned.T
+    return sc.Shell(None, points, cells=cells, E=E, nu=NU, thickness=T, **more)
+
+
+def rotation(a=0.4, b=1.1, c=-0.7):
+    """Rotation about three axes."""
+
+    def about(k, angle):
+        i, j = [m for m in range(3) if m != k]
+        R = np.eye(3)
+        R[i, i] = R[j, j] = np.cos(angle)
+        R[i, j], R[j, i] = -np.sin(angle), np.sin(angle)
+        return R
+
+    return about(0, a) @ about(1, b) @ about(2, c)
+
+
+@pytest.mark.parametrize("kind", [3, 4, 6, 8, 9])
+def test_constant_strains_and_curvatures(kind):
+    """[X] Any mesh, at any place in space, has constant stretching and constant bending exactly."""
+    R = rotation()
+    form = sc.Model({"plate": plate(kind, skew=0.2, turned=R, axis=R[:, 0])}).forms["plate"]
+    X, Y = (form.points @ R)[:, :2].T
+    k1, k2, k12 = 2e-3, -1e-3, 5e-4
+    e1, e2, g = 1e-4, 2e-4, -3e-4
+    # w = -(k1 x^2 + k2 y^2) / 2 - k12 x y: slopes beta = -grad w, rotations (-beta_2, beta_1)
+    w = -0.5 * (k1 * X**2 + k2 * Y**2) - k12 * X * Y
+    beta = np.stack((k1 * X + k12 * Y, k2 * Y + k12 * X))
+    u = np.stack((e1 * X + 0.5 * g * Y, 0.5 * g * X + e2 * Y, w))
+    theta = np.stack((-beta[1], beta[0], 0.0 * X))
+    x = np.append((R @ u).T.ravel(), (R @ theta).T.ravel())
+    response = form.assemble(x, form.initial_state())
+    found = form.outputs(x, response.state).members
+    m_1, m_2, m_12 = D * (k1 + NU * k2), D * (k2 + NU * k1), D * (1 - NU) * k12
+    n = E * T / (1 - NU**2) * np.array([e1 + NU * e2, e2 + NU * e1, 0.5 * (1 - NU) * g])
+    for name, value in zip(("m_1", "m_2", "m_12"), (m_1, m_2, m_12), strict=True):
+        np.testing.assert_allclose(found[name], value, rtol=1e-9)
+    for name, value in zip(("n_1", "n_2", "n_12"), n, strict=True):
+        np.testing.assert_allclose(found[name], value, rtol=1e-9)
+    # nodes inside are in balance
+    inside = ((form.points @ R)[:, :2] > 1e-9).all(axis=1)
+    inside &= ((form.points @ R)[:, :2] < 1 - 1e-9).all(axis=1)
+    forces = response.force.reshape(2, -1, 3)
+    assert np.abs(forces[:, inside]).max() < 1e-12 * np.abs(forces).max()
+
+
+@pytest.mark.parametrize("kind", [3, 4, 6, 8, 9])
+def test_only_rigid_motions_are_free(kind):
+    """[X] Six motions without force, and no more; the stiffness is symmetric."""
+    form = plate(kind, n=2, skew=0.2, turned=rotation())
+    K = sc.Model({"plate": form}).forms["plate"]
+    K = K.assemble(np.zeros(6 * len(form.points)), K.initial_state()).stiffness.toarray()
+    np.testing.assert_allclose(K, K.T, atol=1e-12 * np.abs(K).max())
+    values = np.linalg.eigvalsh(K)
+    assert (np.abs(values) < 1e-9 * values[-1]).sum() == 6
+
+
+@pytest.mark.parametrize("kind", [3, 4, 6])
+@pytest.mark.parametrize(("clamped", "deflection"), [(False, 4.06235e-3), (True, 1.26532e-3)])
+def test_square_plates(kind, clamped, deflection):
+    """[N] Deflections of Timoshenko and Woinowsky-Krieger, of second order, and the moment of the
+    simply supported plate.
+    """
+    errors = []
+    for n in (8, 16):
+        form = plate(kind, n)
+        names = None if clamped else MOVES
+        rim = [p for p in form.points if min(*p[:2], *(1 - p[:2])) < 1e-9]
+        fixed = [dof for p in rim for dof in form.dofs(p, names)]
+        model = sc.Model({"plate": form}, fixed)
+        load = model.forms["plate"].area_load((0.0, 0.0, -1.0))
+        stage = model.run([sc.Stage("load", load)], **QUIET)["load"]
+        moved = stage.x[model.forms["plate"].numbers((0.5, 0.5, 0.0))[2]]
+        errors.append(abs(-moved * D / deflection - 1))
+    assert errors[1] < 0.012
+    assert errors[0] / errors[1] > 3.0
+    if not clamped:
+        table = stage.table("plate")
+        middle = np.hypot(table["x"] - 0.5, table["y"] - 0.5) < 0.06
+        # tension at the lower side, away from the normal
+        assert -table["m_1"][middle].mean() == pytest.approx(0.0479, rel=0.02)
+        assert table["n_1"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_tank_with_a_clamped_wall():
+    """[N] A cylinder under pressure, row by row: hoop forces and moments of a beam on
+    an elastic foundation, with p R t / (2 sqrt(3 (1 - nu^2))) at its foot.
+    """
+    R, H, t, p, nu = 2.0, 1.2, 0.04, 10.0, 0.2
+    z = H * np.linspace(0.0, 1.0, 25) ** 1.6
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, np.pi / 2, 33), z)
+    angle, height = mesh.p
+    points = np.column_stack((R * np.cos(angle), R * np.sin(angle), height))
+    cells = mesh.t.T[:, ::-1]  # normals outwards
+    wall = sc.Shell(None, points, cells=cells, E=3e7, nu=nu, thickness=t, axis=(0, 0, 1))
+    fixed = []
+    for point, a, h in zip(points, angle, height, strict=True):
+        if h == 0.0:
+            fixed += wall.dofs(point)
+        if abs(a) < 1e-9:
+            fixed += wall.dofs(point, ["u^2", "theta^1", "theta^3"])
+        elif abs(a - np.pi / 2) < 1e-9:
+            fixed += wall.dofs(point, ["u^1", "theta^2", "theta^3"])
+    model = sc.Model({"wall": wall}, fixed)
+    load = model.forms["wall"].pressure_load(lambda x: np.full(x.shape[1], -p))
+    stage = model.run([sc.Stage("full", load)], **QUIET)["full"]
+    # means of the rows
+    table = stage.table("wall")
+    row = np.searchsorted(z, table["z"]) - 1
+    found = {
+        name: np.bincount(row, table[name] * wall.areas) / np.bincount(row, wall.areas)
+        for name in ("z", "n_2", "m_1")
+    }
+    # w = p R^2 / E t (1 - exp(-b z) (cos b z + sin b z))
+    bz = (3 * (1 - nu**2) / (R * t) ** 2) ** 0.25 * found["z"]
+    hoop = p * R * (1 - np.exp(-bz) * (np.cos(bz) + np.sin(bz)))
+    np.testing.assert_allclose(found["n_2"], hoop, atol=0.01 * p * R)
+    exact = p * R * t / (2 * np.sqrt(3 * (1 - nu**2)))
+    moment = exact * np.exp(-bz) * (np.cos(bz) - np.sin(bz))
+    # the inner side is stretched at the foot, and the normal points outwards
+    np.testing.assert_allclose(found["m_1"], -moment, atol=0.01 * exact)
+
+
+def test_frequency_of_a_plate():
+    """[N] The lowest frequency of a simply supported plate is pi sqrt(D / m)."""
+    form = plate(4, 16, unit_weight=25.0)
+    rim = [p for p in form.points if min(*p[:2], *(1 - p[:2])) < 1e-9]
+    fixed = [dof for p in rim for dof in form.dofs(p, MOVES)]
+    model = sc.Model({"plate": form}, fixed, gravity_acceleration=10.0)
+    exact = np.pi * np.sqrt(D / (25.0 * T / 10.0))
+    assert model.frequencies(1)[0] == pytest.approx(exact, rel=0.01)
+
+
+def solid(element, axis=2):
+    """Basis of a block with named facets on top and inside."""
+    line = np.linspace(0, 1, 4)
+    mesh = MeshTet if element in (ElementTetP1, ElementTetP2) else MeshHex
+    mesh = mesh.init_tensor(line, line, line).with_defaults()
+    mesh = mesh.with_boundaries(
+        {"slab": lambda x: abs(x[axis] - 1 / 3) < 1e-9}, boundaries_only=False
+    )
+    return Basis(
+        mesh.with_boundaries({"raft": lambda x: x[2] > 1 - 1e-9, "base": lambda x: x[2] < 1e-9}),
+        ElementVector(element()),
+    )
+
+
+@pytest.mark.parametrize("element", [ElementTetP1, ElementTetP2, ElementHex1, ElementHex2])
+@pytest.mark.parametrize("name", ["raft", "slab"])
+def test_shells_on_facets_of_a_mesh(element, name):
+    """A shell in soil without stiffness sags under its weight, and its supports hold that."""
+    basis = solid(element)
+    shell = sc.Shell(basis, name, E=E, nu=NU, thickness=T, unit_weight=20.0)
+    height = 1.0 if name == "raft" else 1 / 3
+    assert shell.areas.sum() == pytest.approx(1.0, rel=1e-12)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e-6, nu=0.3))
+    rim = [p for p in shell.points if min(*p[:2], *(1 - p[:2])) < 1e-9]
+    fixed = [dof for p in rim for dof in shell.dofs(p, MOVES)]
+    model = sc.Model({"soil": soil, "shell": shell}, [basis.get_dofs("base").all(), *fixed])
+    stage = model.run([sc.Stage("weight")], **QUIET)["weight"]
+    at = shell.points[np.hypot(*(shell.points[:, :2] - 0.5).T).argmin()]
+    assert at[2] == pytest.approx(height)
+    moved = stage.x[model.forms["shell"].numbers(at)[2]]
+    assert moved < 0
+    table = stage.table("shell")
+    # sagging: tension on the lower side, negative where the normal points upwards
+    inner = (np.abs(table["x"] - 0.5) < 0.2) & (np.abs(table["y"] - 0.5) < 0.2)
+    assert table["m_1"][inner].max() < 0
+    assert stage.reactions()[2 : basis.N : 3].sum() == pytest.approx(20.0 * T, rel=1e-6)
+
+
+def test_normals_of_vertical_walls():
+    """Facets inside turn their normals along y or x: the moment of the earth has one sign."""
+    for axis, force in ((0, (1.0, 0, 0)), (1, (0, 1.0, 0))):
+        basis = solid(ElementHex1, axis)
+        wall = sc.Shell(basis, "slab", E=E, thickness=T, axis=(0, 0, 1))
+        soil = sc.SolidForm(basis, sc.LinearElastic(E=1e-6, nu=0.0))
+        foot = [p for p in wall.points if p[2] < 1e-9]
+        fixed = [dof for p in foot for dof in wall.dofs(p)]
+        model = sc.Model({"soil": soil, "wall": wall}, [basis.get_dofs("base").all(), *fixed])
+        load = model.forms["wall"].area_load(force)
+        stage = model.run([sc.Stage("push", load)], **QUIET)["push"]
+        table = stage.table("wall")
+        low = table["z"] < 0.2
+        # pushed along the normal, the back is stretched: m_1 = -q h^2 / 2 at the foot
+        assert table["m_1"][low].max() < 0
+        assert table["m_1"][low].mean() == pytest.approx(-0.5 * (1 - 1 / 9) ** 2, rel=0.03)
+
+
+def test_stages_of_a_shell(tmp_path):
+    """A shell begins without force where a stage adds it; another stiffness changes no force."""
+    basis = solid(ElementHex1)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), unit_weight=10.0)
+    shell = sc.Shell(basis, "raft", E=E, nu=NU, thickness=T)
+    model = sc.Model({"soil": soil, "raft": shell}, basis.get_dofs("base").all())
+    push = model.traction("raft", lambda x: (0 * x[0], 0 * x[0], -5.0 * (x[0] < 0.5)))
+    stages = [
+        sc.Stage("soil", deactivate="raft"),
+        sc.Stage("raft", activate="raft"),
+        sc.Stage("push", push),
+        sc.Stage(
+            "softer", push, change={"raft": sc.Shell(basis, "raft", E=1e3, nu=0.1, thickness=T)}
+        ),
+    ]
+    result = model.run(stages, **QUIET)
+    tables = [result[name].table("raft") for name in ("raft", "push", "softer")]
+    assert np.abs(tables[0]["m_1"]).max() < 1e-9
+    assert np.abs(tables[1]["m_1"]).max() > 1e-3
+    np.testing.assert_allclose(tables[2]["m_1"], tables[1]["m_1"], rtol=1e-8)
+    np.testing.assert_allclose(tables[2]["n_1"], tables[1]["n_1"], rtol=1e-8)
+    result.save(tmp_path / "raft.npz")
+    again = sc.load_result(tmp_path / "raft.npz", model)
+    np.testing.assert_array_equal(again["push"].table("raft")["m_1"], tables[1]["m_1"])
+
+
+def test_column_on_a_plate():
+    """[X] A column that is joined to a plate hands its moment over: the plate's supports hold the
+    load, and the column bends as a cantilever on the plate's turn.
+    """
+    form = plate(4, 8)
+    rim = [p for p in form.points if min(*p[:2], *(1 - p[:2])) < 1e-9]
+    fixed = [dof for p in rim for dof in form.dofs(p)]
+    line = np.linspace((0.5, 0.5, 0.0), (0.5, 0.5, 0.8), 5)
+    column = sc.Beam(None, line, EI=0.5, EA=1e4, joined_to=form)
+    model = sc.Model({"plate": form, "column": column}, fixed)
+    top = model.forms["column"]
+    push = top.load((0.01, 0.0, 0.0), (0.5, 0.5, 0.8))
+    stage = model.run([sc.Stage("push", push)], **QUIET)["push"]
+    turn = stage.x[model.forms["plate"].numbers((0.5, 0.5, 0.0))[4]]
+    moved = stage.x[top.numbers((0.5, 0.5, 0.8))[0]]
+    GA = 1e4 / 3
+    bent = 0.01 * (0.8**3 / 3 / 0.5 + 0.8 / GA)
+    assert turn > 0
+    assert moved - stage.x[top.numbers((0.5, 0.5, 0.0))[0]] == pytest.approx(
+        bent + 0.8 * turn, rel=1e-6
+    )
+
+
+POINTS, CELLS = cells_of(4, 1)
+
+
+@pytest.mark.parametrize(
+    ("message", "make"),
+    [
+        (
+            "needs the basis of a mesh in space",
+            lambda: sc.Shell(None, "raft", E=1.0, thickness=1.0),
+        ),
+        ("thickness of a shell", lambda: own(thickness=0.0)),
+        ("E of a shell", lambda: own(E=-1.0)),
+        ("nu between", lambda: own(nu=0.7)),
+        ("numbers of its 4 nodes", lambda: own(cells=[[0, 1, 2, 9]])),
+        ("numbers of 3, 4, 6, 8 or 9", lambda: own(cells=[[0, 1]])),
+        ("with `cells`", lambda: sc.Shell(None, [0.0, 1.0], E=1.0, thickness=1.0)),
+        ("every node of a shell", lambda: own(cells=[[0, 1, 2]])),
+        ("is normal to the shell at", lambda: own(axis=(0.0, 0.0, 1.0))),
+        (
+            "give none",
+            lambda: sc.Shell(solid(ElementHex1), "raft", E=1.0, thickness=1.0, cells=CELLS),
+        ),
+    ],
+)
+def test_refusals(message, make):
+    """One sentence says what is wrong."""
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def own(**more):
+    """Shell with nodes of its own."""
+    return sc.Shell(None, POINTS, **{"E": E, "thickness": T, "cells": CELLS, **more})
