@@ -1,6 +1,6 @@
 r"""
-Shells: the wall of a tank, and a raft on the ground
-====================================================
+Shells: the wall of a tank, a raft, and a raft on piles
+=======================================================
 
 ``sc.Shell`` is a thin plate or shell in space, with nodes of its own or on facets of the ground.
 The wall of a tank full of water is compared with Timoshenko's solution, and a raft under columns
@@ -12,7 +12,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from skfem import Basis, ElementHex2, ElementVector, MeshHex, MeshQuad
+from skfem import Basis, ElementHex1, ElementHex2, ElementVector, MeshHex, MeshQuad
 
 import skfem_contact as sc
 
@@ -145,6 +145,50 @@ fig, ax = plt.subplots(figsize=(5.0, 4.0), layout="constrained")
 picture = ax.tricontourf(table["x"], table["y"], -table["m_1"], 12)
 fig.colorbar(picture, label="sagging moment, -m_1 (kNm/m)")
 ax.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+
+# %%
+# Piles below a raft
+# ------------------
+# Beams that join the shell at their heads, with skins that tie them to the ground around them.
+
+line = np.linspace(0.0, 12.0, 13)
+levels = np.array([-24.0, -18.0, -14.0, -11.0, -9.0, -7.0, -5.0, -3.0, -1.5, 0.0])
+mesh = MeshHex.init_tensor(line, line, levels).with_boundaries(
+    {
+        "raft": lambda x: (x[2] > -1e-9) & (np.abs(x[:2] - 6.0) < 3.0).all(axis=0),
+        "base": lambda x: x[2] < -24.0 + 1e-9,
+        "x": lambda x: np.abs(x[0] - 6.0) > 6.0 - 1e-9,
+        "y": lambda x: np.abs(x[1] - 6.0) > 6.0 - 1e-9,
+    }
+)
+basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+soil = sc.SolidForm(basis, sc.LinearElastic(E=2e4, nu=0.3), strain="b_bar")
+raft = sc.Shell(basis, "raft", thickness=d, **concrete)
+supports = [
+    basis.get_dofs("base").all(),
+    basis.get_dofs("x").all("u^1"),
+    basis.get_dofs("y").all("u^2"),
+]
+heads = [(4.0, 4.0), (8.0, 4.0), (4.0, 8.0), (8.0, 8.0)]
+radius = 0.25
+pile = {"EI": 3e7 * np.pi * radius**4 / 4.0, "EA": 3e7 * np.pi * radius**2}
+forms = {"soil": soil, "raft": raft}
+for k, (a, b) in enumerate(heads):
+    axis = np.linspace((a, b, 0.0), (a, b, -10.0), 11)
+    forms[f"pile {k}"] = sc.Beam(basis, axis, joined_to=raft, **pile)
+    forms[f"skin {k}"] = sc.Embedded(basis, forms[f"pile {k}"], T_max=1e4, radius=radius)
+settlements = {}
+for names in (["soil", "raft"], list(forms)):
+    model = sc.Model({name: forms[name] for name in names}, supports)
+    load = model.traction("raft", (0.0, 0.0, -100.0))
+    stage = model.run([sc.Stage("load", load)], progress=False)["load"]
+    settlements[len(names)] = -1e3 * stage.x[sc.dofs_at(basis, (6.0, 6.0, 0.0))[0, 2]]
+alone, with_piles = settlements.values()
+thrusts = [-stage.section_forces(f"pile {k}").N[0] for k in range(4)]
+share = sum(thrusts) / (100.0 * 36.0)
+print(f"{alone:.1f} mm alone, {with_piles:.1f} mm on piles, which bear {share:.0%}")
+assert with_piles < 0.75 * alone and 0.6 < share < 0.95
+assert np.ptp(thrusts) < 1e-6 * max(thrusts)
 
 # sphinx_gallery_start_ignore
 assert table["m_1"].min() < -50.0
