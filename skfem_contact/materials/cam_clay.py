@@ -35,7 +35,6 @@ from .cam_clay_return import (
     elastic_moduli,
     elastic_strain,
     plastic,
-    pressure,
     tangent,
     trial_of,
 )
@@ -255,10 +254,10 @@ class CamClay(Material):
             p0 = np.where(unstressed, 1.0, p0)
             pc = np.where(unstressed, 1.0, pc)
 
-        # solve for the plastic strain y, then for the pressure
+        # solve for the plastic strain and the pressure
         trial = trial_of(strain, np.log(p0 / pc), e0, c)
         flow = rate(trial, *data)
-        change = pressure(flow.y, trial)
+        change = flow.z
         p = p0 * np.exp(change)
         refused = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
         if refused.any():

@@ -20,26 +20,31 @@ of x e. The yield condition is one equation in y >= 0:
 
     F = ln(p_0 / pc) + z - D / (lambda - kappa) + ln(1 + eta^2 / M^2) = 0
 
-The pressure z follows from y by a Newton's method of its own.
+Newton's method solves it for y together with the equation of z. Where this fails, y is bracketed,
+and z follows from y by a Newton's method of its own.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import IncrementTooLarge
 from .base import Array, Parameter
-from .local_newton import bracketed_root, take
+from .local_newton import bracketed_root, damped_newton, take
 from .spectral import deviator, product, square
 
 #: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of
 #: 1e-15.
 _ROUND_OFF = 1e-13
-#: Iterations: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections included. The
-#: last one changes 1 + y by this share.
+#: Iterations for y and z together, of which 2 to 7 are needed for strain increments of 1e-6 to
+#: 5e-3, and halvings of a step; error of both equations whose square is round-off.
+_JOINT, _HALVINGS, _LAST_JOINT = 12, 3, 1e-9
+#: Iterations in a bracket: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections
+#: included. The last one changes 1 + y by this share.
 _MOST, _LAST = 80, 4e-15
 #: Bounds of ln(p / p_0), beyond the change at which an increment is refused; the change of the last
 #: iteration, whose square is round-off; steps, of which 1 to 4 are needed, and iterations that may
@@ -101,9 +106,10 @@ class Plastic(NamedTuple):
 
 
 class Course(NamedTuple):
-    """Yield condition F, and the derivatives of F, D, z and M by y."""
+    """Yield condition F, F_z of it at a given y, and the derivatives of F, D, z and M by y."""
 
     F: Array
+    F_z: Array
     F_y: Array
     D_y: Array
     z_y: Array
@@ -111,13 +117,14 @@ class Course(NamedTuple):
 
 
 class Rate(NamedTuple):
-    """Plastic strain y of an increment, and the weights of the equation that it solves.
+    """Plastic strain y and pressure z of an increment, and the weights of the equation of y.
 
     The derivatives of this equation are the derivatives of the yield condition F, of the volume
     strain D and of the logarithm of the isotropic rate, times these weights.
     """
 
     y: Array
+    z: Array
     of_condition: Parameter = 1.0
     of_volume: Parameter = 0.0
     of_isotropic: Parameter = 0.0
@@ -287,16 +294,19 @@ def course(at: Plastic, trial: Trial) -> Course:
     """Return the parts of an equation of y."""
     c = trial.c
 
-    # differentiate z, D and h along the solution of the equation of z
+    # differentiate z, D and M along the solution of the equation of z
     z_y = -at.gap_y / at.gap_z
     D_y = at.D_y + at.D_z * z_y
-    h_y = -2 * at.h * at.x + 6 * c.g**2 * at.x**2 * at.E_z * z_y
     M_y = at.M_z * z_y
 
     # F = base + z - H D + ln(1 + h / M^2)
-    F = trial.base + at.z - c.hardening * at.D + np.log1p(at.h / at.M**2)
-    F_y = z_y - c.hardening * D_y + (h_y - 2 * at.h * M_y / at.M) / (at.M**2 + at.h)
-    return Course(F, F_y, D_y, z_y, M_y)
+    square = at.M**2
+    most = square + at.h
+    F = trial.base + at.z - c.hardening * at.D + np.log1p(at.h / square)
+    h_z = 6 * c.g**2 * at.x**2 * at.E_z
+    F_z = 1 - c.hardening * at.D_z + (h_z - 2 * at.h * at.M_z / at.M) / most
+    F_y = F_z * z_y - c.hardening * at.D_y - 2 * at.h * at.x / most
+    return Course(F, F_z, F_y, D_y, z_y, M_y)
 
 
 class Search:
@@ -313,30 +323,101 @@ class Search:
         return at_pressure(y, z, trial)
 
 
-def plastic(trial: Trial) -> Rate:
-    """Return the plastic strain y that fulfils the yield condition, zero in elastic points.
+def joint_step(
+    at: Plastic, now: Course, value: Array, by_z: Parameter, by_y: Array
+) -> tuple[Array, Array]:
+    """Return Newton's step (dy, dz), (2, n), of an equation of y and that of z, and their error.
 
-    Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0,
-    y_M) if F(y_M) < 0; without this bracket Newton's method jumps between several roots. At y_M
-    there is no plastic volume strain, and z is that of the elastic trial.
+    ``by_z`` is the derivative of the value at a given y, ``by_y`` that along the equation of z.
     """
+    dz = -at.gap / at.gap_z
+    dy = -(value + by_z * dz) / by_y
+    return np.array((dy, dz + now.z_y * dy)), np.abs(value) + np.abs(at.gap)
+
+
+def joint_root(
+    function: Callable[..., tuple[Array, Array]],
+    start: Array,
+    least: float,
+    trial: Trial,
+    data: tuple[Any, ...] = (),
+) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Return the root of a function of y and z, from a start and a least value of y.
+
+    The call ``function(x, trial, *data)`` returns Newton's step and the error. Points at which the
+    method fails are the last return value.
+    """
+    elastic = np.clip(trial.c.k * trial.volume, -_FARTHEST, _FARTHEST)
+    first = np.array((start, elastic))
+    lowest = np.array([[least], [-_FARTHEST]])
+    points = trial, *data
+    (y, z), failed = damped_newton(function, first, points, _LAST_JOINT, _JOINT, _HALVINGS, lowest)
+    return y, z, failed
+
+
+def plastic(trial: Trial) -> Rate:
+    """Return y and z that fulfil the yield condition, y = 0 in elastic points."""
     # find the points outside of the yield surface
     c = trial.c
     y = np.zeros_like(trial.base)
     z = np.clip(c.k * trial.volume, -_FARTHEST, _FARTHEST)
     if c.conservative:
         z = pressure(y, trial)
-    excess = course(at_pressure(y, z, trial), trial).F
+    at = at_pressure(y, z, trial)
+    excess = course(at, trial).F
     points = np.flatnonzero(excess > _ROUND_OFF * (1 + np.abs(trial.base)))
-    if not points.size:
-        return Rate(y)
-    trial = take(trial, points)
-    c = trial.c
+    if points.size:
+        y[points], z[points] = _yielding(*take((trial, at), points))
+    return Rate(y, z)
 
+
+def _yielding(trial: Trial, elastic: Plastic) -> tuple[Array, Array]:
+    """Return y and z of points outside of the yield surface, from their elastic trials.
+
+    Beyond the critical state, y_M = eta_trial / M - 1, F falls: a root there is the only one.
+    Before it Newton's method may jump between several roots. F(y_M) < 0 tells that the root is one
+    in (0, y_M), dry of the critical state.
+    """
+    # solve for y and z together
+    with np.errstate(all="ignore"):
+        y, z, failed = joint_root(_joint, elastic.y, 0.0, trial)
+
+    # look at the critical state where the root is before it
+    at_critical = np.maximum(np.sqrt(elastic.h) / elastic.M - 1, 0.0)
+    doubtful = y < at_critical
+    before = np.flatnonzero(doubtful)
+    if before.size:
+        doubtful[before] = _condition(at_critical[before], take(trial, before)) > 0
+    doubtful[failed] = True
+
+    # search again, within a bracket
+    again = np.flatnonzero(doubtful)
+    if again.size:
+        y[again], z[again] = _bracketed(at_critical[again], take(trial, again))
+    return y, z
+
+
+def _joint(x: Array, trial: Trial) -> tuple[Array, Array]:
+    """Return Newton's step of y and z, (2, n), and the error of the yield condition and of z."""
+    y, z = x
+    at = at_pressure(y, z, trial)
+    now = course(at, trial)
+    return joint_step(at, now, now.F, now.F_z, now.F_y)
+
+
+def _condition(y: Array, trial: Trial) -> Array:
+    """Return the yield condition F of the plastic strain y."""
+    return course(at_pressure(y, pressure(y, trial), trial), trial).F
+
+
+def _bracketed(at_critical: Array, trial: Trial) -> tuple[Array, Array]:
+    """Return y and z of points outside of the yield surface, from y at the critical state.
+
+    Dry of it, the root lies in (0, y_M) if F(y_M) < 0. At y_M there is no plastic volume strain,
+    and z is that of the elastic trial.
+    """
     # bracket the root: it lies beyond the critical state, or before it
-    at = at_pressure(y[points], z[points], trial)
-    at_critical = np.maximum(np.sqrt(at.h) / at.M - 1, 0.0)
-    F = course(at_pressure(at_critical, pressure(at_critical, trial), trial), trial).F
+    F = _condition(at_critical, trial)
     beyond = F > 0
     farthest = np.maximum(_farthest(np.where(beyond, F, 0.0), trial), at_critical)
     low = np.where(beyond, at_critical, 0.0)
@@ -349,12 +430,12 @@ def plastic(trial: Trial) -> Rate:
         now = course(search.at(y, points, trial), trial)
         return now.F, now.F_y, _LAST * (1 + y)
 
-    y[points], failed = bracketed_root(function, low, low, high, search.data, _MOST)
+    y, failed = bracketed_root(function, low, low, high, search.data, _MOST)
     if failed.size:
         raise IncrementTooLarge(
             f"the return to the yield surface of Cam Clay fails at {failed.size} points"
         )
-    return Rate(y)
+    return y, pressure(y, trial)
 
 
 def _farthest(F: Array, trial: Trial) -> Array:

@@ -29,16 +29,21 @@ from .base import Array, Parameter, Update, along_elements, require
 from .cam_clay import CamClay
 from .cam_clay_return import (
     CamClayConstants,
+    Course,
     Plastic,
     Rate,
     Search,
     Trial,
+    at_pressure,
     course,
     critical,
     elastic_strain,
     isotropic,
+    joint_root,
+    joint_step,
+    pressure,
 )
-from .local_newton import bracketed_root
+from .local_newton import bracketed_root, take
 
 # Logarithms of the smallest y, below which nothing creeps, and of the largest.
 _LEAST, _MOST = -80.0, 20.0
@@ -121,33 +126,65 @@ def _creep(trial: Trial, mu: Array, time: Array, begin: Array) -> Rate:
     beta = 1 / (c.hardening * mu)
     passed = np.maximum(time, 1e-300)
     log_time = np.log(passed)
-    search = Search(trial)
     times = mu, beta, log_time, begin
 
-    # Solve for log y, as y spans many powers of ten.
+    # Solve for log y, as y spans many powers of ten, and z; begin from the creep of a constant
+    # stress.
+    base = trial.base + c.k * trial.volume
+    start = np.clip(log_time + beta * base, _LEAST, 0.0)
+    with np.errstate(all="ignore"):
+        log_y, z, failed = joint_root(_joint, start, _LEAST, trial, (times,))
+
+    # Search again where this fails, within bounds.
+    if failed.size:
+        log_y[failed], z[failed] = _bracketed(start[failed], *take((trial, times), failed))
+
+    # Points that do not creep keep y = 0.
+    creeps = (time > 0) & (log_y > _LEAST + 1)
+    y = np.where(creeps, np.exp(log_y), 0.0)
+    at = at_pressure(np.exp(log_y), z, trial)
+    _, _, of_condition, of_volume = _equation(at, course(at, trial), trial, *times)
+    z = np.where(creeps, z, pressure(y, trial, z))
+    return Rate(y, z, of_condition, of_volume, of_isotropic=-1.0)
+
+
+def _joint(x: Array, trial: Trial, times: tuple[Array, ...]) -> tuple[Array, Array]:
+    """Return Newton's step of ln(y) and z, (2, n), and the error of their equations."""
+    y = np.exp(x[0])
+    at = at_pressure(y, x[1], trial)
+    now = course(at, trial)
+    value, slope, of_condition, of_volume = _equation(at, now, trial, *times)
+    by_z = of_condition * now.F_z + of_volume * at.D_z - 2 * at.M_z / at.M + at.slope
+    step, error = joint_step(at, now, value, by_z, slope / y)
+    step[0] /= y
+    return step, error
+
+
+def _bracketed(start: Array, trial: Trial, times: tuple[Array, ...]) -> tuple[Array, Array]:
+    """Return ln(y) and z from a start of ln(y), between bounds of it."""
+    search = Search(trial)
+
     def function(
         log_y: Array, points: NDArray[np.intp], trial: Trial, times: tuple[Array, ...]
     ) -> tuple[Array, Array, float]:
         at = search.at(np.exp(log_y), points, trial)
-        return *_equation(at, trial, *times)[:2], _LAST
+        return *_equation(at, course(at, trial), trial, *times)[:2], _LAST
 
-    # Begin from the creep of a constant stress.
-    base = trial.base + c.k * trial.volume
-    start = np.clip(log_time + beta * base, _LEAST, 0.0)
-    low = np.full(base.shape, _LEAST)
-    high = np.full(base.shape, _MOST)
+    low = np.full(start.shape, _LEAST)
+    high = np.full(start.shape, _MOST)
     data = *search.data, times
     log_y, _ = bracketed_root(function, start, low, high, data, _ITERATIONS)
-    # Points that do not creep keep y = 0.
-    creeps = (time > 0) & (log_y > _LEAST + 1)
-    y = np.where(creeps, np.exp(log_y), 0.0)
-    at = search.at(np.exp(log_y), *search.data)
-    _, _, of_condition, of_volume = _equation(at, trial, *times)
-    return Rate(y, of_condition, of_volume, of_isotropic=-1.0)
+    return log_y, search.at(np.exp(log_y), *search.data).z
 
 
 def _equation(
-    at: Plastic, trial: Trial, mu: Array, beta: Array, log_time: Array, begin: Array
+    at: Plastic,
+    now: Course,
+    trial: Trial,
+    mu: Array,
+    beta: Array,
+    log_time: Array,
+    begin: Array,
 ) -> tuple[Array, Array, Array, Array]:
     """Return the equation of ln(y), its slope, and the weights of F and D in its derivatives.
 
@@ -157,7 +194,6 @@ def _equation(
         ln((exp(D / mu) - 1) / (D / mu)) = 0
     """
     c = trial.c
-    now = course(at, trial)
     end = beta * (now.F + c.hardening * at.D)
     mean, share = _mean(end - beta * begin, beta, c)
     grown, ratio = _growth(at.D / mu)
