@@ -68,16 +68,22 @@ class Curves:
             self.apart[tag] = ~meets[self.owner]
         self.along = self.b - self.a
         self.squared = (self.along**2).sum(axis=1)
+        self._starts = np.ascontiguousarray(self.a.T)
+        self._along = np.ascontiguousarray(self.along.T)
 
-    def distances(self, x: float, y: float) -> ndarray:
-        """Return the distances of a point from all chords."""
-        offset = np.array([x, y]) - self.a
-        share = np.clip((offset * self.along).sum(axis=1) / self.squared, 0.0, 1.0)
-        return np.asarray(np.hypot(*(offset - share[:, None] * self.along).T))
+    def distances(self, x: float | ndarray, y: float | ndarray) -> ndarray:
+        """Return the distances of a point from all chords, or of points (n, 1): (n, chords)."""
+        ax, ay = self._starts
+        dx, dy = self._along
+        right = x - ax
+        up = y - ay
+        share = (right * dx + up * dy) / self.squared
+        share = np.minimum(np.maximum(share, 0.0), 1.0)
+        return np.asarray(np.hypot(right - share * dx, up - share * dy))
 
-    def gap(self, tag: int, distances: ndarray) -> float:
-        """Return the distance of a point from the curves that do not meet a curve."""
-        return float(distances[self.apart[tag]].min(initial=np.inf))
+    def gaps(self, tag: int, distances: ndarray) -> ndarray:
+        """Return the distances of points from the curves that do not meet a curve."""
+        return np.asarray(distances[..., self.apart[tag]].min(axis=-1, initial=np.inf))
 
     def check(self, plan: Plan) -> None:
         """Refuse curves that come so near to each other that no mesh fits between them."""
@@ -85,7 +91,7 @@ class Curves:
         for k, tag in enumerate(self.tags):
             chords = np.flatnonzero(self.owner == k)
             for end in (self.a[chords[0]], self.b[chords[-1]]):
-                gap = min(self.gap(tag, self.distances(*end)), self.length[k])
+                gap = min(float(self.gaps(tag, self.distances(*end))), self.length[k])
                 if gap < nearest:
                     raise ValueError(
                         f"outlines or lines are {gap:.2g} apart near "
@@ -97,7 +103,7 @@ class Curves:
             share = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
             x = self.a[chords, None] + share[:, None] * self.along[chords, None]
             x = x.reshape(-1, 2)
-            gaps = np.array([self.gap(tag, self.distances(*point)) for point in x])
+            gaps = self.gaps(tag, self.distances(x[:, :1], x[:, 1:]))
             sides = self.length[k] * (1.0 / (_GAP * gaps)).mean()
             if sides > _SIDES:
                 raise ValueError(
@@ -154,7 +160,7 @@ class Sizes:
         size = min(self._near(x, y), float((self._each + _GROWTH * away).min()))
         if dim == 0:
             return size
-        return min(size, _GAP * self._curves.gap(tag, away))
+        return min(size, _GAP * float(self._curves.gaps(tag, away)))
 
     def inside(self, gmsh: Any) -> SizeCallback:
         """Return the size at a point of a face, which grows from the nearest elements of curves.
@@ -181,5 +187,7 @@ class Sizes:
 
     def _near(self, x: float, y: float) -> float:
         """Return the size that grows from points given with their sizes."""
+        if not self._of_points.size:
+            return np.inf
         away = np.hypot(*(self._points - (x, y)).T)
-        return float((self._of_points + _GROWTH * away).min(initial=np.inf))
+        return float((self._of_points + _GROWTH * away).min())
