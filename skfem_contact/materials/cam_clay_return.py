@@ -375,7 +375,7 @@ def _yielding(trial: Trial, elastic: Plastic) -> tuple[Array, Array]:
     """Return y and z of points outside of the yield surface, from their elastic trials.
 
     Beyond the critical state, y_M = eta_trial / M - 1, F falls: a root there is the only one.
-    Before it Newton's method may jump between several roots. F(y_M) < 0 tells that the root is one
+    Before it Newton's method may jump between several roots. F(y_M) < 0 shows that the root is one
     in (0, y_M), dry of the critical state.
     """
     # solve for y and z together
