@@ -57,9 +57,9 @@ def test_slope_without_cohesion(phi, limit):
 def steep(psi):
     """10 m of soil at 45 degrees, 5 m of ground below the toe, phi = 40 and little cohesion."""
     x = np.concatenate(
-        (np.arange(0, 15, 2.5), 15 + np.linspace(0, 10, 7), 25 + np.linspace(0, 15, 7)[1:])
+        (np.arange(0, 15, 3.75), 15 + np.linspace(0, 10, 5), 25 + np.linspace(0, 15, 5)[1:])
     )
-    flat = MeshQuad.init_tensor(x, np.concatenate(([0, 3, 5], 5 + np.linspace(0, 10, 7)[1:])))
+    flat = MeshQuad.init_tensor(x, np.concatenate(([0, 3, 5], 5 + np.linspace(0, 10, 5)[1:])))
     surface = 5 + np.clip((flat.p[0] - 15) / 10, 0, 1) * 10
     y = np.where(flat.p[1] > 3, 3 + (flat.p[1] - 3) / 12 * (surface - 3), flat.p[1])
     basis, fixed = supported(MeshQuad(np.array([flat.p[0], y]), flat.t).to_meshtri(style="x"))
