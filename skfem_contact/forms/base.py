@@ -151,6 +151,8 @@ class Outputs:
         Coordinates x and y along a beam, and N, V and M, (n,) each.
     points : tuple
         Start, end and middle of the elements of a beam, (3 m, dim), and their values by name.
+    triangles : tuple
+        Corners of the triangles of a shell, (3 m, 3), and their values by name.
     members : dict
         Coordinates and forces of bars, or of points along a line, by the columns of a table, (n,)
         each.
@@ -172,6 +174,7 @@ class Outputs:
         parameters: Mapping[str, Any] | Callable[[], Mapping[str, Any]] = MappingProxyType({}),
         lines: tuple[Any, ...] | Callable[[], tuple[Any, ...]] | None = None,
         points: Points | Callable[[], Points] | None = None,
+        triangles: Points | Callable[[], Points] | None = None,
         members: Mapping[str, ndarray] | Callable[[], Mapping[str, ndarray]] | None = None,
         yielding: Callable[[Any], tuple[int, int]] | None = None,
     ) -> None:
@@ -180,6 +183,7 @@ class Outputs:
         self._parameters = parameters
         self._lines = lines
         self._points = points
+        self._triangles = triangles
         self._members = members
         self._yielding = yielding
 
@@ -207,6 +211,11 @@ class Outputs:
     def points(self) -> Points | None:
         """Points of a beam with their values; None where the form is no beam."""
         return _value(self._points)
+
+    @cached_property
+    def triangles(self) -> Points | None:
+        """Corners of triangles with their values; None where the form is no shell."""
+        return _value(self._triangles)
 
     @cached_property
     def members(self) -> Mapping[str, ndarray]:

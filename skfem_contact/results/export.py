@@ -39,7 +39,7 @@ def frame(stage: StageData) -> Any:
 
 
 def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> meshio.Mesh:
-    """Return the solids, the facets of contact pairs and the beams of a stage as a mesh.
+    """Return the solids, the facets of contact pairs, beams and shells of a stage as a mesh.
 
     Solids are divided into regions, which are numbered through all known solids, by default through
     the solids of the stage.
@@ -64,9 +64,9 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
         blocks.append(vtk_cells(point[interface.facets], dim - 1))
         parts.append(interface.on_facets())
 
-    # Add the beams, and fill up missing data of cells.
+    # Add beams and shells, and fill up missing data of cells.
     point_data = _at_nodes(stage, bodies, mesh)
-    points, point_data = _with_beams(stage, points, point_data, blocks)
+    points, point_data = _with_structures(stage, points, point_data, blocks)
     parts += [{}] * (len(blocks) - len(parts))
     sizes = [len(cells) for _, cells in blocks]
     return meshio.Mesh(points, blocks, point_data, _filled(parts, sizes))
@@ -108,23 +108,24 @@ def _numbers_of_regions(bodies: Mapping[str, SolidForm], known: Mapping[str, Sol
     return np.concatenate(parts)
 
 
-def _with_beams(
+def _with_structures(
     stage: StageData, points: ndarray, data: dict[str, ndarray], blocks: list[tuple[str, ndarray]]
 ) -> tuple[ndarray, dict[str, ndarray]]:
-    """Return points and data with the points of beams at the end; add a block of each beam."""
+    """Return points and data with those of beams and shells at the end; add a block of each."""
     for name in stage.states:
-        along = stage.outputs(name).points
-        if along is None:
-            continue
-        # A beam brings points of its own, and elements of three nodes.
-        beam_points = _in_space(along[0], 3)
-        beam_data = along[1] | {"displacement": _in_space(along[1]["displacement"], 3)}
-        cells = len(points) + np.arange(len(beam_points)).reshape(-1, 3)
-        blocks.append(("line3", cells))
-        # Values that only one of both has are gaps at the others.
-        filled = _filled([data, beam_data], [len(points), len(beam_points)])
-        data = {key: np.concatenate(parts) for key, parts in filled.items()}
-        points = np.concatenate((points, beam_points))
+        outputs = stage.outputs(name)
+        # Their cells have three points of their own: ends and middle of a beam, or corners.
+        for kind, given in (("line3", outputs.points), ("triangle", outputs.triangles)):
+            if given is None:
+                continue
+            own, values = given
+            own = _in_space(own, 3)
+            values = values | {"displacement": _in_space(values["displacement"], 3)}
+            blocks.append((kind, len(points) + np.arange(len(own)).reshape(-1, 3)))
+            # Values that only one of both has are gaps at the others.
+            filled = _filled([data, values], [len(points), len(own)])
+            data = {key: np.concatenate(parts) for key, parts in filled.items()}
+            points = np.concatenate((points, own))
     return points, data
 
 

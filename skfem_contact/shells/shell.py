@@ -26,6 +26,8 @@ from .element import BENDING, MEMBRANE, Triangles, divided, elasticity
 
 #: Round-off of forces, as a share of the stiffness times the displacements.
 _ROUND_OFF = 4 * np.finfo(float).eps
+#: Forces and moments per length.
+_RESULTANTS = ("n_1", "n_2", "n_12", "m_1", "m_2", "m_12")
 #: Sine of the least angle between the axis by default and every normal.
 _CLEAR = 0.5
 
@@ -276,15 +278,19 @@ class Shell(Nodes):
 
     @override
     def outputs(self, x: ndarray, state: ShellState) -> Outputs:
-        n = state.force[:, MEMBRANE]
         # elasticity has a third of the moments at each of three points
+        n = state.force[:, MEMBRANE]
         m = state.force[:, BENDING].reshape(-1, 3, 3).sum(axis=1)
+        values = dict(zip(_RESULTANTS, np.hstack((n, m)).T, strict=True))
 
         def members() -> dict[str, ndarray]:
             centres = self._triangles.points.mean(axis=1)
-            found = dict(zip("xyz", centres.T, strict=True))
-            names = ("n_1", "n_2", "n_12", "m_1", "m_2", "m_12")
-            return found | dict(zip(names, np.hstack((n, m)).T, strict=True))
+            return dict(zip("xyz", centres.T, strict=True)) | values
+
+        def triangles() -> tuple[ndarray, dict[str, ndarray]]:
+            at_corners = {name: np.repeat(value, 3) for name, value in values.items()}
+            u = self._own(x)[self._rows[:, :9]].reshape(-1, 3)
+            return self._triangles.points.reshape(-1, 3), at_corners | {"displacement": u}
 
         return Outputs(
             summary=lambda: (
@@ -292,6 +298,7 @@ class Shell(Nodes):
                 f"m_2 {m[:, 1].min():.4g} to {m[:, 1].max():.4g}"
             ),
             parameters=self.parameters,
+            triangles=triangles,
             members=members,
         )
 

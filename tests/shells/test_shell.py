@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import meshio
 import numpy as np
 import pytest
 from skfem import (
@@ -276,6 +277,31 @@ def test_stages_of_a_shell(tmp_path):
     result.save(tmp_path / "raft.npz")
     again = sc.load_result(tmp_path / "raft.npz", model)
     np.testing.assert_array_equal(again["push"].table("raft")["m_1"], tables[1]["m_1"])
+
+
+def test_shells_in_files(tmp_path):
+    """Other programs find the triangles, with both halves of quadrilaterals, and their values."""
+    basis = solid(ElementHex1)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), unit_weight=10.0)
+    shell = sc.Shell(basis, "raft", E=E, nu=NU, thickness=T, unit_weight=25.0)
+    model = sc.Model({"soil": soil, "raft": shell}, basis.get_dofs("base").all())
+    stage = model.run([sc.Stage("weight")], **QUIET)["weight"]
+    stage.to_vtu(tmp_path / "raft.vtu")
+    found = meshio.read(tmp_path / "raft.vtu")
+    [cells] = [block.data for block in found.cells if block.type == "triangle"]
+    corners = found.points[cells]
+    areas = (
+        np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
+        / 2
+    )
+    assert areas.sum() == pytest.approx(2.0, rel=1e-12)
+    np.testing.assert_allclose(
+        found.point_data["m_1"][cells[:, 0]], stage.table("raft")["m_1"], rtol=1e-12
+    )
+    moved = found.point_data["displacement"][cells[:, 0], 2]
+    assert (moved < 0).all()
 
 
 def test_column_on_a_plate():
