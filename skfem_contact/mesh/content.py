@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -243,6 +246,19 @@ def from_vtk(nodes: Integers, order: Sequence[int] | None) -> Integers:
     if order is None:
         return nodes
     return nodes[:, np.argsort(order)]
+
+
+def read_text(path: str | PathLike[str]) -> bytes:
+    """Return a text of a file without the mark that editors put before its first letter."""
+    return Path(path).read_bytes().removeprefix(codecs.BOM_UTF8)
+
+
+def decoded(text: bytes) -> str:
+    """Return a text in UTF-8, or in the letters of Windows where it is none."""
+    try:
+        return text.decode("utf-8")
+    except UnicodeDecodeError:
+        return text.decode("cp1252", "replace")
 
 
 def pieces(text: bytes) -> Iterator[bytes]:

@@ -712,6 +712,22 @@ def test_med_files_with_wrong_nodes(tmp_path, values, message):
         load_mesh(path)
 
 
+@pytest.mark.parametrize("end", [".msh", ".inp", ".mdpa", ".f3grid"])
+def test_texts_of_editors_on_windows(tmp_path, end):
+    """[X] Ends of lines with two bytes, a mark before the first letter, and letters of Windows."""
+    names = {"Böden": lambda x: x[0] < 0.5, "Bäden": lambda x: x[0] > 0.5}
+    cube = MeshTet.init_tensor(*[[0.0, 0.5, 1.0]] * 3).with_subdomains(names)
+    path = tmp_path / f"cube{end}"
+    save_mesh(cube, path)
+    lines = path.read_text(encoding="utf-8").replace("\n", "\r\n")
+    for text in (lines.encode("utf-8-sig"), lines.encode("cp1252")):
+        path.write_bytes(text)
+        mesh = load_mesh(path)
+        assert {name: size_of(mesh, name) for name in mesh.subdomains} == pytest.approx(
+            {"Böden": 0.5, "Bäden": 0.5}, rel=1e-12
+        )
+
+
 def test_med_files_with_damaged_links(tmp_path):
     """Changed bytes give a mesh, or one sentence with the name of the file."""
     pytest.importorskip("h5py")

@@ -12,9 +12,11 @@ import numpy as np
 from ..content import (
     Content,
     check_names,
+    decoded,
     numbers_of,
     parsed,
     point_text,
+    read_text,
     rows,
     to_vtk,
     whole,
@@ -113,7 +115,7 @@ class _Part:
 
 def read(path: str) -> Content:
     """Read an input file."""
-    text = Path(path).read_bytes()
+    text = read_text(path)
     if not re.search(
         rb"^\s*\*NODE\b(?!\s*(PRINT|FILE|OUTPUT))", text, re.MULTILINE | re.IGNORECASE
     ):
@@ -146,7 +148,7 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
             more, _, data = data.partition(b"\n")
             head += more
         # Read the keyword and its options.
-        keyword, *parts = head.decode("utf-8", "replace").split(",")
+        keyword, *parts = decoded(head).split(",")
         options = {}
         for part in parts:
             name, _, value = part.partition("=")
@@ -157,7 +159,7 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
             other = folder / options.get("INPUT", "").strip('"')
             if not other.is_file():
                 raise ValueError(f"it includes the file {other}, which does not exist")
-            yield from _cards(other.read_bytes(), folder, depth + 1)
+            yield from _cards(read_text(other), folder, depth + 1)
         elif keyword in _MAKERS:
             raise ValueError(
                 f"it makes nodes or elements by *{keyword}, which is not read: write the nodes and "
@@ -357,7 +359,7 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
         if word.lstrip(b"-").isdigit():
             parts.append(np.array([int(word) + shift]))
             continue
-        other = part.key(word.decode("utf-8", "replace"))
+        other = part.key(decoded(word))
         if other not in sets:
             raise ValueError(f"the set '{part.spelled[other]}' does not exist")
         parts += sets[other]
@@ -382,7 +384,7 @@ def _read_surface(part: _Part, card: _Card) -> None:
     """Read the lines "set or element, face" of a surface, or the nodes of one."""
     key = part.key(card.options.get("NAME", ""))
     by_nodes = card.options.get("TYPE", "ELEMENT").upper() == "NODE"
-    for line in card.data.decode("utf-8", "replace").split("\n"):
+    for line in decoded(card.data).split("\n"):
         words = [word.strip().strip('"') for word in line.split(",")]
         if not words[0]:
             continue

@@ -8,7 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, check_names, numbers_of, parsed, pieces, point_text, rows, whole
+from ..content import (
+    Content,
+    check_names,
+    decoded,
+    numbers_of,
+    parsed,
+    pieces,
+    point_text,
+    read_text,
+    rows,
+    whole,
+)
 from ..kinds import KINDS, Integers
 
 #: Kinds of zones and faces, and their nodes in the order of VTK (z upwards, right-handed).
@@ -58,7 +69,7 @@ def read(path: str) -> Content:
 
 def _text(path: str) -> bytes:
     """Return the text of a file without its comments, once it is complete."""
-    data = Path(path).read_bytes()
+    data = read_text(path)
     if b"\0" in data[:4096]:
         raise ValueError("it is a binary grid: export it from FLAC3D as text")
     if not data.endswith(b"\n"):
@@ -123,7 +134,7 @@ def _add_group(
 
 def _group(line: bytes) -> tuple[str, str]:
     """Return letter and name of a group; slots with names precede it, "slot:name"."""
-    words = shlex.split(line.decode("utf-8", "replace"))
+    words = shlex.split(decoded(line))
     if len(words) < 2:
         raise ValueError("a group has no name")
     slot = "1"

@@ -17,6 +17,7 @@ from ..content import (
     check_names,
     combinations,
     compact,
+    decoded,
     from_vtk,
     members_by_tag,
     numbers_of,
@@ -144,7 +145,7 @@ def _sections(data: mmap.mmap) -> dict[str, tuple[int, int]]:
 def _names(section: bytes) -> dict[tuple[int, int], str]:
     """Return the names of physical groups by dimension and number."""
     found = re.findall(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', section, flags=re.MULTILINE)
-    return {(int(dim), int(tag)): name.decode("utf-8", "replace") for dim, tag, name in found}
+    return {(int(dim), int(tag)): decoded(name) for dim, tag, name in found}
 
 
 class _Numbers:
@@ -393,7 +394,7 @@ def _element_data(data: mmap.mmap, is_text: bool) -> dict[str, Integers]:
             dtype = np.dtype([("id", "<i4"), ("value", "<f8", (width,))])
             end = match.end() + count * dtype.itemsize
             values = np.frombuffer(data[match.end() : end], dtype, count)["value"][:, 0]
-        found[match[1].decode("utf-8", "replace")] = values.astype(int)
+        found[decoded(match[1])] = values.astype(int)
     return found
 
 

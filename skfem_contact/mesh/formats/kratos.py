@@ -11,11 +11,13 @@ import numpy as np
 from ..content import (
     Content,
     check_names,
+    decoded,
     from_vtk,
     members_by_tag,
     numbers_of,
     parsed,
     point_text,
+    read_text,
     rows,
     table_text,
     to_vtk,
@@ -36,7 +38,7 @@ _BLOCK = re.compile(rb"^[ \t]*(Begin|End)[ \t]+(\w+)[ \t]*(.*)$", re.MULTILINE)
 def read(path: str) -> Content:
     """Read nodes, elements, conditions, geometries and sub-model parts."""
     # Drop comments, and check that it has blocks.
-    text = Path(path).read_bytes()
+    text = read_text(path)
     if b"//" in text:
         text = re.sub(rb"//.*", b"", text)
     if not _BLOCK.search(text):
@@ -74,7 +76,7 @@ def _blocks(text: bytes) -> Iterator[tuple[str, str, bytes]]:
     position = 0
     while match := _BLOCK.search(text, position):
         position = match.end()
-        word, name = match[2].decode(), match[3].decode("utf-8", "replace").strip()
+        word, name = match[2].decode(), decoded(match[3]).strip()
         if match[1] == b"End":
             yield f"End {word}", name, b""
         elif word == "SubModelPart":

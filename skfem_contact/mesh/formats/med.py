@@ -12,6 +12,7 @@ from ..content import (
     Content,
     check_names,
     combinations,
+    decoded,
     from_vtk,
     members_by_tag,
     to_vtk,
@@ -197,7 +198,7 @@ def _names(families: Any, octets: NDArray[np.uint8]) -> dict[int, list[str]]:
         if letters is not None:
             lines = _values(letters, octets)
             texts = [line.astype(np.int8).tobytes().rstrip(b"\0 ") for line in lines]
-            found[number] = [text.decode("utf-8", "replace") for text in texts]
+            found[number] = [decoded(text) for text in texts]
     return found
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, members_by_tag, numbers_of, to_vtk
+from ..content import Content, decoded, members_by_tag, numbers_of, read_text, to_vtk
 
 #: Kinds of elements by card and number of nodes.
 _CARDS = {
@@ -44,7 +43,7 @@ _ORDER = {
 
 def read(path: str) -> Content:
     """Read grid points and elements; properties are groups."""
-    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    text = decoded(read_text(path)).replace("\r\n", "\n")
     ids = []
     points = []
     cells: dict[str, list[list[int]]] = {}
