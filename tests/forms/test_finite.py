@@ -46,6 +46,8 @@ ELEMENTS: list[tuple[Mesh, Element, int, str]] = [
     (MeshHex(), ElementHex2(), 4, "space"),
     (MeshTet(), ElementTetP2(), 4, "space"),
 ]
+#: Round-off of numbers of two.
+EPS = 2.0 * float(np.finfo(float).eps)
 SQUARE = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
 
 
@@ -158,8 +160,19 @@ def test_objectivity(name: str) -> None:
     expected = R @ np.array([[xx, xy], [xy, yy]]) @ R.T
     found = form.cauchy(turned)[:, 0, 0]
     error = np.abs(found - [expected[0, 0], expected[1, 1], zz, expected[0, 1]]).max()
-    # round-off of 25 increments; laws with a memory of tensors iterate to 1e-12
-    assert error < (2e-12 if name in ("hardening", "adp") else 2e-13) * np.abs(found).max()
+    size_of_stress = np.abs(found).max()
+
+    # Gradients that differ by the round-off of displacements of twice the size, of a body that does
+    # not turn: no method of 16 digits knows the stress better
+    rng = np.random.default_rng(0)
+    spread = 0.0
+    for _ in range(10):
+        path = [F + rng.uniform(-EPS, EPS, (2, 2)) for F in [*loading, *[first] * 14, last]]
+        other = followed(form, path, form.initial_state(stress=start))
+        spread = max(spread, np.abs(form.cauchy(other)[:, 0, 0] - [xx, yy, zz, xy]).max())
+    assert error < max(1e-13 * size_of_stress, 2.0 * spread)
+    # stresses of soils are a thousandth of their stiffness, or less
+    assert spread < 5e-12 * size_of_stress
 
 
 def test_closed_cycles_leave_no_stress() -> None:
