@@ -98,20 +98,22 @@ span, rise = 12.943, 0.386
 toggle = sc.Beam(
     None, np.linspace((0.0, 0.0), (span, rise), 17), EI=9.27e3, EA=1.885e6, kinematics="finite"
 )
-half = sc.Model({"toggle": toggle}, [*toggle.dofs((0.0, 0.0)), *toggle.dofs((span, rise))])
-apex = half.forms["toggle"].numbers((span, rise))[1]
-deflection = np.linspace(0.02, 0.66, 33)
-pushed = []
-for depth in deflection:
-    prescribed = np.zeros(half.layout.size)
-    prescribed[apex] = -depth
-    pushed.append(sc.Stage(f"{depth:.2f}", prescribed=prescribed))
-force = []
-for stage in half.run(pushed):
-    response = half.forms["toggle"].assemble(stage.x, stage.states["toggle"])
-    force.append(-2.0 * response.force[apex])
-limit = max(force[:20])
-print(f"limit load {limit:.2f}")
+foot, apex = toggle.dofs((0.0, 0.0)), toggle.dofs((span, rise))
+half = sc.Model({"toggle": toggle}, [*foot, apex[0], apex[2]])
+load = np.zeros(half.layout.size)
+down = half.forms["toggle"].numbers((span, rise))[1]
+load[down] = -30.0  # 60 lb on both halves
+
+# %%
+# With ``arc_length`` increments have a length along the path instead of a share of the load, which
+# may fall and rise again; the stage ends with its whole load.
+
+stage = sc.Stage("press", load, increments=40, arc_length=True, keep="all")
+path_of_toggle = half.run([stage])["press"].increments
+deflection = np.array([-one.x[down] for one in path_of_toggle])
+force = np.array([60.0 * one.fraction for one in path_of_toggle])
+limit = force[deflection < 0.35].max()
+print(f"limit load {limit:.2f}, then down to {force[deflection > 0.35].min():.2f}")
 assert abs(limit / 34.0 - 1.0) < 0.02  # measured by Williams
 
 fig, (one, two) = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")

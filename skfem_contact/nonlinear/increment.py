@@ -78,7 +78,7 @@ class Interval:
         return self.path(self.begin + PART * (self.end - self.begin))
 
 
-def _searches(system: System, try_recovery: bool) -> tuple[Search, ...]:
+def searches_of(system: System, try_recovery: bool) -> tuple[Search, ...]:
     """Choose line searches: multipliers make equilibrium no minimum of the energy along a step."""
     minimum = not any(pair.saddle for pair in having(system.forms, Touching).values())
     searches: list[Search] = ["residual"]
@@ -106,7 +106,7 @@ def solve_increment(step: Step, newton: Newton, try_recovery: bool = True) -> Eq
     given = step.system
     step = replace(step, system=given.after(step.states, {}))
 
-    searches = _searches(given, try_recovery)
+    searches = searches_of(given, try_recovery)
 
     # Try the extrapolated start.
     from_x = replace(step, start=None)
@@ -147,7 +147,7 @@ def _solve(given: System, step: Step, newton: Newton, attempt: Attempt) -> Equil
         begins = attempt.leaves and not residuals
         new = step.equilibrium(settings, replace(attempt, begins=begins))
         residuals += new.residuals if not residuals else new.residuals[1:]
-        improved = _improved(step, new, residuals)
+        improved = improved_forms(step, new, residuals)
         if not improved and settings is newton:
             check(given, step, new, newton)
             return replace(new, residuals=residuals, equilibria=equilibria)
@@ -162,7 +162,7 @@ def _solve(given: System, step: Step, newton: Newton, attempt: Attempt) -> Equil
     raise NotConverged(f"the increment was solved {_MOST} times and {list(improved)} still changes")
 
 
-def _improved(
+def improved_forms(
     step: Step, new: Equilibrium, residuals: tuple[float, ...]
 ) -> dict[str, tuple[Any, Any]]:
     """Return forms and accepted states with which the increment must be solved once more."""

@@ -26,6 +26,7 @@ from ..results.stage import StageResult, undeformed
 from ..results.strength import undrained_friction
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
+from .along_path import along_path
 from .buckling import remark_on
 from .creep import creep_errors
 from .energies import INERTIA, Log
@@ -49,6 +50,9 @@ _SUDDEN = 1e-9
 _MOVING = 1e-2
 #: Share of the energy that a scheme may take, and that contact may give, before it is remarked on.
 _MISSING, _GIVEN = 0.1, 0.02
+
+#: Displacements along a path over the size of the solids: long bars may hold short ones.
+_SNAPS = 10.0
 
 #: Seconds between two updates of the bars.
 _SHOWN = 0.05
@@ -182,7 +186,16 @@ class _Follower:
         pushed = _pushed(values)
         self.parts = Parts(driven=pushed > 0.0)
         newton = self._setup.newton or Newton()
-        ways = [_Way(stage.name, path, stage.increments, stage.duration, pushed=pushed)]
+        ways = [
+            _Way(
+                stage.name,
+                path,
+                increments=stage.increments,
+                duration=stage.duration,
+                pushed=pushed,
+                arc_length=stage.arc_length,
+            )
+        ]
         if phase.jump is not None:
             jump = _jump_path(phase.jump, path)
             sudden = _SUDDEN * stage.duration
@@ -455,6 +468,8 @@ class _Way:
         How far supports move.
     at_start
         True for a jump at the start of the stage.
+    arc_length
+        True for increments of given length along the path.
     """
 
     name: str
@@ -463,6 +478,7 @@ class _Way:
     duration: float
     pushed: float = 0.0
     at_start: bool = False
+    arc_length: bool = False
 
     def __str__(self) -> str:
         jump = ""
@@ -481,6 +497,9 @@ def _increments(
     """Yield the accepted increments of a stage; in a jump its share and time stay."""
     began = last.time
     for way in ways:
+        if way.arc_length:
+            yield from _along_path(way, system, predictor, last, newton)
+            return
         for accepted in _along(way, system, predictor, last, newton):
             last = accepted
             if way.at_start:
@@ -547,6 +566,22 @@ def _along(
         predictor.accept(last.x, last.load, time)
         trust = True  # the first increment has checked the forms' responses
         yield last
+
+
+def _along_path(
+    way: _Way, system: System, predictor: Predictor, last: StageResult, newton: Newton
+) -> Iterator[StageResult]:
+    """Yield the accepted increments along a way beyond limit points of its load."""
+    farthest = _SNAPS * _farthest(system, way.pushed)
+    start_x = last.x
+
+    def accept(before: StageResult, step: Step, new: Equilibrium, share: float) -> StageResult:
+        after = _accepted(before, step, new, share, before.time, np.inf)
+        _check_size(way, system, after, _moved(after, start_x), farthest)
+        predictor.accept(after.x, after.load, after.time)
+        return after
+
+    yield from along_path(way, system, way.path, way.increments, last, newton, accept)
 
 
 def _accepted(

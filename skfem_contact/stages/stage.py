@@ -88,6 +88,12 @@ class Stage:
         by axis, ``{"x": record, "y": other}``. Displacements are then relative to the supports, and
         every mass feels the acceleration of the base with the opposite sign. The base is at rest
         after the end of a record.
+    arc_length
+        True for a path that is followed beyond limit points, where the load falls and rises again:
+        increments have a length along the path and change the load by a share of ``1 / increments``
+        at most. The stage ends where its whole load is first reached; ``keep="all"`` keeps the
+        path, with the share of the load of each increment as its `fraction`. For vectors `load` and
+        `prescribed` in stages without time, `dynamic` and pore water.
 
     Notes
     -----
@@ -127,6 +133,7 @@ class Stage:
     keep: Literal["last", "all"] | int = "last"
     dynamic: Dynamic | None = None
     base: Record | Mapping[str, Record] | None = None
+    arc_length: bool = False
 
     @property
     def released(self) -> float:
@@ -181,9 +188,22 @@ def _check_numbers(stage: Stage) -> None:
 
 
 def _check_static(stage: Stage, where: str) -> None:
-    """Refuse motion in a stage without inertia."""
+    """Refuse motion in a stage without inertia, and paths of given times."""
     if stage.base is not None:
         raise ValueError(f"{where}: a base moves in a stage with `dynamic` alone")
+    if not stage.arc_length:
+        return
+    if stage.duration:
+        raise ValueError(
+            f"{where}: a path along which the load falls has no duration: give no `duration`, or "
+            "no `arc_length`"
+        )
+    for what, given in (("load", stage.load), ("prescribed", stage.prescribed)):
+        if callable(given):
+            raise ValueError(
+                f"{where}: with `arc_length` the load follows from the path: give `{what}` as a "
+                "vector, not as a function"
+            )
 
 
 def _check_time(stage: Stage, dynamic: Dynamic, where: str) -> None:
@@ -194,6 +214,11 @@ def _check_time(stage: Stage, dynamic: Dynamic, where: str) -> None:
         raise ValueError(
             f"{where}: the step in time, {dynamic.step:g}, is longer than the stage, "
             f"{stage.duration:g}"
+        )
+    if stage.arc_length:
+        raise ValueError(
+            f"{where}: bodies with inertia pass a limit point in time: give `dynamic` or "
+            "`arc_length`, not both"
         )
     if stage.increments != 1:
         raise ValueError(

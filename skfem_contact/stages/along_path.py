@@ -1,0 +1,138 @@
+"""Increments of a stage along its path of equilibria, whose load may fall and rise."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy import ndarray
+
+from ..errors import NotConverged
+from ..nonlinear.arc_length import Arc, OnPath
+from ..nonlinear.increment import Path, solve_increment
+from ..nonlinear.newton import Newton
+from ..nonlinear.step import Equilibrium, Step
+from ..nonlinear.system import System
+from ..results.stage import StageResult
+
+logger = logging.getLogger("skfem_contact")
+
+#: Increments of a path that does not come to its load.
+_MOST = 2000
+#: Cuts of an increment in a row after which the path ends.
+_CUTS = 12
+#: Iterations of an increment after which the next one is as long.
+_WANTED = 5
+#: Growth of a length, and change of the share over the one asked for, at most.
+_GROWTH, _TOO_MUCH = 2.0, 1.5
+#: Cosine of the turn of a path in an increment, at least: a sharper one may be another path.
+_STRAIGHT = 0.9
+
+#: Function that returns the result of an increment: last result, step, equilibrium, and share.
+Accept = Callable[[StageResult, Step, Equilibrium, float], StageResult]
+
+
+def along_path(
+    where: object,
+    system: System,
+    path: Path,
+    increments: int,
+    last: StageResult,
+    newton: Newton,
+    accept: Accept,
+) -> Iterator[StageResult]:
+    """Yield the accepted increments of a path, until it first reaches its whole load.
+
+    Lengths follow the iterations; no increment changes the load by much more than the share asked
+    for.
+
+    Parameters
+    ----------
+    where
+        Stage, for messages.
+    increments
+        Number of increments without limit points.
+    last
+        Start of the stage.
+    """
+    largest = 1.0 / increments
+    share = 0.0
+    ahead: ndarray | None = None
+    scale = 1.0
+    cuts = 0
+    for _ in range(_MOST):
+        # Take the tangent at first, then the last increment, as far as the load allows.
+        arc = Arc(system, path, last.x, last.states, share)
+        try:
+            if ahead is None:
+                ahead = arc.tangent(largest)
+            step = scale * ahead
+            step *= min(1.0, largest / max(abs(step[-1]), 1e-300))
+            new, ends = _next(arc, step, newton, largest)
+        except NotConverged as error:
+            logger.info("%s: along the path from %.4f: %s", where, share, error)
+            scale *= 0.5
+            cuts += 1
+            if cuts > _CUTS:
+                raise NotConverged(
+                    f"{where} stopped at {share:.2%} of its load along its path: {error}", last.x
+                ) from error
+            continue
+
+        # Accept it, and choose the next length.
+        found = new.found
+        cuts = 0
+        ahead = np.append(found.x - last.x, new.share - share)
+        iterations = max(found.iterations / found.equilibria, 1.0)
+        scale = float(np.clip(np.sqrt(_WANTED / iterations), 0.5, _GROWTH))
+        share = 1.0 if ends else new.share
+        load, prescribed = path(share)
+        taken = Step(system, last.x, last.states, load, prescribed)
+        last = accept(last, taken, found, share)
+        yield last
+        if ends:
+            return
+    raise NotConverged(
+        f"{where} has not reached its load in {_MOST} increments along its path, the last one at "
+        f"{share:.2%}: give another load, or fewer and longer increments",
+        last.x,
+    )
+
+
+def _next(arc: Arc, ahead: ndarray, newton: Newton, largest: float) -> tuple[OnPath, bool]:
+    """Return the next equilibrium on a path, and True where it has the whole load.
+
+    Raises
+    ------
+    NotConverged
+        None was found, or one that is too far from the last or aside.
+    """
+    new = arc.solve(ahead, newton)
+    moved = np.append(new.found.x - arc.x, new.share - arc.share)
+    _check_way(arc, ahead, moved, largest)
+    if new.share < 1.0 or arc.share >= 1.0:
+        return new, False
+
+    # End with the whole load, between the last two equilibria.
+    part = (1.0 - arc.share) / moved[-1]
+    load, prescribed = arc.path(1.0)
+    start = arc.x + part * moved[:-1]
+    start[arc.system.fixed] = prescribed
+    step = Step(arc.system, arc.x, arc.states, load, prescribed, start)
+    found = solve_increment(step, newton, try_recovery=False)
+    if np.linalg.norm(found.x - start) > np.linalg.norm(moved[:-1]):
+        raise NotConverged("the equilibrium under the whole load is one of another path", found.x)
+    return OnPath(found, 1.0), True
+
+
+def _check_way(arc: Arc, ahead: ndarray, moved: ndarray, largest: float) -> None:
+    """Refuse an increment that changes the load by too much, or turns sharply."""
+    if abs(moved[-1]) > _TOO_MUCH * largest:
+        raise NotConverged(f"the load changes by {moved[-1]:.2%} at once", arc.x)
+    moves = arc.system.layout.displacements
+    expected = ahead[:-1][moves]
+    found = moved[:-1][moves]
+    cosine = expected @ found / (np.linalg.norm(expected) * np.linalg.norm(found))
+    if not cosine > _STRAIGHT:
+        raise NotConverged("the path turns sharply", arc.x)
