@@ -187,7 +187,7 @@ for name, motion, given in (("undamped", undamped, None), ("damped", damped, dam
     ax.plot(modes, stored[name], "x", color=line.get_color())
 ax.plot([], [], "ko", mfc="none", label="finite elements")
 ax.plot([], [], "kx", label="pystrata")
-ax.set(xlabel="frequency (Hz)", ylabel="surface over outcrop")
+ax.set(xlabel="frequency [Hz]", ylabel="surface over outcrop")
 ax.legend(frameon=False)
 
 exact = {
@@ -208,7 +208,7 @@ fig, ax = plt.subplots(figsize=(7, 3.5), layout="constrained")
 ax.plot(undamped.time, undamped.values[:, 0], lw=0.8, label="finite elements")
 part = undamped.time[1000:1200:10]
 ax.plot(part, stored["motion"], "x", label="pystrata")
-ax.set(xlim=(1.5, 4.0), xlabel="time (s)", ylabel="surface (m/s²)")
+ax.set(xlim=(1.5, 4.0), xlabel="time [s]", ylabel="surface [m/s²]")
 ax.legend(frameon=False)
 print(f"peak {undamped.largest:.4f} m/s², by pystrata {stored['peak']:.4f} m/s²")
 

@@ -167,7 +167,7 @@ for ax, (name, record) in zip(axes, records.items()):
             f"rigid block {rigid:.4f} m, ratio {slip[-1] / rigid:.3f}, "
             f"decoupled {other / rigid:.3f}"
         )
-    ax.set(title=name, xlabel="time (s)", ylabel="slip (m)")
+    ax.set(title=name, xlabel="time [s]", ylabel="slip [m]")
 axes[0].legend(frameon=False)
 
 # sphinx_gallery_start_ignore

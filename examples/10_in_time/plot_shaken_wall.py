@@ -125,11 +125,11 @@ print(f"largest tilt {tilt.max():.5f}, rigid wall {turned.max():.5f}")
 fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 5), layout="constrained")
 top.plot(time, exact, "k", lw=3, alpha=0.3, label="rigid wall")
 top.plot(time, slide, label="finite elements")
-top.set(ylabel="slide (m)")
+top.set(ylabel="slide [m]")
 top.legend(frameon=False)
 bottom.plot(time, np.degrees(turned), "k", lw=3, alpha=0.3)
 bottom.plot(time, np.degrees(tilt))
-bottom.set(xlabel="time (s)", ylabel="tilt (degrees)")
+bottom.set(xlabel="time [s]", ylabel="tilt [degrees]")
 
 # %%
 # What the slide depends on

@@ -61,9 +61,9 @@ fig, (top, bottom) = plt.subplots(
     2, 1, sharex=True, sharey=True, figsize=(7, 5), layout="constrained"
 )
 top.plot(middle.time, middle.values[:, 0], lw=0.8)
-top.set(ylabel="surface (m/s²)")
+top.set(ylabel="surface [m/s²]")
 bottom.plot(record.time, record.values, "C1", lw=0.8)
-bottom.set(xlabel="time (s)", ylabel="outcrop of rock (m/s²)")
+bottom.set(xlabel="time [s]", ylabel="outcrop of rock [m/s²]")
 
 # %%
 # Response spectra
@@ -76,7 +76,7 @@ felt = sc.Record(0.01, middle.values[:, 0])
 for name, motion in (("surface", felt), ("outcrop of rock", record)):
     ax.semilogx(periods, motion.spectrum(periods, ratio=0.05).acceleration, label=name)
 ax.axvline(1 / first, color="k", lw=0.5)
-ax.set(xlabel="period (s)", ylabel="pseudo-acceleration, 5 % (m/s²)")
+ax.set(xlabel="period [s]", ylabel="pseudo-acceleration, 5 % [m/s²]")
 ax.legend(frameon=False)
 print(f"peak {felt.peak:.2f} m/s² at the surface, {record.peak:.2f} m/s² on rock")
 print(f"intensity of Arias {felt.arias(9.81):.2f} and {record.arias(9.81):.2f} m/s")
@@ -90,7 +90,7 @@ energy = shaken.energy
 fig, ax = plt.subplots(figsize=(7, 3.5), layout="constrained")
 for name in ("work", "damping", "kinetic", "elastic"):
     ax.plot(energy["time"], energy[name] - energy[name][0], label=name)
-ax.set(xlabel="time (s)", ylabel="energy (kJ/m)")
+ax.set(xlabel="time [s]", ylabel="energy [kJ/m]")
 ax.legend(frameon=False)
 
 # sphinx_gallery_start_ignore

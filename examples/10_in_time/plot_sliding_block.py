@@ -83,10 +83,10 @@ fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 5), layout="con
 top.plot(record.time, record.values, lw=0.8)
 limit = g * (mu * np.cos(slope) - np.sin(slope))
 top.axhline(limit, color="k", lw=0.5)
-top.set(ylabel="ground (m/s²)")
+top.set(ylabel="ground [m/s²]")
 bottom.plot(time, -exact, "k", lw=3, alpha=0.3, label="rigid block")
 bottom.plot(motion.time, -slip, label="finite elements")
-bottom.set(xlabel="time (s)", ylabel="slip down the slope (m)")
+bottom.set(xlabel="time [s]", ylabel="slip down the slope [m]")
 bottom.legend(frameon=False)
 
 # %%
@@ -98,7 +98,7 @@ energy = result["shake"].energy
 fig, ax = plt.subplots(figsize=(7, 3), layout="constrained")
 ax.plot(energy["time"], energy["work"], label="work of loads")
 ax.plot(energy["time"], energy["friction"], label="friction")
-ax.set(xlabel="time (s)", ylabel="energy (kJ/m)")
+ax.set(xlabel="time [s]", ylabel="energy [kJ/m]")
 ax.legend(frameon=False)
 
 # sphinx_gallery_start_ignore

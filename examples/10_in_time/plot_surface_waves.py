@@ -72,7 +72,7 @@ near, far = (waves.history(point, "velocity") for point in stations)
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 for motion, (distance, _) in ((near, stations[0]), (far, stations[1])):
     ax.plot(motion.time, motion.values[:, 1], label=f"{distance:.0f} m")
-ax.set(xlabel="time (s)", ylabel="vertical velocity (m/s)")
+ax.set(xlabel="time [s]", ylabel="vertical velocity (m/s)")
 ax.legend(frameon=False)
 
 

@@ -143,8 +143,8 @@ order = np.argsort(form.points[:, 0])
 for stage in rolled.increments[3::4]:
     at = np.array([form.points[k] + stage.x[form.numbers(form.points[k])[:2]] for k in order])
     ax.plot(*at.T, label=f"{stage.fraction:.0%} of the moment")
-ax.set(aspect="equal")
-ax.legend(loc="lower right")
+ax.set(aspect="equal", xlabel="x", ylabel="y")
+ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
 tip = rolled.x[form.numbers((L, 0.0))]
 assert np.allclose(tip, (-L, 0.0, 2 * np.pi), atol=1e-6)

@@ -55,8 +55,8 @@ neck = [(R * taper + stage.x[corner]) / R for stage in result]
 
 fig, ax = plt.subplots()
 ax.plot(elongations, force)
-ax.set_xlabel("elongation (mm)")
-ax.set_ylabel("force (kN)")
+ax.set_xlabel("elongation [mm]")
+ax.set_ylabel("force [kN]")
 plt.show()
 
 # %%

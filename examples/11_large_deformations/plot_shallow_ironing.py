@@ -76,8 +76,8 @@ steps = np.arange(1, len(V) + 1) / 10
 fig, ax = plt.subplots()
 ax.plot(steps, V, label="vertical")
 ax.plot(steps, H, label="horizontal")
-ax.set_xlabel("way of the block, down and along (mm)")
-ax.set_ylabel("force (N/mm)")
+ax.set_xlabel("way of the block, down and along [mm]")
+ax.set_ylabel("force [N/mm]")
 ax.legend()
 plt.show()
 

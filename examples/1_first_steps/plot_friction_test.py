@@ -151,8 +151,8 @@ for axis, stage in zip(axes, ("0.2 mm", "0.3 mm", "0.5 mm")):
         at = joint.status == status
         label = f"friction, {status.name.lower()}"
         axis.plot(1e3 * joint.x[at], joint.shear[at], "C0o", mfc=color, label=label)
-    axis.set(title=f"frame moved by {stage}", xlabel="position (mm)")
-axes[0].set_ylabel("traction (kPa)")
+    axis.set(title=f"frame moved by {stage}", xlabel="position [mm]")
+axes[0].set_ylabel("traction [kPa]")
 axes[0].legend(frameon=False)
 
 # %%
@@ -186,12 +186,12 @@ cpu = process_time() - begin
 fig, axes = plt.subplots(1, 2, figsize=(9, 3.4), sharey=True, layout="constrained")
 for kilopascals, curve in history.items():
     axes[0].plot(moved, curve[:, 1], "o-", ms=4, label=f"{kilopascals:.0f} kPa")
-axes[0].set(xlabel="frame moved by (mm)", ylabel="shear force (kN/m)")
+axes[0].set(xlabel="frame moved by [mm]", ylabel="shear force [kN/m]")
 axes[0].legend(frameon=False)
 axes[1].plot([0, 17], [0, 17 * measured], "0.6", label=f"slope {measured:.4f}")
 for force in last:
     axes[1].plot(*force, "o")
-axes[1].set(xlabel="normal force (kN/m)", xlim=(0, 17), ylim=(0, 8.5), xticks=range(0, 16, 5))
+axes[1].set(xlabel="normal force [kN/m]", xlim=(0, 17), ylim=(0, 8.5), xticks=range(0, 16, 5))
 axes[1].legend(frameon=False)
 
 # %%

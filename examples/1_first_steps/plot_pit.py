@@ -16,6 +16,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 # %%
 # 1. The ground
 # -------------

@@ -158,7 +158,7 @@ for number, label in (
     inside = (angle > 1) & (angle < 179)  # the pressure has edges where the belt leaves the drum
     axes[0].semilogy(angle[inside], contact.pressure[inside] * radius / tension, label=label)
 axes[0].set(
-    xlabel="angle from the left end of the arc (degrees)",
+    xlabel="angle from the left end of the arc [degrees]",
     ylabel="p R / weight",
     xticks=[0, 45, 90, 135, 180],
 )

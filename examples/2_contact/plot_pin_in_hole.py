@@ -65,10 +65,10 @@ print(
     f"peak {peak:.3f} Q/R (Persson 0.712), contact to {angle[joint.pressure > 0].max():.0f} degrees"
 )
 order = np.argsort(angle)
-figure, axes = plt.subplots(figsize=(6, 3))
+figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
 axes.plot(angle[order], joint.pressure[order] * R / Q, label="found")
 axes.axhline(0.7117, color="grey", linestyle="--", label="peak, Persson")
-axes.set(xlabel="angle from below, degrees", ylabel="p R / Q", xlim=(0, 90))
+axes.set(xlabel="angle from below [degrees]", ylabel="p R / Q", xlim=(0, 90))
 axes.legend()
 
 # sphinx_gallery_start_ignore

@@ -28,6 +28,8 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 FULL = "--full" in sys.argv
 
 # %%

@@ -251,7 +251,7 @@ for name, safety in cases.items():
 figure, ax = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
 for name, safety in cases.items():
     ax.plot(safety.curve[1:, 2], safety.curve[1:, 1], "o-", markersize=4, label=name)
-ax.set(xlabel="largest displacement since gravity (m)", ylabel="factor", xscale="log")
+ax.set(xlabel="largest displacement since gravity [m]", ylabel="factor", xscale="log")
 ax.grid(color="#dddddd", linewidth=0.6)
 ax.legend(frameon=False)
 

@@ -93,7 +93,7 @@ a, b, c = mesh.p[:, mesh.t].transpose(1, 0, 2)
 power = proof.dissipation / np.abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
 fig, ax = plt.subplots(figsize=(7, 3.6), layout="constrained")
 ax.tripcolor(*mesh.p, mesh.t.T, np.minimum(power / np.quantile(power, 0.97), 1.0), cmap="magma_r")
-ax.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="dissipation of the upper bound")
+ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="dissipation of the upper bound")
 plt.show()
 
 # %%

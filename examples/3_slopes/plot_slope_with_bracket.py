@@ -18,6 +18,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 section = sc.section.slope(10.0, 26.57, {"clay": -10.0}, size=3.0, crest=28.0, toe=20.0)
 section.plot()

@@ -16,6 +16,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 section = sc.section.retaining_wall(
     5.0, 3.6, {"sand": -5.0}, 2.5, stem=0.5, slab=0.6, toe=0.8, depth=1.0, beyond=9.0

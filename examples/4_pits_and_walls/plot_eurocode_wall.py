@@ -23,6 +23,8 @@ from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 beta, B, toe, stem, base, height = np.radians(20.0), 3.9, 0.95, 0.7, 0.8, 6.8
 back = height + (B - toe - stem) * np.tan(beta)  # length of the virtual back
 

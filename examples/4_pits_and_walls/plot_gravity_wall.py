@@ -16,6 +16,8 @@ from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 height, width, mu = 4.0, 2.0, 0.5
 x = np.concatenate((np.linspace(-6.0, -0.5, 6), np.linspace(0.0, width, 9), [2.5, 3.5, 5.5, 8.0]))
 ground = MeshQuad.init_tensor(x, np.array([-5.0, -3.0, -1.6, -0.7, 0.0])).with_defaults()

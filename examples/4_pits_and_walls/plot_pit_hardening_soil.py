@@ -150,9 +150,9 @@ for name, lines in profiles.items():
             ax.plot(-moved[0][order], p[1][order], label=name)
         else:
             ax.plot(p[0][order] - (EDGE if line == "street" else 0.0), moved[1][order], label=name)
-axes[0].set(xlabel="wall into the pit, mm", ylabel="height, m")
-axes[1].set(xlabel="distance from the wall, m", ylabel="street, mm")
-axes[2].set(xlabel="distance from the centre, m", ylabel="heave of the bottom, mm")
+axes[0].set(xlabel="wall into the pit [mm]", ylabel="height [m]")
+axes[1].set(xlabel="distance from the wall [m]", ylabel="street [mm]")
+axes[2].set(xlabel="distance from the centre [m]", ylabel="heave of the bottom [mm]")
 axes[0].legend(frameon=False, fontsize="small")
 plt.show()
 
@@ -219,7 +219,7 @@ if FULL:
         ax.set(**{f"{axis}label": f"{what}, mm"})
     axes[1].axhline(berlin.SETTLEMENT, color="black", linestyle=":")
     axes[2].axhline(berlin.HEAVE, color="black", linestyle=":")
-    axes[0].set_ylabel("depth, m")
+    axes[0].set_ylabel("depth [m]")
     axes[0].invert_yaxis()
     axes[1].invert_yaxis()
     axes[0].legend(frameon=False, fontsize="small")

@@ -237,8 +237,8 @@ for ax, name, unit in zip(axes, "MVN", ("kNm/m", "kN/m", "kN/m"), strict=True):
     ax.plot(getattr(solid, name), solid.y, "k-", lw=1, label="elements")
     ax.plot(getattr(beam, name), beam.y, "C1--", lw=1.5, label="beam")
     ax.axhline(DUG, color="0.7", lw=1)
-    ax.set(xlabel=f"{name}, {unit}")
-axes[0].set_ylabel("height, m")
+    ax.set(xlabel=f"{name} [{unit}]")
+axes[0].set_ylabel("height [m]")
 axes[0].legend(frameon=False)
 plt.show()
 

@@ -82,13 +82,12 @@ head = model.forms["pile"].numbers((0.0, 0.0))[1]
 fig, (left, right) = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
 depth = model.forms["skin"].positions
 for stage in result:
-    left.plot(
-        -stage.states["skin"].skin, depth, label=f"{stage.name} kN/m: {-1e3 * stage.x[head]:.1f} mm"
-    )
+    left.plot(-stage.states["skin"].skin, depth)
     forces = stage.section_forces("pile")
-    right.plot(-2.0 * forces.N, -forces.y)
+    label = f"{stage.name} kN/m: {-1e3 * stage.x[head]:.1f} mm"
+    right.plot(-2.0 * forces.N, -forces.y, label=label)
 left.set(xlabel="skin of a pile [kN/m]", ylabel="depth [m]", ylim=(10, 0))
-left.legend()
+right.legend(frameon=False, loc="lower right", fontsize="small")
 right.set(xlabel="thrust in a pile [kN]", ylim=(10, 0))
 plt.show()
 last = result["240"].states["skin"]

@@ -60,10 +60,10 @@ axes[0].plot(1e3 * y, depth)
 axes[1].plot(p / half, depth)
 axes[2].plot(forces.V / half, forces.position)
 axes[3].plot(forces.M / half, forces.position)
-for ax, label in zip(axes, ("y (mm)", "p (kN/m)", "V (kN)", "M (kNm)")):
+for ax, label in zip(axes, ("y [mm]", "p [kN/m]", "V [kN]", "M [kNm]")):
     ax.axvline(0.0, color="0.7", lw=0.8)
     ax.set(xlabel=label)
-axes[0].set(ylabel="depth (m)", ylim=(L, 0.0))
+axes[0].set(ylabel="depth [m]", ylim=(L, 0.0))
 plt.show()
 
 # %%

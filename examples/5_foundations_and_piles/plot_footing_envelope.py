@@ -22,6 +22,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 width, c = 2.0, 20.0
 ground = sc.section.layers((-5.0, 5.0), 0.0, {"clay": -3.0})

@@ -19,6 +19,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 B, e, V = 2.0, 0.7, 400.0
 near = [((B / 2.0, 0.0), 0.02), ((-0.2, 0.0), 0.05)]
 section = sc.section.footing(B, 1.0, {"sand": -20.0}, 2.5, beyond=20.0, fine=0.08, near=near)

@@ -14,6 +14,8 @@ import numpy as np
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 length, diameter, su, weight = 12.0, 0.8, 30.0, 8.0
 
 

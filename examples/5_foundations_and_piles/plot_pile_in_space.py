@@ -18,6 +18,8 @@ from skfem import Basis, ElementTetP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 D, L, width, tau = 0.5, 8.0, 12.0, 30.0
 areas = {

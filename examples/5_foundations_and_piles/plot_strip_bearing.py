@@ -15,6 +15,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 B, weight, c = 2.0, 20.0, 0.1
 box = sc.section.rectangle
 areas = {"sand": box((0.0, 6.0), (-2.5, 0.0)), "footing": box((0.0, B / 2.0), (0.0, 0.5))}

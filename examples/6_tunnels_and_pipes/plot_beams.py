@@ -84,7 +84,7 @@ class Springs(sc.Form, sc.roles.Couples):
         return sc.Response(self.K @ x[self.dofs], lambda: None, lambda: self.K, dofs=self.dofs)
 
 
-fig, (ax, ring_ax) = plt.subplots(1, 2, figsize=(9.5, 3.8), layout="constrained")
+fig, ax = plt.subplots(figsize=(5.5, 3.8), layout="constrained")
 s = np.linspace(0, 6, 200)
 ax.plot(s, np.exp(-s) * (np.cos(s) - np.sin(s)) / 4, "k-", lw=1, label="exact")
 for per, largest in ((1, 1.2e-3), (2, 1e-4)):
@@ -149,6 +149,7 @@ closer = stage.x[ring.numbers(foot)[1]] - stage.x[ring.numbers(crown)[1]]
 record("ring, deflection", 16, model, begin, [closer], [np.pi / 4 - 2 / np.pi], 6e-4)
 record("ring, moment", 16, model, begin, [np.abs(forces.M).max()], [1 / np.pi], 2e-5)
 phi = np.linspace(0, 360, 361)
+fig, ring_ax = plt.subplots(figsize=(5.5, 3.8), layout="constrained")
 ring_ax.plot(phi, 1 / np.pi - np.abs(np.cos(np.radians(phi))) / 2, "k-", lw=1, label="exact")
 ring_ax.plot(
     np.degrees(np.arctan2(forces.y, forces.x)) % 360,
@@ -159,7 +160,9 @@ ring_ax.plot(
     label="16 curved elements",
 )
 ring_ax.set(
-    xlabel="angle from the right end, degrees", ylabel="moment / P R", xticks=[0, 90, 180, 270, 360]
+    xlabel="angle from the right end [degrees]",
+    ylabel="moment / P R",
+    xticks=[0, 90, 180, 270, 360],
 )
 ring_ax.legend(frameon=False, loc="upper center", fontsize="small")
 plt.show()
@@ -212,8 +215,8 @@ hoop_ax.plot(
     "k-",
     lw=1,
 )
-ax.set(xlabel="moment, kNm/m", ylabel="height, m")
-hoop_ax.set(xlabel="normal force around, kN/m")
+ax.set(xlabel="moment [kNm/m]", ylabel="height [m]")
+hoop_ax.set(xlabel="normal force around [kN/m]")
 ax.legend(frameon=False)
 plt.show()
 

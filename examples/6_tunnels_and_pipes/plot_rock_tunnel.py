@@ -201,7 +201,7 @@ installed = float(profile(2.0)) * largest
 support = brentq(lambda p: installed + p / stiffness - displacement(law, p), 0.0, P0)
 print(f"support pressure {support:.0f} kPa at {1e3 * displacement(law, support):.2f} mm")
 reach = np.linspace(installed, displacement(law, support), 2)
-left.plot(1e3 * reach, stiffness * (reach - installed), "k", label="lining")
+left.plot(1e3 * reach, stiffness * (reach - installed), "ks-", ms=4, label="lining")
 left.set(xlabel="displacement of the wall [mm]", ylabel="support pressure [kPa]", ylim=(0, None))
 left.legend(frameon=False)
 x = np.linspace(-4, 10, 200)

@@ -19,6 +19,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 R, h, E = 3.0, 0.3, 3.3e7
 EI, EA = E * h**3 / 12, E * h
@@ -129,7 +131,7 @@ fig, ax = plt.subplots(figsize=(6, 3.5), layout="constrained")
 ax.semilogx(shares, moments, "o-", label="segments")
 ax.axhline(largest, color="k", linestyle="--", label="continuous ring")
 ax.set(
-    xlabel="stiffness of the joints over Janssen's", ylabel="largest moment (kNm/m)", ylim=(0, None)
+    xlabel="stiffness of the joints over Janssen's", ylabel="largest moment [kNm/m]", ylim=(0, None)
 )
 ax.legend(frameon=False)
 

@@ -329,8 +329,8 @@ left.text(
     transform=left.get_yaxis_transform(),
 )
 left.set(
-    xlabel="inward displacement of the wall (mm)",
-    ylabel="support pressure (kPa)",
+    xlabel="inward displacement of the wall [mm]",
+    ylabel="support pressure [kPa]",
     xlim=0,
     ylim=(0, 200),
 )

@@ -23,6 +23,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 h, R, p, weight = 16.0, 3.0, 150.0, 20.0
 outline = sc.section.circle((0.0, -h), R)
 section = sc.section.tunnel(outline, {"clay": -100.0}, 8.0, width=240.0, fine=0.8)

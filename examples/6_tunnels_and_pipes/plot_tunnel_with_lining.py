@@ -16,6 +16,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 outline = sc.section.three_centres(4.5, 3.2, (55.0, 65.0), centre=(0.0, -16.0))
 section = sc.section.tunnel(outline, {"gravel": -8.0, "marl": -35.0}, 7.0, width=70.0, fine=1.0)

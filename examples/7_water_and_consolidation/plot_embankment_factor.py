@@ -14,6 +14,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 section = sc.section.embankment(3.0, 6.0, 2.0, {"clay": -4.0}, 1.0, beyond=9.0)
 basis = Basis(section.mesh(), ElementVector(ElementTriP2()), intorder=4)
 clay = sc.MohrCoulomb(E=2e3, nu=0.3, c=6.0, phi=24.0, psi=24.0)

@@ -25,6 +25,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 H, E, nu, k = 4.0, 2e3, 0.3, 1e-4
 section = sc.section.embankment(

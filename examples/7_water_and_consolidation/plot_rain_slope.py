@@ -150,7 +150,7 @@ ax.plot(DAYS, factors, "o", color="#1f4e8c", label="strength reduction")
 ax.axhline(1.0, color="0.6", linewidth=0.8)
 ax.axhline(full, color="#d55e00", linestyle="--", label="full, flow along the slope")
 ax.set(xlabel="time [days]", ylabel="factor of safety")
-ax.legend(frameon=False)
+ax.legend(frameon=False, loc="center left", fontsize="small")
 for i in (0, 1, 4, 6, -1):
     below.plot(pressure(flow[i])(np.array([0 * z, DEPTH - z])), z, label=f"day {DAYS[i]:g}")
 below.set(xlabel="suction stress, pore pressure [kPa]", ylabel="depth [m]")

@@ -21,6 +21,8 @@ from skfem import Basis, ElementTetP2, ElementVector, MeshTet, MeshTet2
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+sc.set_units("kN", "m")
+
 begin = process_time()
 
 # %%

@@ -98,7 +98,7 @@ for times in range(3 if FULL else 2):
 figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 ax.loglog(*zip(*gaps(histories["Griffiths and Lane 1"])), "o-", label="gap of the bounds")
 ax.loglog(*zip(*reduction), "s-", label="strength reduction, difference from 1.3772")
-ax.set(xlabel="processor time (s)", ylabel="relative")
+ax.set(xlabel="processor time [s]", ylabel="relative")
 ax.legend(frameon=False)
 ax.grid(color="#dddddd", linewidth=0.6)
 plt.show()

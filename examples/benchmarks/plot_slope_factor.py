@@ -270,7 +270,7 @@ for (psi, _), result in results.items():
     work, factors, _ = result.curve.T
     axes["curve"].plot(work, factors, ".-", label=f"psi = {psi:g}, {len(result.x)} unknowns")
 axes["curve"].axhspan(*BRACKET, color="0.8", label="limit analysis")
-axes["curve"].set(xlabel="work of the weight (kNm/m)", ylabel="factor", xscale="symlog")
+axes["curve"].set(xlabel="work of the weight [kNm/m]", ylabel="factor", xscale="symlog")
 axes["curve"].legend(fontsize="small")
 axes["slip"].tripcolor(
     *meshes[-1].p, meshes[-1].t.T, best.bands["soil"].mean(axis=1), cmap="magma_r"
@@ -280,7 +280,7 @@ for psi, marker in ((20.0, "o"), (0.0, "s")):
     done = [r for r in rows if r["psi"] == psi and r["method"].startswith("P2, flow given")]
     cost, error = [r["cpu_s"] for r in done], [abs(r["error"]) for r in done]
     axes["work"].loglog(cost, error, marker + "-", label=f"psi = {psi:g}")
-axes["work"].set(xlabel="cpu time (s)", ylabel="difference from 1.380", title="work and precision")
+axes["work"].set(xlabel="cpu time [s]", ylabel="difference from 1.380", title="work and precision")
 axes["work"].legend()
 plt.show()
 

@@ -263,7 +263,7 @@ names = list(dict.fromkeys(row["method"] for row in rows))
 for name in names:
     own = [row for row in rows if row["method"] == name]
     ax.loglog([r["unknowns"] for r in own], [1e3 * r["cpu_s"] for r in own], "o-", label=name)
-ax.set(xlabel="unknowns", ylabel="time of a step (ms)")
+ax.set(xlabel="unknowns", ylabel="time of a step [ms]")
 ax.legend(frameon=False)
 for row in rows:
     print(

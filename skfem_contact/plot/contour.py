@@ -131,6 +131,7 @@ def contour(
         vectors=vectors,
         points=points,
         contact=contact,
+        window=window,
     )
     return picture.draw(window, mesh, file, show)
 
@@ -161,7 +162,8 @@ def stages(
     >>> import skfem_contact.plot as plot
     >>> picture = plot.stages(culvert().result, "syy", window=(-3., 3., -3., 2.))
     """
-    return contours(list(result), quantity, **style).draw(window, mesh, file, show)
+    picture = contours(list(result), quantity, window=window, **style)
+    return picture.draw(window, mesh, file, show)
 
 
 def cutaway(
@@ -237,7 +239,7 @@ def animate(
     file = Path(file)
     if file.suffix not in (".gif", ".mp4"):
         raise ValueError(f"a film is a .gif or an .mp4 file, not '{file.name}'")
-    picture = contours(list(result), quantity, **style)
+    picture = contours(list(result), quantity, window=window, **style)
     able, _ = can_draw(picture.title)
     if not able:
         return None
@@ -337,6 +339,7 @@ def contours(
     bodies: str | Iterable[str] | None = None,
     water: Shown | None = None,
     scene: Callable[..., Scene] = Scene,
+    window: Window | None = None,
     **marks: Any,
 ) -> Contours:
     """Return views of all stages; the stage that has moved most determines an automatic factor."""
@@ -357,7 +360,7 @@ def contours(
     factor = _common_factor(views)
 
     # Make the scale of all stages and its texts.
-    samples = [view.scene.samples for view in views]
+    samples = [_samples(view.scene, window) for view in views]
     all_values, area = (np.concatenate(parts) for parts in zip(*samples))
     scale = make_scale(all_values, area, limits, levels, colors)
     notes = [views[0].title] if len(views) == 1 else []
@@ -365,6 +368,19 @@ def contours(
         notes.append(f"displacements × {factor:g}")
     headline = _headline(steps[0], quantity, since, water)
     return Contours(views, scale, headline, ", ".join(notes), _extremes(views))
+
+
+def _samples(scene: Scene, window: Window | None) -> tuple[ndarray, ndarray]:
+    """Return values of the field and the areas of their nodes, in a window those that are seen."""
+    values, area = scene.samples
+    if window is None:
+        return values, area
+    x, y = scene.moved[scene.nodes].T
+    west, east, south, north = window
+    seen = (x >= west) & (x <= east) & (y >= south) & (y <= north)
+    if not seen.any():
+        return values, area
+    return values[seen], area[seen]
 
 
 def _with_bodies(steps: Sequence[StageResult], bodies: Collection[str]) -> list[StageResult]:

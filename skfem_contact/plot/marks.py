@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, cycle
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,9 @@ from .scene import MARK, OUTLINE, Scene
 from .structures import structures
 
 WATER = "#1468b3"
+_WATER_TABLE = "water table"
+#: Colours of several water tables.
+_WATERS = (WATER, "#00897b", "#6a3d9a", "#5c6bc0")
 _LOAD = "#b3007d"
 _MOVED = "#222222"
 _TRACTION = "#5b2c83"
@@ -46,6 +49,8 @@ _SUPPORT = 15.0
 _APART = 34.0
 #: Points of a water table over the width of the bodies: dashes and gaps are four steps long.
 _STEPS = 200
+#: Number of displacements at most whose arrows are shortened.
+_FEW = 3
 #: Forces below this share of the largest one get no arrow.
 _SMALL = 0.02
 
@@ -77,8 +82,8 @@ class Marks:
 
         # Draw water, supports, loads and displacements.
         given = self.stage.water if self.water is True else self.water
-        for water in pressures_of(given):
-            _draw_water(plotter, scene, water)
+        for (_, water), color in zip(named_waters(given), cycle(_WATERS), strict=False):
+            _draw_water(plotter, scene, water, color)
         if self.supports is not None:
             _draw_supports(plotter, scene, np.asarray(self.supports))
         if self.loads is not None:
@@ -100,8 +105,10 @@ class Marks:
         # List what is drawn: water, points that yield, contact by status.
         entries: list[tuple[str, dict[str, Any]]] = []
         if self.water is not None and self.water is not False:
-            dashed = {"color": WATER, "linewidth": 3, "linestyle": "--"}
-            entries.append(("water table", dashed))
+            given = self.stage.water if self.water is True else self.water
+            names = [name for name, _ in named_waters(given)] or [_WATER_TABLE]
+            for name, color in zip(names, cycle(_WATERS), strict=False):
+                entries.append((name, {"color": color, "linewidth": 3, "linestyle": "--"}))
         marked = {status for status, _, _ in self._points()}
         for status, (label, color) in _POINTS.items():
             if status in marked:
@@ -155,7 +162,7 @@ def _draw_structures(plotter: Any, scene: Scene, stage: StageResult) -> None:
         plotter.add_mesh(lines, color=line.color, line_width=_THICK, lighting=False)
 
 
-def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
+def _draw_water(plotter: Any, scene: Scene, water: Water, color: str) -> None:
     """Draw water tables as dashed lines, the longest with a triangle on it."""
     # Four of eight pieces of a line are drawn.
     lines = water_tables(scene, water)
@@ -163,12 +170,29 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
         starts = line[:-1]
         ends = line[1:]
         dashes = np.arange(len(starts)) % 8 < 4
-        _segments(plotter, scene, starts[dashes], ends[dashes], WATER, 5)
+        _segments(plotter, scene, starts[dashes], ends[dashes], color, 5)
     if lines:
         # The usual triangle of a water table.
         triangle = 14.0 * scene.pixel * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
         tip = lines[0][len(lines[0]) // 20]
-        _polygons(plotter, scene, (tip + triangle)[None], WATER)
+        _polygons(plotter, scene, (tip + triangle)[None], color)
+
+
+def named_waters(water: Any) -> list[tuple[str, Any]]:
+    """Return the pressures of water that can be drawn, with names: by region where they differ."""
+    if not isinstance(water, Mapping):
+        return [(_WATER_TABLE, pressure) for pressure in pressures_of(water)]
+    # One line may be that of several regions.
+    names: dict[int, list[str]] = {}
+    pressures: dict[int, Any] = {}
+    for region, part in water.items():
+        names.setdefault(id(part), []).append(region)
+        pressures[id(part)] = part
+    found = []
+    for key, part in pressures.items():
+        name = _WATER_TABLE if len(pressures) == 1 else f"water table, {', '.join(names[key])}"
+        found += [(name, pressure) for pressure in pressures_of(getattr(part, "pressure", part))]
+    return found
 
 
 def pressures_of(water: Any) -> list[Any]:
@@ -275,7 +299,13 @@ def _draw_loads(plotter: Any, scene: Scene, load: ndarray) -> None:
 def _draw_vectors(plotter: Any, scene: Scene) -> None:
     """Draw displacements at nodes that are some pixels apart."""
     nodes = _thinned(scene, np.unique(scene.sides.mesh))
-    seen, vectors = _scaled(scene.displacement[nodes], _LONG_ARROW * scene.pixel)
+    moves = scene.displacement[nodes]
+    # A few nodes at an edge of a rigid body may move far beyond all others.
+    size = np.linalg.norm(moves, axis=1)
+    usual = np.sort(size)[-min(len(size), _FEW + 1)]
+    if usual > 0.0:
+        moves = moves * np.minimum(usual / np.where(size > 0.0, size, usual), 1.0)[:, None]
+    seen, vectors = _scaled(moves, _LONG_ARROW * scene.pixel)
     tails = scene.moved[nodes][seen]
     _arrows(plotter, scene, tails, tails + vectors, _MOVED)
 

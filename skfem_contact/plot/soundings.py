@@ -73,7 +73,7 @@ def soundings(
         _draw_test(axes, test, by_name.get(test.name), colors)
     if section is not None:
         _draw_section(panels[0, -1], section, colors)
-    panels[0, 0].set_ylabel("height in m")
+    panels[0, 0].set_ylabel("height [m]")
     handles = [Rectangle((0, 0), 1, 1, color=color) for color in colors.values()]
     if handles:
         figure.legend(handles, list(colors), loc="outside lower center", ncols=4, frameon=False)
@@ -106,7 +106,7 @@ def _draw_test(axes: Any, test: Any, column: Any, colors: dict[str, str]) -> Non
         lower = height[min(end, len(height) - 1)]
         axes.axhspan(lower, upper, facecolor="white", edgecolor="#999999", hatch="////", alpha=0.8)
     axes.plot(1e-3 * test.resistance, height, color=_MEASURED, linewidth=1.0)
-    axes.set(xlim=(0.0, None), xlabel="$q_t$ in MPa", title=test.name)
+    axes.set(xlim=(0.0, None), xlabel="$q_t$ [MPa]", title=test.name)
 
 
 def _draw_section(axes: Any, section: Any, colors: dict[str, str]) -> None:
@@ -116,4 +116,4 @@ def _draw_section(axes: Any, section: Any, colors: dict[str, str]) -> None:
             a, b, _ = outline.chords()
             corners = np.vstack((a, b[-1:]))
             axes.fill(*corners.T, facecolor=colors[name], edgecolor="#333333", linewidth=0.8)
-    axes.set(xlabel="x in m", title="interpolated between the columns")
+    axes.set(xlabel="x [m]", title="interpolated between the columns")

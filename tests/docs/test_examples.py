@@ -10,11 +10,14 @@ import os
 import runpy
 import shutil
 import sys
+from itertools import chain
 from pathlib import Path
 
 import matplotlib
 import matplotlib.pyplot as plt
 import pytest
+
+import skfem_contact as sc
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.slow
@@ -67,7 +70,7 @@ def _run(
     """Run an example as a script in a folder of its own; return what it prints."""
     matplotlib.use("Agg")
     monkeypatch.chdir(folder)
-    for given in (*script.parent.glob("*.msh"), *script.parent.glob("*.dxf")):
+    for given in chain.from_iterable(map(script.parent.glob, ("*.msh", "*.dxf", "*.ags"))):
         shutil.copy(given, folder)
     monkeypatch.syspath_prepend(script.parent)  # as for a script that is run
     monkeypatch.setattr(sys, "argv", [str(script)])
@@ -76,4 +79,5 @@ def _run(
         runpy.run_path(str(script), run_name="__main__")
     finally:
         plt.close("all")
+        sc.set_units()
     return capsys.readouterr().out

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -9,6 +11,8 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.plot.contour import contours
+from skfem_contact.plot.marks import named_waters
 from skfem_contact.plot.structures import BAR, BEAM, structures
 from skfem_contact.results import SectionForces
 
@@ -72,3 +76,47 @@ def test_small_extremes_are_not_written() -> None:
         figure = plot.diagram(forces, "M", on=on)
         assert len(figure.axes[0].texts) == texts
         plt.close(figure)
+
+
+def test_scale_covers_the_window() -> None:
+    """[X] The largest stress lies in a small part of the ground: a window on it has its scale."""
+    mesh = MeshTri.init_tensor(np.linspace(0.0, 60.0, 31), np.linspace(-60.0, 0.0, 31))
+    near = lambda x: np.isclose(x[1], 0.0) & (x[0] < 2.1)  # noqa: E731
+    mesh = mesh.with_defaults().with_boundaries({"strip": near})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    model = sc.Model({"ground": ground}, sc.box_supports(basis))
+    load = model.traction("strip", (0.0, -100.0))
+    stage = model.run([sc.Stage("load", load)], progress=False)["load"]
+    whole = contours([stage], "syy").scale
+    seen = contours([stage], "syy", window=(0.0, 5.0, -5.0, 0.0)).scale
+    assert whole.levels[0] > -40.0  # 1 % of the area lies below
+    assert seen.levels[0] < -80.0
+
+
+def test_arrows_of_single_nodes_are_shortened() -> None:
+    """[X] One node that moves a hundred times as far does not hide the arrows of others."""
+    basis = Basis(MeshTri().refined(4).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), unit_weight=1.0)
+    model = sc.Model({"block": block}, sc.box_supports(basis))
+    stage = model.run([sc.Stage("weight")], progress=False)["weight"]
+    x = stage.x.copy()
+    x[sc.dofs_at(basis, (1.0, 1.0))[0]] = 100.0 * np.abs(x).max()
+    counts = []
+    for moved in (stage.x, x):
+        plotter = plot.contour(replace(stage, x=moved), "syy", vectors=True)
+        if plotter is None:
+            pytest.skip("this machine cannot draw")
+        counts.append(max(mesh.n_lines for mesh in plotter.meshes if hasattr(mesh, "n_lines")))
+        plotter.close()
+    assert counts[1] > 0.9 * counts[0]
+
+
+def test_water_tables_have_names() -> None:
+    """[X] Lines that differ by region have the names of their regions, one line has one name."""
+    line = [(0.0, 1.0), (1.0, 0.5)]
+    assert [name for name, _ in named_waters(line)] == ["water table"]
+    both = named_waters({"sand": line, "clay": line})
+    assert [name for name, _ in both] == ["water table"]
+    several = named_waters({"sand": line, "silt": line, "clay": 0.8})
+    assert [name for name, _ in several] == ["water table, sand, silt", "water table, clay"]
