@@ -1,0 +1,224 @@
+r"""
+A cone pushed into clay
+=======================
+
+A smooth cone of 120 degrees, a spudcan without a shaft, is pushed into weightless clay of the
+undrained strength :math:`s_u`. The clay flows aside and heaves, with new meshes on the way. Bodies
+that are rigid up to yield have no length of their own, so that the force grows with the square of
+the penetration, :math:`F = C s_u w^2`.
+
+The force is compared with slip lines in the ground as it is deformed. The same lines give the exact
+5.69 of a smooth circular footing on flat ground (Eason and Shield 1960).
+"""
+
+import json
+import sys
+from time import process_time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from numpy.polynomial import Polynomial
+from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
+
+import skfem_contact as sc
+import skfem_contact.plot as plot
+
+su = 1.0
+numbers = [float(given) for given in sys.argv[1:] if not given.startswith("-")]
+h = numbers[0] if numbers else 0.08
+gamma = np.radians(30.0)  # angle of the cone's face from the horizontal
+wide, deep = 6.0, 5.0
+WAY = 0.02  # of a stage
+N = 20  # stages
+
+
+def size(x):
+    """Return the size of elements: constant near the cone, then growing."""
+    return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - 0.2) - 1.2)
+
+
+def model_of(mesh):
+    """Return the model of the clay, in axial symmetry; the cone stays and the bottom moves up."""
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    clay = sc.Tresca(E=500.0 * su, nu=0.49, c=su)
+    profile = [(3.0, 3.0 * np.tan(gamma)), (0.0, 0.0), (-0.5, 0.5 * np.tan(gamma))]
+    cone = sc.rigid.polyline(profile)
+    forms = {
+        "clay": sc.SolidForm(basis, clay, kinematics="finite", coordinates="axisymmetric"),
+        "cone": sc.ContactPair(basis, "top", cone, sc.Coulomb(), 3, 5000.0 * su),
+    }
+    sides = [basis.get_dofs(name).all("u^1") for name in ("left", "right")]
+    return sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
+
+
+def bottom_of(forms):
+    """Return the vertical dofs of the bottom."""
+    return forms["clay"].basis.get_dofs("bottom").all("u^2")
+
+
+# %%
+# The run makes a new mesh after every fifth stage and continues by itself.
+
+block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5)).to_meshtri()
+block = block.with_boundaries(
+    {
+        "left": lambda x: x[0] < 1e-9,
+        "right": lambda x: x[0] > wide - 1e-9,
+        "bottom": lambda x: x[1] < 1e-9 - deep,
+        "top": lambda x: x[1] > -1e-9,
+    }
+)
+began = process_time()
+at_rest = model_of(block).run([sc.Stage("at rest")])[-1]
+model = model_of(sc.remeshed(at_rest, size).mesh)
+stages = []
+for k in range(1, N + 1):
+    u = np.zeros(model.layout.size)
+    u[bottom_of(model.forms)] = k * WAY
+    stages.append(sc.Stage(f"w = {k * WAY:.2f}", prescribed=u))
+result = model.run(stages, remesh=sc.Remeshing(model_of, size, every=5))
+seconds = process_time() - began
+pushed = [stage for stage in result if stage.name.startswith("w")]
+w = WAY * np.arange(1, N + 1)
+force = [2.0 * np.pi * stage.reactions()[bottom_of(stage.forms)].sum() for stage in pushed]
+C = np.array(force) / (su * w**2)
+
+
+# %%
+# Slip lines: with the hoop stress equal to the smaller compression in the plane (Haar and von
+# Karman), the mean pressure p and the direction psi of the larger one obey, along both lines,
+#
+# .. math::
+#
+#     dp \pm 2 s_u \, d\psi + \frac{s_u}{r} (dr \pm dz) = 0
+#     \quad \text{along} \quad \frac{dz}{dr} = \tan(\psi \pm \pi / 4) .
+#
+# They start at the free surface, :math:`p = s_u` and psi along it, turn round the rim of the
+# contact, and end at the cone, normal to which psi is.
+
+
+def crossing(plus, minus):
+    """Return r, z, p, psi where a plus line from one point meets a minus line from another."""
+    (r1, z1, p1, psi1), (r2, z2, p2, psi2) = plus, minus
+    psi = 0.5 * (psi1 + psi2)
+    for _ in range(12):
+        a = 0.5 * (psi1 + psi) + np.pi / 4
+        b = 0.5 * (psi2 + psi) - np.pi / 4
+        length = ((r2 - r1) * np.sin(b) - (z2 - z1) * np.cos(b)) / np.sin(b - a)
+        r = r1 + length * np.cos(a)
+        z = z1 + length * np.sin(a)
+        # Both equations by differences from the two points
+        first = p1 + 2 * su * psi1 - 2 * su / (r + r1) * (r - r1 + z - z1)
+        second = p2 - 2 * su * psi2 - 2 * su / (r + r2) * (r - r2 - z + z2)
+        psi = (first - second) / (4 * su)
+    return r, z, 0.5 * (first + second), psi
+
+
+def at_face(plus, rim, angle):
+    """Return r, z, p, psi where a plus line from a point meets the face through the rim."""
+    r1, z1, p1, psi1 = plus
+    psi = angle - np.pi / 2
+    a = 0.5 * (psi1 + psi) + np.pi / 4
+    slope = np.tan(angle)
+    length = (rim[1] + (r1 - rim[0]) * slope - z1) / (np.sin(a) - slope * np.cos(a))
+    r = r1 + length * np.cos(a)
+    z = z1 + length * np.sin(a)
+    p = p1 + 2 * su * (psi1 - psi) - 2 * su / (r + r1) * (r - r1 + z - z1)
+    return r, z, p, psi
+
+
+def slip_line_force(a, angle, surface, n=60):
+    """Return the force on a smooth face of some angle, with a rim at r = a, below a surface."""
+    # Turn round the rim from the surface to the face
+    rim = (a, surface(a))
+    slope = surface.deriv()
+    fan = np.linspace(np.arctan(slope(a)), angle - np.pi / 2, n // 2)
+    line = [(*rim, su + 2 * su * (fan[0] - psi), psi) for psi in fan]
+    face = [line[-1]]
+    # Each point of the surface begins a plus line, which crosses the minus lines of the last one
+    for r in a * (1.0 + 1.6 / n * np.arange(1, 2 * n)):
+        new = [(r, surface(r), su, np.arctan(slope(r)))]
+        for minus in line:
+            new.append(crossing(new[-1], minus))
+        end = at_face(new[-1], rim, angle)
+        if end[0] < 0.02 * a:
+            break
+        new.append(end)
+        face.append(end)
+        line = new
+    # Integrate p + su over the area seen from above
+    r, _, p, _ = np.array(face[::-1]).T
+    inside = np.pi * r[0] ** 2 * (p[0] + su)
+    return inside + 2.0 * np.pi * np.trapezoid((p + su) * r, r)
+
+
+flat = slip_line_force(1.0, 0.0, Polynomial([0.0])) / (np.pi * su)
+print(f"smooth circular footing by slip lines: {flat:.3f}, exact 5.693")
+assert abs(flat / 5.693 - 1.0) < 2e-3
+
+# %%
+# The free surface beside the cone is a cubic through the points that do not touch, and its
+# intersection with the face is the rim.
+
+
+def deformed_surface(stage):
+    """Return the radius of the rim and the free surface as a polynomial."""
+    basis = stage.forms["clay"].basis
+    dofs = basis.get_dofs("top")
+    r, z = (
+        basis.doflocs[k, dofs.all(f"u^{k + 1}")] + stage.x[dofs.all(f"u^{k + 1}")] for k in (0, 1)
+    )
+    rim = r[z - r * np.tan(gamma) > -0.01 * h].max()
+    outside = (r > rim) & (r < 1.5 * rim)
+    surface = Polynomial.fit(r[outside], z[outside], 3).convert()
+    roots = (surface - Polynomial([0.0, np.tan(gamma)])).roots()
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    return real[np.argmin(np.abs(real - rim))], surface
+
+
+errors = []
+for k in (9, 14, 19):
+    a, surface = deformed_surface(pushed[k])
+    expected = slip_line_force(a, gamma, surface)
+    errors.append(force[k] / expected - 1.0)
+    rim = a * np.tan(gamma) / w[k]
+    print(f"w = {w[k]:.1f}: F / (su w^2) = {C[k]:.2f}, {errors[-1]:+.1%} off; rim at {rim:.2f} w")
+
+fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.5))
+left.plot(w, C, "o-", ms=3)
+left.set_xlabel("penetration w")
+left.set_ylabel("F / (su w²)")
+r = np.linspace(a, 2.0 * a, 50)
+right.plot(r, surface(r), "k-", label="surface")
+right.plot([0.0, a], [0.0, a * np.tan(gamma)], "r-", label="cone")
+right.axhline(w[-1], color="0.7", label="surface before")
+right.set_aspect("equal")
+right.legend()
+plt.show()
+
+# %%
+plot.contour(pushed[-1], "mises")
+
+lost = np.max([s.series["loss"] for s in result if s.name.startswith("mesh")], axis=0)
+print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
+assert np.abs(errors).max() < 0.025
+assert np.abs(C[12:] / C[12:].mean() - 1.0).max() < 0.02
+assert lost[0] < 1e-4
+assert lost[1] < 1e-3
+print(
+    json.dumps(
+        {
+            "case": "cone_in_clay",
+            "rows": [
+                {
+                    "method": "T6, new meshes",
+                    "n": int(pushed[-1].forms["clay"].basis.nelems),
+                    "unknowns": int(pushed[-1].forms["clay"].basis.N),
+                    "error": float(np.abs(errors).max()),
+                    "cpu_s": seconds,
+                    "iterations": sum(sum(stage.iterations) for stage in pushed),
+                }
+            ],
+        }
+    )
+)
