@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, Field, dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -247,11 +247,13 @@ def _check(model: Setup, stages: Sequence[Stage]) -> None:
     _Supports.of(model, np.zeros(model.layout.size)).check()
 
 
-def _is_default(value: Any, part: Any) -> bool:
+def _is_default(value: Any, part: Field[Any]) -> bool:
     """Return True if a part of a stage is not given."""
-    if part.name == "change":
-        return not value
-    return value is None or (isinstance(value, (float, tuple)) and value == part.default)
+    default = part.default
+    if part.default_factory is not MISSING:
+        default = part.default_factory()
+    plain = isinstance(value, (bool, int, float, str, tuple, dict, type(None)))
+    return plain and bool(value == default)
 
 
 def _check_fields(model: Setup) -> None:
