@@ -287,11 +287,13 @@ def _from_pygef(name: str, data: Any) -> Sounding:
     """Return the test that pygef read, in MPa, with its voids."""
     # Check what the file must have.
     table = data.data
+    headers = data.raw_headers or {}
     if "coneResistance" not in table.columns:
         raise ValueError("it has no cone resistance")
     level = data.delivered_vertical_position_offset
     if level is None:
         raise ValueError("it has no level of the surface")
+    _check_complete(headers, len(table))
     place = data.delivered_location
     position = (float(place.x), float(place.y))
     # Depths are corrected for inclination where the file has them.
@@ -306,7 +308,6 @@ def _from_pygef(name: str, data: Any) -> Sounding:
                 f"'{name}': depths are corrected for the inclination, by up to {off:.3g} m"
             )
     # Read the columns in MPa, voids as NaN.
-    headers = data.raw_headers or {}
     voids = (data.column_void_mapping or {}) if "COLUMNVOID" in headers else {}
     readings = []
     for key, quantity in (("coneResistance", 2), ("localFriction", 3), ("porePressureU2", 6)):
@@ -323,6 +324,17 @@ def _from_pygef(name: str, data: Any) -> Sounding:
     return _checked(
         name, position, float(level), depth, readings, area_ratio, depth_of_water, remarks
     )
+
+
+def _check_complete(headers: Mapping[str, Any], count: int) -> None:
+    """Refuse a GEF file with fewer readings than its head announces."""
+    for words in headers.get("LASTSCAN", []):
+        announced = str(words[0]).strip()
+        if announced.isdigit() and int(announced) > count:
+            raise ValueError(
+                f"it announces {announced} depths (LASTSCAN), but has {count}: it is not complete, "
+                "or LASTSCAN is wrong"
+            )
 
 
 def _factor_of(headers: Mapping[str, Any], quantity: int) -> float:

@@ -180,6 +180,10 @@ def test_wrong_gef_files(tmp_path):
         (tmp_path / "two.gef").write_bytes(text)
         with pytest.raises(ValueError, match=r"two.gef: it is no cone penetration test"):
             sc.ground.read_cpt(tmp_path / "two.gef")
+    lines = data.splitlines(keepends=True)
+    (tmp_path / "half.gef").write_bytes(b"".join(lines[:-50]))
+    with pytest.raises(ValueError, match=r"half.gef: it announces 101 depths.*but has 51"):
+        sc.ground.read_cpt(tmp_path / "half.gef")
 
 
 #: Columns of a cone penetration test of BRO, in their fixed order.
