@@ -103,13 +103,10 @@ def _complete(content: Content, kind: str, complete: str) -> None:
         inner = len(first) + np.arange(len(cells))
         number = count + np.column_stack((same.reshape(-1, 6), inner))
     content.points = np.concatenate((content.points, points))
-    known = content.cells.get(complete)
-    completed = np.hstack((cells, number))
-    first_number = 0 if known is None else len(known)
-    content.cells[complete] = completed if known is None else np.concatenate((known, completed))
+    numbers = content.add_cells(complete, np.hstack((cells, number)))
     for name, group in content.groups.items():
         if kind in group:
-            content.add(name, complete, first_number + group.pop(kind))
+            content.add(name, complete, numbers[group.pop(kind)])
 
 
 def _kind_of(content: Content, split: bool) -> str:
@@ -195,14 +192,20 @@ def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Sides
                 named.setdefault(name, []).append(part)
     # Keep the order of the file.
     boundaries = {name: _joined(named[name]) for name in content.groups if name in named}
-    # A set of nodes names the sides between them, unless it has all nodes.
+    _add_node_groups(boundaries, content, mesh, node)
+    return boundaries
+
+
+def _add_node_groups(
+    boundaries: dict[str, Sides], content: Content, mesh: Mesh, node: Integers
+) -> None:
+    """Add the sides between the nodes of each group, unless it has all nodes."""
     for name, nodes in content.node_groups.items():
         found = sides_between(mesh, node[nodes])
         if len(found.elements):
             boundaries.setdefault(name, found)
         elif len(nodes) < len(content.points):
             content.left_out.append(f"node set '{name}', between which there is no side")
-    return boundaries
 
 
 def _joined(parts: list[Sides]) -> Sides:

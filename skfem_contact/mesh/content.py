@@ -68,15 +68,21 @@ class Content:
         known = group.get(kind)
         group[kind] = members if known is None else np.union1d(known, members)
 
-    def add_sides(self, name: str, kind: str, sides: Integers) -> None:
-        """Add sides, (n, corners), as elements of their own to a group."""
+    def add_cells(self, kind: str, cells: Integers) -> Integers:
+        """Add elements, (n, n_nodes), and return their numbers."""
         known = self.cells.get(kind)
         first = 0
         if known is not None:
             first = len(known)
-            sides = np.vstack((known[:, : sides.shape[1]], sides))
-        self.cells[kind] = sides
-        self.add(name, kind, np.arange(first, len(sides)))
+            cells = np.concatenate((known, cells))
+        self.cells[kind] = cells
+        return np.arange(first, len(cells))
+
+    def add_sides(self, name: str, kind: str, sides: Integers) -> None:
+        """Add sides, (n, corners), as elements of their own to a group."""
+        if kind in self.cells:
+            self.cells[kind] = self.cells[kind][:, : sides.shape[1]]
+        self.add(name, kind, self.add_cells(kind, sides))
 
     @property
     def dim(self) -> int:
@@ -319,12 +325,18 @@ def middles_of(x: Floats, kind: str) -> Floats:
     and 1/4.
     """
     if kind.startswith("quad"):
-        middle = -0.25 * x[:, :4].sum(axis=1) + 0.5 * x[:, 4:8].sum(axis=1)
-        return np.asarray(middle[:, None])
+        return _weighted(x[:, :8], 4, 0.5)[:, None]
     around = x[:, np.array(FACES_OF_27)]  # (n, faces, nodes, 3)
-    faces = -0.25 * around[:, :, :4].sum(axis=2) + 0.5 * around[:, :, 4:].sum(axis=2)
-    body = -0.25 * x[:, :8].sum(axis=1) + 0.25 * x[:, 8:20].sum(axis=1)
+    faces = _weighted(around, 4, 0.5)
+    body = _weighted(x[:, :20], 8, 0.25)
     return np.concatenate((faces, body[:, None]), axis=1)
+
+
+def _weighted(x: Floats, corners: int, of_edge: float) -> Floats:
+    """Return sums of nodes, (..., n_nodes, 3), corners by -1/4 and edges by a weight."""
+    of_corners = x[..., :corners, :].sum(axis=-2)
+    of_edges = x[..., corners:, :].sum(axis=-2)
+    return np.asarray(of_edge * of_edges - 0.25 * of_corners)
 
 
 def without_middles(content: Content, format_name: str) -> None:

@@ -97,7 +97,7 @@ def _behind(mesh: Mesh, corners: Integers) -> tuple[Integers, Integers]:
     sides = corners[known]
     middles = mesh.p[:, mesh.t[:, near[first]]].mean(axis=1)
     outward = mesh.p[:, sides].mean(axis=2) - middles
-    inward = (_normals(mesh, sides) * outward).sum(axis=0) < 0
+    inward = (normals(mesh.p[:, sides]) * outward).sum(axis=0) < 0
     second = order[place[inner][inward] + 1]
     elements[known[inward]] = near[second]
     local[known[inward]] = number[second]
@@ -134,15 +134,14 @@ def _sides_among(mesh: Mesh, chosen: NDArray[np.bool_]) -> tuple[Integers, Integ
     return np.concatenate(elements), np.concatenate(local), np.concatenate(corners)
 
 
-def _normals(mesh: Mesh, sides: Integers) -> Floats:
-    """Return normals of sides, (dim, n), of any length."""
-    x = mesh.p[:, sides]  # (dim, n, corners)
-    if mesh.dim() == 2:
+def normals(x: Floats) -> Floats:
+    """Return normals of sides, (dim, n), of any length, from their corners, (dim, n, corners)."""
+    if len(x) == 2:
         along = x[:, :, 1] - x[:, :, 0]
         return np.array((along[1], -along[0]))
     # Diagonals of quadrilaterals, edges of triangles
     first, second = (0, 2), (1, 3)
-    if sides.shape[1] == 3:
+    if x.shape[2] == 3:
         first, second = (0, 1), (0, 2)
     one = x[:, :, first[1]] - x[:, :, first[0]]
     other = x[:, :, second[1]] - x[:, :, second[0]]

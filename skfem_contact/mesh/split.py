@@ -85,7 +85,7 @@ def _shorter(cells: Integers, points: Floats) -> np.ndarray:
 
 def _halves(cells: Integers, every: Integers, from_first: np.ndarray) -> tuple[Integers, Integers]:
     """Return two triangles of each quadrilateral."""
-    turned = np.where(from_first[:, None], cells[:, :4], np.roll(cells[:, :4], -1, axis=1))
+    turned = _turned(cells[:, :4], from_first)
     parts = np.concatenate((turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]))
     return parts, np.tile(every, 2)
 
@@ -94,12 +94,17 @@ def _halves_of_second_order(
     cells: Integers, every: Integers, from_first: np.ndarray
 ) -> tuple[Integers, Integers]:
     """Return two triangles of six nodes; the node in the middle halves the diagonal."""
-    corners = np.where(from_first[:, None], cells[:, :4], np.roll(cells[:, :4], -1, axis=1))
-    middles = np.where(from_first[:, None], cells[:, 4:8], np.roll(cells[:, 4:8], -1, axis=1))
-    centre = cells[:, 8]
-    lower = np.column_stack((corners[:, [0, 1, 2]], middles[:, [0, 1]], centre))
-    upper = np.column_stack((corners[:, [0, 2, 3]], centre, middles[:, [2, 3]]))
+    corners = _turned(cells[:, :4], from_first)
+    middles = _turned(cells[:, 4:8], from_first)
+    all_nodes = np.hstack((corners, middles, cells[:, 8:]))
+    lower = all_nodes[:, [0, 1, 2, 4, 5, 8]]
+    upper = all_nodes[:, [0, 2, 3, 8, 6, 7]]
     return np.concatenate((lower, upper)), np.tile(every, 2)
+
+
+def _turned(nodes: Integers, from_first: np.ndarray) -> Integers:
+    """Return the nodes of quadrilaterals, (n, 4), from the second one on where told."""
+    return np.where(from_first[:, None], nodes, np.roll(nodes, -1, axis=1))
 
 
 def _pulled(cells: Integers, kind: str) -> tuple[Integers, Integers]:

@@ -196,14 +196,9 @@ def history(
     k = _QUANTITIES.index(quantity)
 
     # Take its records
-    points = stage.series.get("points", np.zeros((0, len(dofs)), int))
-    for row, recorded in enumerate(points):
-        if np.array_equal(recorded, dofs):
-            times = stage.series["energy"][:, 0]
-            values = stage.series["motion"][:, k, row]
-            if absolute and "base" in stage.series:
-                values = values + stage.series["base"][:, k]
-            return History(quantity, where, times, values)
+    found = _recorded(stage.series, dofs, k, absolute)
+    if found is not None:
+        return History(quantity, where, stage.series["energy"][:, 0], found)
     if absolute:
         raise ValueError("absolute motions are of recorded nodes alone: give Dynamic(points=...)")
 
@@ -222,3 +217,17 @@ def history(
         vector = (part.x, part.velocity, part.acceleration)[k]
         values.append(vector[dofs])
     return History(quantity, where, times, np.array(values))
+
+
+def _recorded(
+    series: Mapping[str, ndarray], dofs: ndarray, k: int, absolute: bool
+) -> ndarray | None:
+    """Return the recorded motion of dofs, (n_steps, n_dofs), or None without records."""
+    points = series.get("points", np.zeros((0, len(dofs)), int))
+    for row, recorded in enumerate(points):
+        if np.array_equal(recorded, dofs):
+            values = series["motion"][:, k, row]
+            if absolute and "base" in series:
+                values = values + series["base"][:, k]
+            return np.asarray(values)
+    return None

@@ -22,6 +22,7 @@ from ..content import (
     whole,
     without_middles,
 )
+from ..find_sides import normals
 from ..kinds import KINDS, Floats, Integers
 
 #: Kinds by the dimension of the family and the number of nodes; families by the start of the type.
@@ -256,14 +257,16 @@ def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
     whole.internal |= part.internal | {f"{name}.{key}".upper() for key in part.internal}
     # Surfaces refer to moved elements, or to sets of the instance.
     for key, lines in part.surfaces.items():
-        moved_lines = []
-        for entry, face in lines:
-            if entry.isdigit():
-                moved_lines.append((str(int(entry) + shift), face))
-            else:
-                moved_lines.append((f"{name}.{entry}", face))
+        moved_lines = [(_moved_entry(entry, name, shift), face) for entry, face in lines]
         whole.surfaces.setdefault(whole.key(part.spelled[key]), []).extend(moved_lines)
     return shift
+
+
+def _moved_entry(entry: str, name: str, shift: int) -> str:
+    """Return the number of an element, or the name of a set, of an instance."""
+    if entry.isdigit():
+        return str(int(entry) + shift)
+    return f"{name}.{entry}"
 
 
 def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Part]]) -> None:
@@ -567,14 +570,10 @@ def _behind(
     # Of two elements take the one from which the normal of the side points away
     choice = near[order[first]]
     other = near[order[last]]
-    x = content.points[sides[:, :corners]]
-    along = x[:, 1] - x[:, 0]
-    if content.dim == 2:
-        normal = np.column_stack((along[:, 1], -along[:, 0], 0.0 * along[:, 0]))
-    else:
-        normal = np.cross(along, x[:, -1] - x[:, 0])
-    middle = content.points[cells[element[choice] - 1]].mean(axis=1)
-    outward = ((x.mean(axis=1) - middle) * normal).sum(axis=1) > 0
+    points = content.points[:, : content.dim].T
+    x = points[:, sides[:, :corners]]  # (dim, n, corners)
+    middle = points[:, cells[element[choice] - 1]].mean(axis=2)
+    outward = ((x.mean(axis=2) - middle) * normals(x)).sum(axis=0) > 0
     return np.where(outward, choice, other)
 
 

@@ -414,24 +414,40 @@ def write(content: Content, path: str) -> None:
             tags = tuple(names.setdefault((dim, name), len(names) + 1) for name in groups)
             entities[dim].append((kind, tags, nodes[members]))
 
-    # Head, names, and entities with their box and groups
+    # Write the sections
+    named = [f'{dim} {tag} "{name}"' for (dim, name), tag in names.items()]
+    sections = {
+        "MeshFormat": ["4.1 0 8"],
+        "PhysicalNames": [str(len(names)), *named],
+        "Entities": _entity_lines(content, entities),
+        "Nodes": _node_lines(content),
+        "Elements": _element_lines(entities),
+    }
+    lines = []
+    for name, section in sections.items():
+        lines += [f"${name}", *section, f"$End{name}"]
+    Path(path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _entity_lines(content: Content, entities: Mapping[int, list[_Entity]]) -> list[str]:
+    """Return the lines of all entities, with the box of the mesh and their groups."""
     box = [*content.points.min(axis=0).tolist(), *content.points.max(axis=0).tolist()]
     corners = " ".join(map(repr, box))
-    lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
-    lines += [f'{dim} {tag} "{name}"' for (dim, name), tag in names.items()]
-    lines += ["$EndPhysicalNames", "$Entities", " ".join(str(len(e)) for e in entities.values())]
+    lines = [" ".join(str(len(parts)) for parts in entities.values())]
     for parts in entities.values():
         for number, (_, tags, _) in enumerate(parts, start=1):
             groups_of = " ".join(map(str, (len(tags), *tags)))
             lines.append(f"{number} {corners} {groups_of} 0")
+    return lines
 
-    # Nodes belong to the first entity of the highest dimension
+
+def _node_lines(content: Content) -> list[str]:
+    """Return the lines of the nodes, all of the first entity of the highest dimension."""
     count = len(content.points)
-    lines += ["$EndEntities", "$Nodes", f"1 {count} 1 {count}", f"{content.dim} 1 0 {count}"]
-    lines += [*map(str, range(1, count + 1))]
+    lines = [f"1 {count} 1 {count}", f"{content.dim} 1 0 {count}"]
+    lines += map(str, range(1, count + 1))
     lines += [" ".join(map(repr, x)) for x in content.points.tolist()]
-    lines += ["$EndNodes", "$Elements", *_element_lines(entities), "$EndElements", ""]
-    Path(path).write_text("\n".join(lines), encoding="utf-8")
+    return lines
 
 
 def _element_lines(entities: Mapping[int, list[_Entity]]) -> list[str]:

@@ -41,13 +41,15 @@ def read(path: str) -> Content:
     for block in file.cells:
         if block.type not in KINDS:
             raise ValueError(f"it has cells of type {block.type}, which are not read")
-        known = content.cells.get(block.type)
-        first = 0 if known is None else len(known)
         cells = compact(np.asarray(block.data, dtype=int))
-        content.cells[block.type] = cells if known is None else np.concatenate((known, cells))
-        blocks.append((block.type, first + np.arange(len(cells))))
+        blocks.append((block.type, content.add_cells(block.type, cells)))
     _check_complete(path, sum(len(members) for _, members in blocks))
-    # Read groups from whole numbers of cells; Gmsh's have a column.
+    _add_groups(content, file, blocks)
+    return content
+
+
+def _add_groups(content: Content, file: Any, blocks: list[tuple[str, Integers]]) -> None:
+    """Add groups from whole numbers of cells, which files of Gmsh have as a column."""
     encoded = {}
     for key, columns in file.cell_data.items():
         parts = [part[:, 0] if part.shape[1:] == (1,) else part for part in columns]
@@ -56,7 +58,6 @@ def read(path: str) -> Content:
         elif all(part.ndim == 1 and part.dtype.kind in "iub" for part in parts):
             _add_data(content, key, blocks, parts)
     add_encoded(content, encoded)
-    return content
 
 
 def _check_complete(path: str, count: int) -> None:
