@@ -103,7 +103,7 @@ def _halves_of_second_order(
 
 
 def _turned(nodes: Integers, from_first: np.ndarray) -> Integers:
-    """Return the nodes of quadrilaterals, (n, 4), from the second one on where told."""
+    """Return the nodes of quadrilaterals, (n, 4), from the second one on where not `from_first`."""
     return np.where(from_first[:, None], nodes, np.roll(nodes, -1, axis=1))
 
 
