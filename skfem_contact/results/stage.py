@@ -446,7 +446,8 @@ class StageResult(files.StageData):
             stresses on its slip planes count, as on the surfaces of limit equilibrium. By default
             those on planes at 45 + phi / 2 degrees to the largest principal stress, which
             underrates slopes: 0.74 where 1.05 is published for Pilarcitos dam, and 1.07 with the
-            mechanism.
+            mechanism. A collapse by the strengths on its own planes need not be the least one: a
+            rotation gives the strengths on circles.
 
         Returns
         -------
