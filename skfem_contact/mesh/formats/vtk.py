@@ -29,6 +29,8 @@ _REGIONS = (
 )
 #: Most values of data of cells by which they are taken for numbers of regions.
 _MOST = 256
+#: Bytes at the beginning of a file, which have its number of cells.
+_HEAD = 1 << 16
 
 
 def read(path: str) -> Content:
@@ -61,13 +63,20 @@ def _add_groups(content: Content, file: Any, blocks: list[tuple[str, Integers]])
 
 
 def _check_complete(path: str, count: int) -> None:
-    """Refuse a legacy file that ends within the types of its cells, which meshio reads in part."""
+    """Refuse a file of whose cells meshio reads a part: truncated, or of types it leaves out."""
+    announced = 0
     if path.lower().endswith(".vtk"):
-        announced = re.search(rb"^CELL_TYPES\s+(\d+)", Path(path).read_bytes(), re.M)
-        if announced and int(announced[1]) != count:
-            raise ValueError(
-                f"it is not complete: it announces {int(announced[1])} cells, but has {count}"
-            )
+        head = re.search(rb"^CELL_TYPES\s+(\d+)", Path(path).read_bytes(), re.M)
+    else:
+        with open(path, "rb") as file:  # a large file has its first piece at the beginning
+            head = re.search(rb"""NumberOfCells\s*=\s*["']\s*(\d+)""", file.read(_HEAD))
+    if head:
+        announced = int(head[1])
+    if count < announced:
+        raise ValueError(
+            f"it announces {announced} cells, but {count} can be read: it is not complete, or has "
+            "cells such as voxels, which ParaView's filter Tetrahedralize divides"
+        )
 
 
 def _meshio(path: str) -> Any:
@@ -83,7 +92,10 @@ def _meshio(path: str) -> Any:
             raise ValueError("it is not a file of VTK that can be read") from error
         except Exception as error:  # meshio passes errors of its parsers on
             text = " ".join(str(error).split()) or type(error).__name__
-            raise ValueError(f"it is not a file of VTK that can be read: {text}") from error
+            raise ValueError(
+                f"it is not a file of VTK that can be read ({text}): if ParaView reads it, save it "
+                "as .vtu, compressed by ZLib or not at all"
+            ) from error
 
 
 def _add_data(
