@@ -59,6 +59,7 @@ class Remeshing:
     new mesh, whose stage ``"mesh 1"``, ``"mesh 2"``, ... is among the stages of the result, with
     the shares of volume, stress and balance that are lost in its ``series["loss"]``, see
     :meth:`Remeshed.loss <skfem_contact.stages.remeshing.Remeshed.loss>`.
+    A file of such a result is not read again, since its stages have several meshes.
 
     Examples
     --------
