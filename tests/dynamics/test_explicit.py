@@ -46,6 +46,26 @@ def test_oscillator_is_of_second_order():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
 
 
+def test_damped_oscillator_is_of_second_order():
+    """[X] A sudden load on 20 % of critical damping, by the mass alone."""
+    w, z = 100.0, 0.2
+    period, damped = 2.0 * np.pi / w, w * np.sqrt(1.0 - z * z)
+    errors = []
+    for n in (40, 80):
+        model, basis, _ = oscillator()
+        damping = sc.Rayleigh(z, f=(1.0 / period, 1e6 / period))
+        settings = sc.Dynamic(period / n, explicit=True, damping=damping, points=[(0.0, 1.0)])
+        stage = sc.Stage("swing", pushed(basis, 3.0), duration=period, dynamic=settings)
+        found = model.run([sc.Stage("weight"), stage], **QUIET)["swing"]
+        moved = found.history((0.0, 1.0)).values[:, 1]
+        t = np.arange(n + 1) / n * period
+        swing = np.cos(damped * t) + z * w / damped * np.sin(damped * t)
+        exact = 1.0 - np.exp(-z * w * t) * swing
+        errors.append(np.abs((moved - moved[0]) / 3e-4 - exact).max())
+    assert errors[1] < 1e-3
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
+
+
 def test_front_in_a_bar():
     """[X] With steps that pass one element the front is exact: u of the end is p t / (rho c)."""
     solid, basis, across = bar(100)

@@ -183,6 +183,16 @@ def test_memory_is_not_linear():
     assert not is_linear({"form": Nothing(2)}, np.zeros(2), {"form": None})
 
 
+def test_soil_beside_a_spring_is_not_linear():
+    """[X] Soil that is elastic near the state may yield elsewhere."""
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1e9, phi=20.0))
+    forms = {"soil": soil, "spring": sc.MatrixForm(3.0 * np.eye(basis.N))}
+    states = {name: form.initial_state() for name, form in forms.items()}
+    assert not is_linear(forms, basis.zeros(), states)
+    assert is_linear({"spring": forms["spring"]}, basis.zeros(), states)
+
+
 def block_in_space():
     """Return a block of hexahedra with its supports and a load."""
     mesh = MeshHex.init_tensor(*(np.linspace(0.0, 1.0, 4),) * 3).with_defaults()

@@ -33,6 +33,8 @@ def test_limits_of_a_spectrum():
     assert found.displacement[1] == pytest.approx(np.abs(record.displacement).max(), rel=0.15)
     assert len(found.table()) == 2
     assert len(record.spectrum().periods) == 100
+    damped = record.spectrum([0.5], ratio=0.05)
+    assert (record.spectrum([0.5]).acceleration == damped.acceleration).all()
 
 
 def test_resonance():
