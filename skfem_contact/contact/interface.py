@@ -168,7 +168,8 @@ class Interface:
     """Slave and master with a quadrature rule, and the share of a facet that gaps may have.
 
     With `rounds` gaps count between smooth curves where facets in the plane approximate these.
-    With a `fold` both are one surface, which touches itself.
+    With a `fold` both are one surface, which touches itself. The slave's chain in the plane may be
+    `mirrored` at its begin and its end.
     """
 
     slave: Surface
@@ -177,6 +178,7 @@ class Interface:
     adjusted: float = 0.0
     rounds: bool = False
     fold: Fold | None = None
+    mirrored: tuple[bool, bool] = (False, False)
 
     def _around(
         self, candidates: NeighbourList, points: SlavePoints, nodes: ndarray, positions: ndarray
@@ -247,7 +249,9 @@ class Interface:
         slave, master = self.positions(x)
         if self.slave.dim == 3:
             return piecewise(self.slave, slave, self.master, master, self.adjusted)
-        return common_cuts(self.slave, slave, self.master, master, self._facing)
+        return common_cuts(
+            self.slave, slave, self.master, master, facing=self._facing, mirrored=self.mirrored
+        )
 
     def fits(self, cuts: ndarray) -> bool:
         """Return True if cuts belong to this slave."""

@@ -17,7 +17,7 @@ these equations is a primal-dual active set strategy (S. Hueeber, B. I. Wohlmuth
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -109,6 +109,17 @@ class Nodes:
         return cls(values, owner, point)
 
 
+class Plane(NamedTuple):
+    """A plane of symmetry across an axis, at a coordinate.
+
+    Tractions across it are odd: their mirror images have the other sign, a mask (dim,).
+    """
+
+    axis: int
+    coordinate: float
+    odd: ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Symmetry:
     """Nodes of a slave that supports hold along the surface, as the master on the same plane.
@@ -150,6 +161,31 @@ class Symmetry:
         directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
         along = (directions**2 * held[:, None]).sum(axis=2) > _ALONG
         return cls(along.T, np.where(held, own, -1), np.where(held, opposite, -1))
+
+    def planes(self, slave: Surface) -> list[Plane]:
+        """Return the planes of symmetry at which a slave ends."""
+        planes = []
+        directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
+        near = _ON_PLANE * slave.spacing
+        for i, coordinates in enumerate(slave.nodes.T):
+            for end in (coordinates.min(), coordinates.max()):
+                on = np.abs(coordinates - end) <= near
+                across = (directions[on, :, i] ** 2 > _ALONG).all(axis=0)
+                if across.any() and (self.own[on, i] >= 0).all():
+                    planes.append(Plane(i, float(end), np.append(False, across)))
+        return planes
+
+    def ends(self, slave: Surface) -> tuple[bool, bool]:
+        """Return if the chain of a slave in the plane begins and ends on planes of symmetry."""
+        if slave.dim == 3 or slave.closed:
+            return False, False
+        facets = np.array([0, len(slave.facets) - 1])
+        first, last = slave.at(facets, np.array([[-1.0], [1.0]]), slave.nodes, 0).x[0]
+        near = _ON_PLANE * slave.spacing
+        planes = self.planes(slave)
+        begins = any(abs(first[plane.axis] - plane.coordinate) <= near for plane in planes)
+        ends = any(abs(last[plane.axis] - plane.coordinate) <= near for plane in planes)
+        return begins, ends
 
     def slides(self, x: ndarray, round_off: float) -> ndarray:
         """Return a mask of nodes, (n_nodes,), that supports have moved along the master."""
@@ -347,12 +383,15 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
 
     Interpolated tractions :math:`t = \sum_j N_j t_j` have the forces of the duals, but not their
     moments: at an end of the surface the node's mean over a part of a facet is shown at its end.
-    The tractions become :math:`t + |t| (a + b \cdot x)`, which leaves open points without any.
+    The tractions become :math:`t + |t| (a + b \cdot x)`, which leaves open points without any. At
+    a plane of symmetry the whole model's forces and moments count: a pressure has no moment about
+    it, and a shear across it no force.
     """
     at = np.flatnonzero(state.facet >= 0)
     facing, weights, *_ = integrals(pair, state, at, state.gap)
     forces = np.einsum("nk,ink->in", weights, state.multiplier[:, facing.nodes])
     area = pair.share * facing.weight
+    planes = pair.symmetry.planes(pair.slave) if pair.symmetry else []
 
     # Weigh the points by one and by their coordinates across the mean normal, over the size
     x = facing.positions(pair.slave.nodes)
@@ -362,16 +401,30 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
     normal = pair.slave.at(facing.facet, facing.xi, pair.slave.nodes).normal
     tractions = state.traction.copy()
     pressed = area * np.abs(tractions[0, at])
-    mean = pressed @ normal / max(float(pressed.sum()), np.finfo(float).tiny)
+    mean = pressed @ normal
+    for plane in planes:
+        x[:, plane.axis] = facing.positions(pair.slave.nodes)[:, plane.axis] - plane.coordinate
+        mean[plane.axis] = 0.0
+    axes = [plane.axis for plane in planes]
+    twice = [axis for axis in range(pair.slave.dim) if axes.count(axis) == 2]
+    mean /= max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
     linear = np.column_stack((np.ones(len(x)), (x - np.outer(x @ mean, mean)) / size))
 
-    # Change each component in proportion to its size
-    for component, force in zip(tractions, forces, strict=True):
+    # Change each component in proportion to its size, by functions of its symmetry
+    for k, (component, force) in enumerate(zip(tractions, forces, strict=True)):
+        fits = np.ones(linear.shape[1], bool)
+        for plane in planes:
+            is_odd = np.arange(len(fits)) == 1 + plane.axis
+            fits &= is_odd == plane.odd[k]
+        fits[[1 + axis for axis in twice]] = False
+        if not fits.any():
+            continue
+        functions = linear[:, fits]
         t = component[at]
-        missing = linear.T @ (force - area * t)
-        products = linear.T @ ((area * np.abs(t))[:, None] * linear)
+        missing = functions.T @ (force - area * t)
+        products = functions.T @ ((area * np.abs(t))[:, None] * functions)
         factors = np.linalg.pinv(products, rcond=_FLAT, hermitian=True) @ missing
-        component[at] = t + np.abs(t) * (linear @ factors)
+        component[at] = t + np.abs(t) * (functions @ factors)
     return tractions
 
 

@@ -285,7 +285,11 @@ class ContactPair(ContactBase):
     def supported(self, fixed: ndarray) -> tuple[ContactPair, ndarray]:
         symmetry = Symmetry.of(self.slave, self.facets, fixed)
         idle = self.multipliers[1:][symmetry.along] if self.saddle else np.zeros(0, int)
-        return self.with_(symmetry=symmetry), idle
+        interface = self.interface
+        mirrored = symmetry.ends(self.slave)
+        if mirrored != interface.mirrored:
+            interface = replace(interface, mirrored=mirrored)
+        return self.with_(symmetry=symmetry, interface=interface), idle
 
     @override
     def foreseen(

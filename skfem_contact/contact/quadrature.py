@@ -221,11 +221,13 @@ def common_cuts(
     master: Surface,
     master_nodes: ndarray,
     facing: NeighbourList,
+    mirrored: tuple[bool, bool] = (False, False),
 ) -> ndarray:
     """Return the cuts of the slave in the plane, as chain coordinates.
 
     The cuts are the ends of the slave's facets, the projected ends of the master's facets, and a
-    further cut next to each edge of the joint.
+    further cut next to each edge of the joint. A slave that is `mirrored` at its begin or its end
+    has no edge there.
     """
     # Project the ends of the master's facets onto the slave
     m = len(master.facets)
@@ -245,7 +247,8 @@ def common_cuts(
     ends_here = opposite[first_and_last] & (not master.closed)
     edges = np.where(ends_here, projected[first_and_last], (0.0, n))
     further = edges + np.array([_EDGE, -_EDGE])
-    further = further[(further > 0.0) & (further < n) & (ends_here | (not slave.closed))]
+    is_edge = (ends_here | (not slave.closed)) & ~np.array(mirrored)
+    further = further[(further > 0.0) & (further < n) & is_edge]
     cuts = np.unique(np.concatenate((np.arange(n + 1.0), projected[hit], further)))
 
     # Drop one end of each tiny piece, but not the ends of the slave's facets

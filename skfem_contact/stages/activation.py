@@ -51,7 +51,8 @@ def begin(
     states = {}
     for name, form in phase.forms.items():
         if name in new:
-            states[name] = form.initial_state(x[: form.size])
+            begun = form.supported(phase.fixed)[0] if isinstance(form, Staged) else form
+            states[name] = begun.initial_state(x[: form.size])
         else:
             states[name] = _inherited(form, phase.before[name], last, name)
     _take_over_tractions(phase, last, x, states)

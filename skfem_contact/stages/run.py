@@ -116,7 +116,9 @@ def _run(
         last = among(setup, done[-1])
         check_start(phases[0].before, last)
     else:
-        last = undeformed("start", phases[0].forms, setup.layout.size)
+        first = phases[0]
+        begun = setup.supported(first.forms, first.fixed)
+        last = undeformed("start", begun, setup.layout.size)
 
     if done and done[-1].fraction < 1.0:
         warn(

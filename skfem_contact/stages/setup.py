@@ -336,6 +336,13 @@ class Setup:
         of_none = others(self.layout.size, dofs_of(self.forms, self.layout), brought)
         return others(self.layout.size, of_none, dofs_of(active, self.layout))
 
+    def supported(self, forms: Mapping[str, Form], fixed: ndarray) -> dict[str, Form]:
+        """Return forms that know the supported dofs, as their states begin."""
+        known = dict(forms)
+        for name, form in having(forms, Staged).items():
+            known[name] = form.supported(fixed)[0]
+        return known
+
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
         idle = []

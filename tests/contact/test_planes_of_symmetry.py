@@ -1,5 +1,5 @@
-"""Models that end in planes of symmetry in space, where supports hold edges of the joint in one
-direction and corners in two.
+"""Models that end in planes of symmetry; in space supports hold edges of the joint in one direction
+and corners in two.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import pytest
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
+from tests.fuzz.halves import Pressed
 
 
 def punched(enforcement, planes: int) -> tuple[np.ndarray, float]:
@@ -72,3 +73,34 @@ def test_quarter_of_a_punch_with_friction(enforcement) -> None:
     assert quarter[1] == pytest.approx(half[1], rel=0.01)  # facets are cut otherwise; measured .5 %
     assert quarter[2] == pytest.approx(half[2], rel=0.05)
     assert across < across_half + 0.05
+
+
+@pytest.mark.parametrize("element", ["Q1", "P2", "Q2"])
+def test_half_models_have_the_tractions_of_whole_ones(element: str) -> None:
+    """[N] A round body on a block, with friction and multipliers: a plane of symmetry is no edge,
+    and tractions balance with their mirror images.
+    """
+    pressed = Pressed(
+        element=element,
+        method="multipliers",
+        mu=0.3,
+        radius=30.0,
+        stiffer=10.0,
+        depth=0.1,
+        elements=(6, 5),
+    )
+    tractions = []
+    for is_whole in (False, True):
+        _, stages = pressed.stages(is_whole)
+        tractions.append(stages[0].tractions("joint"))
+    half, whole = tractions
+    right = np.flatnonzero(whole.x > 0.0)
+    found = np.argsort(half.x)
+    exact = right[np.argsort(whole.x[right])]
+    largest = whole.pressure.max()
+
+    # both models have the same cuts; Newton's tolerance is left
+    assert half.x[found] == pytest.approx(whole.x[exact], abs=1e-7)
+    assert half.pressure[found] == pytest.approx(whole.pressure[exact], abs=1e-5 * largest)
+    shear, shear_of_whole = np.abs(half.shear[found]), np.abs(whole.shear[exact])
+    assert shear == pytest.approx(shear_of_whole, abs=1e-5 * largest)
