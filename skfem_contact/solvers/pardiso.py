@@ -87,7 +87,8 @@ class Pardiso:
     def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
         """Condense A to its last m dofs, within a share of a factor's operations.
 
-        Return None where that costs more, or A is not symmetric beside the last dofs.
+        Return None where that costs more, A is not symmetric beside the last dofs, or its diagonal
+        is not positive.
         """
         return Condensed.of(A, m, most)
 
@@ -206,6 +207,10 @@ class Condensed:
     @classmethod
     def of(cls, A: csr_matrix, m: int, most: float) -> Condensed | None:
         """Return the condensed matrix, see :meth:`Pardiso.condensed`."""
+        # PARDISO writes beyond its memory where a positive definite matrix lacks diagonal entries
+        if (A.diagonal() <= 0.0).any():
+            return None
+
         # compare the operations, and both triangles of the rows that are eliminated
         new = cls(A, m)
         inner = A.shape[0] - m

@@ -151,7 +151,7 @@ def test_condensed_matrix_is_that_of_dense_algebra():
 
 
 def test_matrices_that_are_not_condensed():
-    """Neither an indefinite interior nor an unsymmetric one, nor a last block that is too large."""
+    """Indefinite, unsymmetric, with a large last block, or without an entry of the diagonal."""
     A = _grid(12)
     engine = pardiso.Pardiso()
     assert engine.condensed(A, 15, 1.0) is not None
@@ -161,3 +161,6 @@ def test_matrices_that_are_not_condensed():
     coupled[3, 140] = 0.5
     assert engine.condensed(csr_matrix(coupled), 15, 1.0) is None
     assert engine.condensed(A, 15, 1e-9) is None
+    without = A.tolil()
+    without[-1, -1] = 0.0  # as of a multiplier, without an entry
+    assert engine.condensed(without.tocsr(), 15, 1.0) is None
