@@ -17,7 +17,7 @@ from ..display import progress_bar
 from ..errors import AnalysisWarning, warn
 from ..forms.base import dilate_less, solids_of
 from ..loads import Pressure, by_element
-from ..loads.water_at_rest import one_pressure
+from ..loads.water_at_rest import pressures
 from ..solvers import single_threaded
 from .certify import dissipation
 from .model import AtRest, Loads, Site, TractionLike, named_loads, vector_loads
@@ -80,8 +80,8 @@ def bounds(
         (2, n).
     water
         Water at rest in the pores: a level, a line of points (n, 2), a seepage, a function of
-        coordinates, or pressures at the vertices, positive; False: none. Everything but rigid
-        bodies has pores.
+        coordinates, or pressures at the vertices, positive, or a mapping of these by subdomain;
+        False: none. Everything but rigid bodies has pores.
     water_unit_weight
         Unit weight of water, for levels and lines.
     submerged
@@ -140,7 +140,7 @@ def bounds(
     multiplied = names_of(live)
     pressure = None
     if water is not None and water is not False:
-        pressure = one_pressure(water, _mesh_of(forms), water_unit_weight)
+        pressure = pressures(water, _mesh_of(forms), water_unit_weight)
     # Loads by name are integrated on each mesh.
     loads = partial(
         named_loads,

@@ -62,13 +62,20 @@ class Traction(NamedTuple):
     live: bool  # multiplied
 
 
+class Water(NamedTuple):
+    """Pressure in some elements of the first mesh, (n_elements,); None for all of them."""
+
+    pressure: PressureField
+    elements: ndarray | None
+
+
 class Loads(NamedTuple):
     """Distributed loads, by elements and coordinates of the mesh."""
 
     dead: ndarray  # fixed body forces, (n_elements, 2)
     live: ndarray  # multiplied body forces, (n_elements, 2)
     tractions: tuple[Traction, ...] = ()
-    water: PressureField | None = None  # pressure in the pores, positive
+    water: tuple[Water, ...] = ()  # pressures in the pores, positive
     submerged: tuple[Tag, ...] = ()  # boundaries with water outside
     remarks: tuple[str, ...] = ()
 
@@ -95,7 +102,10 @@ class Loads(NamedTuple):
             dead=self.dead * unit,
             live=self.live * unit,
             tractions=tuple(each._replace(value=field(each.value)) for each in self.tractions),
-            water=None if self.water is None else _in_units(self.water, centre, size, stress),
+            water=tuple(
+                each._replace(pressure=_in_units(each.pressure, centre, size, stress))
+                for each in self.water
+            ),
         )
 
 
@@ -141,7 +151,7 @@ def named_loads(
         dead,
         multiplied,
         tractions=fields,
-        water=_pressure(water, mesh),
+        water=_waters(water, mesh),
         submerged=tuple(submerged),
         remarks=remarks,
     )
@@ -180,11 +190,23 @@ def _traction(name: str, value: TractionLike) -> Field:
     return lambda x: np.broadcast_to(constant[:, None], x.shape)
 
 
-def _pressure(water: Pressure | None, mesh: Mesh) -> PressureField | None:
+def _waters(water: Pressure | Mapping[str, Pressure] | None, mesh: Mesh) -> tuple[Water, ...]:
+    """Return the pressures of water and the elements in which they act."""
+    if water is None:
+        return ()
+    if not isinstance(water, Mapping):
+        return (Water(_pressure(water, mesh), None),)
+    found = []
+    for name, part in water.items():
+        elements = np.zeros(mesh.nelements, bool)
+        elements[mesh.subdomains[name]] = True
+        found.append(Water(_pressure(part, mesh), elements))
+    return tuple(found)
+
+
+def _pressure(water: Pressure, mesh: Mesh) -> PressureField:
     """Return the pressure of water as a function of coordinates and elements."""
     # Check the shape of values at nodes.
-    if water is None:
-        return None
     if not callable(water) and np.shape(water) != (mesh.nvertices,):
         raise ValueError(
             f"water is a pressure, hydrostatic(level) or values at {mesh.nvertices} nodes, not "
@@ -249,7 +271,7 @@ def vector_loads(
         body,
         multiplied,
         tractions=tractions,
-        water=_pressure(water, basis.mesh),
+        water=_waters(water, basis.mesh),
         submerged=(SURFACE,) if rest is not None else tuple(submerged),
     )
 
@@ -401,23 +423,30 @@ class LimitModel:
             x = mesh.p[:, mesh.facets[:, facets]]  # (2, 2 ends, n)
             values = np.asarray(value(x.reshape(2, -1)))
             total[live] += elements.of_tractions(facets, values.reshape(x.shape).T)
-        if self.loads.water is not None:
-            elements_at = np.zeros(mesh.nvertices, int)  # one of every node
+        for water in self.loads.water:
+            # Nodes of a region take their pressure in one of its elements.
+            here = slice(None) if water.elements is None else water.elements[origin]
+            elements_at = np.zeros(mesh.nvertices, int)
             elements_at[mesh.t] = origin
-            pressure = self.loads.water(mesh.p, elements_at)
-            total[0] += self._power_of_water(pressure, triangles, elements)
+            elements_at[mesh.t[:, here]] = origin[here]
+            pressure = water.pressure(mesh.p, elements_at)
+            total[0] += self._power_of_water(pressure, water.elements, triangles, elements)
         return total[0], total[1]
 
-    def _power_of_water(self, u: ndarray, triangles: Triangles, elements: Elements) -> ndarray:
+    def _power_of_water(
+        self, u: ndarray, region: ndarray | None, triangles: Triangles, elements: Elements
+    ) -> ndarray:
         r"""Return the power of a pressure u, :math:`\int u\, {\rm div}\, v - \int u\, n v`.
 
-        The first integral is over the pores, the second over submerged boundaries. By parts, a
-        pressure linear in every triangle is a body force -grad u and a traction u n on all facets
-        that bound the pores.
+        The first integral is over the pores of a region, the second over its submerged boundaries.
+        By parts, a pressure linear in every triangle is a body force -grad u and a traction u n on
+        all facets that bound the pores.
         """
         # body force
         mesh = triangles.mesh
         porous = self.rigid[triangles.origin] < 0
+        if region is not None:
+            porous = porous & region[triangles.origin]
         gradient = gradients(mesh)[0]
         body = -np.einsum("ie,eic->ec", u[mesh.t], gradient) * porous[:, None]
         power = elements.of_body(body)
@@ -426,6 +455,8 @@ class LimitModel:
         inside = np.where(mesh.f2t >= 0, porous[mesh.f2t], False)
         edge = np.flatnonzero(inside[0] != inside[1])
         outside = [triangles.tags[tag] for tag in self.loads.submerged]
+        if region is not None:
+            outside = [facets[inside[0, facets]] for facets in outside]
         facets = np.concatenate([edge, *outside])
         inner = np.arange(len(facets)) < len(edge)
         side = np.zeros(len(facets), int)

@@ -497,6 +497,6 @@ def _remarks(
     regions = chain.from_iterable(form.regions for form in solids.values())
     if any(region.given is not None for region in regions):
         remarks.append("a cohesion that varies is linear in every triangle")
-    if given.water is not None:
+    if given.water:
         remarks.append("the pressure of water is linear in every triangle")
     return (*remarks, *given.remarks)

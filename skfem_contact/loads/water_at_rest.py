@@ -182,6 +182,14 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     return hydrostatic(water, unit_weight=unit_weight)
 
 
+def pressures(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
+    """Return water at rest by coordinates or at vertices, or a mapping of these by region."""
+    pressure = as_pressure(water, mesh, unit_weight)
+    if not isinstance(pressure, Mapping):
+        return getattr(pressure, "pressure", pressure)
+    return {name: getattr(part, "pressure", part) for name, part in pressure.items()}
+
+
 def one_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     """Return water at rest as a function of coordinates or values at vertices, for bounds."""
     pressure = as_pressure(water, mesh, unit_weight)

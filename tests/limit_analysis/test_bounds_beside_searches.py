@@ -597,7 +597,9 @@ def test_rigid_parts_are_named() -> None:
 
 
 def test_bounds_take_water_as_every_search_does() -> None:
-    """[X] A level, a line and the function of a level give the same bounds; regions are refused."""
+    """[X] A level, a line and the function of a level give the same bounds; unknown regions are
+    refused.
+    """
     forms, fixed, _ = column()
     model = sc.Model(forms, fixed, water_unit_weight=10.0)
     found = []
@@ -612,7 +614,36 @@ def test_bounds_take_water_as_every_search_does() -> None:
     np.testing.assert_allclose(found, found[:1] * 4, rtol=1e-6)
     dry = model.bounds(20.0, water=False, elements=1)
     assert dry.lower == pytest.approx(model.bounds(20.0, elements=1).lower)
-    with pytest.raises(ValueError, match="one pressure, but it is by region"):
-        model.bounds(20.0, water={"low": 0.4})
+    with pytest.raises(ValueError, match="no subdomain 'nowhere'"):
+        model.bounds(20.0, water={"nowhere": 0.4})
     with pytest.raises(ValueError, match="water level needs the unit weight"):
         limit_analysis.bounds(model.forms, model.fixed, 20.0, water=0.4)
+
+
+@pytest.mark.parametrize("upper_soil", ["clay", "sand"])
+def test_bounds_with_water_by_region(upper_soil):
+    """[X] The same level in each region is one level. Undrained soil, which keeps its volume, does
+    not feel pressures that jump between its regions; sand does.
+    """
+    mesh = MeshTri.init_tensor(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 2.0, 5)).with_defaults()
+    mesh = mesh.with_subdomains({"low": lambda x: x[1] < 1.0, "high": lambda x: x[1] > 1.0})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    clay = sc.Tresca(E=1e4, nu=0.3, c=30.0)
+    sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=30.0, phi=20.0)
+    soils = {"low": clay, "high": sand if upper_soil == "sand" else clay}
+    form = sc.SolidForm(basis, soils, unit_weight=20.0)
+    fixed = np.union1d(basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1"))
+    model = sc.Model({"ground": form}, fixed, water_unit_weight=10.0)
+
+    def bracket(water):
+        found = model.bounds(water=water, elements=1)
+        return found.lower, found.upper
+
+    # the search for a factor ends within 1e-4
+    dry, one = bracket(None), bracket(1.5)
+    np.testing.assert_allclose(bracket({"low": 1.5, "high": 1.5}), one, rtol=1e-4)
+    apart = bracket({"low": 3.0, "high": 1.5})
+    np.testing.assert_allclose(apart, one if upper_soil == "sand" else dry, rtol=1e-4)
+    if upper_soil == "sand":
+        wetter = bracket({"low": 1.5, "high": 1.9})
+        assert wetter[0] < 0.999 * one[0] and wetter[1] < 0.999 * one[1]
