@@ -127,6 +127,28 @@ class DualMultipliers(Enforcement):
         return respond(pair, x, accepted)
 
     @override
+    def after_equilibrium(
+        self, pair: Any, accepted: ContactState, found: ContactState
+    ) -> tuple[ContactState, dict[str, Any]]:
+        """Let points take part that have come under a rim, where bodies slide far.
+
+        In the iterations they would go back and forth, and the areas of their nodes with them.
+        """
+        new = (found.facet >= 0) & (accepted.facet < 0)
+        if pair.held(accepted) is None or not new.any():
+            return accepted, {}
+        facet = np.where(new, found.facet, accepted.facet)
+        position = np.where(new, found.position, accepted.position)
+        state = replace(
+            accepted,
+            facet=facet,
+            position=position,
+            stick_facet=np.where(new, facet, accepted.stick_facet),
+            stick_point=np.where(new, position, accepted.stick_point),
+        )
+        return state, {}
+
+    @override
     def remarks(
         self, pair: Any, x: ndarray, state: ContactState, meshed: ndarray
     ) -> Iterator[Remark]:
