@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix, eye, tril, triu
+from scipy.sparse import csr_matrix, eye, triu
 
 from ..sparse import same_pattern, with_data
 from .threads import allowed
 
-UNSYMMETRIC, SYMMETRIC, POSITIVE = 11, -2, 2  # PARDISO's types of real matrices
+UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
 FORWARD, BACKWARD = 331, 333  # parts of the solution
 OUT_OF_MEMORY = -2  # its error
@@ -189,14 +189,24 @@ class Condensed:
     """
 
     def __init__(self, A: csr_matrix, m: int) -> None:
+        # store the upper triangle, with a diagonal instead of the last block
         n = A.shape[0]
-        upper = triu(A, format="csr")
+        last = np.arange(n - m, n)
+        upper = triu(A, format="coo")
+        inner = upper.row < n - m
+        self._diagonal = abs(A[last]).max(axis=1).toarray().ravel()
+        values = np.append(upper.data[inner], self._diagonal)
+        places = np.append(upper.row[inner], last), np.append(upper.col[inner], last)
+        upper = csr_matrix((values, places), shape=A.shape)
+        upper.sort_indices()
         self._m = m
         self.schur = np.zeros((m, m))
         self._values = upper.data
         self._rows = upper.indptr.astype(np.int32) + 1
         self._columns = upper.indices.astype(np.int32) + 1
-        self._call = _Call(_library(), POSITIVE, A.nnz, A.dtype == np.float32)
+
+        # analyse, and release the memory with this object
+        self._call = _Call(_library(), SYMMETRIC, A.nnz, single=False)
         self._call.keep(np.arange(n) >= n - m)
         self._run(ANALYSE)
         release = weakref.finalize(
@@ -207,26 +217,23 @@ class Condensed:
     @classmethod
     def of(cls, A: csr_matrix, m: int, most: float) -> Condensed | None:
         """Return the condensed matrix, see :meth:`Pardiso.condensed`."""
-        # PARDISO writes beyond its memory where a positive definite matrix lacks diagonal entries
-        if (A.diagonal() <= 0.0).any():
-            return None
-
-        # compare the operations, and both triangles of the rows that are eliminated
-        new = cls(A, m)
+        # refuse matrices that are not symmetric beside the last block; PARDISO writes beyond its
+        # memory where diagonal entries are missing
         inner = A.shape[0] - m
         difference = A[:inner] - A[:, :inner].T
         largest = np.abs(A.data).max()
-        asymmetric = abs(difference).max() > SAME * largest
-        if asymmetric or m**3 > 3.0 * most * new._call.operations:
+        if abs(difference).max() > SAME * largest or not (A.diagonal()[:inner] > 0.0).all():
+            return None
+        new = cls(A, m)
+        if m**3 > 3.0 * most * new._call.operations:
             return None
 
-        # eliminate, and add the part of the last block that is not symmetric
+        # eliminate, and put the last block back
         try:
             new._run(FACTOR, None, new.schur)
-        except RuntimeError:  # the eliminated block is not positive definite
+        except RuntimeError:  # an exact zero among the pivots
             return None
-        lower = tril(A[inner:, inner:], -1)
-        new.schur += (lower - triu(A[inner:, inner:], 1).T).toarray()
+        new.schur += A[inner:, inner:].toarray() - np.diag(new._diagonal)
         return new
 
     def solve(self, b: ndarray, inside: bool, last: Callable[[ndarray], ndarray]) -> ndarray:

@@ -131,11 +131,15 @@ def _grid(n):
 
 
 def test_condensed_matrix_is_that_of_dense_algebra():
-    """[X] Schur complement, unsymmetric in the last block, and solutions beside numpy."""
+    """[X] Schur complement and solutions beside numpy; the last block is unsymmetric, and has a
+    diagonal entry of zero that is not stored.
+    """
     A = _grid(12)
     n, m = A.shape[0], 15
     last = np.random.default_rng(1).random((m, m))
+    last[-1, -1] = -A[-1, -1]
     A = csr_matrix(A + block_diag([csr_matrix((n - m, n - m)), csr_matrix(last)]))
+    A.eliminate_zeros()
     condensed = pardiso.Pardiso().condensed(A, m, 1.0)
     full = A.toarray()
     inner, outer = slice(0, n - m), slice(n - m, n)
@@ -162,5 +166,5 @@ def test_matrices_that_are_not_condensed():
     assert engine.condensed(csr_matrix(coupled), 15, 1.0) is None
     assert engine.condensed(A, 15, 1e-9) is None
     without = A.tolil()
-    without[-1, -1] = 0.0  # as of a multiplier, without an entry
+    without[3, 3] = 0.0  # without an entry, among the dofs that are eliminated
     assert engine.condensed(without.tocsr(), 15, 1.0) is None
