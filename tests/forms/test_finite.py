@@ -104,8 +104,8 @@ def test_tangent(case: int, strain: Any, law: str) -> None:
     K = form.assemble(x, state).stiffness
     change = form.assemble(x + direction, state).force - form.assemble(x - direction, state).force
     error = np.linalg.norm(2.0 * K @ direction - change) / np.linalg.norm(change)
-    # differences of step 1e-6 keep 1e-9, less beside a corner of the yield surface
-    assert error < 3e-8
+    # differences of step 1e-6 keep 1e-9, beside a corner of the yield surface 8e-9
+    assert error < 1e-8
     symmetric = abs(K - K.T).max() <= 1e-12 * abs(K).max()
     assert symmetric == (strain == "full" and law != "mohr")
     assert form.symmetric == symmetric
