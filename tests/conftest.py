@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
+
+
+def pytest_collection_finish() -> None:
+    """Leave modules and tests, which live to the end, to the garbage collector no more.
+
+    It takes an eighth of the time of all tests otherwise.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 @pytest.fixture
