@@ -332,7 +332,7 @@ class Embedded(Form, Couples, Staged, Regularised):
     def _tangent(self, limits: _AtLimit, kept: float) -> csr_matrix:
         """Return the stiffness, of which points at a limit or a foot without force keep a share.
 
-        It is known where they are those of the last iteration. In space lateral resistances at
+        It is known where the last iteration had the same ones. In space lateral resistances at
         their limit turn with the displacement.
         """
         turns = len(self._along[0]) == 3 and bool(limits.flows.any())

@@ -44,7 +44,7 @@ class RotationSpring(Form, Couples, Staged):
     r"""Springs that resist the rotation in hinges of a beam, or of a beam at the ground.
 
     The moment is :math:`M = -k (\theta_a - \theta_b)`, with the rotations of the element that
-    begins at the node and of the one that ends there. It has the sign of M in the beam.
+    begins at the node and of the one that ends at it. It has the sign of M in the beam.
 
     Parameters
     ----------
@@ -57,8 +57,8 @@ class RotationSpring(Form, Couples, Staged):
         concrete, of width b and height h in contact, has :math:`b h^2 E / 12` (P. Janssen,
         Tragverhalten von Tunnelausbauten mit Gelenktuebbings, Braunschweig 1983).
     to
-        By default the beam itself, across its hinges there; another beam, to which `hinges` of the
-        beam connect it; or ``"ground"``, which does not turn.
+        By default the beam itself, across its hinges at these nodes; another beam, to which
+        `hinges` of the beam connect it; or ``"ground"``, which does not turn.
     yield_moment
         Largest moment; beyond it the springs flow.
 
@@ -218,7 +218,7 @@ def _pair(
 ) -> tuple[tuple[int, int], tuple[float, float]]:
     """Return the rotations of the beam and of the other side at a node, and their signs.
 
-    The rotation of a spring is that of the member before the node less that of the one behind.
+    A spring turns by the rotation of the member before the node less the one behind.
     """
     where = format_point(point)
     before, behind = beam.rotations(point)

@@ -308,7 +308,7 @@ class AugmentedLagrangian(Penalty):
 def _kept(pair: Any) -> ndarray:
     """Return multipliers that stay zero, (dim, n_nodes) or less: of slip that supports hold.
 
-    They would act on the master's inside alone, beside a plane of symmetry, where no friction acts.
+    They would act on the master's inside alone, next to a plane of symmetry without friction.
     """
     if pair.symmetry is None:
         return _NONE

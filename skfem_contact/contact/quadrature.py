@@ -227,7 +227,7 @@ def common_cuts(
 
     The cuts are the ends of the slave's facets, the projected ends of the master's facets, and a
     further cut next to each edge of the joint. A slave that is `mirrored` at its begin or its end
-    has no edge there.
+    has no edge at this end.
     """
     # Project the ends of the master's facets onto the slave
     m = len(master.facets)

@@ -788,7 +788,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 def sharpened(form: SolidForm, x: ndarray) -> ndarray:
     """Return sines of the corners of elements in the plane, (n_corners, n_elements).
 
-    They are 1 for corners that were sharp before, and negative for those that are turned over.
+    They are 1 for corners that were sharp before, and negative for corners that are turned over.
     """
     nodes = form.basis.nodal_dofs[:, form.basis.mesh.t[:, form.elements]]
     coordinates = form.basis.doflocs[:, nodes[0]]

@@ -326,7 +326,7 @@ class Search:
 def joint_step(
     at: Plastic, now: Course, value: Array, by_z: Parameter, by_y: Array
 ) -> tuple[Array, Array]:
-    """Return Newton's step (dy, dz), (2, n), of an equation of y and that of z, and their error.
+    """Return Newton's step (dy, dz), (2, n), of the equations of y and of z, and their error.
 
     ``by_z`` is the derivative of the value at a given y, ``by_y`` that along the equation of z.
     """
@@ -374,7 +374,7 @@ def plastic(trial: Trial) -> Rate:
 def _yielding(trial: Trial, elastic: Plastic) -> tuple[Array, Array]:
     """Return y and z of points outside of the yield surface, from their elastic trials.
 
-    Beyond the critical state, y_M = eta_trial / M - 1, F falls: a root there is the only one.
+    Beyond the critical state, y_M = eta_trial / M - 1, F falls and has one root at most.
     Before it Newton's method may jump between several roots. F(y_M) < 0 shows that the root is one
     in (0, y_M), dry of the critical state.
     """
@@ -413,7 +413,7 @@ def _condition(y: Array, trial: Trial) -> Array:
 def _bracketed(at_critical: Array, trial: Trial) -> tuple[Array, Array]:
     """Return y and z of points outside of the yield surface, from y at the critical state.
 
-    Dry of it, the root lies in (0, y_M) if F(y_M) < 0. At y_M there is no plastic volume strain,
+    Dry of it, the root lies in (0, y_M) if F(y_M) < 0. At y_M the plastic volume strain is zero,
     and z is that of the elastic trial.
     """
     # bracket the root: it lies beyond the critical state, or before it

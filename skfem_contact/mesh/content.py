@@ -321,7 +321,7 @@ def _begins(numbers: Integers) -> Integers:
 def middles_of(x: Floats, kind: str) -> Floats:
     """Return the nodes in the middle, (n, 1 or 7, 3), of elements with nodes x, (n, n_nodes, 3).
 
-    The functions of corners are -1/4 in the middle of a side and of the body, those of edges 1/2
+    The functions of corners are -1/4 in the middle of a side and of the body, of edges 1/2
     and 1/4.
     """
     if kind.startswith("quad"):

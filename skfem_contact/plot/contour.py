@@ -371,7 +371,7 @@ def contours(
 
 
 def _samples(scene: Scene, window: Window | None) -> tuple[ndarray, ndarray]:
-    """Return values of the field and the areas of their nodes, in a window those that are seen."""
+    """Return values of the field and the areas of their nodes, in a window only visible ones."""
     values, area = scene.samples
     if window is None:
         return values, area

@@ -111,7 +111,7 @@ def _numbers_of_regions(bodies: Mapping[str, SolidForm], known: Mapping[str, Sol
 def _with_structures(
     stage: StageData, points: ndarray, data: dict[str, ndarray], blocks: list[tuple[str, ndarray]]
 ) -> tuple[ndarray, dict[str, ndarray]]:
-    """Return points and data with those of beams and shells at the end; add a block of each."""
+    """Return points and data, beams and shells at the end; add a block of each."""
     for name in stage.states:
         outputs = stage.outputs(name)
         # Their cells have three points of their own: ends and middle of a beam, or corners.

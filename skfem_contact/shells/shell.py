@@ -92,7 +92,7 @@ class Shell(Nodes):
 
     Notes
     -----
-    Normals of facets on a boundary point out of the body; those of facets inside point upwards, or
+    Normals of facets on a boundary point out of the body; facets inside have theirs upwards, or
     where they are level along y or x.
 
     Facets with middle nodes are divided at them, quadrilaterals along both diagonals. Moments

@@ -280,7 +280,7 @@ def _checked(after: Any, before: Setup) -> Setup:
 def _carried(
     before: Setup, after: Setup, stages: Sequence[Stage], last: StageResult
 ) -> list[Stage]:
-    """Return stages whose displacements of supports, from now on, are those of a new mesh."""
+    """Return stages with displacements of the supports of a new mesh, counted from now on."""
     old = _Supports.of(before, last.x)
     new = _Supports.of(after, np.zeros(after.layout.size))
     result = []

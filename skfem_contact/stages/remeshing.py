@@ -181,7 +181,7 @@ def _size_field(size: Any) -> Callable[[ndarray], ndarray]:
 
 
 def mesh_of(solids: dict[str, Any], where: str) -> Mesh:
-    """Return the mesh of solids; refuse what cannot be taken over to another one."""
+    """Return the mesh of solids; refuse one that cannot be taken over to another."""
     # Check dimension and kinematics.
     if not solids:
         raise ValueError(f"{where} has no solids, of which a mesh could be made")
