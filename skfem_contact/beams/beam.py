@@ -216,11 +216,9 @@ class Beam(BeamNodes, Slender):
         if given.size and (given.ndim, given.shape[1]) != (2, self.dim):
             raise ValueError(f"hinges of a beam must be points of its line, not {hinges!r}")
         pins = np.array([self.node(point) for point in given if given.size], int)
-        others = (joined_to,) if isinstance(joined_to, Form) else tuple(joined_to)
-        for other in others:
-            if not isinstance(other, Nodes) or not other.turns:
-                raise ValueError(f"a beam may be joined_to beams and shells, not to {other!r}")
-        moves, turned, joined = taken_by(self.points, self.shared is not None, pins, others)
+        moves, turned, joined = taken_by(
+            self.points, self.shared is not None, pins, _joined(joined_to)
+        )
         self._lay_out(rotations_of(self.points, self.cells, pins, joined), moves, turned)
 
         # Find stiffness and strength of a row per unit of length
@@ -569,6 +567,16 @@ class Beam(BeamNodes, Slender):
         else:
             values = vector(force, self.dim, "force")
         return self._distributed(shares[:, :, None] * (values * lengths[:, None])[:, None])
+
+
+def _joined(given: Form | Sequence[Form]) -> tuple[Nodes, ...]:
+    """Return the beams and shells that a beam is joined to; refuse other forms."""
+    several = (given,) if isinstance(given, Form) else tuple(given)
+    joined = tuple(form for form in several if isinstance(form, Nodes) and form.turns)
+    for form in several:
+        if form not in joined:
+            raise ValueError(f"a beam may be joined_to beams and shells, not to {form!r}")
+    return joined
 
 
 def _elements_of(
