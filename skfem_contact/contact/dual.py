@@ -130,10 +130,8 @@ class DualMultipliers(Enforcement):
     def after_equilibrium(
         self, pair: Any, accepted: ContactState, found: ContactState
     ) -> tuple[ContactState, dict[str, Any]]:
-        """Let points take part that have come under a rim, where bodies slide far.
-
-        In the iterations they would go back and forth, and the areas of their nodes with them.
-        """
+        # Let points take part that have come under a rim, where bodies slide far. In the iterations
+        # they would go back and forth, and the areas of their nodes with them.
         new = (found.facet >= 0) & (accepted.facet < 0)
         if pair.held(accepted) is None or not new.any():
             return accepted, {}

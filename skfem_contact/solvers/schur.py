@@ -28,6 +28,9 @@ logger = logging.getLogger("skfem_contact")
 
 #: The dense system may cost this share of a factorisation.
 _SHARE = 0.3
+#: Entries of the dense system over those of the matrix, at most: bodies that touch everywhere, such
+#: as thin strips, are not worth it.
+_DENSE = 10
 _NOTHING = 1e-8  # relative size of the forces inside the bodies that round-off leaves of none
 _WRONG = 1e-6  # relative residual from which the solution is left to the other solver
 
@@ -146,7 +149,7 @@ class _Base:
         apart = last[~coupled]
         last = last[coupled]
         m = len(last)
-        if m == 0 or len(inner) == 0:
+        if m == 0 or len(inner) == 0 or m**2 > _DENSE * K.nnz:
             return None
         inner = inner[engine.order(K[inner][:, inner], locations[:, inner])]
         order = np.concatenate((inner, last))

@@ -157,7 +157,7 @@ def test_mast_of_beams():
     stage = sc.Stage("push", duration=half, dynamic=sc.Dynamic(half / 100), base=record)
     with pytest.warns(sc.AnalysisWarning, match="its record ends with"):
         found = model.run([sc.Stage("weight"), stage], **QUIET)["push"]
-    with pytest.raises(ValueError, match="histories are of nodes of solids"):
+    with pytest.raises(ValueError, match="nodes by coordinates are those of solids"):
         found.history((0.0, 10.0))
     tip = found.x[: 2 * len(nodes) * 2 : 2].min()
     assert tip == pytest.approx(-2.0 * 0.8 * 0.5 * 10.0**4 / (8.0 * 2e4), rel=0.03)
