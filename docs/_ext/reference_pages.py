@@ -28,7 +28,7 @@ ROOMS = {
     "Forms": ("forms", "roles"),
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),
-    "Beams": ("beams", "curves"),
+    "Beams and shells": ("beams", "shells", "curves"),
     "Laboratory tests": ("laboratory",),
     "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),
