@@ -8,7 +8,6 @@ out for the width of a page."""
 from __future__ import annotations
 
 import ast
-import gc
 import re
 import subprocess
 import sys
@@ -16,10 +15,6 @@ import textwrap
 from collections.abc import Collection
 
 import skfem_contact.plot as plot
-
-# The processes of the gallery import this: modules live to the end, and need no search for garbage.
-gc.freeze()
-gc.set_threshold(50_000, 20, 20)
 
 #: Characters of a line of code on a page.
 WIDTH = 92
