@@ -381,7 +381,10 @@ def _touching_again(
     tractions = operator.of_stress(stresses).reshape(pair.slave.dim, -1)
     tractions[0] = old.pressure
     started = operator.state_with(tractions.ravel())
-    clearance = started.clearance + (old.gap - old.state.gap)
+    # Points far from all facets have infinite gaps, which do not change.
+    change = np.zeros_like(old.gap)
+    np.subtract(old.gap, old.state.gap, out=change, where=old.gap != old.state.gap)
+    clearance = started.clearance + change
     return pair.assemble(x, replace(started, clearance=clearance)).state
 
 
