@@ -59,15 +59,8 @@ def bottom_of(forms):
 # %%
 # The run makes a new mesh after every fifth stage and continues by itself.
 
-block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5)).to_meshtri()
-block = block.with_boundaries(
-    {
-        "left": lambda x: x[0] < 1e-9,
-        "right": lambda x: x[0] > wide - 1e-9,
-        "bottom": lambda x: x[1] < 1e-9 - deep,
-        "top": lambda x: x[1] > -1e-9,
-    }
-)
+block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
+block = block.to_meshtri().with_defaults()
 began = process_time()
 at_rest = model_of(block).run([sc.Stage("at rest")])[-1]
 model = model_of(sc.remeshed(at_rest, size).mesh)

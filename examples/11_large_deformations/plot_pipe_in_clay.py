@@ -75,15 +75,8 @@ def bottom_of(forms):
 # The stages give the way of the bottom on the first mesh. ``remesh=`` makes a new one after every
 # fifth stage, and the run goes on with the stresses and the contact of the last mesh.
 
-block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5)).to_meshtri()
-block = block.with_boundaries(
-    {
-        "left": lambda x: x[0] < 1e-9,
-        "right": lambda x: x[0] > wide - 1e-9,
-        "bottom": lambda x: x[1] < 1e-9 - deep,
-        "top": lambda x: x[1] > -1e-9,
-    }
-)
+block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
+block = block.to_meshtri().with_defaults()
 at_rest = model_of(block, LAWS["smooth"]).run([sc.Stage("at rest")])[-1]
 fine = sc.remeshed(at_rest, size).mesh
 

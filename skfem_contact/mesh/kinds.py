@@ -98,28 +98,6 @@ KINDS = {
     ),
 }
 
-#: Numbers of nodes of the kinds.
-N_NODES = {
-    "vertex": 1,
-    "line": 2,
-    "line3": 3,
-    "triangle": 3,
-    "triangle6": 6,
-    "quad": 4,
-    "quad8": 8,
-    "quad9": 9,
-    "tetra": 4,
-    "tetra10": 10,
-    "pyramid": 5,
-    "pyramid13": 13,
-    "pyramid14": 14,
-    "wedge": 6,
-    "wedge15": 15,
-    "wedge18": 18,
-    "hexahedron": 8,
-    "hexahedron20": 20,
-    "hexahedron27": 27,
-}
 #: Kinds by the dimension of the element and its number of nodes.
 BY_NODES = {
     (1, 2): "line",
@@ -139,6 +117,9 @@ BY_NODES = {
     (3, 20): "hexahedron20",
     (3, 27): "hexahedron27",
 }
+#: Numbers of nodes of the kinds, also of those that are not read by their number.
+N_NODES = {kind: n for (_, n), kind in BY_NODES.items()}
+N_NODES |= {"vertex": 1, "pyramid14": 14, "wedge18": 18}
 
 
 def signed_size(points: Floats, cells: Integers, kind: str) -> Floats:

@@ -25,6 +25,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import format_point
+from ..surfaces.vectors import across, cross, unit
 
 #: Corners of the triangles of a facet of k nodes, and the share of its area that each stands for.
 #: Quadrilaterals are divided along both diagonals, each for a half.
@@ -63,6 +64,11 @@ def divided(cells: ndarray) -> tuple[ndarray, ndarray]:
     return cells[:, parts].reshape(-1, 3), np.tile(shares, len(cells))
 
 
+def normals(corners: ndarray) -> ndarray:
+    """Return normals of triangles, (m, 3), twice as long as their areas."""
+    return across(corners[:, 1:] - corners[:, :1])
+
+
 @dataclass(frozen=True, eq=False)
 class Triangles:
     """Geometry of m triangles.
@@ -84,8 +90,7 @@ class Triangles:
     @cached_property
     def _normal(self) -> ndarray:
         """Normals, (m, 3), twice as long as the areas."""
-        sides = self.points[:, 1:] - self.points[:, :1]
-        return np.cross(sides[:, 0], sides[:, 1])
+        return normals(self.points)
 
     @cached_property
     def areas(self) -> ndarray:
@@ -93,18 +98,23 @@ class Triangles:
         return np.asarray(0.5 * np.linalg.norm(self._normal, axis=1) * self.shares)
 
     @cached_property
+    def centres(self) -> ndarray:
+        """Centres, (m, 3)."""
+        return np.asarray(self.points.mean(axis=1))
+
+    @cached_property
     def axes(self) -> ndarray:
         """Axes 1 and 2 and the normal of each triangle, (m, 3, 3)."""
-        normal = self._normal / np.linalg.norm(self._normal, axis=1)[:, None]
+        normal = unit(self._normal)
         first = self.axis - (normal @ self.axis)[:, None] * normal
         size = np.linalg.norm(first, axis=1)
         if (size < _ACROSS).any():
-            where = format_point(self.points[size < _ACROSS][0].mean(axis=0))
+            where = format_point(self.centres[size < _ACROSS][0])
             raise ValueError(
                 f"the axis {self.axis.tolist()} is normal to the shell at {where}: give another one"
             )
         first = first / size[:, None]
-        return np.stack((first, np.cross(normal, first), normal), axis=1)
+        return np.stack((first, cross(normal, first), normal), axis=1)
 
     @cached_property
     def strains(self) -> ndarray:

@@ -22,7 +22,8 @@ from ..forms.roles import with_force_kept
 from ..layout import Field
 from ..sparse import Gathering, constant
 from ..surfaces.topology import facets_and_dofs
-from .element import BENDING, MEMBRANE, Triangles, divided, elasticity
+from ..surfaces.vectors import unit
+from .element import BENDING, MEMBRANE, Triangles, divided, elasticity, normals
 
 #: Round-off of forces, as a share of the stiffness times the displacements.
 _ROUND_OFF = 4 * np.finfo(float).eps
@@ -253,7 +254,7 @@ class Shell(Nodes):
 
         It may be a function of coordinates (3, n) that returns (3, n).
         """
-        centres = self._triangles.points.mean(axis=1)
+        centres = self._triangles.centres
         if callable(force):
             values = finite(force(centres.T), "force").T
         else:
@@ -265,7 +266,7 @@ class Shell(Nodes):
 
         It may be a function of coordinates (3, n) that returns (n,): of water in a tank.
         """
-        centres = self._triangles.points.mean(axis=1)
+        centres = self._triangles.centres
         values = finite(pressure(centres.T) if callable(pressure) else pressure, "pressure")
         against = -np.broadcast_to(values, len(centres))
         return self._on_nodes(against[:, None] * self._triangles.axes[:, 2])
@@ -284,7 +285,7 @@ class Shell(Nodes):
         values = dict(zip(_RESULTANTS, np.hstack((n, m)).T, strict=True))
 
         def members() -> dict[str, ndarray]:
-            centres = self._triangles.points.mean(axis=1)
+            centres = self._triangles.centres
             return dict(zip("xyz", centres.T, strict=True)) | values
 
         def triangles() -> tuple[ndarray, dict[str, ndarray]]:
@@ -320,8 +321,7 @@ def _bonded(basis: CellBasis | None, name: str, cells: Any) -> tuple[ndarray, nd
 def _upwards(points: ndarray, cells: ndarray, basis: CellBasis, facets: ndarray) -> ndarray:
     """Turn facets inside the mesh so that their normals point upwards, or along y or x."""
     inside = basis.mesh.f2t[1, facets] >= 0
-    corners = points[cells[:, :3]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = normals(points[cells[:, :3]])
     normal[np.abs(normal) < 1e-9 * np.abs(normal).max()] = 0.0
     leading = np.select(
         [normal[:, 2] != 0.0, normal[:, 1] != 0.0], normal[:, [2, 1]].T, normal[:, 0]
@@ -361,9 +361,7 @@ def _of_its_own(points: Any, cells: Any) -> tuple[ndarray, ndarray]:
 
 def _with_default_axis(points: ndarray, shares: ndarray) -> Triangles:
     """Return triangles whose axis 1 lies along the first of x, y and z that is clear of normals."""
-    sides = points[:, 1:] - points[:, :1]
-    normal = np.cross(sides[:, 0], sides[:, 1])
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    normal = unit(normals(points))
     for axis in np.eye(3):
         sine = np.sqrt(np.maximum(1.0 - (normal @ axis) ** 2, 0.0))
         if (sine > _CLEAR).all():
