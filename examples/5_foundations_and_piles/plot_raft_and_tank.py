@@ -15,6 +15,7 @@ import numpy as np
 from skfem import Basis, ElementHex1, ElementHex2, ElementVector, MeshHex, MeshQuad
 
 import skfem_contact as sc
+import skfem_contact.plot as plot
 
 begin = process_time()
 concrete = {"E": 3e7, "nu": 0.2}
@@ -141,10 +142,8 @@ assert different < 0.02, different
 # are negative.
 
 table = stage.table("raft")
-fig, ax = plt.subplots(figsize=(5.0, 4.0), layout="constrained")
-picture = ax.tricontourf(table["x"], table["y"], -table["m_1"], 12)
-fig.colorbar(picture, label="sagging moment, -m_1 (kNm/m)")
-ax.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+sc.set_units("kN", "m")
+plot.shells(stage, "m_1")
 
 # %%
 # Piles below a raft
@@ -189,6 +188,11 @@ share = sum(thrusts) / (100.0 * 36.0)
 print(f"{alone:.1f} mm alone, {with_piles:.1f} mm on piles, which bear {share:.0%}")
 assert with_piles < 0.75 * alone and 0.6 < share < 0.95
 assert np.ptp(thrusts) < 1e-6 * max(thrusts)
+
+# %%
+# The raft from below, with its piles.
+
+plot.shells(stage, "uz", towards=(-1, 2, 1), deformed="auto")
 
 # sphinx_gallery_start_ignore
 assert table["m_1"].min() < -50.0

@@ -16,6 +16,7 @@ from .model import model
 from .motion import motion
 from .points import values
 from .report import report
+from .shells import shells
 from .sketch import sketch
 from .soundings import soundings
 
@@ -33,6 +34,7 @@ __all__ = [
     "model",
     "motion",
     "report",
+    "shells",
     "sketch",
     "soundings",
     "stages",

@@ -188,7 +188,7 @@ def cutaway(
         Planes, each by its normal, which points to the part that is cut away, and a point on it in
         the undeformed bodies.
     towards
-        Direction of view; the last axis is upright.
+        Direction of view; the last axis is upright, or seen along it y.
     mesh
         Draw the elements, also where the cuts go through them.
 
@@ -367,7 +367,7 @@ def contours(
     if factor not in (0.0, 1.0):
         notes.append(f"displacements × {factor:g}")
     headline = _headline(steps[0], quantity, since, water)
-    return Contours(views, scale, headline, ", ".join(notes), _extremes(views))
+    return Contours(views, scale, headline, ", ".join(notes), extremes_of(views))
 
 
 def _samples(scene: Scene, window: Window | None) -> tuple[ndarray, ndarray]:
@@ -403,7 +403,7 @@ def _common_factor(views: Sequence[View]) -> float:
     return factor
 
 
-def _extremes(views: Sequence[View]) -> str:
+def extremes_of(views: Sequence[View]) -> str:
     """Return the extremes at nodes with their coordinates before deformation and their stages."""
     values = np.concatenate([view.scene.values for view in views])
     points = np.concatenate([view.scene.coordinates[view.scene.nodes] for view in views])

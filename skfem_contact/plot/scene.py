@@ -142,11 +142,11 @@ class Scene:
         # Make a grid of the displaced elements with the field.
         points = self.in_space(self.coordinates[self.nodes], FIELD)
         displacement = np.pad(self.displacement[self.nodes], ((0, 0), (0, 1)))
-        grid = _grid_of(points, *vtk_cells(self.cells, 2), displacement)
+        grid = grid_of(points, *vtk_cells(self.cells, 2), displacement)
         grid["values"] = self.values
 
         # Draw the bands and the lines between them.
-        surface, lines = _banded(_surface_of(grid, self.factor), scale)
+        surface, lines = banded(surface_of(grid, self.factor), scale)
         plotter.add_mesh(surface, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
         if lines.n_cells:
             plotter.add_mesh(lines, color="#333333", opacity=0.25, line_width=1, lighting=False)
@@ -205,7 +205,7 @@ class Cutaway(Scene):
         kind, cells = vtk_cells(self.cells, 3)
 
         # Cut the bodies; cells with straight edges are cut into polygons.
-        grid = _grid_of(points, kind, cells, displacement)
+        grid = grid_of(points, kind, cells, displacement)
         grid["values"] = self.values
         self.kept = _without(grid, self.planes)
         if self.kept.n_cells == 0:
@@ -213,11 +213,11 @@ class Cutaway(Scene):
         straight = "hexahedron"
         if self.corners == 4:
             straight = "tetra"
-        self.straight = _grid_of(points, straight, cells[:, : self.corners], displacement)
+        self.straight = grid_of(points, straight, cells[:, : self.corners], displacement)
         self.straight["region"] = self.region
 
         # Look at the middle of the bodies.
-        axes = _axes(towards)
+        axes = axes_of_view(towards)
         self._in_view = (self.kept.points + self.factor * self.kept["displacement"]) @ axes.T
         size = float(np.ptp(self._in_view, axis=0).max())
         self.view = (axes, float(self._in_view[:, 2].mean()), 4.0 * size)
@@ -238,7 +238,7 @@ class Cutaway(Scene):
         import pyvista
 
         plotter.add_light(pyvista.Light(light_type="headlight"))
-        bands, _ = _banded(_surface_of(self.kept, self.factor), scale)
+        bands, _ = banded(surface_of(self.kept, self.factor), scale)
         plotter.add_mesh(
             bands,
             scalars="colors",
@@ -263,7 +263,7 @@ class Cutaway(Scene):
         parts = [self.straight.extract_cells(self.straight["region"] == k) for k in regions]
         outsides = []
         for part in parts:
-            surface = _surface_of(part, 0.0, 0)
+            surface = surface_of(part, 0.0, 0)
             outsides.append(surface.compute_normals(auto_orient_normals=True))
 
         # Draw the surfaces where no plane cuts them away.
@@ -307,7 +307,7 @@ def _begun(stage: StageResult, since: StageResult) -> ndarray:
     return x
 
 
-def _grid_of(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> Any:
+def grid_of(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> Any:
     """Return pyvista's grid of elements of meshio's kind; points and displacements are (n, 3)."""
     import pyvista
 
@@ -315,13 +315,13 @@ def _grid_of(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) 
     return pyvista.from_meshio(meshio.Mesh(points, [(kind, cells)], point_data=data))
 
 
-def _surface_of(grid: Any, factor: float, subdivision: int = 2) -> Any:
+def surface_of(grid: Any, factor: float, subdivision: int = 2) -> Any:
     """Return the outside of bodies that have moved, in flat polygons."""
     moved = grid.warp_by_vector("displacement", factor=factor)
     return moved.extract_surface(nonlinear_subdivision=subdivision, algorithm="dataset_surface")
 
 
-def _banded(surface: Any, scale: Scale) -> tuple[Any, Any]:
+def banded(surface: Any, scale: Scale) -> tuple[Any, Any]:
     """Return coloured bands of the field "values" of a surface, and the lines between them."""
     # Contour the numbers of the bands in place of the values.
     n = len(scale.levels) - 1
@@ -340,12 +340,17 @@ def _banded(surface: Any, scale: Scale) -> tuple[Any, Any]:
     return result, lines
 
 
-def _axes(towards: Sequence[float]) -> ndarray:
-    """Return the axes of a view in a direction: to the right, upwards, and towards the eye."""
+def axes_of_view(towards: Sequence[float]) -> ndarray:
+    """Return the axes of a view in a direction: to the right, upwards, and towards the eye.
+
+    The last axis of space is upright; seen along it, y points upwards.
+    """
     ahead = np.asarray(towards, float)
+    if ahead.shape != (3,) or not np.isfinite(ahead).all() or not ahead.any():
+        raise ValueError(f"towards is a direction (x, y, z) that is not zero, not {towards!r}")
     right = np.cross(ahead, (0.0, 0.0, 1.0))
-    if ahead.shape != (3,) or not np.linalg.norm(right) > 1e-9 * np.linalg.norm(ahead):
-        raise ValueError(f"towards is a direction (x, y, z) that is not upright, not {towards!r}")
+    if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(ahead):
+        right = np.cross(ahead, (0.0, 1.0, 0.0))
     upwards = np.cross(right, ahead)
     axes = np.stack((right, upwards, -ahead))
     lengths = [np.linalg.norm(axis) for axis in axes]

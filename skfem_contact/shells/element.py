@@ -39,12 +39,17 @@ _SIDES = ((0, 1), (1, 2), (2, 0))
 _DRILLING = 1e-3
 #: Least sine between the axis and the normal of a triangle.
 _ACROSS = 0.1
+#: Least cosine of the angle between neighbours without a fold: 30 degrees.
+SMOOTH = np.cos(np.pi / 6.0)
 #: Strains of a triangle: membrane, curvatures at the middles of the sides, drilling rotations.
 MEMBRANE, BENDING, DRILLING = slice(0, 3), slice(3, 12), slice(12, 15)
 
 
-def divided(cells: ndarray) -> tuple[ndarray, ndarray]:
-    """Return the triangles, (m, 3), of facets, (n, k), and the shares of their areas, (m,)."""
+def divided(cells: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Return the triangles, (m, 3), of facets, (n, k), and the shares of their areas, (m,).
+
+    The last array is true for triangles that cover the facets once, along one diagonal, (m,).
+    """
     k = cells.shape[1]
     if k == 3:
         parts = np.array([[0, 1, 2]])
@@ -61,7 +66,12 @@ def divided(cells: ndarray) -> tuple[ndarray, ndarray]:
     else:
         parts = _QUARTERS[:, _BOTH].reshape(-1, 3)
         shares = np.full(16, 0.5)
-    return cells[:, parts].reshape(-1, 3), np.tile(shares, len(cells))
+    # The first two of the four halves of a quadrilateral are those of one diagonal
+    halves = np.flatnonzero(shares < 1.0)
+    covering = np.ones(len(parts), bool)
+    covering[halves.reshape(-1, 4)[:, 2:]] = False
+    n = len(cells)
+    return cells[:, parts].reshape(-1, 3), np.tile(shares, n), np.tile(covering, n)
 
 
 def normals(corners: ndarray) -> ndarray:

@@ -23,7 +23,9 @@ from ..layout import Field
 from ..sparse import Gathering, constant
 from ..surfaces.topology import facets_and_dofs
 from ..surfaces.vectors import unit
+from .corners import at_corners
 from .element import BENDING, MEMBRANE, Triangles, divided, elasticity, normals
+from .orientation import check_alike, turned
 
 #: Round-off of forces, as a share of the stiffness times the displacements.
 _ROUND_OFF = 4 * np.finfo(float).eps
@@ -89,12 +91,12 @@ class Shell(Nodes):
     ------
     ValueError
         A mesh in the plane, unknown facets, a stiffness that is not positive, an axis normal to
-        the shell.
+        the shell, neighbouring cells whose normals point to opposite sides.
 
     Notes
     -----
-    Normals of facets on a boundary point out of the body; facets inside have theirs upwards, or
-    where they are level along y or x.
+    Normals of facets on a boundary point out of the body. Connected facets inside have theirs on
+    one side: upwards in the mean, or where they are level along y or x, or out of a ring.
 
     Facets with middle nodes are divided at them, quadrilaterals along both diagonals. Moments
     converge with the square of the elements' size.
@@ -158,7 +160,7 @@ class Shell(Nodes):
         else:
             self.shared = None
             self.points, cells = _of_its_own(facets, cells)
-        corners, shares = divided(cells)
+        corners, shares, self._covering = divided(cells)
         points = self.points[corners]
         if axis is None:
             self._triangles = _with_default_axis(points, shares)
@@ -289,9 +291,11 @@ class Shell(Nodes):
             return dict(zip("xyz", centres.T, strict=True)) | values
 
         def triangles() -> tuple[ndarray, dict[str, ndarray]]:
-            at_corners = {name: np.repeat(value, 3) for name, value in values.items()}
-            u = self._own(x)[self._rows[:, :9]].reshape(-1, 3)
-            return self._triangles.points.reshape(-1, 3), at_corners | {"displacement": u}
+            once = self._covering
+            found = at_corners(state.force, self._corners, self._triangles)[once].reshape(-1, 6)
+            u = self._own(x)[self._rows[once, :9]].reshape(-1, 3)
+            points = self._triangles.points[once].reshape(-1, 3)
+            return points, dict(zip(_RESULTANTS, found.T, strict=True)) | {"displacement": u}
 
         return Outputs(
             summary=lambda: (
@@ -315,21 +319,13 @@ def _bonded(basis: CellBasis | None, name: str, cells: Any) -> tuple[ndarray, nd
     first, numbers = np.unique(dofs[..., 0], return_inverse=True)
     shared = first[:, None] + np.arange(3)
     points = basis.doflocs[:, first].T.copy()
-    return shared, points, _upwards(points, numbers.reshape(len(facets), -1), basis, facets)
+    cells = numbers.reshape(len(facets), -1)
 
-
-def _upwards(points: ndarray, cells: ndarray, basis: CellBasis, facets: ndarray) -> ndarray:
-    """Turn facets inside the mesh so that their normals point upwards, or along y or x."""
-    inside = basis.mesh.f2t[1, facets] >= 0
-    normal = normals(points[cells[:, :3]])
-    normal[np.abs(normal) < 1e-9 * np.abs(normal).max()] = 0.0
-    leading = np.select(
-        [normal[:, 2] != 0.0, normal[:, 1] != 0.0], normal[:, [2, 1]].T, normal[:, 0]
-    )
-    turned = cells.copy()
-    wrong = inside & (leading < 0.0)
-    turned[wrong] = _mirrored(cells[wrong])
-    return turned
+    # Normals on a boundary point outwards; those of facets inside are made alike
+    inside = np.flatnonzero(basis.mesh.f2t[1, facets] >= 0)
+    wrong = inside[turned(points, cells[inside])]
+    cells[wrong] = _mirrored(cells[wrong])
+    return shared, points, cells
 
 
 def _mirrored(cells: ndarray) -> ndarray:
@@ -356,6 +352,7 @@ def _of_its_own(points: Any, cells: Any) -> tuple[ndarray, ndarray]:
         raise ValueError(f"cells of a shell must be numbers of its {len(nodes)} nodes")
     if len(np.unique(numbers)) < len(nodes):
         raise ValueError("every node of a shell must belong to one of its cells")
+    check_alike(nodes, numbers)
     return nodes, numbers
 
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+from skfem import Basis, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
 from skfem_contact.plot.contour import contours
 from skfem_contact.plot.marks import named_waters
+from skfem_contact.plot.shells import _parts, _ShellScene
 from skfem_contact.plot.structures import BAR, BEAM, structures
 from skfem_contact.results import SectionForces
 
@@ -120,3 +121,45 @@ def test_water_tables_have_names() -> None:
     assert [name for name, _ in both] == ["water table"]
     several = named_waters({"sand": line, "silt": line, "clay": 0.8})
     assert [name for name, _ in several] == ["water table, sand, silt", "water table, clay"]
+
+
+def test_contours_of_shells() -> None:
+    """[X] Bands of a slab and a wall on it follow their displacements; a view from above has the
+    size of the slab, one along it also the wall; unknown names are refused.
+    """
+    mesh = MeshQuad().refined(3)
+    flat = 2.0 * mesh.p
+    floor = np.column_stack((*flat, 0.0 * flat[0]))
+    points, number = np.unique(np.vstack((floor, floor[:, [2, 1, 0]])), axis=0, return_inverse=True)
+    cells = number[np.vstack((mesh.t.T[:, ::-1], len(floor) + mesh.t.T))]
+    shell = sc.Shell(None, points, cells=cells, E=1e4, thickness=0.1, axis=(0, 1, 0))
+    held = [dof for p in floor for dof in shell.dofs(p)]
+    model = sc.Model({"shell": shell}, held)
+    top = model.forms["shell"].load((1.0, 0.0, 0.0), at=(0.0, 1.0, 2.0))
+    stage = model.run([sc.Stage("push", top)], progress=False)["push"]
+    parts = list(_parts(stage, None).values())
+    above, along = (
+        _ShellScene(parts, [], "ux", towards, 1.0) for towards in ((0, 0, -1), (1, 0, 0))
+    )
+    np.testing.assert_allclose(above.samples[1].sum(), 8.0, rtol=1e-12)
+    at_top = np.linalg.norm(above.coordinates - (0.0, 1.0, 2.0), axis=1).argmin()
+    moved = stage.x[model.forms["shell"].numbers((0.0, 1.0, 2.0))[0]]
+    assert above.values[at_top] == moved == above.values.max()
+    np.testing.assert_allclose(np.ptp(above.seen, axis=0), [2.0, 2.0], rtol=0.01)
+    np.testing.assert_allclose(along.seen.max(axis=0), [0.0, 2.0], atol=0.01)
+    for message, refused in {
+        "quantity of shells": lambda: plot.shells(stage, "sxx"),
+        "'roof'": lambda: plot.shells(stage, "u", names="roof"),
+        "not zero": lambda: plot.shells(stage, "u", towards=(0, 0, 0)),
+    }.items():
+        with pytest.raises(ValueError, match=message):
+            refused()
+    plotter = plot.shells(stage, "n_2", names="shell", deformed="auto")
+    if plotter is not None:
+        assert max(mesh.n_cells for mesh in plotter.meshes) > len(cells)
+
+
+def test_no_shell_to_draw(stage) -> None:
+    """Stages without shells are refused."""
+    with pytest.raises(ValueError, match="'push' has no active shell"):
+        plot.shells(stage, "m_1")

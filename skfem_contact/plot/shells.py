@@ -1,0 +1,193 @@
+"""Contours of forces, moments and displacements on shells in space by pyvista."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy import ndarray
+from typing_extensions import override
+
+from ..checks import look_up, names_of
+from ..results.stage import StageResult
+from ..units import labelled
+from .contour import Contours, View, extremes_of
+from .marks import Marks
+from .scene import Scene, axes_of_view, banded, grid_of, surface_of
+from .sheet import Scale, make_scale
+from .structures import Lines, structures
+
+#: Titles of the quantities, and the kinds of their units.
+_QUANTITIES = {
+    "ux": ("displacement along x", "length"),
+    "uy": ("displacement along y", "length"),
+    "uz": ("displacement along z", "length"),
+    "u": ("displacement", "length"),
+    "n_1": ("force n_1", "line"),
+    "n_2": ("force n_2", "line"),
+    "n_12": ("shear force n_12", "line"),
+    "m_1": ("moment m_1", "moment"),
+    "m_2": ("moment m_2", "moment"),
+    "m_12": ("twisting moment m_12", "moment"),
+}
+#: Angle between triangles, in degrees, from which on the edge between them is drawn.
+_EDGE = 30.0
+
+
+def shells(
+    stage: StageResult,
+    quantity: str,
+    *,
+    names: str | Iterable[str] | None = None,
+    towards: Sequence[float] = (0.0, 0.0, -1.0),
+    deformed: float | Literal["auto"] | None = None,
+    limits: tuple[float, float] | None = None,
+    levels: int = 10,
+    colors: str | None = None,
+    file: str | Path | None = None,
+    show: bool = False,
+) -> Any:
+    """Draw contours of a field on shells: moments of a raft, hoop forces of a tank.
+
+    Forces and moments at a node are means of the triangles around it, without those beyond a fold.
+
+    Parameters
+    ----------
+    stage
+        Stage of a result; its active shells are drawn.
+    quantity
+        ``"n_1"``, ``"n_2"``, ``"n_12"``, ``"m_1"``, ``"m_2"`` or ``"m_12"`` per length, as of
+        :class:`~skfem_contact.Shell`; ``"ux"``, ``"uy"``, ``"uz"`` or ``"u"``.
+    names
+        Names of the shells to draw; by default all.
+    towards
+        Direction of view; by default downwards, x to the right and y upwards.
+    deformed, limits, levels, colors, file, show
+        As for :func:`contour`.
+
+    Returns
+    -------
+    pyvista.Plotter or None
+        As of :func:`contour`.
+
+    Raises
+    ------
+    ValueError
+        Unknown quantity or shell, or no active shell in the stage.
+
+    Examples
+    --------
+    >>> from skfem import MeshQuad
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> import skfem_contact.plot as plot
+    >>> mesh = MeshQuad().refined(3)
+    >>> points = np.column_stack((*mesh.p, 0 * mesh.p[0]))
+    >>> slab = sc.Shell(None, points, cells=mesh.t.T[:, ::-1], E=3e7, nu=.2, thickness=.05)
+    >>> rim = [dof for p in points if p[0] in (0., 1.) for dof in slab.dofs(p)]
+    >>> model = sc.Model({"slab": slab}, rim)
+    >>> load = model.forms["slab"].area_load((0., 0., -5.))
+    >>> result = model.run([sc.Stage("load", load)], progress=False)
+    >>> picture = plot.shells(result["load"], "m_1")
+    """
+    title = labelled(*look_up(quantity, _QUANTITIES, "quantity of shells"))
+    parts = _parts(stage, names)
+    lines = list(structures(stage))
+    scene = _ShellScene(list(parts.values()), lines, quantity, towards, deformed)
+    scale = make_scale(*scene.samples, limits, levels, colors)
+    note = stage.name
+    if scene.factor != 0.0:
+        note += f", displacements × {scene.factor:g}"
+    view = View(scene, stage.name, Marks(stage))
+    headline = title[0].upper() + title[1:]
+    picture = Contours([view], scale, headline, note, extremes_of([view]))
+    return picture.draw(None, False, file, show)
+
+
+class _Part(NamedTuple):
+    """Corners of the triangles of a shell, (3 m, 3), their displacements, and values by name."""
+
+    points: ndarray
+    displacement: ndarray
+    values: Mapping[str, ndarray]
+
+
+def _parts(stage: StageResult, names: str | Iterable[str] | None) -> dict[str, _Part]:
+    """Return the shells of a stage by their names."""
+    found = {}
+    for name in stage.states:
+        triangles = stage.outputs(name).triangles if name in stage.forms else None
+        if triangles is not None:
+            points, values = triangles
+            found[name] = _Part(points, values["displacement"], values)
+    if not found:
+        raise ValueError(f"stage '{stage.name}' has no active shell to draw")
+    if names is None:
+        return found
+    return {name: look_up(name, found, "shell") for name in names_of(names)}
+
+
+class _ShellScene(Scene):
+    """Shells of a stage, seen in a direction, with a field at the corners of their triangles."""
+
+    room = 0.03
+
+    def __init__(
+        self,
+        parts: Sequence[_Part],
+        lines: Sequence[Lines],
+        quantity: str,
+        towards: Sequence[float],
+        deformed: float | Literal["auto"] | None,
+    ) -> None:
+        self.coordinates = np.concatenate([part.points for part in parts])
+        self.displacement = np.concatenate([part.displacement for part in parts])
+        self.nodes = np.arange(len(self.coordinates))
+        if quantity == "u":
+            self.values = np.linalg.norm(self.displacement, axis=1)
+        elif quantity in ("ux", "uy", "uz"):
+            self.values = self.displacement[:, "xyz".index(quantity[1])]
+        else:
+            self.values = np.concatenate([part.values[quantity] for part in parts])
+        self.factor = self._round_factor() if deformed == "auto" else float(deformed or 0.0)
+        self.pixel = 1.0
+
+        # A third of each triangle belongs to each of its corners
+        a, b, c = self.coordinates.reshape(-1, 3, 3).transpose(1, 0, 2)
+        area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        self.area = np.repeat(area / 3.0, 3)
+
+        # Look at the middle of the shells and of the beams and bars that are drawn with them
+        axes = axes_of_view(towards)
+        ends = [(line.points + self.factor * line.displacement).reshape(-1, 3) for line in lines]
+        self._in_view = np.concatenate([self.moved, *ends]) @ axes.T
+        size = float(np.ptp(self._in_view, axis=0).max())
+        self.view = (axes, float(self._in_view[:, 2].mean()), 4.0 * size)
+        self._front = 1e-3 * size * axes[2]
+
+    @property
+    @override
+    def seen(self) -> ndarray:
+        return np.asarray(self._in_view[:, :2])
+
+    @override
+    def in_space(self, points: ndarray, level: int) -> ndarray:
+        return points + self._front
+
+    @override
+    def draw(self, plotter: Any, scale: Scale, mesh: bool) -> None:
+        cells = self.nodes.reshape(-1, 3)
+        grid = grid_of(self.coordinates, "triangle", cells, self.displacement)
+        grid["values"] = self.values
+        surface = surface_of(grid, self.factor, 0)
+        bands, lines = banded(surface, scale)
+        plotter.add_mesh(bands, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
+        if lines.n_cells:
+            front = lines.translate(self._front)
+            plotter.add_mesh(front, color="#333333", opacity=0.25, line_width=1, lighting=False)
+
+        # Draw the ends of the shells and the folds between them
+        edges = surface.clean().extract_feature_edges(_EDGE)
+        plotter.add_mesh(edges.translate(self._front), color="black", line_width=4, lighting=False)
