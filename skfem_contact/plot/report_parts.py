@@ -24,6 +24,7 @@ from .diagram import diagram
 from .mechanism import load_curve, mechanism
 from .model import Shade, drawn
 from .sheet import close
+from .shells import shells
 
 _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg": "svg+xml"}
 #: Dots per inch of figures.
@@ -135,7 +136,10 @@ def _counted(n: int, noun: str) -> str:
 
 
 def diagrams_of(result: Result, sections: Mapping[str, Cuts]) -> Iterator[tuple[str, Any]]:
-    """Yield section forces of plane beams and of cuts: their envelope, and the last stage's."""
+    """Yield section forces of plane beams and of cuts: their envelope, and the last stage's.
+
+    Then follow moments of shells in the last stage that has them.
+    """
     for name in dict.fromkeys((*_bent_beams(result), *sections)):
         cuts = sections.get(name)
         last = next(stage for stage in reversed(result.stages) if name in stage.states)
@@ -156,6 +160,14 @@ def diagrams_of(result: Result, sections: Mapping[str, Cuts]) -> Iterator[tuple[
         else:
             upright = bool(np.ptp(forces.y) > 2.0 * np.ptp(forces.x))
             yield text, diagram(series, upright=upright)
+
+    # Draw moments of shells, each in the last stage in which it is active.
+    last_stages = {name: stage for stage in result for name in stage.states if name in stage.forms}
+    for name, stage in last_stages.items():
+        if stage.outputs(name).triangles is not None:
+            for quantity in ("m_1", "m_2"):
+                text = f"{name}: moments {quantity} per length, '{stage.name}'"
+                yield text, shells(stage, quantity, names=name)
 
 
 def _bent_beams(result: Result) -> Iterator[str]:

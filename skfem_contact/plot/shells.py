@@ -34,6 +34,10 @@ _QUANTITIES = {
 }
 #: Angle between triangles, in degrees, from which on the edge between them is drawn.
 _EDGE = 30.0
+#: Least share of the area that is seen from above, for a view from there; other views.
+_LEVEL = 0.9
+_ABOVE = (0.0, 0.0, -1.0)
+_ASLANT = (-1.0, 2.0, -1.0)
 
 
 def shells(
@@ -41,7 +45,7 @@ def shells(
     quantity: str,
     *,
     names: str | Iterable[str] | None = None,
-    towards: Sequence[float] = (0.0, 0.0, -1.0),
+    towards: Sequence[float] | None = None,
     deformed: float | Literal["auto"] | None = None,
     limits: tuple[float, float] | None = None,
     levels: int = 10,
@@ -63,7 +67,8 @@ def shells(
     names
         Names of the shells to draw; by default all.
     towards
-        Direction of view; by default downwards, x to the right and y upwards.
+        Direction of view; by default downwards on slabs, x to the right and y upwards, and aslant
+        on others.
     deformed, limits, levels, colors, file, show
         As for :func:`contour`.
 
@@ -139,7 +144,7 @@ class _ShellScene(Scene):
         parts: Sequence[_Part],
         lines: Sequence[Lines],
         quantity: str,
-        towards: Sequence[float],
+        towards: Sequence[float] | None,
         deformed: float | Literal["auto"] | None,
     ) -> None:
         self.coordinates = np.concatenate([part.points for part in parts])
@@ -156,8 +161,12 @@ class _ShellScene(Scene):
 
         # A third of each triangle belongs to each of its corners
         a, b, c = self.coordinates.reshape(-1, 3, 3).transpose(1, 0, 2)
-        area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        normal = np.cross(b - a, c - a)
+        area = 0.5 * np.linalg.norm(normal, axis=1)
         self.area = np.repeat(area / 3.0, 3)
+        if towards is None:
+            from_above = 0.5 * np.abs(normal[:, 2]).sum() > _LEVEL * area.sum()
+            towards = _ABOVE if from_above else _ASLANT
 
         # Look at the middle of the shells and of the beams and bars that are drawn with them
         axes = axes_of_view(towards)

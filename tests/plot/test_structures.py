@@ -13,6 +13,7 @@ import skfem_contact as sc
 import skfem_contact.plot as plot
 from skfem_contact.plot.contour import contours
 from skfem_contact.plot.marks import named_waters
+from skfem_contact.plot.report_parts import diagrams_of
 from skfem_contact.plot.shells import _parts, _ShellScene
 from skfem_contact.plot.structures import BAR, BEAM, structures
 from skfem_contact.results import SectionForces
@@ -157,6 +158,28 @@ def test_contours_of_shells() -> None:
     plotter = plot.shells(stage, "n_2", names="shell", deformed="auto")
     if plotter is not None:
         assert max(mesh.n_cells for mesh in plotter.meshes) > len(cells)
+
+
+def test_reports_have_moments_of_shells(tmp_path) -> None:
+    """[X] A report has both moments of each shell in its last stage, a slab seen from above."""
+    mesh = MeshQuad().refined(2)
+    points = np.column_stack((*mesh.p, 0.0 * mesh.p[0]))
+    parts = {}
+    for name, p in (("slab", points), ("wall", points[:, [0, 2, 1]])):
+        parts[name] = sc.Shell(None, p, cells=mesh.t.T, E=1e4, thickness=0.1)
+    held = [dof for shell in parts.values() for p in shell.points[:4] for dof in shell.dofs(p)]
+    model = sc.Model(parts, held)
+    loads = [model.forms[name].area_load((0.0, 1.0, -1.0)) for name in parts]
+    stages = [sc.Stage("push", loads), sc.Stage("out", deactivate="wall")]
+    result = model.run(stages, progress=False)
+    found = list(diagrams_of(result, {}))
+    assert [text.split(",")[0] for text, _ in found] == [
+        f"{name}: moments {quantity} per length" for name in parts for quantity in ("m_1", "m_2")
+    ]
+    assert "'push'" in found[2][0] and "'out'" in found[0][0]
+    shown = [_ShellScene(list(_parts(result[0], n).values()), [], "u", None, None) for n in parts]
+    np.testing.assert_allclose(shown[0].view[0], np.eye(3), atol=1e-12)
+    assert not np.allclose(shown[1].view[0], np.eye(3))
 
 
 def test_no_shell_to_draw(stage) -> None:
