@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 from pathlib import Path
 from typing import Any
@@ -126,6 +127,12 @@ def test_segments() -> None:
     assert lines == {2: None, 7: 7, 8: 8, 11: 10, 13: 13}
 
 
+def test_names_of_failing_tests() -> None:
+    """Names may have spaces; the message after the name is left out."""
+    output = "ok\nFAILED tests/a.py::test_b[two words] - assert 1\nERROR tests/c.py\n"
+    assert mutate.FAILED.findall(output) == ["tests/a.py::test_b[two words]", "tests/c.py"]
+
+
 def test_probes() -> None:
     """Probes report the segments that are entered, and docstrings stay."""
     space: dict[str, Any] = {}
@@ -134,3 +141,52 @@ def test_probes() -> None:
     assert space["root"](4.0) == 2.0
     assert {"roots.py:7", "roots.py:10", "roots.py:13"} == reached.HITS
     assert space["root"].__doc__ == "Text."
+
+
+def test_parts_without_effect() -> None:
+    """Warnings with their conditions, checks of lengths, and which negative length is left free."""
+    source = """
+warnings.warn("far" if x > 1 else "near", stacklevel=2)
+pairs = zip(a, b, strict=True)
+rows = x.reshape(-1, 3)
+last = x[-1]
+"""
+    parts = {ast.unparse(node) for node in mutate.left_out(ast.parse(source))}
+    assert parts == {ast.unparse(ast.parse(source).body[0]), "2", "True", "1"}
+
+
+CHANGED = """
+def factor(k=2.0):
+    return [k * n for n in (1, 2)]
+
+class Some:
+    size = 3
+    root = property(lambda self: self.size + 1)
+
+START = factor()
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "value"),
+    [
+        ("k * n", "k / n", ([2.0, 1.0], 4)),
+        ("size + 1", "size - 1", ([2.0, 4.0], 2)),
+        ("k=2.0", "k=2.2", None),
+        ("size = 3", "size = 4", None),
+        ("", "", ([2.0, 4.0], 4)),
+    ],
+)
+def test_code_of_functions_is_replaced(old: str, new: str, value: object) -> None:
+    """The code of functions, also of properties, changes in place; a default and the body of a
+    class are run on import, and so is a function that gives a constant of the module.
+    """
+    space: dict[str, Any] = {}
+    before = compile(CHANGED, "changed.py", "exec")
+    exec(before, space)
+    after = compile(CHANGED.replace(old, new), "changed.py", "exec")
+    assert forked.replaced(before, after, set()) is (value is not None)
+    if value is not None:
+        assert (space["factor"](), space["Some"]().root) == value
+    if old == "k * n":
+        assert not forked.replaced(before, after, {next(forked.changes(before, after))[0]})
