@@ -23,6 +23,7 @@ import argparse
 import ast
 import collections
 import contextlib
+import functools
 import importlib.util
 import itertools
 import json
@@ -40,7 +41,6 @@ import threading
 import tokenize
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
@@ -79,7 +79,7 @@ FUNCTIONS |= {new: old for old, new in FUNCTIONS.items()}
 #: Parts that compute nothing.
 COMPUTE_NOTHING = (ast.Raise, ast.Import, ast.ImportFrom, ast.JoinedStr)
 #: Keywords that change no result.
-WITHOUT_EFFECT = ("strict", "stacklevel", "check_finite")
+WITHOUT_EFFECT = ("strict", "stacklevel", "check_finite", "repr")
 #: Lines of a summary of pytest with the name of a test that fails.
 FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", re.MULTILINE)
 #: Floats below are tolerances.
@@ -227,7 +227,7 @@ def drawn(root: Path, rooms: tuple[str, ...], sample: int, seed: int) -> list[Mu
         for mutation in mutations(root, file)
     ]
     random.Random(seed).shuffle(pool)
-    return list(itertools.islice(filter(partial(is_read, root), pool), sample))
+    return list(itertools.islice(filter(functools.partial(is_read, root), pool), sample))
 
 
 # -- tests of a mutation
@@ -264,10 +264,17 @@ def tests_that_touch(root: Path, mutation: Mutation) -> list[str]:
 
 
 def tests_of_file(root: Path, mutation: Mutation) -> list[str]:
-    """List the test files that are named after a file, or else those of its room that touch it."""
+    """List the test files that are named after a file, or else those of its room that touch it.
+
+    The examples in the docstrings of the file come first.
+    """
+    file = f"skfem_contact/{mutation.file}"
+    examples = [file] if ">>>" in (root / file).read_text(encoding="utf-8") else []
     room = tests_of_room(root, mutation)
     named = [test for test in room if f"/test_{Path(mutation.file).stem}" in test]
-    return named or [test for test in tests_that_touch(root, mutation) if test in room]
+    if not named:
+        named = [test for test in tests_that_touch(root, mutation) if test in room]
+    return [*examples, *named]
 
 
 def tests_of_rest(root: Path, mutation: Mutation) -> list[str]:
@@ -435,10 +442,19 @@ class Records:
     """What the tests reach without a mutation: see :mod:`tests.tools.reached`."""
 
     def __init__(self, root: Path, copy: Path, folder: Path) -> None:
-        self.root, self.folder = root, folder
-        self.copy = Copy(root, copy, with_probes=True)
+        self.root, self.folder, self._place = root, folder, copy
         self.busy = threading.Lock()
         folder.mkdir(parents=True, exist_ok=True)
+
+    @functools.cached_property
+    def copy(self) -> Copy:
+        """Copy of the project with probes."""
+        return Copy(self.root, self._place, with_probes=True)
+
+    def close(self) -> None:
+        """End the server of the copy, if there is one."""
+        if "copy" in self.__dict__:
+            self.copy.close()
 
     def place(self, file: str, marked: str) -> Path:
         """Return the file of a record."""
@@ -507,7 +523,7 @@ def tried(
     with contextlib.ExitStack() as opened:
         folder = Path(opened.enter_context(tempfile.TemporaryDirectory()))
         records = Records(root, folder / "probes", file.with_suffix(".reached"))
-        opened.callback(records.copy.close)
+        opened.callback(records.close)
         for k in range(jobs):
             copy = Copy(root, folder / str(k))
             opened.callback(copy.close)
@@ -521,7 +537,7 @@ def tried(
                 for mutation in chosen
                 if outcomes[mutation] is None and (again or mutation not in known)
             ]
-            for mutation, test in pool.map(partial(outcome, run=run), remaining):
+            for mutation, test in pool.map(functools.partial(outcome, run=run), remaining):
                 outcomes[mutation] = test
                 print(f"{test or f'PASSES ({run})'}: {mutation}", flush=True)
                 row = {"mutation": mutation, "run": str(run), "caught_by": test}
