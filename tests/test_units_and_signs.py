@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 
 import numpy as np
@@ -103,7 +104,9 @@ def test_slips_are_told(make, message):
         make()
 
 
-def column(coordinates: str = "plane", E: float = 1e4, unit_weight: float | dict = 20.0, **options):
+def column(
+    coordinates: str = "plane", E: float = 1e4, unit_weight: float | dict | None = 20.0, **options
+):
     """Model of a body of 1 m under its own weight."""
     mesh = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3)).with_subdomains(
         {"all": lambda x: x[0] > 0.0}
@@ -124,3 +127,64 @@ def test_sound_input_is_not_told(recwarn):
     column().k0_state(K0=3.0)
     column().run([sc.Stage("weight")])
     assert not recwarn.list
+
+
+def _without_weight(unit: float) -> None:
+    """A load that lacks the weight before."""
+    model = column(E=1e4 * unit, unit_weight=None)
+    own = model.weight(20.0 * unit)
+    model.run([sc.Stage("weight", own), sc.Stage("push", model.traction("top", (0.0, -unit)))])
+
+
+def _removed(unit: float) -> None:
+    """A stage with inertia and without a load, after a load."""
+    model = column(E=1e4 * unit, unit_weight=20.0 * unit, gravity_acceleration=9.81)
+    stages = [
+        sc.Stage("push", model.traction("top", (0.0, -unit))),
+        sc.Stage("swing", duration=0.1, dynamic=sc.Dynamic(step=0.05)),
+    ]
+    model.run(stages)
+
+
+def _lifted(unit: float) -> None:
+    """Water with a pressure of 5 at the base of tight ground, under a plate that presses by 2."""
+    steps = np.linspace(0, 1, 3)
+    bodies = {"clay": grid("Q1", steps, steps), "plate": grid("Q1", steps, 1.0 + 0.1 * steps)}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    clay = basis.with_elements("clay")
+    water = sc.PoreWater(clay, 1e-3, unit_weight=10.0 * unit)
+    soil = sc.LinearElastic(1e4 * unit, 0.3)
+    forms = {
+        "clay": sc.SolidForm(clay, soil),
+        "plate": sc.SolidForm(basis.with_elements("plate"), soil),
+        "water": water,
+        "joint": sc.ContactPair(basis, "plate:bottom", "clay:top", sc.Coulomb(0.0)),
+    }
+    sides = [f"{body}:{side}" for body in bodies for side in ("left", "right")]
+    fixed = [basis.get_dofs("clay:bottom").all(), basis.get_dofs(sides).all("u^1")]
+    model = sc.Model(forms, [np.unique(np.concatenate(fixed)), water.dofs("clay:bottom")])
+    load = model.traction("plate:top", (0.0, -2.0 * unit))
+    rise = model.forms["water"].prescribed({"clay:bottom": 5.0 * unit})
+    model.run(
+        [sc.Stage("press", load, duration=100.0), sc.Stage("rise", load, rise, duration=100.0)]
+    )
+
+
+@pytest.mark.parametrize(
+    ("scene", "told"),
+    [
+        (_without_weight, "lacks the weight of 'soil', about"),
+        (_removed, "the load before, of up to # is removed"),
+        (_lifted, "the water presses with up to # and contact transfers # there"),
+    ],
+)
+def test_remarks_do_not_depend_on_the_unit_of_force(scene, told):
+    """Forces a million times smaller have the same remarks, up to numbers with units."""
+    texts = []
+    for unit in (1.0, 1e-6):
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            scene(unit)
+        texts.append([re.sub(r"\d\S*", "#", str(warning.message)) for warning in found])
+    assert texts[0] == texts[1]
+    assert any(told in text for text in texts[0])

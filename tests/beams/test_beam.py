@@ -13,7 +13,8 @@ from scipy.sparse import coo_matrix
 from skfem import MeshQuad, MeshTri, MeshTri2
 
 import skfem_contact as sc
-from skfem_contact.beams.element import shapes
+from skfem_contact.beams.element import BeamElements, SpaceElements, shapes
+from skfem_contact.beams.thrust import lost_stiffness
 from skfem_contact.results import Result
 from tests.tools.helpers import grid, vector_basis
 
@@ -1259,3 +1260,28 @@ def test_spacing_of_zero_is_refused():
         sc.Beam(None, [(0, 0), (1, 0)], EI=1.0, EA=1.0, spacing=0.0)
     with pytest.raises(ValueError, match="spacing"):
         sc.Reinforcement(None, [(0, 0), (1, 0)], EA=1.0, spacing=0.0)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_stiffness_that_a_varying_thrust_takes_away(dim, rng):
+    """[X] Energy -1/2 of the integral of N w'^2 with N linear and w quadratic, across a straight
+    element alone.
+    """
+    start, t = rng.standard_normal(dim), rng.standard_normal(dim)
+    length = float(np.linalg.norm(t))
+    points = start + np.array([0.0, 1.0, 0.5])[:, None] * t
+    elements = BeamElements.of(points[None]) if dim == 2 else SpaceElements.of(points[None])
+    N = np.array([3.0, -8.0])
+    K = lost_stiffness(elements, N[None])[0][: 3 * dim, : 3 * dim]
+    moves = rng.standard_normal((3, dim))
+    along = (moves @ t)[:, None] * t / length**2
+    moves -= along
+
+    # w through its values at 0, 1 and 1/2 of the length
+    shares = [0.0, 1.0, 0.5]
+    functions = np.polynomial.polynomial.polyfit(shares, moves, 2).T
+    slopes = [np.polynomial.Polynomial(w).deriv() / length for w in functions]
+    force = np.polynomial.Polynomial([N[0], N[1] - N[0]])
+    work = sum((force * slope**2).integ()(1.0) for slope in slopes)
+    assert moves.ravel() @ K @ moves.ravel() == pytest.approx(-length * work, rel=1e-12)
+    assert np.abs(K @ along.ravel()).max() < 1e-12 * np.abs(K).max()

@@ -73,7 +73,7 @@ def test_limits_of_a_beam():
     ("change", "message"),
     [
         ({"width": 0.0}, "width"),
-        ({"steel": [(1e-3, 0.9)]}, "depths between 0 and 0.8"),
+        ({"steel": [(1e-3, 0.9)]}, r"depths between 0 and 0\.8"),
         ({"steel": [(-1e-3, 0.5)]}, "steel is pairs"),
         ({"f_c": -1.0}, "f_c"),
         ({"eps_cu": 0.001}, "eps_cu must exceed"),
@@ -85,3 +85,28 @@ def test_wrong_sections(change, message):
     given = {"width": B, "height": H, "steel": [(3e-3, 0.74)], "f_c": FC, "f_y": FY} | change
     with pytest.raises(ValueError, match=message):
         sc.moment_curvature(**given)
+
+
+@pytest.mark.parametrize(
+    ("f_t", "normal", "stress"),
+    [
+        (0.0, -800.0, 1e3),
+        (2e3, -800.0, 3e3),
+        (2e3, 800.0, 1e3),
+        (1e3, 1200.0, 0.0),
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_cracking_under_a_normal_force(f_t, normal, stress):
+    """[X] The edge cracks where M / W - N / A reaches f_t, also without tensile strength."""
+    found = sc.moment_curvature(
+        B, H, [(6e-3, 0.1), (6e-3, 0.7)], f_c=FC, f_y=FY, f_t=f_t, normal=normal
+    )
+    assert found.cracking == pytest.approx(stress * B * H**2 / 6.0)
+
+
+@pytest.mark.parametrize("bar", [(1e-3, H), (1e-3, 0.0), (0.0, 0.4), (-1e-3, 0.4)])
+def test_wrong_bars(bar):
+    """Bars outside of the concrete, and bars without area."""
+    with pytest.raises(ValueError, match=r"depths between 0 and 0\.8"):
+        sc.moment_curvature(B, H, [(1e-3, 0.4), bar], f_c=FC, f_y=FY)

@@ -147,6 +147,15 @@ def test_wrong_joints(call, message):
         call()
 
 
+@pytest.mark.parametrize("phi", [3.0, 17.0, 31.0, 44.0, 61.0])
+def test_tension_at_the_apex(phi):
+    """[X] The tensile strength may be all of c / tan(phi), and not 1e-6 more."""
+    most = 7.0 / np.tan(np.radians(phi))
+    assert sc.Joint(0.0, 7.0, phi, tension=most).tension == most
+    with pytest.raises(ValueError, match=r"be at most c / tan\(phi\)"):
+        sc.Joint(0.0, 7.0, phi, tension=1.000001 * most)
+
+
 def test_space_is_refused():
     """Joints are lines: bodies in space have none."""
     rock = sc.JointedRock(E, NU, sc.Joint(0.0, 1.0, 0.0))
