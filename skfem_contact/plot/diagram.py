@@ -50,6 +50,9 @@ _LONGEST = 0.28
 _SAME = 1e-3
 #: Points of an axis that are the same node, as a share of its size; cosine of the least corner.
 _ROUND_OFF, _SMOOTH = 1e-9, 0.7
+#: Room around two panels of 10 by 4.2 inches: labels of nine letters have room. To search for it
+#: takes as long as to draw them.
+_BESIDE = {"left": 0.02, "right": 0.98, "bottom": 0.13, "top": 0.93, "wspace": 0.25}
 #: Share of a curve by which values of bodies that touch may differ: the width of a line.
 _DIFFERENT = 0.02
 
@@ -338,7 +341,8 @@ def _ring(series: Mapping[str, Any], quantity: str | None, angle: ndarray) -> Fi
     """Draw a polar diagram, and one against the central angle."""
     if quantity is None:
         raise ValueError("a diagram around a ring needs a quantity, its second argument")
-    figure = plt.figure(figsize=(10.0, 4.2), layout="constrained")
+    figure = plt.figure(figsize=(10.0, 4.2))
+    figure.subplots_adjust(**_BESIDE)
     polar: Any = figure.add_subplot(1, 2, 1, projection="polar")
     plain = figure.add_subplot(1, 2, 2)
     polar.set_theta_zero_location("N")

@@ -437,10 +437,22 @@ def _picture() -> Any:
 
 @cache
 def _can_render() -> bool:
-    """Return whether VTK draws in a process of its own, which crashes without OpenGL."""
+    """Return whether VTK draws; without OpenGL it would crash, in a process of its own."""
+    if _kind_of_window() == "vtkEGLRenderWindow":  # chosen after its display has been opened
+        return True
     code = (
         "import vtkmodules.vtkRenderingOpenGL2; from vtkmodules.vtkRenderingCore import "
         "vtkRenderWindow; "
         "w = vtkRenderWindow(); w.SetOffScreenRendering(1); w.SetSize(8, 8); w.Render()"
     )
     return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+def _kind_of_window() -> str:
+    """Return the class of windows that VTK chooses on this machine."""
+    import pyvista
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (it brings the classes)
+    from vtkmodules.vtkRenderingCore import vtkRenderWindow
+
+    with pyvista.vtk_verbosity("off"):  # of the displays that are not there
+        return str(vtkRenderWindow().GetClassName())

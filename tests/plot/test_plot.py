@@ -446,7 +446,21 @@ def test_no_opengl_is_said_once_and_clearly(monkeypatch):
         assert plot.contour(step, "ux") is None
 
 
-def test_missing_opengl_library_does_not_crash(tmp_path):
+def test_displays_that_vtk_has_opened_are_not_tried_in_another_process(monkeypatch):
+    monkeypatch.setattr(sheet, "_kind_of_window", lambda: "vtkEGLRenderWindow")
+    monkeypatch.setattr(sheet, "subprocess", None)
+    assert sheet._can_render.__wrapped__()
+
+
+@pytest.mark.parametrize(
+    "missing",
+    [
+        {"VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow"},
+        {"__EGL_VENDOR_LIBRARY_FILENAMES": "missing", "DISPLAY": ""},
+        {"MESA_GL_VERSION_OVERRIDE": "2.1", "DISPLAY": ""},
+    ],
+)
+def test_missing_opengl_library_does_not_crash(tmp_path, missing):
     """VTK is made to use a library that most machines lack, which kills the process that tries to
     draw.
     """
@@ -455,11 +469,7 @@ def test_missing_opengl_library_does_not_crash(tmp_path):
         f"block(); print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) "
         "else 'no picture')"
     )
-    environment = {
-        **os.environ,
-        "VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow",
-        "PYTHONPATH": str(ROOT),
-    }
+    environment = {**os.environ, **missing, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True
     )
