@@ -380,7 +380,9 @@ def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
     container = Collection
     if issubclass(origin, Sequence):
         container = Sequence
-    length = len(items) if origin is tuple and ... not in inner else None
+    length = None
+    if origin is tuple and ... not in inner:
+        length = len(items)
 
     def holds(value: Any) -> bool:
         if not _is_several(value, container) or length not in (None, len(value)):
@@ -456,7 +458,10 @@ def _check_arguments(
 def _refuse(name: str, kind: Kind, value: Any) -> NoReturn:
     """Raise the error of a value of another kind."""
     text = repr(value)
-    shown = text if len(text) < 80 and "\n" not in text else type(value).__name__
+    if len(text) < 80 and "\n" not in text:
+        shown = text
+    else:
+        shown = type(value).__name__
     raise ValueError(f"{name} must be {kind.name}, not {shown}")
 
 

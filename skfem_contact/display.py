@@ -196,7 +196,10 @@ class Table:
 
         head = f"<thead><tr>{cells('th', self.titles)}</tr></thead>"
         body = "".join(f"<tr>{cells('td', row)}</tr>" for row in self.texts())
-        above = f"<caption>{escape(self.caption)}</caption>" if self.caption else ""
+        if self.caption:
+            above = f"<caption>{escape(self.caption)}</caption>"
+        else:
+            above = ""
         return f"<table>{above}{head}<tbody>{body}</tbody></table>"
 
     def to_markdown(self) -> str:
@@ -270,7 +273,10 @@ def _written(column: Sequence[Any]) -> list[str]:
         elif not isinstance(value, float):
             texts.append(str(value))
         else:
-            figure = 0.0 if abs(value) < _ZERO * size else value + 0.0
+            if abs(value) < _ZERO * size:
+                figure = 0.0
+            else:
+                figure = value + 0.0
             plain = 1e4 <= abs(figure) < _PLAIN
             texts.append(f"{figure:.0f}" if plain else f"{figure:.4g}")
     return texts

@@ -190,7 +190,17 @@ class Beam(BeamNodes, Slender):
         if GJ is None:
             GJ = 0.8 * EI
         distance = 1.0 if spacing is None else spacing
-        check_values(Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=distance)
+        check_values(
+            Mp,
+            Np,
+            unit_weight,
+            thickness,
+            EI=EI,
+            EA=EA,
+            GA=GA,
+            GJ=GJ,
+            spacing=distance,
+        )
         self.parameters = {
             "EI": EI,
             "EA": EA,
@@ -205,7 +215,10 @@ class Beam(BeamNodes, Slender):
         # Find the nodes and the elements
         self.kinematics = kinematics
         self.shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
-        self.coordinates = "space" if self.dim == 3 else coordinates
+        if self.dim == 3:
+            self.coordinates = "space"
+        else:
+            self.coordinates = coordinates
         corners = self.points[self.cells]
         shell = coordinates == "axisymmetric"
         self._elements = _elements_of(corners, shell, nu, spacing, Mp, thickness)

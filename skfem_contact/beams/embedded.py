@@ -163,7 +163,10 @@ class Embedded(Form, Couples, Staged, Regularised):
         dim = beam.dim
         if dim != basis.mesh.dim():
             raise ValueError(f"the beam has {dim} coordinates, the ground {basis.mesh.dim()}")
-        known = radius is None if dim == 2 else is_number(radius, 0.0, np.inf)
+        if dim == 2:
+            known = radius is None
+        else:
+            known = is_number(radius, 0.0, np.inf)
         if not known:
             raise ValueError(
                 f"a beam in space, and no other, has a radius, not {radius!r}: beside a line the "

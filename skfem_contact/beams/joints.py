@@ -138,7 +138,10 @@ def _joined_to(beam: Any, beams: Sequence[Any]) -> list[Any]:
     while more:
         frame += more
         others = [other for other in beams if other not in frame]
-        more = [other for other in others if any(_linked(member, other) for member in frame)]
+        more = []
+        for other in others:
+            if any(_linked(member, other) for member in frame):
+                more.append(other)
     return frame
 
 

@@ -364,7 +364,9 @@ def split_along(mesh: Mesh, name: str) -> Mesh:
     if known:
         raise ValueError(f"the names {known} are not unique; rename these boundaries")
     tags.pop(name, None)
-    boundaries = {tag: moved(mesh, slit, part, owners_of(mesh, part)) for tag, part in tags.items()}
+    boundaries = {}
+    for tag, part in tags.items():
+        boundaries[tag] = moved(mesh, slit, part, owners_of(mesh, part))
     boundaries |= {side: moved(mesh, slit, line, owners) for side, owners in sides.items()}
     return replace(slit, _boundaries=boundaries, _subdomains=own_tags(mesh.subdomains))
 

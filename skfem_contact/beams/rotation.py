@@ -140,15 +140,18 @@ class RotationSpring(Form, Couples, Staged):
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> RotationSpring:
         new = copy(self)
-        columns = [
-            numbers[field][turns] for field, turns in zip(self._fields, self._pairs.T, strict=True)
-        ]
+        columns = []
+        for field, turns in zip(self._fields, self._pairs.T, strict=True):
+            columns.append(numbers[field][turns])
         dofs = np.column_stack(columns)
         new._dofs, rows = np.unique(dofs, return_inverse=True)
         new._rows = rows.reshape(dofs.shape)
         new._gathering = Gathering(len(new._dofs))
         new.acts_on = new._dofs
-        new.changing = new._dofs if np.isfinite(self._limit) else np.zeros(0, int)
+        if np.isfinite(self._limit):
+            new.changing = new._dofs
+        else:
+            new.changing = np.zeros(0, int)
         return new
 
     def __repr__(self) -> str:

@@ -123,7 +123,16 @@ def moment_curvature(
     inside = bars.shape[1] == 2 and ((bars[:, 0] > 0.0) & (bars[:, 1] > 0.0)).all()
     if not inside or (bars[:, 1] >= h).any():
         raise ValueError(f"steel is pairs (area, depth) with depths between 0 and {h:g}")
-    section = _Section(b, h, bars, f_c, f_y, f_t, E_s, eps_c)
+    section = _Section(
+        b,
+        h,
+        bars,
+        f_c,
+        f_y,
+        f_t,
+        E_s,
+        eps_c,
+    )
     number(normal, "normal")
 
     _check_normal(section, normal)

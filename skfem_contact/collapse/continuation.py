@@ -195,7 +195,10 @@ def loaded_start(
     weight = setup.weights(active)
     on_top = _load_on_top(setup, load, last, water, active)
     if not (weight + on_top).any():
-        cause = "the load is zero" if load is not None else "there is no load"
+        if load is not None:
+            cause = "the load is zero"
+        else:
+            cause = "there is no load"
         raise ValueError(f"{cause}: give a `load`, unit weights of the forms, or a loaded `start`")
     if last is not None and not undrained:
         warn_of_fresh_pressures(system, origin.x, origin.states, weight + on_top)
@@ -238,11 +241,14 @@ def _active_forms(setup: Setup, last: StageResult | None) -> Mapping[str, Form]:
     """Return the forms that are active in a stage, or all without one."""
     if last is None:
         return setup.forms
-    active = {
-        name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states
-    }
+    active = {}
+    for name in last.states:
+        active[name] = look_up(name, setup.forms, "form, though the start holds it,")
     if len(last.x) < setup.layout.size:
-        unknown = [name for name, form in setup.forms.items() if form.fields and name not in active]
+        unknown = []
+        for name, form in setup.forms.items():
+            if form.fields and name not in active:
+                unknown.append(name)
         raise ValueError(f"the start does not hold {unknown}: activate them in a stage")
     return active
 
@@ -279,7 +285,10 @@ def remainder(points: Sequence[Point]) -> float:
     """
     first, last = points[0], points[-1]
     done = last.work - first.work
-    earlier = [point for point in points[:-1] if point.work - first.work <= _CHORD * done]
+    earlier = []
+    for point in points[:-1]:
+        if point.work - first.work <= _CHORD * done:
+            earlier.append(point)
     if len(points) < 3 or not earlier or not done > 0.0:
         return np.inf
     start = earlier[-1]

@@ -123,7 +123,10 @@ def limit_load(
     # keep the load of the start with its water as the dead load
     begun = loaded_start(setup, load, start, False, undrained, flow)
     last = last_stage(start)
-    dead = begun.weight if last is None else setup.vector(last.load, "the load of the start")
+    if last is None:
+        dead = begun.weight
+    else:
+        dead = setup.vector(last.load, "the load of the start")
     system = begun.system
     if not begun.load[system.free].any():
         raise ValueError("the load to be multiplied is zero, or acts on supports alone")

@@ -165,7 +165,10 @@ def warn_of_motion(
 ) -> None:
     """Raise a warning if the curve, (n, 3), still rises at displacements that are not small."""
     # Displacements of a tenth of the model are far.
-    coordinates = end.layout.coordinates if end.layout else np.zeros((2, 1))
+    if end.layout:
+        coordinates = end.layout.coordinates
+    else:
+        coordinates = np.zeros((2, 1))
     near = _FAR * np.ptp(coordinates, axis=1).max()
     moved = np.maximum.accumulate(curve[1:, 2])
     if not len(moved) or not moved[-1] > near > 0.0:

@@ -377,7 +377,10 @@ class CollapseResult:
         lines.append(f"flow {self.flow}")
         if self.reduced:
             lines.append(f"reduced: {', '.join(self.reduced)}")
-        adds = f", whose size adds {self.error}" if self.error else ""
+        if self.error:
+            adds = f", whose size adds {self.error}"
+        else:
+            adds = ""
         lines.append(f"{self.mesh}{adds}; {self.iterations} Newton iterations")
         if self.meshes:
             values = ", ".join(f"{value:.4g} with {n}" for n, value, _ in self.meshes)
@@ -411,7 +414,10 @@ class CollapseResult:
                 return f"; {name}: {form.quadrature_advice}"
         # A path without normality may end.
         if self.flow == "given" and self.dilates_less:
-            safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
+            if self.davis is None:
+                safe = ""
+            else:
+                safe = f", here {self.davis.value:.4g}"
             lagged = ""
             if self.what == LOAD:
                 lagged = " or 'lagged'"
@@ -479,7 +485,9 @@ def conclude(
         motion = search.points[-1].x - search.points[-2].x
     mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = _bands(system, mechanism)
-    power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
+    power = None
+    if multiplied is not None:
+        power = last.parameter * float(multiplied @ mechanism)
     lost = lost_power(system.forms, bands, last.states, mechanism)
     added = added_by_mesh(lost, power)
 

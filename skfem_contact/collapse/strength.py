@@ -118,7 +118,10 @@ class _Strength(Branch):
     @property
     def tears(self) -> bool:
         """True if a reduced material has a tension cut-off."""
-        soils = [soil for soil in self.materials if isinstance(soil, CohesiveFrictional)]
+        soils = []
+        for soil in self.materials:
+            if isinstance(soil, CohesiveFrictional):
+                soils.append(soil)
         return any(soil.tension is not None for soil in soils)
 
     def is_convex(self, system: System) -> bool:
@@ -290,7 +293,16 @@ def strength_reduction(
             "tolerance and step must be positive and max_value above 1, not "
             f"{tolerance!r}, {step!r} and {max_value!r}"
         )
-    options = _Options(reduce, exclude, flow, tolerance, step, max_value, undrained, progress)
+    options = _Options(
+        reduce,
+        exclude,
+        flow,
+        tolerance,
+        step,
+        max_value,
+        undrained,
+        progress,
+    )
     if not refine:
         return _whole(setup, load, start, water, options, certify)
 
@@ -430,7 +442,10 @@ def _refined(setup: Setup, load: Force, start: Any, water: AtRest, options: _Opt
         history.append((elements, result.value, result.added))
         error = result.added * result.value
         margin = options.tolerance * min(1.0, result.value)
-        fall = history[-2][1] - result.value if len(history) > 1 else error / _ALONE
+        if len(history) > 1:
+            fall = history[-2][1] - result.value
+        else:
+            fall = error / _ALONE
         is_last = max(error, fall) <= margin or not result.stop.shows_limit
         if is_last or elements > _MOST_ELEMENTS:
             break
@@ -582,7 +597,15 @@ def _continued(
     log: SearchLog,
 ) -> SearchResult:
     """Approach the curve by fixed factors, then follow it."""
-    points, failed = _approach(branch, first, newton, _OPEN * tolerance, step, max_value, log)
+    points, failed = _approach(
+        branch,
+        first,
+        newton,
+        _OPEN * tolerance,
+        step,
+        max_value,
+        log,
+    )
     last = points[-1]
     if len(points) > 1:
         course = Course(_OPEN * tolerance, max_value=max_value)

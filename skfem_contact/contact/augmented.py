@@ -161,7 +161,10 @@ class AugmentedLagrangian(Penalty):
     def after_equilibrium(
         self, pair: Any, accepted: ContactState, found: ContactState
     ) -> tuple[ContactState, dict[str, Any]]:
-        stiffness = pair.penalty[0] if pair.stiffness is None else pair.stiffness
+        if pair.stiffness is None:
+            stiffness = pair.penalty[0]
+        else:
+            stiffness = pair.stiffness
         state, progress = self._augment(
             accepted,
             found,

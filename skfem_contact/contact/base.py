@@ -90,8 +90,14 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         self.mesh_dofs = 0 if basis is None else int(basis.N)
         self.slave = _surface(basis, slave)
         self.folds = master is slave or (isinstance(master, str) and master == slave)
-        self.facets = self.slave if self.folds else _surface(basis, master)
-        curves = self.facets if smoothing is None else smoothed(self.facets, smoothing)
+        if self.folds:
+            self.facets = self.slave
+        else:
+            self.facets = _surface(basis, master)
+        if smoothing is None:
+            curves = self.facets
+        else:
+            curves = smoothed(self.facets, smoothing)
         self.master = curves.facing(self.slave)
         # Check how they are to be joined.
         self.law = law
@@ -116,9 +122,10 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         self.complete = False
         self._connect()
         if penalty is not None:
-            both = (
-                penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
-            )
+            if isinstance(penalty, tuple) and len(penalty) == 2:
+                both = penalty
+            else:
+                both = (penalty, penalty)
             self.penalty = self.with_penalty(*both).penalty
 
     def _touch_itself(self) -> None:
@@ -222,7 +229,10 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         if self.complete:
             return self
         # Ask the other forms for symmetry, kinematics and stiffness.
-        stiff = [f for f in having(forms, Stiff).values() if f.elastic_stiffness is not None]
+        stiff = []
+        for f in having(forms, Stiff).values():
+            if f.elastic_stiffness is not None:
+                stiff.append(f)
         axisymmetric = any(form.coordinates == "axisymmetric" for form in forms.values())
         finite = any(form.kinematics == "finite" for form in forms.values())
         if finite and self.law.per_area and self.saddle:

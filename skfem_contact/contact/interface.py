@@ -257,7 +257,10 @@ class Interface:
         """Return True if cuts belong to this slave."""
         if len(cuts) == 0 or cuts.ndim != self.slave.dim - 1:
             return False
-        last_facet = cuts[-1] - 1 if cuts.ndim == 1 else cuts[-1, 0]
+        if cuts.ndim == 1:
+            last_facet = cuts[-1] - 1
+        else:
+            last_facet = cuts[-1, 0]
         return bool(last_facet == len(self.slave.facets) - 1)
 
     def points(self, cuts: ndarray) -> SlavePoints:
@@ -382,7 +385,15 @@ class Interface:
 
         def projected(chosen: ndarray) -> Projection:
             among = around.of(chosen)
-            return self.project(points, nodes, positions, depth, state.facet, among, held)
+            return self.project(
+                points,
+                nodes,
+                positions,
+                depth,
+                state.facet,
+                among,
+                held,
+            )
 
         # Reuse the last projection where nothing but multipliers has changed
         mask = np.zeros(0, bool) if held is None else held

@@ -189,7 +189,10 @@ def variations(
     # First variations: (m - g h) dxi = a . (dr - drho) + g n . da, dg = n . (dr - drho)
     e = frame(n, direction)
     m = products(a, a)
-    h = np.zeros_like(m) if master.shape.affine else np.einsum("nc,nabc->nab", n, mapping.x[2])
+    if master.shape.affine:
+        h = np.zeros_like(m)
+    else:
+        h = np.einsum("nc,nabc->nab", n, mapping.x[2])
     turning = lift(beta, n[:, None])
     operator = inverse(m - g[:, None, None] * h)
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * turning)

@@ -291,7 +291,9 @@ class Coulomb(InterfaceLaw):
 
     @override
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        return (gap <= 0.0) | (closed & (internal[0] == 0.0)) if self._has_bond else gap <= 0.0
+        if self._has_bond:
+            return (gap <= 0.0) | (closed & (internal[0] == 0.0))
+        return gap <= 0.0
 
     @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
@@ -341,7 +343,9 @@ class Coulomb(InterfaceLaw):
 
     @override
     def debonded(self, internal: ndarray) -> ndarray:
-        return np.ones_like(internal) if self._has_bond else internal
+        if self._has_bond:
+            return np.ones_like(internal)
+        return internal
 
     @override
     def unbreakable(self) -> Coulomb:

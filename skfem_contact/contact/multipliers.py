@@ -104,7 +104,10 @@ class Nodes:
     def of(cls, slave: Surface, points: SlavePoints) -> Nodes:
         """Return the nodes of a slave at points."""
         n, k = points.nodes.shape
-        values = np.ones((n, k)) if k == 1 else hats(slave.shape, points.xi)
+        if k == 1:
+            values = np.ones((n, k))
+        else:
+            values = hats(slave.shape, points.xi)
         owner = points.nodes[np.arange(n), values.argmax(axis=1)]
 
         # Of all points of a node the last one remains, which has the largest value
@@ -256,7 +259,15 @@ def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
         along = pair.symmetry.along
         multipliers[1:][along] = state.multiplier[1:][along]
         still = along & ~pair.symmetry.slides(x, round_off)
-    closed = _closed(pair, x, state, found, multipliers / eps[:, None], round_off, still)
+    closed = _closed(
+        pair,
+        x,
+        state,
+        found,
+        multipliers / eps[:, None],
+        round_off,
+        still,
+    )
     traction = closed.everywhere(closed.update.traction)
 
     # Forces of the tractions that the duals interpolate, and what round-off leaves of them
@@ -348,7 +359,15 @@ def _closed(
     tangent[1:] = np.where(acts[:, None], tangent[1:], 0.0)
     update = update._replace(tangent=tangent)
     area[~faces] = pair.slave.area.mean()
-    return _Closed(on, near, weights, sums, area, kinematics, update)
+    return _Closed(
+        on,
+        near,
+        weights,
+        sums,
+        area,
+        kinematics,
+        update,
+    )
 
 
 def integrals(
@@ -404,7 +423,10 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
     facing, weights, *_ = integrals(pair, state, at, state.gap)
     forces = np.einsum("nk,ink->in", weights, state.multiplier[:, facing.nodes])
     area = pair.share * facing.weight
-    planes = pair.symmetry.planes(pair.slave) if pair.symmetry else []
+    if pair.symmetry:
+        planes = pair.symmetry.planes(pair.slave)
+    else:
+        planes = []
 
     # Weigh the points by one and by their coordinates across the mean normal, over the size
     x = facing.positions(pair.slave.nodes)

@@ -168,7 +168,16 @@ def neighbours(
         r = points[point]
         foot = flat.foot(surface.shape, neighbour, r)
         tolerance = 2.0 * motion + FROZEN * surface.size[neighbour]
-        kept = promising(surface, nodes, flat, r, point, neighbour, foot, tolerance)
+        kept = promising(
+            surface,
+            nodes,
+            flat,
+            r,
+            point,
+            neighbour,
+            foot,
+            tolerance,
+        )
         point = point[kept]
         neighbour = neighbour[kept]
 

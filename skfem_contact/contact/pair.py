@@ -164,10 +164,16 @@ class ContactPair(ContactBase):
         cuts = self.interface.cuts(x)
         points = self.interface.points(cuts)
         found = self.interface.closest(x, cuts)
-        meshed = found if x is None else self.interface.closest(None, cuts)
+        if x is None:
+            meshed = found
+        else:
+            meshed = self.interface.closest(None, cuts)
         closest = found.closest
         rounded, gap = self._between_curves(points, found)
-        meshed_gap = gap if x is None else self._between_curves(points, meshed)[1]
+        if x is None:
+            meshed_gap = gap
+        else:
+            meshed_gap = self._between_curves(points, meshed)[1]
         clearance = initial_clearance(gap, meshed_gap, points.size, self.initial, self.law.bonds)
         # the clearance between smooth curves decides: the sum with `rounded` has round-off
         status = np.where(gap <= clearance, int(Status.STICK), int(Status.OPEN))
@@ -228,7 +234,10 @@ class ContactPair(ContactBase):
         state, changes = self.enforcement.after_equilibrium(self, accepted, found)
 
         # Let the cuts follow the bodies, with the values of the nearest points
-        cut = self.interface.follow(state, x) if self._recuts < RECUTS else None
+        if self._recuts < RECUTS:
+            cut = self.interface.follow(state, x)
+        else:
+            cut = None
         if cut is not None:
             state = cut
             changes["_recuts"] = self._recuts + 1
@@ -284,7 +293,10 @@ class ContactPair(ContactBase):
     @override
     def supported(self, fixed: ndarray) -> tuple[ContactPair, ndarray]:
         symmetry = Symmetry.of(self.slave, self.facets, fixed)
-        idle = self.multipliers[1:][symmetry.along] if self.saddle else np.zeros(0, int)
+        if self.saddle:
+            idle = self.multipliers[1:][symmetry.along]
+        else:
+            idle = np.zeros(0, int)
         interface = self.interface
         mirrored = symmetry.ends(self.slave)
         if mirrored != interface.mirrored:

@@ -201,7 +201,10 @@ class Penalty(Enforcement):
             slip = slip + pair.slip_shift[:, at]
         jump = np.concatenate((gap[None, at], slip))
         law = law.take(near)
-        stretch = pair.stretch(slave, near) if pair.finite and law.per_area else None
+        if pair.finite and law.per_area:
+            stretch = pair.stretch(slave, near)
+        else:
+            stretch = None
 
         def of_law(law: InterfaceLaw) -> LawUpdate:
             return law.update(jump, state.internal[:, at], (eps_N, eps_T))

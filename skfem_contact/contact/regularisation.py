@@ -247,7 +247,10 @@ def _start_soft_stick(
     chatters = (seen != seen[0]).any(axis=(0, 1))
     if not chatters.any():
         return None
-    hardness = 1.0 if pair.stiffness is None else pair.penalties(accepted)[1] / pair.stiffness
+    if pair.stiffness is None:
+        hardness = 1.0
+    else:
+        hardness = pair.penalties(accepted)[1] / pair.stiffness
     softness = min(_SHARE, _SOFT / hardness)
     logger.info(
         "points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of "

@@ -117,7 +117,15 @@ def project(
     flat = Flat.of(surface, nodes)
     foot = flat.foot(surface.shape, facet, r)
     if surface.dim == 3:
-        kept = promising(surface, nodes, flat, r, row, facet, foot) | (facet == accepted[row])
+        kept = promising(
+            surface,
+            nodes,
+            flat,
+            r,
+            row,
+            facet,
+            foot,
+        ) | (facet == accepted[row])
         row = row[kept]
         facet = facet[kept]
         foot = foot[kept]
@@ -131,7 +139,15 @@ def project(
     if held is not None:
         keeps = (own & held[row])[:, None] & (beyond <= 2.0 * HELD)
         stays[keeps] = HELD
-    xi, feature, off = _on_facets(surface, nodes, r, facet, foot, beyond, stays)
+    xi, feature, off = _on_facets(
+        surface,
+        nodes,
+        r,
+        facet,
+        foot,
+        beyond,
+        stays,
+    )
     if fold is not None and own_facets is not None:
         off |= fold.beside(surface, own_facets[row], facet, feature)
     mapping = surface.at(facet, xi, nodes)
@@ -367,7 +383,15 @@ def on_sides(
 
         # Keep the closest point of this side where it is nearer than on the sides before
         r = points[indices]
-        s, closest = _along_side(surface, nodes, r, facet[indices], start, along, ends)
+        s, closest = _along_side(
+            surface,
+            nodes,
+            r,
+            facet[indices],
+            start,
+            along,
+            ends,
+        )
         distance = np.sqrt(((r - closest) ** 2).sum(axis=1))
         nearer = distance < best[indices]
         indices = indices[nearer]

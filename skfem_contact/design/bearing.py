@@ -101,7 +101,16 @@ def bearing_resistance(
         raise ValueError(f"the length, {length!r}, must be at least the width, {B:g}")
     if phi == 0.0:
         return _undrained(B, length, H, c, surcharge)
-    return _drained(B, length, V, H, c, phi, unit_weight, surcharge)
+    return _drained(
+        B,
+        length,
+        V,
+        H,
+        c,
+        phi,
+        unit_weight,
+        surcharge,
+    )
 
 
 def _undrained(B: float, L: float, H: float, cu: float, q: float) -> BearingResistance:
@@ -126,7 +135,14 @@ def _undrained(B: float, L: float, H: float, cu: float, q: float) -> BearingResi
 
 
 def _drained(
-    B: float, L: float, V: float, H: float, c: float, phi: float, weight: float, q: float
+    B: float,
+    L: float,
+    V: float,
+    H: float,
+    c: float,
+    phi: float,
+    weight: float,
+    q: float,
 ) -> BearingResistance:
     """Return the resistance of the drained strength, (D.2)."""
     # Factors of capacity.

@@ -225,7 +225,14 @@ def check(
     resistance = None
     if ground is not None:
         resistance = _bearing(
-            ground, factors, vertical, horizontal, width, eccentricity, unit_weight, surcharge
+            ground,
+            factors,
+            vertical,
+            horizontal,
+            width,
+            eccentricity,
+            unit_weight,
+            surcharge,
         )
         effect = factors.effect(vertical)
         rows.append(_row("bearing", effect, resistance.resistance / factors.bearing))

@@ -133,7 +133,10 @@ def divided(material: Any, factors: PartialFactors) -> Any:
         if value is None:
             continue
         if name in ("c", "c_end"):
-            by = factors.cohesion if has_friction else factors.undrained
+            if has_friction:
+                by = factors.cohesion
+            else:
+                by = factors.undrained
             changed[name] = _over(value, by)
         elif name in ("phi", "phi_end"):
             changed[name] = _angle_over(value, factors.phi)

@@ -134,10 +134,22 @@ EC7: Mapping[str, PartialFactors] = _sets(
     PartialFactors("DA1-1", permanent=1.35, variable=1.5, on="effects"),
     PartialFactors("DA1-2", variable=1.3, phi=1.25, cohesion=1.25, undrained=1.4),
     PartialFactors(
-        "DA2", permanent=1.35, variable=1.5, bearing=1.4, sliding=1.1, passive=1.4, on="actions"
+        "DA2",
+        permanent=1.35,
+        variable=1.5,
+        bearing=1.4,
+        sliding=1.1,
+        passive=1.4,
+        on="actions",
     ),
     PartialFactors(
-        "DA2*", permanent=1.35, variable=1.5, bearing=1.4, sliding=1.1, passive=1.4, on="effects"
+        "DA2*",
+        permanent=1.35,
+        variable=1.5,
+        bearing=1.4,
+        sliding=1.1,
+        passive=1.4,
+        on="effects",
     ),
     PartialFactors("DA3", variable=1.3, phi=1.25, cohesion=1.25, undrained=1.4),
     PartialFactors(

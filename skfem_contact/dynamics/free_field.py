@@ -97,7 +97,10 @@ class FreeField(Form, Couples, Staged, Absorbing):
         self._name = ""
         self._build(solid.basis)
         changing = self._column.changing
-        self.changing = None if changing is None or len(changing) else np.zeros(0, int)
+        if changing is None or len(changing):
+            self.changing = None
+        else:
+            self.changing = np.zeros(0, int)
 
     def __repr__(self) -> str:
         return f"<FreeField at '{self._boundary}', {self._column.basis.nelems} elements>"
@@ -138,7 +141,9 @@ class FreeField(Form, Couples, Staged, Absorbing):
                 materials[region.name] = region.material
         strip = MeshQuad.init_tensor(np.array([0.0, self._width]), levels)
         layer = np.argsort(np.argsort(strip.p[1][strip.t].mean(axis=0)))
-        subdomains = {name: np.flatnonzero(np.isin(layer, part)) for name, part in parts.items()}
+        subdomains = {}
+        for name, part in parts.items():
+            subdomains[name] = np.flatnonzero(np.isin(layer, part))
         second = basis.Nbfun > basis.mesh.dim() * len(basis.mesh.t)
         element = ElementQuad2() if second else ElementQuad1()
         strip_basis = Basis(

@@ -73,7 +73,15 @@ def modes_of(
         # Lanczos on K^-1 M: the largest values of 1 / (w^2 + shift)
         inverse = LinearOperator(K.shape, matvec=lambda b: solve(np.asarray(b).ravel()))
         begin = solve(M @ np.random.default_rng(0).standard_normal(K.shape[0]))
-        values, shapes = eigsh(K, n, M, sigma=-shift, OPinv=inverse, v0=begin, tol=1e-10)
+        values, shapes = eigsh(
+            K,
+            n,
+            M,
+            sigma=-shift,
+            OPinv=inverse,
+            v0=begin,
+            tol=1e-10,
+        )
     order = np.argsort(values)
     squares = values[order]
     squares[np.abs(squares) < _ZERO * ratio.max()] = 0.0

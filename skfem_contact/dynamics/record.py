@@ -125,7 +125,10 @@ class Record:
         """
         path = Path(file)
         lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-        heads = [k for k, line in enumerate(lines[:10]) if re.search(r"\bNPTS\b", line, re.I)]
+        heads = []
+        for k, line in enumerate(lines[:10]):
+            if re.search(r"\bNPTS\b", line, re.I):
+                heads.append(k)
         if heads:
             return _peer(path, lines, heads[0], scale)
         return _columns(path, lines, 1.0 if scale is None else scale)
@@ -360,7 +363,10 @@ def _peer(path: Path, lines: Sequence[str], head: int, scale: float | None) -> R
     if scale is None:
         raise ValueError(f"{path.name} is in g: give scale=9.81, or g in the units of the model")
     # Read the number of values and the step, also from the line after.
-    text = lines[head] + " " + lines[head + 1] if head + 1 < len(lines) else lines[head]
+    if head + 1 < len(lines):
+        text = lines[head] + " " + lines[head + 1]
+    else:
+        text = lines[head]
     number = re.search(r"NPTS\s*=?\s*(\d+)", text, re.I)
     step = re.search(r"\bDT\s*=?\s*([0-9.]+(?:E[+-]?\d+)?)", text, re.I)
     if number is None or step is None:

@@ -442,7 +442,10 @@ def _check_reducible(forms: Mapping[str, Form], named: set[str], excluded: set[s
     # Those to reduce must have a strength.
     for name, form in forms.items():
         materials = materials_of(form)
-        strengths = form.strengths if isinstance(form, Reducible) else ()
+        if isinstance(form, Reducible):
+            strengths = form.strengths
+        else:
+            strengths = ()
         for region in named & set(materials) - set(strengths):
             law = type(materials[region]).__name__
             raise ValueError(f"'{region}' cannot be reduced: {law} has no strength")

@@ -295,7 +295,10 @@ class Bar(Form, Couples, Staged, Regularised):
         # Collect the dofs of both ends, one row a bar.
         columns = []
         for end in self._ends:
-            dofs = numbers[end.field][end.indices] if isinstance(end, FieldDofs) else end
+            if isinstance(end, FieldDofs):
+                dofs = numbers[end.field][end.indices]
+            else:
+                dofs = end
             columns.append(np.broadcast_to(dofs, (n, self._axis.shape[1] // len(self._ends))))
         self._dofs = np.hstack(columns)
         # Number the dofs that occur.

@@ -135,7 +135,10 @@ def _check_cover(
     unique, count = np.unique(tind, return_counts=True)
     if len(unique) < len(present):
         missing = np.setdiff1d(present, unique)
-        names = [name for name, part in subdomains.items() if np.isin(missing, part).any()]
+        names = []
+        for name, part in subdomains.items():
+            if np.isin(missing, part).any():
+                names.append(name)
         raise ValueError(
             f"{len(missing)} of {len(present)} elements have no material; "
             f"they lie in the subdomains {names}"

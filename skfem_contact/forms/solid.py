@@ -367,7 +367,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
                     f"{growth:.0%}: its stresses and weight count the volume of the mesh"
                 )
             return FiniteState(np.zeros(stress.shape), stress, internal, gradient)
-        strain = np.zeros(stress.shape) if x is None else self.strains(x)
+        if x is None:
+            strain = np.zeros(stress.shape)
+        else:
+            strain = self.strains(x)
         return SolidState(strain, stress, internal)
 
     def _initial_internal(self, stress: ndarray) -> ndarray:

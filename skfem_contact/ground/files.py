@@ -87,11 +87,20 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
         tests = _by_location(tables.get("SCPT"), ("LOCA_ID", "SCPG_TESN"))
         heads = _by_location(tables.get("SCPG"), ("LOCA_ID", "SCPG_TESN"))
         for key, rows in tests.items():
-            name = key[0] if key[0] not in soundings else " ".join(key)
+            if key[0] not in soundings:
+                name = key[0]
+            else:
+                name = " ".join(key)
             head = heads.get(key, [{}])[0]
             units = _units(tables["SCPT"]) | _units(tables.get("SCPG"))
             soundings[name] = _sounding(
-                name, key[0], rows, head, units, places, _units(tables["LOCA"])
+                name,
+                key[0],
+                rows,
+                head,
+                units,
+                places,
+                _units(tables["LOCA"]),
             )
         # Report what is missing.
         if not boreholes and not soundings:
@@ -242,7 +251,10 @@ def _borehole(
             raise ValueError(f"a layer of '{name}' at {tops[k]:g} has no {soil}")
         # A layer without a base ends at the next one.
         lower = ends[k]
-        following = tops[order[position_of + 1]] if position_of + 1 < len(order) else float("nan")
+        if position_of + 1 < len(order):
+            following = tops[order[position_of + 1]]
+        else:
+            following = float("nan")
         if np.isnan(lower):
             lower = following
             if np.isnan(lower):
@@ -280,7 +292,16 @@ def _sounding(
     ratio = str(head.get("SCPG_CAR", "")).strip()
     area_ratio = float(ratio) if ratio else None
     table = None if np.isnan(water) else water
-    return _checked(name, position, level, depth, readings, area_ratio, table, [])
+    return _checked(
+        name,
+        position,
+        level,
+        depth,
+        readings,
+        area_ratio,
+        table,
+        [],
+    )
 
 
 def _from_pygef(name: str, data: Any) -> Sounding:
@@ -308,7 +329,10 @@ def _from_pygef(name: str, data: Any) -> Sounding:
                 f"'{name}': depths are corrected for the inclination, by up to {off:.3g} m"
             )
     # Read the columns in MPa, voids as NaN.
-    voids = (data.column_void_mapping or {}) if "COLUMNVOID" in headers else {}
+    if "COLUMNVOID" in headers:
+        voids = data.column_void_mapping or {}
+    else:
+        voids = {}
     readings = []
     for key, quantity in (("coneResistance", 2), ("localFriction", 3), ("porePressureU2", 6)):
         values = np.full(len(length), np.nan)
@@ -322,7 +346,14 @@ def _from_pygef(name: str, data: Any) -> Sounding:
     quotient = data.cone_surface_quotient
     area_ratio = None if quotient is None else float(quotient)
     return _checked(
-        name, position, float(level), depth, readings, area_ratio, depth_of_water, remarks
+        name,
+        position,
+        float(level),
+        depth,
+        readings,
+        area_ratio,
+        depth_of_water,
+        remarks,
     )
 
 

@@ -185,7 +185,10 @@ def fit(
     {'E': 10000, 'c': 60}
     """
     # check names, values and limits
-    measured = [tests] if isinstance(tests, Measured) else list(tests)
+    if isinstance(tests, Measured):
+        measured = [tests]
+    else:
+        measured = list(tests)
     limits = limits or {}
     for name in limits:
         look_up(name, start, "fitted parameter")

@@ -220,7 +220,9 @@ def tangent_at(elasticity: ndarray, new: Update) -> ndarray:
 def elasticity_at(law: Material, stress: ndarray, internal: ndarray) -> ndarray:
     """Return the elastic stiffness of the samples, (n_samples, ncomp, ncomp)."""
     ncomp, samples = stress.shape
-    state = (stress[:, :, None], internal[:, :, None]) if law.stress_dependent else ()
+    state: tuple[ndarray, ...] = ()
+    if law.stress_dependent:
+        state = (stress[:, :, None], internal[:, :, None])
     moduli = np.asarray(law.elasticity(ncomp, *state))
     if moduli.ndim > 2:
         return moduli.reshape(samples, ncomp, ncomp)
@@ -269,4 +271,12 @@ def _result(law: Material, history: Sequence[tuple[Any, ...]]) -> ElementTest:
     if law.undrained:
         effective, _ = law.drained(stress.swapaxes(0, 1), internal.swapaxes(0, 1))
         stress = effective.swapaxes(0, 1)
-    return ElementTest(law, stress, strain, internal, pressure, numbers, counts)
+    return ElementTest(
+        law,
+        stress,
+        strain,
+        internal,
+        pressure,
+        numbers,
+        counts,
+    )

@@ -308,7 +308,15 @@ def _bracket(
         raise ValueError(
             f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}"
         )
-    problem = read(forms, fixed, loads, multiplied, reduce, exclude, flow == "associated")
+    problem = read(
+        forms,
+        fixed,
+        loads,
+        multiplied,
+        reduce,
+        exclude,
+        flow == "associated",
+    )
     with progress_bar(progress, desc="bounds", bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)

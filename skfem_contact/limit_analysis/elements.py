@@ -311,7 +311,9 @@ class Program:
         self.starts = np.cumsum([0, *counts])
         self.n_points = int(self.starts[-1])
         self.size = self.reduction.size
-        cones = [strength.cones(int(first)) for strength, first in zip(self.strengths, self.starts)]
+        cones = []
+        for strength, first in zip(self.strengths, self.starts):
+            cones.append(strength.cones(int(first)))
         every, second = zip(*cones)
         self.cones = Cones.join([*every, *second])
         #: Gathering and order of the normal matrix, a stiffness matrix, are found once for all D.
@@ -399,10 +401,9 @@ class Program:
 
     def of_points(self, function: Callable[[Strength, slice], ndarray]) -> ndarray:
         """Return values of a function of strength and its points, for all points."""
-        parts = [
-            function(s, slice(a, b))
-            for s, a, b in zip(self.strengths, self.starts, self.starts[1:])
-        ]
+        parts = []
+        for s, a, b in zip(self.strengths, self.starts, self.starts[1:]):
+            parts.append(function(s, slice(a, b)))
         return np.concatenate(parts)
 
     def of_triangles(self, values: ndarray) -> ndarray:

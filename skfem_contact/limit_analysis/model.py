@@ -214,7 +214,10 @@ def _pressure(water: Pressure, mesh: Mesh) -> PressureField:
         )
 
     def field(x: ndarray, elements: ndarray) -> ndarray:
-        values = water(x) if callable(water) else _interpolated(water, mesh, x, elements)
+        if callable(water):
+            values = water(x)
+        else:
+            values = _interpolated(water, mesh, x, elements)
         pressure = np.asarray(values, dtype=float)
         if not np.isfinite(pressure).all():
             raise ValueError("the pressure of water must be finite everywhere in the bodies")
@@ -425,7 +428,10 @@ class LimitModel:
             total[live] += elements.of_tractions(facets, values.reshape(x.shape).T)
         for water in self.loads.water:
             # Nodes of a region take their pressure in one of its elements.
-            here = slice(None) if water.elements is None else water.elements[origin]
+            if water.elements is None:
+                here = slice(None)
+            else:
+                here = water.elements[origin]
             elements_at = np.zeros(mesh.nvertices, int)
             elements_at[mesh.t] = origin
             elements_at[mesh.t[:, here]] = origin[here]

@@ -71,7 +71,10 @@ def read(
     # check the bodies, their supports and their loads
     solids, pairs = _by_kind(forms)
     basis = next(iter(solids.values())).basis
-    targets = {} if multiplied else reduced_parts(forms, reduce, exclude)
+    if multiplied:
+        targets = {}
+    else:
+        targets = reduced_parts(forms, reduce, exclude)
     elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
     rigid = _strengths(solids, targets, "associated", 1.0).rigid
     if rigid[elements].all() and not pairs:
@@ -250,7 +253,10 @@ def _with_lines(soil: Strength, where: ndarray, lines: ndarray, most: ndarray) -
     count = len(lines) - 1
     middle = count // 2
     soil.c[where], soil.t[where] = lines[middle]
-    every = np.full((n, count, 2), np.inf) if soil.lines is None else soil.lines
+    if soil.lines is None:
+        every = np.full((n, count, 2), np.inf)
+    else:
+        every = soil.lines
     every[where] = np.delete(lines, middle, axis=0).transpose(2, 0, 1)
     limit = np.full(n, np.inf) if soil.most is None else soil.most
     limit[where] = most

@@ -178,7 +178,15 @@ class Strength:
         friction = self.t
         if self.joint:
             friction = zero
-        every = Cones(at, size, friction, self.t[:, None] * k, R, whole=no, reduced=self.reduced)
+        every = Cones(
+            at,
+            size,
+            friction,
+            self.t[:, None] * k,
+            R,
+            whole=no,
+            reduced=self.reduced,
+        )
 
         # a tensile strength and further lines of the strength have cones of their own
         tension = Cones(
@@ -192,7 +200,15 @@ class Strength:
         )
         second = [tension.taken(np.flatnonzero(self.cut))]
         for c, t in zip(*(values[1:] for values in self._all_lines)):
-            line = Cones(at, c, t, t[:, None] * k, R, whole=no, reduced=self.reduced)
+            line = Cones(
+                at,
+                c,
+                t,
+                t[:, None] * k,
+                R,
+                whole=no,
+                reduced=self.reduced,
+            )
             second.append(line.taken(np.flatnonzero(np.isfinite(c))))
         return every, Cones.join(second)
 

@@ -60,7 +60,9 @@ class Triangles:
             return low * mesh.nvertices + high
 
         known = number(mesh.facets)
-        tags = {name: np.flatnonzero(np.isin(known, number(pair))) for name, pair in ends.items()}
+        tags = {}
+        for name, pair in ends.items():
+            tags[name] = np.flatnonzero(np.isin(known, number(pair)))
         return cls(mesh, origin, parent, tags)
 
     def refined(self, elements: ndarray) -> Triangles:

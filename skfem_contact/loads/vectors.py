@@ -69,7 +69,10 @@ def weight(
     gamma = by_element(basis.mesh, unit_weights)[elements_of(basis)]
     field = np.broadcast_to(gamma[:, None], basis.dx.shape).copy()
     dim = basis.mesh.dim()
-    down = -np.eye(dim)[-1] if direction is None else unit_vector(direction, dim, "direction")
+    if direction is None:
+        down = -np.eye(dim)[-1]
+    else:
+        down = unit_vector(direction, dim, "direction")
 
     @LinearForm
     def body_force(v, w):  # type: ignore[no-untyped-def]
@@ -104,13 +107,19 @@ class Load(ndarray):
     def of(cls, values: Any, axisymmetric: bool) -> Load:
         """Return the vector with its coordinate system."""
         load = np.asarray(values).view(cls)
-        load.coordinates = "axisymmetric" if axisymmetric else "plane"
+        if axisymmetric:
+            load.coordinates = "axisymmetric"
+        else:
+            load.coordinates = "plane"
         return load
 
 
 def basis_of(body: Body) -> tuple[CellBasis, bool]:
     """Return the basis of a body, checked, and True in axial symmetry."""
-    basis = body if isinstance(body, CellBasis) else getattr(body, "basis", body)
+    if isinstance(body, CellBasis):
+        basis = body
+    else:
+        basis = getattr(body, "basis", body)
     check_basis(basis)
     return basis, getattr(body, "coordinates", None) == "axisymmetric"
 
@@ -157,7 +166,10 @@ def weightless(body: Body, unit_weights: float | Mapping[str, float]) -> str:
     missing = present[np.isnan(given)]
     if len(missing) == 0:
         return ""
-    names = [name for name, part in (mesh.subdomains or {}).items() if np.isin(missing, part).any()]
+    names = []
+    for name, part in (mesh.subdomains or {}).items():
+        if np.isin(missing, part).any():
+            names.append(name)
     return f"{len(missing)} elements of the subdomains {names}"
 
 
@@ -197,7 +209,10 @@ def traction(
     surface = FacetBasis(basis.mesh, basis.elem, facets=facets_of(basis.mesh, boundary))
     x = np.asarray(surface.global_coordinates())  # (dim, n_facets, n_points)
     dim = len(x)
-    given = force(x) if callable(force) else np.reshape(force, (-1, 1, 1))
+    if callable(force):
+        given = force(x)
+    else:
+        given = np.reshape(force, (-1, 1, 1))
     values = np.atleast_1d(np.asarray(given, float))
     if len(values) != dim or not np.isfinite(values).all():
         raise ValueError(

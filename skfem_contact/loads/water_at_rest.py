@@ -298,9 +298,15 @@ def _beside_facets(outside: FacetBasis, pressure: Any, facets: ndarray, points: 
     # Take levels at the points, and values at vertices at the nearest points.
     distance = np.linalg.norm(a + s[:, None] * along - points, axis=1)
     off = distance > _OFF * np.linalg.norm(along, axis=1)
-    by_region = pressure if isinstance(pressure, Mapping) else {"": pressure}
+    if isinstance(pressure, Mapping):
+        by_region = pressure
+    else:
+        by_region = {"": pressure}
     for name, given in by_region.items():
-        here = np.isin(owner, mesh.subdomains[name]) if name else np.full(len(points), True)
+        if name:
+            here = np.isin(owner, mesh.subdomains[name])
+        else:
+            here = np.full(len(points), True)
         if callable(given):
             values[here] = given(points[here].T)
             continue
@@ -418,7 +424,10 @@ def _warn_of_flooding(basis: CellBasis, pressure: Pressure, pressed: ndarray) ->
         return
     where = format_point(np.asarray(surface.global_coordinates())[:, wet].T[0])
     flooded = facets[wet.any(axis=1)]
-    names = [name for name, part in (mesh.boundaries or {}).items() if np.isin(flooded, part).any()]
+    names = []
+    for name, part in (mesh.boundaries or {}).items():
+        if np.isin(flooded, part).any():
+            names.append(name)
     warn(
         f"there is water above the surface at {where} without pressure on it; pass its name "
         f"in boundaries= ({', '.join(names) or 'it has none yet'})"

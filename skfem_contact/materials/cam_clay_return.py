@@ -258,7 +258,26 @@ def at_pressure(y: Array, z: Array, trial: Trial) -> Plastic:
         gap = gap - k * g * (E * x * x - start)
         gap_y = gap_y + 2 * k * g * E * x**3
     gap_z = 1 + k * D_z
-    return Plastic(y, z, x, r, slope, stiff, E, E_z, M, M_z, dM, h, D, D_y, D_z, gap, gap_y, gap_z)
+    return Plastic(
+        y,
+        z,
+        x,
+        r,
+        slope,
+        stiff,
+        E,
+        E_z,
+        M,
+        M_z,
+        dM,
+        h,
+        D,
+        D_y,
+        D_z,
+        gap,
+        gap_y,
+        gap_z,
+    )
 
 
 def pressure(y: Array, trial: Trial, start: Array | None = None) -> Array:
@@ -351,7 +370,15 @@ def joint_root(
     first = np.array((start, elastic))
     lowest = np.array([[least], [-_FARTHEST]])
     points = trial, *data
-    (y, z), failed = damped_newton(function, first, points, _LAST_JOINT, _JOINT, _HALVINGS, lowest)
+    (y, z), failed = damped_newton(
+        function,
+        first,
+        points,
+        _LAST_JOINT,
+        _JOINT,
+        _HALVINGS,
+        lowest,
+    )
     return y, z, failed
 
 

@@ -127,7 +127,10 @@ class DruckerPrager(ConePlasticity):
                 "beta < alpha has not: use MohrCoulomb, or flow 'given' or 'associated'"
             )
         alpha = self.alpha / factor
-        beta = alpha if flow == "associated" else reduced_dilatancy(self.beta, self.alpha, alpha)
+        if flow == "associated":
+            beta = alpha
+        else:
+            beta = reduced_dilatancy(self.beta, self.alpha, alpha)
         return self._with(k=self.k / factor, alpha=alpha, beta=beta)
 
     @override

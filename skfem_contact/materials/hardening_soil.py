@@ -422,7 +422,17 @@ class HardeningSoil(CohesiveFrictional):
         own[0, points] += equivalent_shear_strain(frame.values - values, k.mu * returned.scale)
         own[1, points] = returned.gamma
         own[2, points] = returned.cap
-        return _Block(points, strain, new, push, scale, small, frame, values, returned)
+        return _Block(
+            points,
+            strain,
+            new,
+            push,
+            scale,
+            small,
+            frame,
+            values,
+            returned,
+        )
 
     @property
     def strength(self) -> MohrCoulomb:

@@ -161,7 +161,15 @@ class HoekBrown(IsotropicPlasticity):
         s = np.exp(fractured / (9 - 3 * D))
         decay = np.exp(-index / 15) - np.exp(-20 / 3)
         a = 0.5 + decay / 6
-        return cls(E, nu, sigma_ci, m_b, s, a, psi)
+        return cls(
+            E,
+            nu,
+            sigma_ci,
+            m_b,
+            s,
+            a,
+            psi,
+        )
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> HoekBrown:

@@ -94,7 +94,10 @@ class Joint:
     def reduced(self, factor: float, associated: bool) -> Joint:
         """Return the joint with its strength over a factor."""
         phi = float(np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor)))
-        psi = phi if associated or self.psi == self.phi else min(self.psi, phi)
+        if associated or self.psi == self.phi:
+            psi = phi
+        else:
+            psi = min(self.psi, phi)
         return Joint(self.dip, self.c / factor, phi, psi, self.tension / factor)
 
 
@@ -142,7 +145,10 @@ class JointedRock(Material):
 
     def __post_init__(self) -> None:
         elastic = LinearElastic(self.E, self.nu)
-        given = (self.joints,) if isinstance(self.joints, Joint) else tuple(self.joints)
+        if isinstance(self.joints, Joint):
+            given = (self.joints,)
+        else:
+            given = tuple(self.joints)
         if not 1 <= len(given) <= _MOST or not all(isinstance(one, Joint) for one in given):
             raise ValueError(
                 f"JointedRock has one to {_MOST} sets of joints, sc.Joint(dip, c, phi), not "

@@ -24,7 +24,10 @@ def take(data: Data, points: NDArray[np.intp] | slice) -> Data:
         result = data[..., points]
     elif isinstance(data, tuple):
         values = [take(value, points) for value in data]
-        result = tuple(values) if type(data) is tuple else type(data)(*values)
+        if type(data) is tuple:
+            result = tuple(values)
+        else:
+            result = type(data)(*values)
     return result
 
 

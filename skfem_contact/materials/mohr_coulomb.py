@@ -157,7 +157,10 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         """Return the soil with c, tan(phi) and tensile strength divided by a factor."""
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
         psi = reduced_dilatancy(self.psi, self.phi, phi)
-        tension = None if self.tension is None else self.tension / factor
+        if self.tension is None:
+            tension = None
+        else:
+            tension = self.tension / factor
         return self._with(c=self.c / factor, phi=phi, psi=psi, tension=tension)
 
     def _davis(self, psi: Parameter) -> MohrCoulomb:

@@ -190,7 +190,9 @@ class NgiAdp(Isotropic):
         rounding = 0.5 * (1 - np.cos(6 * angle))
 
         plastic = self.gamma_A is None
-        gammas = (1.0, 1.0, 1.0) if plastic else (self.gamma_A, self.gamma_DSS, self.gamma_P)
+        gammas = (self.gamma_A, self.gamma_DSS, self.gamma_P)
+        if plastic:
+            gammas = (1.0, 1.0, 1.0)
         values = (*self.lame, radius, shift, radius / D, rounding, *gammas)
         flat = []
         for value in values:
@@ -243,7 +245,10 @@ class NgiAdp(Isotropic):
         memory = internal.reshape(len(internal), -1).copy()
         share = memory[1]
         first = memory[2 : 2 + n]
-        kappa = np.ones_like(share) if k.plastic else mobilised_by(np.sqrt(share))[0]
+        if k.plastic:
+            kappa = np.ones_like(share)
+        else:
+            kappa = mobilised_by(np.sqrt(share))[0]
         shear = measure(modified(flat, first, kappa, k), k).value
         points = np.flatnonzero(shear > kappa * k.radius + _ROUND_OFF * k.radius)
 

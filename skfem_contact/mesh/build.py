@@ -75,9 +75,10 @@ def _lay_flat(content: Content, plane: str) -> None:
     axes = _AXES[plane]
     (normal,) = set(range(3)) - set(axes)
     if extent[normal] > _FLAT * extent[axes].max():
-        flat = [
-            name for name, kept in _AXES.items() if extent[3 - sum(kept)] <= _FLAT * extent.max()
-        ]
+        flat = []
+        for name, kept in _AXES.items():
+            if extent[3 - sum(kept)] <= _FLAT * extent.max():
+                flat.append(name)
         remedy = ": rotate it, or add the volumes, if it is the surface of a body"
         if flat:
             remedy = f": pass plane='{flat[0]}'"

@@ -191,9 +191,10 @@ def _check_touching(mesh: Mesh, outside: Outside, known: Indices) -> None:
     if free.any():
         sides = np.unique(np.concatenate((first[free], second[free])))
         element = mesh.f2t[0, outside.facets[sides]]
-        names = [
-            name for name, part in own_tags(mesh.subdomains).items() if np.isin(element, part).any()
-        ]
+        names = []
+        for name, part in own_tags(mesh.subdomains).items():
+            if np.isin(element, part).any():
+                names.append(name)
         of = f" of {', '.join(names)}" if names else ""
         _tell(
             f"outer sides{of} lie on each other without contact, and part or penetrate freely "

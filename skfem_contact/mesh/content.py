@@ -383,7 +383,10 @@ def _drop_unused_points(content: Content) -> None:
 def check_names(content: Content, wrong: str, format_name: str) -> None:
     """Refuse names with characters that a format cannot have, and names without any."""
     for name in content.groups:
-        found = [letter for letter in name if letter in wrong or not letter.isprintable()]
+        found = []
+        for letter in name:
+            if letter in wrong or not letter.isprintable():
+                found.append(letter)
         if found or not name.strip():
             raise ValueError(
                 f"names in {format_name} have no {found[0] if found else 'blanks alone'!r}: rename "

@@ -195,7 +195,10 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
 def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None) -> Mesh:
     """Separate the bodies of a mesh."""
     check_topology(mesh)
-    parts = _separate_parts(mesh) if groups is None else _grouped(mesh, groups)
+    if groups is None:
+        parts = _separate_parts(mesh)
+    else:
+        parts = _grouped(mesh, groups)
     body = _body_of_elements(mesh, parts)
     apart = renumbered([mesh], body)
     subdomains = own_tags(mesh.subdomains)
@@ -249,7 +252,10 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
     missing = np.flatnonzero(body < 0)
     if len(missing):
         subdomains = own_tags(mesh.subdomains)
-        touched = [name for name, part in subdomains.items() if np.isin(part, missing).any()]
+        touched = []
+        for name, part in subdomains.items():
+            if np.isin(part, missing).any():
+                touched.append(name)
         raise ValueError(
             f"{len(missing)} elements belong to no body (element {missing[0]} is the first); add "
             f"their subdomains to bodies=: {', '.join(touched) or 'none, name them first'}"

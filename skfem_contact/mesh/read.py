@@ -121,7 +121,10 @@ def load_mesh(
     if name is not None and reader is not med.read:
         raise ValueError(f"{file}: name= chooses a mesh of a file of Salome (.med): leave it out")
     try:
-        content = reader(file) if reader is not med.read else med.read(file, name)
+        if reader is not med.read:
+            content = reader(file)
+        else:
+            content = med.read(file, name)
         return mesh_of(content, plane, scale, split)
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from error

@@ -19,7 +19,10 @@ def split(content: Content) -> str:
     """Divide the elements of the highest dimension, and sides of bodies; return their kind."""
     # Find the kind of the parts.
     dim = content.dim
-    kinds = [kind for kind in content.cells if KINDS[kind].dim == dim and len(content.cells[kind])]
+    kinds = []
+    for kind in content.cells:
+        if KINDS[kind].dim == dim and len(content.cells[kind]):
+            kinds.append(kind)
     orders = {KINDS[kind].order for kind in kinds}
     result = _RESULT.get((dim, max(orders)), "")
     if len(orders) > 1 or not result:

@@ -160,7 +160,9 @@ def _side_nodes(kind: str) -> list[list[int]]:
         count = 1
         if shape.dim == 3:
             count = len(side)
-        middles = [number[frozenset((side[k], side[(k + 1) % len(side)]))] for k in range(count)]
+        middles = []
+        for k in range(count):
+            middles.append(number[frozenset((side[k], side[(k + 1) % len(side)]))])
         nodes = [*side, *middles]
         if len(side) == 4:
             nodes.append(_FACE_NODES[position])

@@ -150,7 +150,10 @@ class Accelerated:
             if not np.isfinite(new.norm):
                 return best
             self._record(now, new)
-            since = 0 if new.norm < _PROGRESS * best.norm else since + 1
+            if new.norm < _PROGRESS * best.norm:
+                since = 0
+            else:
+                since = since + 1
             if new.norm < best.norm:
                 best = new
             sizes.append(new.norm)

@@ -180,10 +180,15 @@ def improved_forms(
 def check(given: System, step: Step, found: Equilibrium, newton: Newton) -> None:
     """Refuse an equilibrium of regularised forms that is none of the forms as given."""
     # Evaluate the forms as given at this equilibrium.
-    others = {k: form for k, form in step.system.forms.items() if form is not given.forms[k]}
+    others = {}
+    for k, form in step.system.forms.items():
+        if form is not given.forms[k]:
+            others[k] = form
     if not others:
         return
-    states = {k: found.states[k] if k in others else state for k, state in step.states.items()}
+    states = {}
+    for k, state in step.states.items():
+        states[k] = found.states[k] if k in others else state
     again = given.evaluate(found.x, states, step.load)
     if again.norm > _AGAIN * newton.tolerance:
         reasons = {name: form.reason for name, form in having(others, Regularised).items()}
@@ -256,7 +261,10 @@ def solve_step(
 
     # Take the first part.
     first = system.over(PART * duration)
-    start = None if step.start is None else step.x + PART * (step.start - step.x)
+    if step.start is None:
+        start = None
+    else:
+        start = step.x + PART * (step.start - step.x)
     load, prescribed = interval.in_between
     part = replace(step, system=first, load=load, prescribed=prescribed, start=start)
     middle = solve_increment(part, newton, try_recovery)

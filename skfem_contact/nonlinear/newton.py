@@ -215,7 +215,10 @@ def bisect_work(now: Evaluation, step: ndarray, problem: Problem, farthest: floa
             shortest = length
         else:
             longest = length
-        length = 2.0 * length if np.isinf(longest) else 0.5 * (shortest + longest)
+        if np.isinf(longest):
+            length = 2.0 * length
+        else:
+            length = 0.5 * (shortest + longest)
     return best
 
 
@@ -399,7 +402,10 @@ class _History:
         back = _came_back(self._sets, self.norms)
         if not back:
             return []
-        self._since = min(self._since, back) if self._returns else back
+        if self._returns:
+            self._since = min(self._since, back)
+        else:
+            self._since = back
         self._returns += 1
         if self._returns >= _RETURNS:
             return self._visited[self._since :]
@@ -531,7 +537,9 @@ def _hopeless(norms: list[float], contact: bool) -> bool:
     The first residual is the one of the increment and does not count.
     """
     least = min(norms[1:], default=np.inf)
-    limits = ((_CYCLE, 1.0), (_AWAY, _MANY)) if contact else ((_ASTRAY, _TIMES),)
+    limits = [(_ASTRAY, _TIMES)]
+    if contact:
+        limits = [(_CYCLE, 1.0), (_AWAY, _MANY)]
     for last, times in limits:
         if len(norms) > last + 1 and min(norms[-last:]) > times * least:
             return True

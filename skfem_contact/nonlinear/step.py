@@ -153,7 +153,9 @@ class _Balance(Problem):
     def choose_accuracy(self, search: Search) -> None:
         """Solve linear systems only as accurately as the search needs, where bodies yield."""
         inexact = self._step.system.yields and search in ("residual", "either", "full")
-        self._forcing = Forcing(self._settings.tolerance) if inexact else None
+        self._forcing = None
+        if inexact:
+            self._forcing = Forcing(self._settings.tolerance)
 
     def evaluate(self, z: ndarray) -> Evaluation:
         step = self._step
@@ -167,7 +169,10 @@ class _Balance(Problem):
         Where the tangent is singular, far out on a mechanism, the last regular one takes its place.
         """
         system = self._step.system
-        rtol = REFINE if self._forcing is None else self._forcing.at(now)
+        if self._forcing is None:
+            rtol = REFINE
+        else:
+            rtol = self._forcing.at(now)
         K = system.tangent(now, damped)
 
         # Move the fixed dofs, and balance the forces by which they pull at the others.

@@ -151,7 +151,10 @@ class Stepping:
         if self._growth < 1.0:
             self._size = self._even(self._growth * self._size, fraction)
         elif iterations <= _EASY * equilibria and self._growth >= _WORTH:
-            most = _TWICE if np.isinf(self._growth) else min(_MOST, self._growth)
+            if np.isinf(self._growth):
+                most = _TWICE
+            else:
+                most = min(_MOST, self._growth)
             larger = min(most * self._size, self._largest)
             if larger > self._size:
                 self._size = self._even(larger, fraction)
@@ -170,7 +173,10 @@ class Stepping:
             share = _QUARTER
         at_first = isinstance(error.__cause__, SingularSystem) and len(error.residuals) == 1
         if self.try_recovery and at_first:
-            self._times = self._times + 1 if error.dof == self._same else 1
+            if error.dof == self._same:
+                self._times = self._times + 1
+            else:
+                self._times = 1
             self._same = error.dof
         self._failed = self.fraction
         if isinstance(error, NoEquilibrium):

@@ -182,7 +182,10 @@ class System:
         matrices = []
         for name, form in self.forms.items():
             tangent = now.responses[name].stiffness
-            elastic = form.elastic_stiffness if isinstance(form, Stiff) else None
+            if isinstance(form, Stiff):
+                elastic = form.elastic_stiffness
+            else:
+                elastic = None
             if elastic is not None and elastic is not tangent:
                 tangent = _mixed(tangent, elastic, _ELASTIC)
             matrices.append(tangent)

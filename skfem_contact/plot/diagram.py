@@ -119,7 +119,10 @@ def diagram(
     if on is not None:
         return saved(_on_structure(values, quantity or "", on, scale, window), file)
     # One series has no label.
-    series = values if isinstance(values, Mapping) else {"": values}
+    if isinstance(values, Mapping):
+        series = values
+    else:
+        series = {"": values}
     if len({type(part) for part in series.values()}) != 1:
         raise ValueError(
             "a diagram has one or several series of one kind, not "
@@ -187,7 +190,10 @@ def history(
     for stage in result:
         elements += [nodes_of(form.basis) for form in solids(stage).values()]
     nodes = np.vstack(elements)
-    times = [stage.time for stage in result] if time else list(range(len(result)))
+    if time:
+        times = [stage.time for stage in result]
+    else:
+        times = list(range(len(result)))
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for style, (label, point) in zip(styles(len(points)), points.items()):
         at_point = _at_point(coordinates, nodes, values, point, label)
@@ -278,7 +284,10 @@ def _axis_of(values: Any, along: str = "arc") -> ndarray:
 def _along(series: Mapping[str, Any], quantity: str | None, along: str, upright: bool) -> Figure:
     """Draw panels side by side over an upright coordinate, or below each other."""
     first = next(iter(series.values()))
-    names = list(_titles(first)) if quantity is None else [quantity]
+    if quantity is None:
+        names = list(_titles(first))
+    else:
+        names = [quantity]
     titles = [_title(first, name) for name in names]
     figure, axes = _panels(len(names), upright)
 
@@ -333,7 +342,10 @@ def _panels(n: int, upright: bool) -> tuple[Figure, ndarray]:
 def _coordinate_title(values: Any, along: str) -> str:
     """Return the title of the coordinate of tractions or section forces, with its unit."""
     if along == "arc":
-        along = "position along the slave" if isinstance(values, Tractions) else "position"
+        if isinstance(values, Tractions):
+            along = "position along the slave"
+        else:
+            along = "position"
     return labelled(along, "length")
 
 
@@ -399,7 +411,10 @@ def _on_structure(
 ) -> Figure:
     """Draw ordinates of one scale on the bodies of a stage or on members, with their extremes."""
     # Collect the ordinates of all members.
-    members = list(values.values()) if isinstance(values, Mapping) else [values]
+    if isinstance(values, Mapping):
+        members = list(values.values())
+    else:
+        members = [values]
     has_bodies = bool(having(stage.forms, Body))  # no frame alone
     if has_bodies:
         check_plane(basis_of(stage), "plot.diagram")

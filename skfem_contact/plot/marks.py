@@ -81,7 +81,10 @@ class Marks:
         _draw_structures(plotter, scene, self.stage)
 
         # Draw water, supports, loads and displacements.
-        given = self.stage.water if self.water is True else self.water
+        if self.water is True:
+            given = self.stage.water
+        else:
+            given = self.water
         for (_, water), color in zip(named_waters(given), cycle(_WATERS), strict=False):
             _draw_water(plotter, scene, water, color)
         if self.supports is not None:
@@ -105,7 +108,10 @@ class Marks:
         # List what is drawn: water, points that yield, contact by status.
         entries: list[tuple[str, dict[str, Any]]] = []
         if self.water is not None and self.water is not False:
-            given = self.stage.water if self.water is True else self.water
+            if self.water is True:
+                given = self.stage.water
+            else:
+                given = self.water
             names = [name for name, _ in named_waters(given)] or [_WATER_TABLE]
             for name, color in zip(names, cycle(_WATERS), strict=False):
                 entries.append((name, {"color": color, "linewidth": 3, "linestyle": "--"}))
@@ -190,7 +196,10 @@ def named_waters(water: Any) -> list[tuple[str, Any]]:
         pressures[id(part)] = part
     found = []
     for key, part in pressures.items():
-        name = _WATER_TABLE if len(pressures) == 1 else f"water table, {', '.join(names[key])}"
+        if len(pressures) == 1:
+            name = _WATER_TABLE
+        else:
+            name = f"water table, {', '.join(names[key])}"
         found += [(name, pressure) for pressure in pressures_of(getattr(part, "pressure", part))]
     return found
 

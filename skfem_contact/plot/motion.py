@@ -46,7 +46,10 @@ def motion(
     >>> figure = plot.motion(record)
     >>> figure = plot.motion({"5 %": record.spectrum(), "10 %": record.spectrum(ratio=.1)})
     """
-    series = dict(parts) if isinstance(parts, Mapping) else {"": parts}
+    if isinstance(parts, Mapping):
+        series = dict(parts)
+    else:
+        series = {"": parts}
     kinds = {(type(part).__name__, getattr(part, "quantity", "")) for part in series.values()}
     if len(kinds) != 1:
         found = ", ".join(sorted(" ".join(kind).strip() for kind in kinds)) or "nothing"

@@ -70,7 +70,10 @@ def _lines(found: PointValues, coordinate: ndarray, label: str, upright: bool) -
     # Choose the arrangement.
     n = len(found.titles)
     shape = (1, n) if upright else (n, 1)
-    size = (3.0 + 2.5 * n, 5.5) if upright else (8.0, 1.5 + 2.2 * n)
+    if upright:
+        size = (3.0 + 2.5 * n, 5.5)
+    else:
+        size = (8.0, 1.5 + 2.2 * n)
     figure, panels = plt.subplots(
         *shape,
         figsize=size,
@@ -83,7 +86,10 @@ def _lines(found: PointValues, coordinate: ndarray, label: str, upright: bool) -
     style = styles(1)[0]
     # Draw the fields, and name the axes.
     for ax, (name, title) in zip(axes, found.titles.items(), strict=True):
-        curve = (found[name], coordinate) if upright else (coordinate, found[name])
+        if upright:
+            curve = (found[name], coordinate)
+        else:
+            curve = (coordinate, found[name])
         ax.plot(*curve, **style)
         ax.set(**{"xlabel" if upright else "ylabel": labelled(*title)})
         tidy(ax, 1)

@@ -132,7 +132,13 @@ def report(
         )
     if kind == ".docx":
         return document.write(
-            result, Path(file), title, quantity, sections, searches, pictures or {}
+            result,
+            Path(file),
+            title,
+            quantity,
+            sections,
+            searches,
+            pictures or {},
         )
     text = template_of(template)
     table = result.table(sections=sections, searches=searches)
@@ -180,10 +186,9 @@ def template_of(file: str | Path | None) -> Template:
 
 def _facts(found: Mapping[str, str]) -> str:
     """Return the figures at the top of the page."""
-    facts = [
-        f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>'
-        for name, value in found.items()
-    ]
+    facts = []
+    for name, value in found.items():
+        facts.append(f'<div class="fact"><b>{escape(value)}</b><span>{escape(name)}</span></div>')
     return "".join(facts)
 
 
@@ -238,7 +243,10 @@ def _weight(shade: Shade, weights: Mapping[str, Any]) -> str:
     """Return the unit weights of the regions of a material."""
     found: dict[Any, None] = {}
     for form, weight in weights.items():
-        by_region = weight if isinstance(weight, Mapping) else {form: weight}
+        if isinstance(weight, Mapping):
+            by_region = weight
+        else:
+            by_region = {form: weight}
         found |= dict.fromkeys(by_region.get(name) for name in shade.names)
     return ", ".join(f"{weight:g}" for weight in found if weight is not None)
 
@@ -328,7 +336,9 @@ def _remarks(result: Result) -> str:
 
 
 def _pairs(values: Mapping[str, str]) -> str:
-    items = [f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in values.items()]
+    items = []
+    for name, text in values.items():
+        items.append(f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>")
     return f"<dl>{''.join(items)}</dl>"
 
 

@@ -82,7 +82,10 @@ def stages_of(
     # Draw the model and the field of each stage.
     before: list[str] = []
     for stage in result:
-        pictures = {} if space else {f"{stage.name}: model": drawn(stage, colors)}
+        if space:
+            pictures = {}
+        else:
+            pictures = {f"{stage.name}: model": drawn(stage, colors)}
         if has_solids(stage):
             pictures |= {f"{stage.name}: {quantity}": _field(stage, quantity, common)}
         yield stage.name, _changes(stage, before), pictures
@@ -122,7 +125,10 @@ def _changes(stage: StageResult, before: list[str]) -> str:
         words.append(f"{kind}: {', '.join(new)}")
     if removed:
         words.append(f"removed: {', '.join(removed)}")
-    load = "" if stage.fraction == 1.0 else f"stopped at {stage.fraction:.1%} of its load; "
+    if stage.fraction == 1.0:
+        load = ""
+    else:
+        load = f"stopped at {stage.fraction:.1%} of its load; "
     increments = _counted(len(stage.iterations), "increment")
     iterations = _counted(sum(stage.iterations), "iteration")
     words.append(f"{load}{increments}, {iterations}, residual {stage.residual:.0e}")

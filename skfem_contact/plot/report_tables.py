@@ -36,7 +36,9 @@ def written(value: Any) -> str:
     if callable(value):
         return "by coordinates"
     if is_dataclass(value):
-        inner = [f"{part.name} {written(getattr(value, part.name))}" for part in fields(value)]
+        inner = []
+        for part in fields(value):
+            inner.append(f"{part.name} {written(getattr(value, part.name))}")
         return f"{type(value).__name__}({', '.join(inner)})"
     if isinstance(value, tuple):
         return " and ".join(map(written, value))
@@ -123,7 +125,10 @@ def _resultants(stage: StageResult) -> list[tuple[str, ndarray, str]]:
         parts.append(("water", water))
         rest = rest - water
     # What is left has other causes.
-    others = "all loads" if stage.gravity is None else "other loads"
+    if stage.gravity is None:
+        others = "all loads"
+    else:
+        others = "other loads"
     parts.append((others, rest))
     parts.append(("reactions", stage.reactions()))
     points = _points(stage)

@@ -232,7 +232,10 @@ def _figures(value: float, levels: ndarray) -> str:
     if largest >= 1e5 or largest < 1e-3:
         power = int(np.floor(np.log10(largest)))
         digits = max(0, power - exponent)
-        text = "0" if value == 0 else f"{value / 10.0**power:.{digits}f}e{power}"
+        if value == 0:
+            text = "0"
+        else:
+            text = f"{value / 10.0**power:.{digits}f}e{power}"
     else:
         digits = max(0, -exponent)
         multiple = step * 10**digits
@@ -293,7 +296,10 @@ class Frame:
         """Return a plotter with the views and an empty foot."""
         import pyvista
 
-        row = [self.head, self.view[1]] if self.head else [self.view[1]]
+        if self.head:
+            row = [self.head, self.view[1]]
+        else:
+            row = [self.view[1]]
         rows = row * self.rows + [_FOOT]
         columns = [self.view[0], _GAP] * self.columns
         # VTK complains of displays that it tries before it finds one.
@@ -320,7 +326,13 @@ class Frame:
         return (2 * row + 1 if self.head else row), 2 * column
 
     def aim(
-        self, plotter: Any, number: int, title: str, axes: ndarray, depth: float, distance: float
+        self,
+        plotter: Any,
+        number: int,
+        title: str,
+        axes: ndarray,
+        depth: float,
+        distance: float,
     ) -> None:
         """Look in one of the views along the last of three axes, from a distance to a depth."""
         row, column = self.cell(number)

@@ -61,7 +61,15 @@ def sketch(section: Section, file: str | Path | None = None, show: bool = False)
     # Fill the areas, holes and lifts in this order, and draw the lines.
     for k, name in enumerate(section.areas):
         color = _AREAS[k % len(_AREAS)]
-        _fill(axes, section, name, label=name, facecolor=color, edgecolor="#333333", linewidth=0.8)
+        _fill(
+            axes,
+            section,
+            name,
+            label=name,
+            facecolor=color,
+            edgecolor="#333333",
+            linewidth=0.8,
+        )
     for name in section.holes:
         _fill(axes, section, name, facecolor="white", edgecolor="#333333", linewidth=1.2)
         _write(axes, section, name, "#333333")
@@ -103,7 +111,15 @@ def _fill(axes: Any, section: Any, name: str, **style: Any) -> None:
 def _write(axes: Any, section: Any, name: str, color: str) -> None:
     """Write a name into the first of its outlines."""
     x, y = section.outlines[name][0].points.mean(axis=0)
-    axes.text(x, y, name, color=color, ha="center", va="center", fontsize=8)
+    axes.text(
+        x,
+        y,
+        name,
+        color=color,
+        ha="center",
+        va="center",
+        fontsize=8,
+    )
 
 
 def _path(outlines: Any) -> Outlines:

@@ -117,7 +117,8 @@ def region_field(
     """
     # Check what is asked for.
     quantity = look_up(name, quantities(stage), "field")
-    water = None if water is False else water
+    if water is False:
+        water = None
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError(
             "pore pressure where there is no PoreWater and no ground is Undrained: give water=True "

@@ -80,7 +80,9 @@ def recovered(
     the elements nearby. Where some elements are given, (k,), only their nodes have values.
     """
     mesh = region_mesh(form)
-    wanted = None if elements is None else np.unique(mesh.cells[elements])
+    wanted = None
+    if elements is not None:
+        wanted = np.unique(mesh.cells[elements])
     nodal = _fitted(form, values, mesh, balanced, wanted)
     if limited:
         return within_points(nodal, values, mesh)

@@ -247,7 +247,10 @@ def _values(
     located = locate(basis.mesh, numbers[allowed], points, mesh.region[allowed])
     missing = located.elements < 0
     if missing.any():
-        where = f"'{of}'" if of is not None else f"the bodies of stage '{stage.name}'"
+        if of is not None:
+            where = f"'{of}'"
+        else:
+            where = f"the bodies of stage '{stage.name}'"
         far = outside(basis.mesh, numbers[allowed], points[missing])
         raise ValueError(
             f"{missing.sum()} of {len(points)} points lie outside of {where}: the first is {far}"

@@ -243,7 +243,10 @@ def drawdown(
         look_up(region, dict.fromkeys(names), "region")
     c = drained[0]
     phi = np.radians(drained[1])
-    planes = None if mechanism is None else slip_planes(form, mechanism)
+    if mechanism is None:
+        planes = None
+    else:
+        planes = slip_planes(form, mechanism)
     strength = {}
     for one, stress, internal in form.at_regions(state):
         if region not in (None, one.name):

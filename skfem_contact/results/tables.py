@@ -118,7 +118,10 @@ def of_stages(
         forms |= stage.forms
     _check_names(forms, stages, (*names, *sections), sections, searches)
     if not names:  # all but solids and contact pairs
-        names = [name for name, form in forms.items() if not isinstance(form, Touching)]
+        names = []
+        for name, form in forms.items():
+            if not isinstance(form, Touching):
+                names.append(name)
     chosen = dict.fromkeys((*names, *sections))
     rows = [_row(stage, chosen, sections, searches) for stage in stages]
     columns = _columns(rows)

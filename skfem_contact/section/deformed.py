@@ -335,9 +335,9 @@ def _of_gmsh(
         # Add the faces of the parts
         faces = []
         for part in range(len(shape.names)):
-            loops = [
-                geo.addCurveLoop(_signed(lines, loop)) for loop in _loops(shape.chains, new, part)
-            ]
+            loops = []
+            for loop in _loops(shape.chains, new, part):
+                loops.append(geo.addCurveLoop(_signed(lines, loop)))
             faces.append(geo.addPlaneSurface(loops))
         geo.synchronize()
         _prepare(gmsh, shape.chains, lines, faces)

@@ -273,7 +273,10 @@ def _add(layer: _Layer, entity: Any, size: float) -> bool:
     kind = entity.dxftype()
     if kind not in TEXTS:
         return False
-    text = entity.plain_text() if kind == "MTEXT" else entity.dxf.text
+    if kind == "MTEXT":
+        text = entity.plain_text()
+    else:
+        text = entity.dxf.text
     layer.texts.append((_name_of(text.strip()), position(entity)))
     return True
 

@@ -211,7 +211,10 @@ def _check_together(
     for first, second in product(first_part, others):
         gaps.append((gmsh.model.occ.getDistance(2, first, 2, second), first, second))
     (distance, x, y, *_), first, second = min(gaps)
-    how = f"are {distance:.4g} apart" if distance > ONE_POINT else "touch in a point"
+    if distance > ONE_POINT:
+        how = f"are {distance:.4g} apart"
+    else:
+        how = "touch in a point"
     problem = (
         f"the areas '{faces[first][0]}' and '{faces[second][0]}' do not hang together: they {how} "
         f"near {format_point(np.array([x, y]) + plan.shift)}"
@@ -250,7 +253,10 @@ def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
                 f"the hole '{name}' cuts nothing: it lies outside of the areas or in another hole"
             )
     # Remove what is left over.
-    strays = [(1, curve) for _, curve in gmsh.model.getEntities(1) if curve not in used]
+    strays = []
+    for _, curve in gmsh.model.getEntities(1):
+        if curve not in used:
+            strays.append((1, curve))
     gmsh.model.removeEntities(strays, recursive=True)
 
 

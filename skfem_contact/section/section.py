@@ -280,7 +280,10 @@ class Section:
         if missing:
             raise ValueError(f"there is no material for the areas {missing}")
         weights = self._unit_weights(unit_weight)
-        coordinates = None if self.coordinates == "plane" else self.coordinates
+        if self.coordinates == "plane":
+            coordinates = None
+        else:
+            coordinates = self.coordinates
         # Make a solid for each part.
         forms = {}
         for part, areas in self.parts.items():

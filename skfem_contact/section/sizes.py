@@ -154,7 +154,15 @@ class Sizes:
         self._points = np.reshape(points, (-1, 2))
         self._of_points = scale * np.array(values)
 
-    def along(self, dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:
+    def along(
+        self,
+        dim: int,
+        tag: int,
+        x: float,
+        y: float,
+        z: float,
+        lc: float,
+    ) -> float:
         """Return the size at a point of a curve."""
         away = self._curves.distances(x, y)
         size = min(self._near(x, y), float((self._each + _GROWTH * away).min()))

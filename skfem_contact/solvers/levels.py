@@ -81,7 +81,9 @@ class Levels:
     def _set(self, matrices: list[bsr_matrix]) -> None:
         self._smoothers = [Smoother(A.tocsr(), A) for A in matrices[:-1]]
         self._transfers = [(P.tocsr(), P.T.tocsr()) for P in self._prolongators]
-        self._coarsest = _solution(matrices[-1]) if matrices else None
+        self._coarsest = None
+        if matrices:
+            self._coarsest = _solution(matrices[-1])
 
     def _descend(self, level: int, smoother: Smoother, r: ndarray) -> ndarray:
         """Return the correction by a level and those below it."""

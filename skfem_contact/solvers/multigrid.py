@@ -153,7 +153,15 @@ class AmgSolver:
             patience = most
             if not fresh:
                 patience = min(most, self._patience(rtol))
-            result = _iterated(A, cycle, balanced, right, methods, patience, rtol)
+            result = _iterated(
+                A,
+                cycle,
+                balanced,
+                right,
+                methods,
+                patience,
+                rtol,
+            )
             self.iterations = result.count
             remaining = most
             if far:
@@ -161,7 +169,16 @@ class AmgSolver:
             if remaining > 0 and not (result.close or fresh):
                 cycle = self._renewed(A, blocks).cycle(A, blocks)
                 fresh = True
-                result = _iterated(A, cycle, balanced, right, methods, remaining, rtol, result.x)
+                result = _iterated(
+                    A,
+                    cycle,
+                    balanced,
+                    right,
+                    methods,
+                    remaining,
+                    rtol,
+                    result.x,
+                )
                 self.iterations += result.count
             self._judge(result, rtol, most, fresh)
 

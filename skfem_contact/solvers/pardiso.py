@@ -318,7 +318,10 @@ class _Call:
         handle, options = self._addresses
         matrix = [each.ctypes.data for each in (values, rows, columns)]
         b, x = [None if each is None else each.ctypes.data for each in vectors] or (None, None)
-        kept = self._zero if self._kept is None else self._kept.ctypes.data
+        if self._kept is None:
+            kept = self._zero
+        else:
+            kept = self._kept.ctypes.data
         size = _integer(len(rows) - 1)
 
         # Use the threads of the analysis for this call alone.

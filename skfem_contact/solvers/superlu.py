@@ -136,7 +136,10 @@ class Condensed:
         Without `inside` the other entries of b are zero.
         """
         m = self._m
-        load = self.schur @ self._lu.solve(b)[-m:] if inside else b[-m:]
+        if inside:
+            load = self.schur @ self._lu.solve(b)[-m:]
+        else:
+            load = b[-m:]
         right = b.copy()
         right[-m:] += self.schur @ last(load) - load
         return self._lu.solve(right)

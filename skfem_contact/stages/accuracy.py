@@ -112,7 +112,10 @@ class Parts:
         except (IncrementTooLarge, InadmissibleStress, np.linalg.LinAlgError):
             return  # parts without an equilibrium
         if error > _ERROR:
-            size = f"about {error:.0%}" if error < _LARGE else f"more than {_LARGE:.0%}"
+            if error < _LARGE:
+                size = f"about {error:.0%}"
+            else:
+                size = f"more than {_LARGE:.0%}"
             what = "displacements"
             if self._driven:
                 what = "forces at the moved supports"

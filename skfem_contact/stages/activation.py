@@ -51,7 +51,10 @@ def begin(
     states = {}
     for name, form in phase.forms.items():
         if name in new:
-            begun = form.supported(phase.fixed)[0] if isinstance(form, Staged) else form
+            if isinstance(form, Staged):
+                begun = form.supported(phase.fixed)[0]
+            else:
+                begun = form
             states[name] = begun.initial_state(x[: form.size])
         else:
             states[name] = _inherited(form, phase.before[name], last, name)
@@ -72,13 +75,21 @@ def _take_over_tractions(
 ) -> None:
     """Give new contact pairs the tractions of pairs that they replace."""
     # Pairs that end with this stage.
-    deactivated = {k: form for k, form in phase.before.items() if k not in phase.forms}
+    deactivated = {}
+    for k, form in phase.before.items():
+        if k not in phase.forms:
+            deactivated[k] = form
     for name, pair in having(phase.forms, Touching).items():
         if name in phase.before:
             continue
-        replaced = {k: form for k, form in deactivated.items() if pair.replaces(form)}
+        replaced = {}
+        for k, form in deactivated.items():
+            if pair.replaces(form):
+                replaced[k] = form
         # The forces of the replaced pairs become tractions of the new one.
-        operator = pair.tractions_at(x[: pair.size], states[name]) if replaced else None
+        operator = None
+        if replaced:
+            operator = pair.tractions_at(x[: pair.size], states[name])
         if operator is not None:
             force = internal_force(replaced, last.x, last.states)
             states[name] = prestressed({name: operator}, force[: pair.size])[name]

@@ -99,7 +99,10 @@ class InTime:
     def with_base(self, load: ndarray, time: float) -> ndarray:
         """Return a load at a time, with the motion of the base, (N,)."""
         for _, record, by_unit in self.base:
-            moved = record.motion(time)[1] if self.of_rock else record.at(time)
+            if self.of_rock:
+                moved = record.motion(time)[1]
+            else:
+                moved = record.at(time)
             load = load + moved * by_unit
         return load
 
@@ -145,7 +148,16 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
         setup.vector(settings.velocity, f"stage '{stage.name}': the velocity")
     absolute = any(form.of_rock for form in having(forms, Absorbing).values())
     if settings.explicit:
-        return InTime(settings, M, C, 0, 0.0, points, base, absolute)
+        return InTime(
+            settings,
+            M,
+            C,
+            0,
+            0.0,
+            points,
+            base,
+            absolute,
+        )
     steps = settings.steps(stage.duration)
     return InTime(
         settings,
@@ -171,7 +183,10 @@ def _base(
     """
     if stage.base is None:
         return ()
-    given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
+    if isinstance(stage.base, Mapping):
+        given = stage.base
+    else:
+        given = {"x": stage.base}
     # Records act on rigid bases as inertia, on rock as the wave that arrives.
     of_rock = {k: form for k, form in having(forms, Absorbing).items() if form.of_rock}
     axes = "xyz"[: len(setup.layout.coordinates)]
@@ -207,7 +222,10 @@ def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
     if stage.base is None or setup.gravity_acceleration is None:
         return
     # Report records in another unit.
-    given = stage.base if isinstance(stage.base, Mapping) else {"x": stage.base}
+    if isinstance(stage.base, Mapping):
+        given = stage.base
+    else:
+        given = {"x": stage.base}
     for record in given.values():
         times = record.peak / setup.gravity_acceleration
         if times > _STRONGEST:
@@ -469,7 +487,15 @@ def steps_of(
     elif is_linear(forms, last.x, last.states):
         method = _LinearSteps(system, forms, in_time)
     scheme = Scheme.of(settings.rho_inf)
-    steps = Steps(longest, number, settings.tolerance, scheme, in_time.M, last.x, in_time.transit)
+    steps = Steps(
+        longest,
+        number,
+        settings.tolerance,
+        scheme,
+        in_time.M,
+        last.x,
+        in_time.transit,
+    )
 
     # Follow the steps
     began = last.time

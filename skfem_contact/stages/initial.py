@@ -261,7 +261,10 @@ def _elastic_bodies(setup: Setup, K0: float | Mapping[str, float]) -> dict[str, 
     # nu = K0 / (1 + K0) gives the ratio in one-dimensional compression.
     found = {}
     for key, form in solids.items():
-        ratios = K0 if isinstance(K0, Mapping) else dict.fromkeys(form.materials, K0)
+        if isinstance(K0, Mapping):
+            ratios = K0
+        else:
+            ratios = dict.fromkeys(form.materials, K0)
         given = {}
         for region, material in form.materials.items():
             if region in ratios:
@@ -453,7 +456,10 @@ def _check_balance(now: Evaluation, system: System) -> None:
     """Warn about forces that do not balance, at the level of the caller of the model's method."""
     if now.norm <= _BALANCED:
         return
-    names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
+    names = []
+    for key, response in now.responses.items():
+        if response.force[now.worst] != 0.0:
+            names.append(key)
     warn(
         f"the initial stresses are out of balance by {now.norm:.2g} of the load, most "
         f"{system.layout.describe(now.worst)} of {names}: begin with a stage of the same load "

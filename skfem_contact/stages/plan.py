@@ -145,7 +145,10 @@ class Planner:
         # Compare with the stage before
         same_load = prescribed is None and self._same_as_before(load)
         waits = same_load and on_top is None and not (changes or self._unreleased)
-        self._time = self._time + stage.duration if waits else stage.duration
+        if waits:
+            self._time = self._time + stage.duration
+        else:
+            self._time = stage.duration
         remarks = (
             *_of_idle_input(stage, same_load, same_supports, self._unreleased or moved),
             *self._of_forms(stage),
@@ -389,7 +392,10 @@ class Planner:
     def _of_drained(self, waters: Mapping[str, Wet]) -> Iterator[Remark]:
         """Report ground whose pore water is not active."""
         ground = np.concatenate([form.elements for form in solids_of(self._active).values()])
-        dry = [name for name, water in waters.items() if np.isin(water.elements, ground).any()]
+        dry = []
+        for name, water in waters.items():
+            if np.isin(water.elements, ground).any():
+                dry.append(name)
         if dry:
             yield Remark(
                 "dry",
@@ -408,7 +414,10 @@ class Planner:
         layout = self._setup.layout
         if callable(prescribed):
             prescribed = prescribed(1.0 if stage.dynamic is None else stage.duration)
-        given = np.zeros(0, int) if prescribed is None else np.flatnonzero(prescribed)
+        if prescribed is None:
+            given = np.zeros(0, int)
+        else:
+            given = np.flatnonzero(prescribed)
         # Prescribed values act at supports alone.
         loose = np.setdiff1d(given, self._supports)
         if len(loose) and loose[0] < layout.n_displacements:
@@ -520,7 +529,9 @@ def own_arrays(water: Any) -> Any:
 def check_contacts(forms: Mapping[str, Form], inactive: ndarray) -> None:
     """Refuse active forms that act on inactive bodies."""
     for name, form in forms.items():
-        acted_on = form.acts_on if isinstance(form, Couples) else None
+        acted_on = None
+        if isinstance(form, Couples):
+            acted_on = form.acts_on
         for dofs in (joined_by(form), acted_on):
             if dofs is not None and np.isin(dofs, inactive).any():
                 raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")

@@ -147,7 +147,10 @@ class Setup:
         # Add horizontal parts to the direction of gravity.
         dim = len(self.layout.coordinates)
         # Weights act along the last axis, or along the given one.
-        down = -np.eye(dim)[-1] if gravity is None else unit_vector(gravity, dim, "gravity")
+        if gravity is None:
+            down = -np.eye(dim)[-1]
+        else:
+            down = unit_vector(gravity, dim, "gravity")
         horizontal = np.zeros(dim)
         if np.size(seismic) > max(dim - 1, 1) or not np.isfinite(seismic).all():
             raise ValueError(
@@ -273,7 +276,10 @@ class Setup:
         if water is None or water is False:
             return None
         solids = solids_of(forms)
-        dry = [name for name, form in solids.items() if not form.porous and form.strengths]
+        dry = []
+        for name, form in solids.items():
+            if not form.porous and form.strengths:
+                dry.append(name)
         if dry:
             raise ValueError(
                 "bounds beside a search know water with pores in all that yields, but "
@@ -309,7 +315,10 @@ class Setup:
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)
         if values.ndim != 1 or (len(values) != n and len(values) not in self._ends()):
-            either = f"({n_first},)" if n == n_first else f"({n_first},) or ({n},)"
+            if n == n_first:
+                either = f"({n_first},)"
+            else:
+                either = f"({n_first},) or ({n},)"
             raise ValueError(f"{what} has shape {values.shape}, not {either}")
         if not np.isfinite(values).all():
             raise ValueError(f"{what} holds NaN or infinite values")
@@ -380,7 +389,10 @@ def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
 
 def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
     """Return the coordinate system of the forms, which must be the same."""
-    given = {name: form.coordinates for name, form in forms.items() if form.coordinates is not None}
+    given = {}
+    for name, form in forms.items():
+        if form.coordinates is not None:
+            given[name] = form.coordinates
     if len(set(given.values())) > 1:
         raise ValueError(
             f"the forms have different coordinate systems, {given}: give all the same `coordinates`"
@@ -390,7 +402,10 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
 
 def _is_finite(forms: Mapping[str, Form]) -> bool:
     """Return True if bodies have finite kinematics, which do not combine with small ones."""
-    kinds = {name: form.kinematics for name, form in forms.items() if form.kinematics}
+    kinds = {}
+    for name, form in forms.items():
+        if form.kinematics:
+            kinds[name] = form.kinematics
     finite = [name for name, kind in kinds.items() if kind == "finite"]
     small = [name for name, kind in kinds.items() if kind == "small"]
     if finite and small:
@@ -443,7 +458,10 @@ def _check_different(forms: Mapping[str, Form]) -> None:
 
 def _check_sizes(forms: Mapping[str, Form]) -> None:
     """Refuse forms with different numbers of dofs, and forms without any."""
-    sizes = {name: form.size for name, form in forms.items() if form.size is not None}
+    sizes = {}
+    for name, form in forms.items():
+        if form.size is not None:
+            sizes[name] = form.size
     if not sizes and not any(form.fields for form in forms.values()):
         raise ValueError("no form knows how many dofs there are: give one of them a `size`")
     if len(set(sizes.values())) > 1:

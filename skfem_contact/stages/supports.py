@@ -61,7 +61,10 @@ def _check_elements(
     known = [form.basis.element_dofs for form in solids.values()]
     known.append(fixed[fixed < basis.N])
     for form in holding:
-        acts_on = form.acts_on if isinstance(form, Couples) else None
+        if isinstance(form, Couples):
+            acts_on = form.acts_on
+        else:
+            acts_on = None
         if acts_on is None:  # it may hold any dof
             return
         known.append(acts_on[acts_on < basis.N])

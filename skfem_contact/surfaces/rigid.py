@@ -362,7 +362,10 @@ def mesh(mesh: MeshTet | MeshHex, boundary: str, name: str | None = None) -> Sur
     4
     """
     look_up(boundary, mesh.boundaries or {}, "boundary")
-    element = ElementTetP1() if isinstance(mesh, MeshTet) else ElementHex1()
+    if isinstance(mesh, MeshTet):
+        element = ElementTetP1()
+    else:
+        element = ElementHex1()
     surface = Surface.from_boundary(Basis(mesh, ElementVector(element), intorder=1), boundary)
     return _rigid(
         name or boundary, surface.nodes, surface.facets, surface.shape, surface.neighbours

@@ -192,7 +192,15 @@ class Surface:
     ) -> Surface:
         """Return a surface from its facets, with their areas; facets without area are refused."""
         m = len(facets)
-        surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(m))
+        surface = cls(
+            name,
+            dofs,
+            nodes - nodes[0],
+            facets,
+            shape,
+            neighbours,
+            np.ones(m),
+        )
         # Integrate the density of area.
         xi, weight = rule(shape, 5)
         facet = np.repeat(np.arange(m), len(weight))

@@ -243,7 +243,10 @@ def compare(stage: Any, frd: Frd, dat: list[Printed] | None = None) -> Compariso
     own = stage.x[: basis.N].reshape(-1, dim)
     other = moved[-1][row, :dim]
     displacement = np.abs(own - other).max() / np.abs(other).max()
-    stress = None if dat is None else _stress_difference(stage, dat)
+    if dat is None:
+        stress = None
+    else:
+        stress = _stress_difference(stage, dat)
     return Comparison(float(displacement), stress, len(nodes))
 
 

@@ -121,7 +121,9 @@ def _check_candidate(form: Form, x: ndarray, state: Any, candidate: Any, force: 
     require(drift <= 1e-7 * scale, "the accepted candidate gives another force")
 
     # Check the types of the outer loop and of the outputs.
-    again = form.outer(x, state, candidate) if isinstance(form, Regularised) else None
+    again = None
+    if isinstance(form, Regularised):
+        again = form.outer(x, state, candidate)
     if again is not None:
         pair = isinstance(again, tuple) and len(again) == 2
         same_type = pair and isinstance(again[1], type(state))

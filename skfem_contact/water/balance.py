@@ -184,7 +184,10 @@ class WaterBalance:
         leaking = now.leaking
         residuals: list[float] = []
         # In saturated ground faces may open and close node by node.
-        most = _ITERATIONS if laws else _ITERATIONS + int(self._face.sum())
+        if laws:
+            most = _ITERATIONS
+        else:
+            most = _ITERATIONS + int(self._face.sum())
         for iteration in range(1, most + 1):
             # Take a step with pressures of zero at leaking nodes.
             fixed = self.given.held | leaking | self._idle

@@ -396,7 +396,10 @@ def _nearest(mesh: Mesh, points: ndarray, facets: ndarray) -> tuple[ndarray, nda
     """
     # Divide quadrilateral facets into triangles.
     ends = mesh.facets[:, facets]
-    parts = ends if len(ends) == mesh.dim() else np.hstack((ends[[0, 1, 2]], ends[[0, 2, 3]]))
+    if len(ends) == mesh.dim():
+        parts = ends
+    else:
+        parts = np.hstack((ends[[0, 1, 2]], ends[[0, 2, 3]]))
     p = mesh.p[:, parts]  # (dim, n_corners, m)
     along = (p[:, 1:] - p[:, :1]).transpose(2, 0, 1)  # (m, dim, n_corners - 1)
     project = np.linalg.pinv(along)  # (m, n_corners - 1, dim)

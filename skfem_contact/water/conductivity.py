@@ -161,7 +161,10 @@ class Conductivity:
     def slopes(self, pressure: ndarray, strain: ndarray | None) -> Slopes:
         """Return the derivatives of the flow of the elements."""
         parts = self._porous
-        by_pressure = parts.flow if self._moisture is None else self._moisture.passing(pressure)
+        if self._moisture is None:
+            by_pressure = parts.flow
+        else:
+            by_pressure = self._moisture.passing(pressure)
         if self._rate is None:
             return Slopes(by_pressure, None)
         by_pressure = self._faster(strain)[:, None, None] * by_pressure

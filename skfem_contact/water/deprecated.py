@@ -140,5 +140,13 @@ def transient_seepage(
         storage=storage,
         coordinates=coordinates,
     )
-    given = Conditions(head, flux, wells, _NOTHING, sources, seepage_face, suction)
+    given = Conditions(
+        head,
+        flux,
+        wells,
+        _NOTHING,
+        sources,
+        seepage_face,
+        suction,
+    )
     return flow.in_time(given, times, start, error)

@@ -234,7 +234,15 @@ class Flow:
         datum = float(porous.mesh.p[-1].mean())
         flow = StoringFlow(porous, self._tensors, laws, self._storage, self._axisymmetric, datum)
         above = np.nan_to_num(head, nan=datum) - datum
-        march = March(flow, conditions, laws, self._connected, above, at, error)
+        march = March(
+            flow,
+            conditions,
+            laws,
+            self._connected,
+            above,
+            at,
+            error,
+        )
         return march.run(self._unit_weight)
 
     def _head(self, start: Seepage | Given) -> ndarray:

@@ -146,7 +146,9 @@ class PartlyFilledPores:
         self._softness = softness
         self._moisture = moisture
         self._weight = unit_weight * _upward(porous.basis, porous.pressures, axisymmetric)
-        self._spread = _stabilisation(porous, shear) if porous.linear else None
+        self._spread = None
+        if porous.linear:
+            self._spread = _stabilisation(porous, shear)
 
     def numbered(self, first: int) -> Self:
         """Return the storage with pressures that begin at a dof."""

@@ -227,7 +227,10 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
     def _pressure_of(self, start: Seepage | Given) -> ndarray:
         """Return the pressure of heads at the vertices, (n_vertices,), zero outside."""
         x = self.fields[0].coordinates
-        head = start.head if isinstance(start, Seepage) else values_at(start, x, "start")
+        if isinstance(start, Seepage):
+            head = start.head
+        else:
+            head = values_at(start, x, "start")
         if np.shape(head) != x.shape[1:] or not np.isfinite(head[self._vertices]).all():
             raise ValueError("the start is a seepage of another mesh, or of other ground")
         known = np.where(np.isfinite(head), head, x[-1])
@@ -435,7 +438,10 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
         yield from check_units(self.ground, own.diffusivity, duration)
         yield from self._undrained_friction(around, drained)
         yield from around.crossed
-        others = [ground for dofs, ground in around.waters if not np.isin(dofs, held).any()]
+        others = []
+        for dofs, ground in around.waters:
+            if not np.isin(dofs, held).any():
+                others.append(ground)
         grounds = [own, *others]
         yield from check_step(self.ground, grounds, drained, around.leaks, duration, self.first)
 
@@ -500,7 +506,10 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
             state = PoreState(stored, stored, zero, x[self.first :].copy())
         if self._rate is None:
             return state
-        strain = np.zeros(self.ground.nelems) if x is None else self._grown(x)
+        if x is None:
+            strain = np.zeros(self.ground.nelems)
+        else:
+            strain = self._grown(x)
         return CompactedState(**vars(state), strain=0.0 * strain, before=-strain)
 
     def _grown(self, x: ndarray) -> ndarray:

@@ -179,7 +179,9 @@ def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates:
     wet = FacetBasis(basis.mesh, pressures.elem, facets=facets, quadrature=sides.quadrature)
     weight = sides.dx * radius(sides, coordinates == "axisymmetric")
     # Move the facets by each displacement along their normals.
-    moved = [np.einsum("ifq,ifq->fq", sides.basis[b][0], sides.normals) for b in range(sides.Nbfun)]
+    moved = []
+    for b in range(sides.Nbfun):
+        moved.append(np.einsum("ifq,ifq->fq", sides.basis[b][0], sides.normals))
     shapes = [np.broadcast_to(wet.basis[j][0], weight.shape) for j in range(wet.Nbfun)]
     swept = np.einsum("bfq,jfq,fq->fbj", np.stack(moved), np.stack(shapes), weight)
     # Add the volume to the elements of the facets.

@@ -75,7 +75,10 @@ class SeepageFace(AtNodes, Regularised, Draining):
         self.water = water
         self.size = water.ground.N
         self.borrowed = water.fields
-        self.leaks = water.dofs(*names).indices if names else np.zeros(0, int)
+        if names:
+            self.leaks = water.dofs(*names).indices
+        else:
+            self.leaks = np.zeros(0, int)
         # The excess pressure is -p_0 where the pressure is zero.
         self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self.leaks]
 

@@ -150,7 +150,10 @@ class March:
             while time < target:
                 # Divide the rest of the time into equal steps.
                 count = np.ceil((target - time) / self._step * (1.0 - 1e-12))
-                end = target if count <= 1 else time + (target - time) / count
+                if count <= 1:
+                    end = target
+                else:
+                    end = time + (target - time) / count
                 step = self._tried(time, end)
                 if step is None:
                     continue
@@ -265,7 +268,9 @@ class March:
             return None
         self._step = step * float(np.clip(better, _CUT, _GROWTH))
         # Continue from the end of the step.
-        shares = (1.0 / PART - 1.0, 1.0) if len(parts) == 2 else (1.0,)
+        shares = [1.0]
+        if len(parts) == 2:
+            shares = [1.0 / PART - 1.0, 1.0]
         self.entered += sum(share * each.entered for share, each in zip(shares, parts, strict=True))
         self.head = last.balance.head
         self.leaking = last.leaking

@@ -61,7 +61,15 @@ def read(path: str) -> Content:
             ids = np.concatenate((ids, whole(table[:, 0], "node")))
             content.points = np.concatenate((content.points, table[:, 1:]))
         elif word in _TABLES:
-            _read_elements(content, word, name, body, ids, numbers, properties)
+            _read_elements(
+                content,
+                word,
+                name,
+                body,
+                ids,
+                numbers,
+                properties,
+            )
         elif word.removeprefix("SubModelPart") in ("Nodes", *_TABLES) and open_parts:
             members = np.asarray(parsed(body, f"the lines of {word}", np.int64))
             parts.append((".".join(open_parts), word.removeprefix("SubModelPart"), members))
@@ -119,9 +127,15 @@ def _read_elements(
     content.cells[kind] = nodes if known is None else np.concatenate((known, nodes))
     # Numbers of elements, conditions and geometries are counted apart
     for other in _TABLES:
-        own = table[:, 0] if other == word else np.full(len(table), -1)
+        if other == word:
+            own = table[:, 0]
+        else:
+            own = np.full(len(table), -1)
         numbers.setdefault(kind, {}).setdefault(other, []).append(own)
-    tags = table[:, 1] if head == 2 and word == "Elements" else np.zeros(len(table), int)
+    if head == 2 and word == "Elements":
+        tags = table[:, 1]
+    else:
+        tags = np.zeros(len(table), int)
     properties.setdefault(kind, []).append(tags)
 
 

@@ -87,7 +87,10 @@ def _read(file: Any, name: str | None, octets: NDArray[np.uint8]) -> Content:
     """Read a mesh of an open file, whose bytes are also in `octets`."""
     chosen = _chosen(file, name)
     mesh = file["ENS_MAA"][chosen]
-    families = file["FAS"][chosen] if chosen in file.get("FAS", {}) else {}
+    if chosen in file.get("FAS", {}):
+        families = file["FAS"][chosen]
+    else:
+        families = {}
     # Take the first step of it that has nodes and elements.
     for step in (mesh, *mesh.values()):
         if "NOE" in step and "MAI" in step:
@@ -294,7 +297,9 @@ def _write_families(file: Any, families: dict[tuple[str, ...], int]) -> None:
         family.attrs["NUM"] = np.int32(number)
         groups = family.create_group("GRO")
         groups.attrs["NBR"] = np.int32(len(names))
-        letters = [np.frombuffer(name.encode().ljust(_LENGTH, b"\0"), np.int8) for name in names]
+        letters = []
+        for name in names:
+            letters.append(np.frombuffer(name.encode().ljust(_LENGTH, b"\0"), np.int8))
         kind = np.dtype((np.int8, (_LENGTH,)))
         data = groups.create_dataset("NOM", (len(names),), dtype=kind)
         data[...] = np.array(letters)

@@ -160,10 +160,9 @@ def pit(
     # Dig in lifts between floors.
     left = -positive(width, "width")
     right = chosen(beyond, "beyond", -3.0 * heights[-1])
-    lifts = {
-        f"lift {k}": rectangle((left, 0.0), (levels[k], levels[k - 1]))
-        for k in range(1, len(levels))
-    }
+    lifts = {}
+    for k in range(1, len(levels)):
+        lifts[f"lift {k}"] = rectangle((left, 0.0), (levels[k], levels[k - 1]))
     return in_layers(
         (left, right),
         bottoms,
