@@ -404,7 +404,9 @@ class Embedded(Form, Couples, Staged, Regularised):
     def _members(self, x: ndarray, state: EmbeddedState) -> dict[str, ndarray]:
         # Displacements of the beam at the points and the foot
         beam = len(self._ground)
-        moved = -(self._jump[:, beam:] @ x[self._dofs[beam:]]).reshape(self._along.shape)
+        of_beam = x[self._dofs[beam:]]
+        moved = -(self._jump[:, beam:] @ of_beam)
+        moved = moved.reshape(self._along.shape)
         along = (moved * self._along).sum(axis=1)
         n = len(self.positions)
         points = np.arange(n)
@@ -419,19 +421,22 @@ class Embedded(Form, Couples, Staged, Regularised):
             if self._along.shape[1] == 2:
                 left = np.column_stack((-self._along[:-1, 1], self._along[:-1, 0]))
                 directions = {"p": left}
-            rows = [
-                (kind, points, (lateral * to).sum(axis=1), -(forces * to).sum(axis=1), used)
-                for kind, to in directions.items()
-            ] + rows
+            across = []
+            for kind, to in directions.items():
+                deflection = (lateral * to).sum(axis=1)
+                resistance = -(forces * to).sum(axis=1)
+                across.append((kind, points, deflection, resistance, used))
+            rows = across + rows
         if self.F_max > 0.0:
             bears = -state.foot[:1]
             rows.append(("q", np.array([n]), along[-1:], bears, bears / self.F_max))
 
         kinds, numbers, deflections, resistances, shares = zip(*rows)
         at = np.concatenate(numbers)
+        counts = [len(part) for part in numbers]
         positions = np.append(self.positions, self._lengths.sum())
         return {
-            "kind": np.repeat(kinds, [len(part) for part in numbers]),
+            "kind": np.repeat(kinds, counts),
             "position": positions[at],
             **dict(zip("xyz", self._points[at].T)),
             "deflection": np.concatenate(deflections),
@@ -508,17 +513,22 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     at_foot = np.einsum("k,kc->c", dN_foot, corners[-1])
     t = np.vstack((tangents.reshape(-1, beam.dim), at_foot))
     t /= np.linalg.norm(t, axis=1)[:, None]
-    values = np.vstack((np.tile(N, (len(corners), 1)), N_foot))
-    cells = np.vstack((np.repeat(beam.cells, len(xi), axis=0), beam.cells[-1]))
+    along = np.tile(N, (len(corners), 1))
+    values = np.vstack((along, N_foot))
+    cells = np.repeat(beam.cells, len(xi), axis=0)
+    cells = np.vstack((cells, beam.cells[-1]))
     points = np.einsum("pk,pkc->pc", values, beam.points[cells])
 
     # Measure lengths along the beam
     weights = weight * np.linalg.norm(tangents, axis=2)
     lengths = weights.sum(axis=1)
     begin = np.cumsum(lengths) - lengths
-    s = begin[:, None] + 0.5 * (1.0 + xi) * lengths[:, None]
+    share = 0.5 * (1.0 + xi)
+    s = begin[:, None] + share * lengths[:, None]
 
-    row = np.repeat(np.arange(len(values)), values.shape[1])
+    # Interpolate the displacements of the beam
+    rows = np.arange(len(values))
+    row = np.repeat(rows, values.shape[1])
     shape = (len(values), len(beam.points))
     of_beam = coo_matrix((values.ravel(), (row, cells.ravel())), shape)
     return s.ravel(), points, t, weights.ravel(), _by_component(of_beam, beam.dim)

@@ -199,7 +199,8 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
     Parts are strains of elements, (m, q, n), and their dofs, (m, n); stiff dofs do not move.
     """
     # Assemble the strains, each of unit size, of all free dofs
-    dofs, columns = np.unique(np.concatenate([rows for _, rows in parts]), return_inverse=True)
+    every = np.concatenate([rows for _, rows in parts])
+    dofs, columns = np.unique(every, return_inverse=True)
     strains = np.concatenate([strains for strains, _ in parts])
     size = np.linalg.norm(strains, axis=2, keepdims=True)
     blocks = strains / np.where(size > 0.0, size, 1.0)  # (m, q, n)
@@ -209,18 +210,22 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
     free = np.flatnonzero(~np.isin(dofs, stiff))
     if not len(free):
         return None
-    B = coo_matrix((blocks.ravel(), (row, column)), shape=(m * q, len(dofs))).tocsc()[:, free]
+    B = coo_matrix((blocks.ravel(), (row, column)), shape=(m * q, len(dofs)))
+    B = B.tocsc()[:, free]
 
     # Find the motion with the smallest strain by inverse iteration
     K = csc_matrix(B.T @ B)
-    solve = splu(csc_matrix(K + _NO_STRAIN * eye_array(K.shape[0])), permc_spec="MMD_AT_PLUS_A")
-    motion = np.random.default_rng(0).standard_normal(K.shape[0])
+    n_free = len(free)
+    shifted = csc_matrix(K + _NO_STRAIN * eye_array(n_free))
+    factors = splu(shifted, permc_spec="MMD_AT_PLUS_A")
+    motion = np.random.default_rng(0).standard_normal(n_free)
     for _ in range(3):
-        motion = solve.solve(motion)
+        motion = factors.solve(motion)
         motion /= np.linalg.norm(motion)
     if motion @ (K @ motion) > 2.0 * _NO_STRAIN:
         return None
-    return int(dofs[free[np.argmax(np.abs(motion))]])
+    largest = np.argmax(np.abs(motion))
+    return int(dofs[free[largest]])
 
 
 def of_a_line(

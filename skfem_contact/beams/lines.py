@@ -271,7 +271,8 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
         return None
     ends = mesh.p[:, mesh.facets[:, facets]].transpose(2, 1, 0)  # (facets, 2, dim)
     middle = ends.mean(axis=1)
-    inner = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1).T
+    owner = mesh.f2t[0, facets]
+    inner = mesh.p[:, mesh.t[:, owner]].mean(axis=1).T
 
     # Tangents t and normals n of the chords of both halves of the elements
     start = points[:, [0, 2]].reshape(-1, 2)
@@ -285,7 +286,8 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     s = np.einsum("fec,ec->fe", offset, t)
     across = np.einsum("fec,ec->fe", offset, n)
     beyond = np.maximum(np.maximum(-s, s - length), 0.0)
-    nearest = np.argmin(np.abs(across) + 2.0 * beyond, axis=1)
+    distance = np.abs(across) + 2.0 * beyond
+    nearest = np.argmin(distance, axis=1)
     each = np.arange(len(facets))
 
     # Compare the distances with half a thickness, on the side on which the ground lies
@@ -295,7 +297,8 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     size = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     near = np.abs(away - half * sides) <= _NEAR * size
     within = beyond[each, nearest] <= _NEAR * length[nearest]
-    if (near & within & (sides == sides[0])).all():
+    one_side = sides == sides[0]
+    if (near & within & one_side).all():
         return int(sides[0])
     return None
 

@@ -178,21 +178,26 @@ class PileSprings(Form, Couples, Staged):
         # f_i = clip(k_i (y - s_i), -r_i, r_i); the tip has no tension
         moved = self._moved(x)
         elastic = self._stiffness * (moved[:, None] - state.slip)
-        low = np.where((self._kinds == "q")[:, None], 0.0, -self._limit)
+        at_tip = (self._kinds == "q")[:, None]
+        low = np.where(at_tip, 0.0, -self._limit)
         parts = np.clip(elastic, low, self._limit)
         acts = parts == elastic
         force = parts.sum(axis=1)
 
         def after() -> SpringState:
             k = np.where(self._stiffness > 0.0, self._stiffness, 1.0)
-            slip = np.where(acts, state.slip, moved[:, None] - parts / k)
+            slid = moved[:, None] - parts / k
             # a tip that has lifted off comes back to where it left
-            lifted = (self._kinds == "q")[:, None] & (elastic < 0.0)
-            return SpringState(force, np.where(lifted, state.slip, slip))
+            lifted = at_tip & (elastic < 0.0)
+            slip = np.where(acts | lifted, state.slip, slid)
+            return SpringState(force, slip)
 
         def tangent(kept: float = 0.0) -> csr_matrix:
-            k = np.where(acts, self._stiffness, kept * self._stiffness).sum(axis=1)
-            blocks = k[:, None, None] * self._direction[:, :, None] * self._direction[:, None]
+            # K = k d d^T
+            each = np.where(acts, self._stiffness, kept * self._stiffness)
+            k = each.sum(axis=1)
+            d = self._direction
+            blocks = k[:, None, None] * d[:, :, None] * d[:, None]
             rows = np.repeat(self._dofs, 2, axis=1).ravel()
             columns = np.tile(self._dofs, (1, 2)).ravel()
             N = len(x)

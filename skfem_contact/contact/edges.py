@@ -78,21 +78,27 @@ class OnEdges:
 
         # Move every node by a complex step in every direction: a row for each point and dof
         row = np.repeat(np.arange(n), m)
-        values = np.concatenate((self.values, np.zeros((n, n_nodes - slave))), axis=1)
+        of_master = np.zeros((n, n_nodes - slave))
+        values = np.concatenate((self.values, of_master), axis=1)
         corners = np.zeros((n_nodes, dim, k, dim))
         corners[np.arange(slave, slave + k), :, np.arange(k)] = eye
         corners = np.tile(corners.reshape(-1, k, dim), (n, 1, 1))
-        point = self.point[row] + 1j * _STEP * _by_dofs(values, eye)
-        nodes = self.nodes[row] + 1j * _STEP * corners
-        from_stick = self.from_stick[row] + 1j * _STEP * _by_dofs(self.sigma, eye)
-        direction = self.direction[row] + 1j * _STEP * _by_dofs(self.delta, eye)
-        step = self._first(row, point, nodes, from_stick, direction)
+        step = 1j * _STEP
+        point = self.point[row] + step * _by_dofs(values, eye)
+        nodes = self.nodes[row] + step * corners
+        from_stick = self.from_stick[row] + step * _by_dofs(self.sigma, eye)
+        direction = self.direction[row] + step * _by_dofs(self.delta, eye)
+        moved = self._first(row, point, nodes, from_stick, direction)
 
         def derivative(part: ndarray) -> ndarray:
             by_row = (part.imag / _STEP).reshape(n, m, *part.shape[1:])
             return np.moveaxis(by_row, 1, -1)
 
-        return derivative(step.gap_gradient), derivative(step.tangential), derivative(step.slip)
+        return (
+            derivative(moved.gap_gradient),
+            derivative(moved.tangential),
+            derivative(moved.slip),
+        )
 
     def _first(
         self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray

@@ -107,8 +107,9 @@ def _within(surface: Surface, reach: ndarray) -> csr_matrix:
     end = surface.facets[:, second].ravel()
     length = np.linalg.norm(surface.nodes[start] - surface.nodes[end], axis=1)
     n = len(surface.nodes)
-    order = np.unique(np.sort(np.stack((start, end)), axis=0), axis=1, return_index=True)[1]
-    graph = csr_matrix((length[order], (start[order], end[order])), shape=(n, n))
+    pairs = np.sort(np.stack((start, end)), axis=0)
+    once = np.unique(pairs, axis=1, return_index=True)[1]
+    graph = csr_matrix((length[once], (start[once], end[once])), shape=(n, n))
 
     # Walk along them, some nodes at once
     rows = []
@@ -119,4 +120,6 @@ def _within(surface: Surface, reach: ndarray) -> csr_matrix:
         rows.append(some[row])
         columns.append(column)
     row = np.concatenate(rows)
-    return csr_matrix((np.ones(len(row)), (row, np.concatenate(columns))), shape=(n, n))
+    column = np.concatenate(columns)
+    ones = np.ones(len(row))
+    return csr_matrix((ones, (row, column)), shape=(n, n))

@@ -187,12 +187,15 @@ def _compared(pair: ContactBase, state: ContactState, values: ndarray, size: flo
     # Facet by facet, fit a polynomial around, and take what is left at its own points
     loaded = np.unique(points.facet[values[:, 0] != 0.0])
     chosen = loaded[:: len(loaded) // _MOST + 1]
-    around = scipy.spatial.cKDTree(coordinates).query_ball_point(centres.x[0][chosen], reach)
+    middles = centres.x[0]
+    tree = scipy.spatial.cKDTree(coordinates)
+    around = tree.query_ball_point(middles[chosen], reach)
     rest = np.full(values.shape, np.nan)
     level = np.full(m, -np.inf)
     for facet, near in zip(chosen, around, strict=True):
         at = np.array(near, int)
-        local = (coordinates[at] - centres.x[0][facet]) @ tangents[facet].T / reach
+        offset = coordinates[at] - middles[facet]
+        local = offset @ tangents[facet].T / reach
         terms = _quadratic(local)
         root = np.sqrt(points.weight[at])[:, None]
         factors = np.linalg.lstsq(root * terms, root * values[at], rcond=1e-10)[0]
@@ -201,7 +204,8 @@ def _compared(pair: ContactBase, state: ContactState, values: ndarray, size: flo
         level[facet] = float(factors[0, 0])
 
     # Leave out facets beyond the edge of the contact
-    inside = (level > _INSIDE * level.max(initial=0.0))[points.facet] & np.isfinite(rest[:, 0])
+    loaded_facets = level > _INSIDE * level.max(initial=0.0)
+    inside = loaded_facets[points.facet] & np.isfinite(rest[:, 0])
     return _Compared(coordinates, points.weight, values, rest, inside)
 
 

@@ -62,8 +62,9 @@ class Stretch(NamedTuple):
             factors = tangents / (size * area)[:, None, None]
         else:
             unit = normal / size[:, None]
-            along = np.stack((cross(tangents[:, 1], unit), cross(unit, tangents[:, 0])), axis=1)
-            factors = along / area[:, None, None]
+            by_first = cross(tangents[:, 1], unit)
+            by_second = cross(unit, tangents[:, 0])
+            factors = np.stack((by_first, by_second), axis=1) / area[:, None, None]
         slopes = np.einsum("nak,nac->nkc", derivatives, factors)
 
         # Circles about the axis grow with their radius.
@@ -77,7 +78,8 @@ class Stretch(NamedTuple):
             slopes[:, :, 0] += (values * inverse)[:, None] * shapes
             values = values * ratio
         dofs = surface.dofs_of(surface.facets[facet])
-        dofs = dofs.reshape(len(facet), int(np.prod(dofs.shape[1:])))
+        n_dofs = int(np.prod(dofs.shape[1:]))
+        dofs = dofs.reshape(len(facet), n_dofs)
         return cls(values, slopes.reshape(dofs.shape), dofs)
 
     def by_stretch(

@@ -113,8 +113,9 @@ class FreeField(Form, Couples, Staged, Absorbing):
         ends = mesh.p[:, mesh.facets[:, facets]]  # (2, 2, n_facets)
         height = float(np.ptp(ends[1]))
         x = float(ends[0].mean())
-        if np.abs(ends[0] - x).max() > _STRAIGHT * height or height == 0.0:
-            worst = np.abs(ends[0] - x).max(axis=0).argmax()
+        offset = np.abs(ends[0] - x)
+        if offset.max() > _STRAIGHT * height or height == 0.0:
+            worst = offset.max(axis=0).argmax()
             raise ValueError(
                 f"the side '{self._boundary}' of a free field is not vertical, at "
                 f"{format_point(ends[:, 0, worst])}"
@@ -122,9 +123,12 @@ class FreeField(Form, Couples, Staged, Absorbing):
         order = np.argsort(ends[1].mean(axis=0))
         low = ends[1].min(axis=0)[order]
         levels = np.append(low, ends[1].max())
+        elements = self._solid.elements
+        numbers = np.arange(len(elements))
         position = np.full(mesh.nelements, -1)
-        position[self._solid.elements] = np.arange(len(self._solid.elements))
-        self._beside = position[mesh.f2t[0, facets[order]]]
+        position[elements] = numbers
+        at_side = mesh.f2t[0, facets[order]]
+        self._beside = position[at_side]
         middle = float(mesh.p[0].mean())
         self._outwards = 1.0 if x > middle else -1.0
 
@@ -134,41 +138,48 @@ class FreeField(Form, Couples, Staged, Absorbing):
         materials = {}
         for region in self._solid.regions:
             inside = np.zeros(len(position), bool)
-            inside[np.arange(len(self._solid.elements))[region.elements]] = True
+            inside[numbers[region.elements]] = True
             chosen = np.flatnonzero(inside[self._beside])
             if len(chosen):
                 parts[region.name] = chosen
                 materials[region.name] = region.material
         strip = MeshQuad.init_tensor(np.array([0.0, self._width]), levels)
-        layer = np.argsort(np.argsort(strip.p[1][strip.t].mean(axis=0)))
+        middles = strip.p[1][strip.t].mean(axis=0)
+        layer = np.argsort(np.argsort(middles))
         subdomains = {}
         for name, part in parts.items():
             subdomains[name] = np.flatnonzero(np.isin(layer, part))
         second = basis.Nbfun > basis.mesh.dim() * len(basis.mesh.t)
-        element = ElementQuad2() if second else ElementQuad1()
-        strip_basis = Basis(
-            strip.with_subdomains(subdomains), ElementVector(element), intorder=4 if second else 2
-        )
+        element = ElementQuad1()
+        intorder = 2
+        if second:
+            element = ElementQuad2()
+            intorder = 4
+        strip = strip.with_subdomains(subdomains)
+        strip_basis = Basis(strip, ElementVector(element), intorder=intorder)
         weights = self._solid.unit_weights[self._beside]
         weight = {name: float(weights[part].mean()) for name, part in parts.items()}
-        self._column = SolidForm(
-            strip_basis, materials, strain=self._solid.strain, unit_weight=weight
-        )
+        strain = self._solid.strain
+        self._column = SolidForm(strip_basis, materials, strain=strain, unit_weight=weight)
         self._layer = layer[self._column.elements]
 
         # Dofs of the levels, and of the nodes at the side
-        y = strip_basis.doflocs[1]
-        heights, level = np.unique(np.round((y - levels[0]) / height, 9), return_inverse=True)
+        x_dofs, y_dofs = strip_basis.doflocs
+        relative = np.round((y_dofs - levels[0]) / height, 9)
+        heights, level = np.unique(relative, return_inverse=True)
         n = strip_basis.N
-        own = 2 * level + np.arange(n) % 2
+        dofs = np.arange(n)
+        own = 2 * level + dofs % 2
         m = 2 * len(heights)
         ones = np.ones(n)
-        self._tied = csr_matrix((ones, (np.arange(n), own)), shape=(n, m))
-        sides = np.sign(strip_basis.doflocs[0] / self._width - 0.5).round()
-        sides[np.abs(strip_basis.doflocs[0] / self._width - 0.5) < 0.25] = 0.0
+        self._tied = csr_matrix((ones, (dofs, own)), shape=(n, m))
         # half the difference of the forces on both sides is the traction
-        self._traction = csr_matrix((0.5 * sides, (own, np.arange(n))), shape=(m, n))
-        points = np.column_stack((np.full(len(heights), x), levels[0] + height * heights))
+        off_middle = x_dofs / self._width - 0.5
+        sides = np.sign(off_middle).round()
+        sides[np.abs(off_middle) < 0.25] = 0.0
+        self._traction = csr_matrix((0.5 * sides, (own, dofs)), shape=(m, n))
+        y = levels[0] + height * heights
+        points = np.column_stack((np.full(len(heights), x), y))
         self._side = dofs_at(basis, points).ravel()
         self._bottom = np.array([0, 1])
         self.field = Field("free field", np.repeat(points, 2, axis=0).T)

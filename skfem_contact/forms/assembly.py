@@ -325,23 +325,27 @@ class Pattern:
         graph.sort_indices()
         ptr = graph.indptr.astype(np.int64)
         degree = np.diff(ptr)
-        keys = np.repeat(np.arange(n_nodes, dtype=np.int64), degree) * n_nodes + graph.indices
-        entry = np.searchsorted(keys, rows.astype(np.int64) * n_nodes + columns)
+        row = np.repeat(np.arange(n_nodes, dtype=np.int64), degree)
+        keys = row * n_nodes + graph.indices
+        wanted = rows.astype(np.int64) * n_nodes + columns
+        entry = np.searchsorted(keys, wanted)
 
         # a node pair (r, c) becomes a d x d block: d rows of d degree(r) entries each
         first = d * d * ptr[rows] + d * (entry - ptr[rows])
         row_length = d * degree[rows, None, None]
         i = np.arange(d)
         block = first[:, None, None] + i[:, None] * row_length + i  # (n_pairs, d, d)
-        slots = block.reshape(n_elements, n_local, n_local, d, d).transpose(0, 1, 3, 2, 4)
-        slots = slots.astype(np.int32, order="C").reshape(n_elements, d * n_local, d * n_local)
+        slots = block.reshape(n_elements, n_local, n_local, d, d)
+        slots = slots.transpose(0, 1, 3, 2, 4).astype(np.int32, order="C")
+        slots = slots.reshape(n_elements, d * n_local, d * n_local)
 
         # repeat the columns of a node in its d rows
         length = np.repeat(d * degree, d)
         indptr = np.concatenate(([0], np.cumsum(length)))
         dofs = (d * graph.indices[:, None] + i).ravel()
         start = np.repeat(d * ptr[:-1], d)
-        within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], length)
+        start_of_row = np.repeat(indptr[:-1], length)
+        within = np.arange(indptr[-1]) - start_of_row
         indices = dofs[np.repeat(start, length) + within]
         return cls(_frozen(indptr), _frozen(indices), slots, d)
 

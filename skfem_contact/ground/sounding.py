@@ -228,11 +228,12 @@ def _joined(
     changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
     between = [0.5 * (depth[k - 1] + depth[k]) for k in changes]
     starts = [0, *changes]
+    ends = [*changes, len(names)]
     bounds = [0.0, *between, depth[-1]]
     layers = []
-    for k, start in enumerate(starts):
-        end = (*starts, len(names))[k + 1]
-        layers.append([names[start], bounds[k], bounds[k + 1], float(index[start:end].mean())])
+    for k, (start, end) in enumerate(zip(starts, ends)):
+        mean = float(index[start:end].mean())
+        layers.append([names[start], bounds[k], bounds[k + 1], mean])
 
     # Join the thinnest layer to the neighbour with the nearer index until all are thick enough
     while len(layers) > 1:

@@ -229,7 +229,9 @@ def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
     if len(t) == 4:
         middle = p.shape[1] + np.arange(len(elements))
         p = np.hstack([p, p[:, t].mean(axis=1)])
-        quarters = [np.stack([t[i], t[(i + 1) % 4], middle]) for i in range(4)]
+        quarters = []
+        for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
+            quarters.append(np.stack([t[i], t[j], middle]))
         t = np.hstack(quarters)
         elements = np.tile(elements, 4)
     return Geometry(Triangles.of(p, t, elements, ends), centre, size, _curved(mesh, facets))

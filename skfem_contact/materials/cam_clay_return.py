@@ -509,11 +509,13 @@ def tangent(flow: Rate, at: Plastic, trial: Trial, p: Array) -> Array:
 
     # differentiate the equation that y solves; ln(y M^2 / (6 g r)) is the isotropic rate
     now = course(at, trial)
-    dF = dz - c.hardening * dD + (dh - 2 * at.h / M * dM) / (M**2 + at.h)
+    dh_by_M = dh - 2 * at.h / M * dM
+    dF = dz - c.hardening * dD + dh_by_M / (M**2 + at.h)
     by_strain = flow.of_condition * dF + flow.of_volume * dD
     by_strain += flow.of_isotropic * (2 * dM / M - at.slope * dz)
     by_y = flow.of_condition * now.F_y + flow.of_volume * now.D_y
-    by_y = by_y + flow.of_isotropic * isotropic(at, now)[1]
+    isotropic_by_y = isotropic(at, now)[1]
+    by_y = by_y + flow.of_isotropic * isotropic_by_y
     dy = np.where(y > 0, -by_strain / by_y, 0.0)
     dx = -x * x * dy
     dz += now.z_y * dy

@@ -498,8 +498,9 @@ def _tangent(block: _Block, k: Constants) -> Array:
     # add the change of the scale by the stress at the end
     axes = principal(block.stress)
     least = k.shift - axes.values[0]
+    by_least = k.scale_slope(least, k.scale(least))
     direction = axes.stress(np.eye(3)[:, :1] * np.ones(n))
-    rate = -0.5 * factor * k.scale_slope(least, k.scale(least)) * direction
+    rate = -0.5 * factor * by_least * direction
     rate[3:] *= 2
     own = 1 - (rate * by_scale).sum(axis=0)
     gain = np.einsum("in,nij->nj", rate, result) / own[:, None]

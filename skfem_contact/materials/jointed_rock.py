@@ -217,11 +217,13 @@ class JointedRock(Material):
         # Find the points outside of a surface, and their multipliers.
         excess = s.a @ flat - s.limit[:, None]  # (surfaces, points)
         scale = np.abs(flat).max(axis=0) + s.limit.max()
-        points = np.flatnonzero((excess > _ROUND_OFF * scale).any(axis=0))
+        tolerance = _ROUND_OFF * scale
+        outside = (excess > tolerance).any(axis=0)
+        points = np.flatnonzero(outside)
         new_internal = internal.copy()
         if not len(points):
             return Update(trial, new_internal, points, lambda: np.zeros((0, 4, 4)))
-        active, multipliers = _solved(s.G, excess[:, points], _ROUND_OFF * scale[points])
+        active, multipliers = _solved(s.G, excess[:, points], tolerance[points])
 
         # Return the stresses, and add the plastic strains.
         flow = s.b.T @ multipliers  # (4, n)
@@ -233,9 +235,11 @@ class JointedRock(Material):
         def tangent() -> Array:
             result = np.tile(s.D, (len(points), 1, 1))
             for mask, where in _groups(active):
+                # D - D b G^-1 a D with the active surfaces
                 inverse = np.linalg.inv(s.G[np.ix_(mask, mask)])
-                lost = (s.D @ s.b[mask].T) @ inverse @ (s.a[mask] @ s.D)
-                result[where] -= lost
+                flow = s.D @ s.b[mask].T
+                normals = s.a[mask] @ s.D
+                result[where] -= flow @ inverse @ normals
             return result
 
         return Update(flat.reshape(trial.shape), new_internal, points, tangent)

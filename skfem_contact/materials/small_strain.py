@@ -74,11 +74,13 @@ class SmallStrain(NamedTuple):
 
         # differentiate the factor: by the share of the history along the increment, by its length
         turns = first & (along > 0) & begun
-        turned = np.where(turns, 0.5 * rate / np.where(turns, travelled, 1.0), 0.0)
+        way = np.where(turns, travelled, 1.0)
+        turned = np.where(turns, 0.5 * rate / way, 0.0)
         by_ahead = np.where(along > 0, scale, 0.0) + turned * ahead
         by_along = (by_begin + by_end) * by_ahead + by_end * turned * length
         across = (history - along * direction) / np.where(moves, length, np.inf)
-        slope = _covector(by_along * across + by_end * scale * direction)[: len(strain)]
+        by_strain = by_along * across + by_end * scale * direction
+        slope = _covector(by_strain)[: len(strain)]
 
         # forget the history against the direction of the increment
         history = history - np.minimum(along, 0.0) * direction + e

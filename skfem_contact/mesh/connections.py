@@ -77,19 +77,26 @@ def lies_on(points: Floats, corners: Floats, size: Floats) -> NDArray[np.bool_]:
         length = np.linalg.norm(along, axis=1)
         from_first = points - corners[:, 0]
         position = (from_first * along).sum(axis=1) / length
-        off = np.abs(from_first[:, 0] * along[:, 1] - from_first[:, 1] * along[:, 0]) / length
-        return (off <= near) & (position >= -near) & (position <= length + near)
+        area = from_first[:, 0] * along[:, 1] - from_first[:, 1] * along[:, 0]
+        off = np.abs(area) / length
+        between = (position >= -near) & (position <= length + near)
+        return (off <= near) & between
 
     # Find the normal from the diagonals, and the distance from every edge
     k = corners.shape[1]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, k - 1] - corners[:, 0])
+    to_next = corners[:, 1] - corners[:, 0]
+    to_last = corners[:, k - 1] - corners[:, 0]
+    normal = np.cross(to_next, to_last)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    inside = np.abs(((points - corners.mean(axis=1)) * normal).sum(axis=1)) <= near
+    from_middle = points - corners.mean(axis=1)
+    off = (from_middle * normal).sum(axis=1)
+    inside = np.abs(off) <= near
     for a in range(k):
         edge = corners[:, (a + 1) % k] - corners[:, a]
         inward = np.cross(normal, edge)
         inward /= np.linalg.norm(inward, axis=1, keepdims=True)
-        inside &= ((points - corners[:, a]) * inward).sum(axis=1) >= -near
+        distance = ((points - corners[:, a]) * inward).sum(axis=1)
+        inside &= distance >= -near
     return inside
 
 

@@ -482,15 +482,18 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     left = np.column_stack((-tangent[:, 1], tangent[:, 0]))
 
     # Give both values at a node the mean of their directions.
-    first = np.arange(len(axis) if closed else len(axis) - 1)
-    second = (first + 1) % len(axis)
+    n = len(axis)
+    first = np.arange(n if closed else n - 1)
+    second = (first + 1) % n
     apart = np.linalg.norm(axis[second] - axis[first], axis=1)
     smooth = (left[first] * left[second]).sum(axis=1) > _SMOOTH
     at_node = (apart <= _ROUND_OFF * np.ptp(axis)) & smooth
     first = first[at_node]
     second = second[at_node]
     mean = left[first] + left[second]
-    left[first] = left[second] = mean / np.linalg.norm(mean, axis=1)[:, None]
+    mean = mean / np.linalg.norm(mean, axis=1)[:, None]
+    left[first] = mean
+    left[second] = mean
     if not isinstance(values, SectionForces):
         left = -left
     ordinate = getattr(values, quantity)[order]

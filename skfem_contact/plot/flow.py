@@ -92,13 +92,15 @@ def flow_diagram(
     ax.figure.colorbar(filled, ax=ax, label=labelled(*_FLOW[quantity]), shrink=0.8)
 
     # Draw the outline, the free surface and the flow.
-    is_outline = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets) == 1
+    sides = mesh.t2f[:, elements].ravel()
+    is_outline = np.bincount(sides, minlength=mesh.nfacets) == 1
     outline = mesh.p[:, mesh.facets[:, is_outline]].transpose(2, 1, 0)  # (n, 2, 2)
     ax.add_collection(LineCollection(outline, colors="black"))
     for line in water.free_surface:
         ax.plot(*line.T, color=WATER, linewidth=2.0)
     if arrows:
-        _draw_arrows(ax, mesh.p[:, mesh.t[:, elements]].mean(axis=1), water.velocity)
+        centres = mesh.p[:, mesh.t[:, elements]].mean(axis=1)
+        _draw_arrows(ax, centres, water.velocity)
     ax.set(aspect="equal")
     figure = ax.get_figure()
     assert isinstance(figure, Figure)

@@ -181,11 +181,14 @@ def _fitted(
     degree = 1
     if cells.shape[1] > corners:
         degree = 2
-    beta = _BETA[degree, corners == dim + 1]
-    m = len(_powers(np.zeros((dim, 1)), degree))
+    simplices = corners == dim + 1
+    beta = _BETA[degree, simplices]
+    origin = np.zeros((dim, 1))
+    m = len(_powers(origin, degree))
     nc = len(values)
     if balanced:
-        forces = form.element_forces(values, np.arange(basis.nelems)).T
+        every = np.arange(basis.nelems)
+        forces = form.element_forces(values, every).T
         B = strain_operator(form.basis, "full", str(form.coordinates)).B
 
     fits = np.zeros((len(vertex), nc, m))  # (n_patches, n_components, terms)
@@ -196,15 +199,18 @@ def _fitted(
         n = chunk.shape[0]
         patch = np.repeat(np.arange(n), np.diff(chunk.indptr))
         e = chunk.indices
-        scale = size[part[patch], None]
-        x = (points[:, e] - center[:, part[patch], None]) / scale
-        p = _powers(x, degree).transpose(1, 2, 0)  # (pairs, points, terms)
+        about = part[patch]
+        scale = size[about, None]
+        offset = points[:, e] - center[:, about, None]
+        p = _powers(offset / scale, degree).transpose(1, 2, 0)  # (pairs, points, terms)
         total = np.bincount(patch, form.weight[e].sum(axis=1))
         w = form.weight[e] / total[patch][:, None]
 
         # Fit component by component without forces.
-        M = _sum_of(patch, n, np.einsum("pqa,pqb,pq->pab", p, p, w))
-        r = _sum_of(patch, n, np.einsum("cpq,pqa,pq->pca", values[:, e], p, w))
+        products = np.einsum("pqa,pqb,pq->pab", p, p, w)
+        M = _sum_of(patch, n, products)
+        moments = np.einsum("cpq,pqa,pq->pca", values[:, e], p, w)
+        r = _sum_of(patch, n, moments)
         if not balanced:
             fits[part] = r @ _inverse(M)
             continue
@@ -213,10 +219,12 @@ def _fitted(
         scaled = w * scale
         of_elements = forces[e] * (scaled / form.weight[e])[:, :1]
         H, f = _balance(patch, cells[e], B[e], p, scaled, of_elements)
-        M = np.einsum("cd,pab->pcadb", np.eye(nc), M).reshape(n, nc * m, nc * m)
+        M = np.einsum("cd,pab->pcadb", np.eye(nc), M)
+        M = M.reshape(n, nc * m, nc * m)
         A = H.transpose(0, 2, 1) @ H + beta * M
         b = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(n, -1)
-        fits[part] = np.einsum("pab,pb->pa", _inverse(A), b).reshape(-1, nc, m)
+        c = np.einsum("pab,pb->pa", _inverse(A), b)
+        fits[part] = c.reshape(-1, nc, m)
     return _evaluated(fits, coordinates, center, size, sources, degree)
 
 

@@ -89,9 +89,9 @@ def outline(mesh: Mesh, elements: ndarray, vertices: ndarray, middles: ndarray |
     of_facets = _names_of(mesh.facets.shape[1], mesh.boundaries)
     same = np.array([names[a] == names[b] for a, b in zip(first, second)])
     joined = np.flatnonzero(inside & same)
-    graph = coo_matrix(
-        (np.ones(len(joined)), (first[joined], second[joined])), shape=(mesh.nelements,) * 2
-    )
+    ones = np.ones(len(joined))
+    shape = (mesh.nelements, mesh.nelements)
+    graph = coo_matrix((ones, (first[joined], second[joined])), shape=shape)
     part = np.full(mesh.nelements, -1)
     _, number = connected_components(graph, directed=False)
     _, part[active] = np.unique(number[active], return_inverse=True)
@@ -100,23 +100,31 @@ def outline(mesh: Mesh, elements: ndarray, vertices: ndarray, middles: ndarray |
         subdomains[part[element]] = names[element]
 
     # Find the facets between parts, and those with a name
-    sides = np.stack((part[first], np.where(second >= 0, part[second], -1)))
+    beyond = np.where(second >= 0, part[second], -1)
+    sides = np.stack((part[first], beyond))
     named = np.array([len(name) > 0 for name in of_facets])
     kept = (sides[0] != sides[1]) | (named & inside)
-    facets = np.flatnonzero(kept & (sides >= 0).any(axis=0))
-    ways = [_directed(mesh, int(k), sides[:, k]) for k in facets]
-    labels = [(of_facets[k], way[2], way[3]) for k, way in zip(facets, ways)]
+    of_parts = (sides >= 0).any(axis=0)
+    facets = np.flatnonzero(kept & of_parts)
+    ways = []
+    labels = []
+    for k in facets:
+        start, end, left, right = _directed(mesh, int(k), sides[:, k])
+        ways.append((start, end, left, right))
+        labels.append((of_facets[k], left, right))
+
+    # Follow the runs of facets from vertex to vertex
     chains = []
     for run in _runs(ways, labels, vertices):
-        at = [ways[run[0]][0]]
-        points = [vertices[:, at[0]]]
+        start = ways[run[0]][0]
+        points = [vertices[:, start]]
         for k in run:
             if middles is not None:
                 points.append(middles[:, facets[k]])
-            at.append(ways[k][1])
-            points.append(vertices[:, at[-1]])
+            end = ways[k][1]
+            points.append(vertices[:, end])
         names_of_run, left, right = labels[run[0]]
-        chains.append(Chain(np.array(points), (at[0], at[-1]), names_of_run, left, right))
+        chains.append(Chain(np.array(points), (start, end), names_of_run, left, right))
     return Outline(chains, subdomains)
 
 

@@ -22,12 +22,18 @@ def extruded(mesh: Mesh, levels: ndarray, upright: bool) -> Mesh:
     rank = np.empty(n, int)
     rank[np.lexsort(mesh.p[::-1, :n])] = np.arange(n)
     corners = _by_rank(mesh.t, rank)
-    a, b, c = corners[:, None] + n * np.arange(layers)[:, None]
+    shift = n * np.arange(layers)
+    a, b, c = corners[:, None] + shift[:, None]
     prisms = np.array(
-        [[a, b, c, c + n], [a, b, b + n, c + n], [a, a + n, b + n, c + n]]
+        [
+            [a, b, c, c + n],
+            [a, b, b + n, c + n],
+            [a, a + n, b + n, c + n],
+        ]
     )  # (3, 4, layers, elements)
     t = prisms.transpose(1, 2, 3, 0).reshape(4, -1)
-    x = _in_space(np.tile(mesh.p[:, :n], layers + 1), np.repeat(levels, n), upright)
+    plane = np.tile(mesh.p[:, :n], layers + 1)
+    x = _in_space(plane, np.repeat(levels, n), upright)
     solid = MeshTet1(x, t)
 
     # Find the names of the plane mesh in space
@@ -38,7 +44,12 @@ def extruded(mesh: Mesh, levels: ndarray, upright: bool) -> Mesh:
     boundaries = {}
     for name, facets in (mesh.boundaries or {}).items():
         boundaries[name] = _faces(mesh, solid, facets, rank)
-    first, last = ("base", "top") if upright else ("front", "back")
+    if upright:
+        first = "base"
+        last = "top"
+    else:
+        first = "front"
+        last = "back"
     boundaries[first] = _find(solid, corners)
     boundaries[last] = _find(solid, corners + n * layers)
     if mesh.doflocs.shape[1] > n:

@@ -75,8 +75,13 @@ def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[
 
     # Read the elements face by face
     tags, points, _ = gmsh.model.mesh.getNodes()
-    kind, nodes_of_element = ("triangle", 3) if order == 1 else ("triangle6", 6)
-    cells, owners = [], []
+    kind = "triangle"
+    nodes_of_element = 3
+    if order == 2:
+        kind = "triangle6"
+        nodes_of_element = 6
+    cells = []
+    owners = []
     for face in pieces.faces:
         nodes = gmsh.model.mesh.getElements(2, face)[2][0]
         cells.append(np.reshape(nodes, (-1, nodes_of_element)).astype(int))
@@ -87,7 +92,8 @@ def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[
     row = np.zeros(int(tags.max()) + 1, int)
     row[tags.astype(int)] = np.arange(len(tags))
     corners = np.unique(row[t[:, :3]])
-    kept = np.concatenate((corners, np.setdiff1d(row[t], corners)))
+    others = np.setdiff1d(row[t], corners)
+    kept = np.concatenate((corners, others))
     number = np.full(len(tags), -1)
     number[kept] = np.arange(len(kept))
     number = number[row]
@@ -101,9 +107,11 @@ def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[
     for group in (pieces.lines, pieces.holes):
         for name, members in group.items():
             nodes = [gmsh.model.mesh.getElements(1, curve)[2][0] for curve in members]
-            lines = np.reshape(np.concatenate(nodes), (-1, order + 1)).astype(int)
-            first, second = np.sort(number[lines[:, :2]].T, axis=0)
-            position = np.searchsorted(key, first * mesh.nvertices + second, sorter=rank)
+            lines = np.reshape(np.concatenate(nodes), (-1, order + 1))
+            ends = number[lines[:, :2].astype(int)]
+            first, second = np.sort(ends.T, axis=0)
+            wanted = first * mesh.nvertices + second
+            position = np.searchsorted(key, wanted, sorter=rank)
             curves[name] = np.unique(rank[position])
     return mesh, owners, curves
 

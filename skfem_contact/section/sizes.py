@@ -175,12 +175,14 @@ class Sizes:
 
         Gmsh alone takes the mean of a fine and a coarse side, which leaves needles on the fine one.
         """
+        # Find the ends of the elements of curves
         mesh = gmsh.model.mesh
         tags, x, _ = mesh.getNodes()
         row = np.zeros(int(tags.max()) + 1, int)
         row[tags.astype(int)] = np.arange(len(tags))
-        nodes = np.concatenate([mesh.getElements(1, curve)[2][0] for curve in self._curves.tags])
-        points = np.reshape(x, (-1, 3))[row[nodes.astype(int)], :2]
+        nodes = [mesh.getElements(1, curve)[2][0] for curve in self._curves.tags]
+        rows = row[np.concatenate(nodes).astype(int)]
+        points = np.reshape(x, (-1, 3))[rows, :2]
         ends = points.reshape(-1, 2, 2)  # (elements, ends, 2)
         length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         tree = scipy.spatial.cKDTree(ends.mean(axis=1))

@@ -325,7 +325,9 @@ def cone(
     corners = (sector[:, None] + shift[:, None]).reshape(-1, 3, 2)
 
     # add the middles; sides to the tip are rays, at the angles of their other ends
-    nodes = np.concatenate((corners, 0.5 * (corners + np.roll(corners, -1, axis=1))), axis=1)
+    following = np.roll(corners, -1, axis=1)
+    middles = 0.5 * (corners + following)
+    nodes = np.concatenate((corners, middles), axis=1)
     touches = nodes[:, 0, 1] == 0.0
     nodes[touches, 3, 0] = nodes[touches, 1, 0]
     nodes[touches, 5, 0] = nodes[touches, 2, 0]
@@ -334,7 +336,8 @@ def cone(
     r = nodes[..., 1] * radius / _QUARTER
     local = np.stack((r * np.cos(angle), r * np.sin(angle), slope * r), axis=2)  # (m, 6, 3)
     x = (tip + local @ axes).reshape(-1, 3)
-    points, facets = _joined([(x, np.arange(len(x)).reshape(-1, 6))])
+    own = np.arange(len(x)).reshape(-1, 6)
+    points, facets = _joined([(x, own)])
     return _surface(
         name,
         points,

@@ -404,14 +404,17 @@ def _nearest(mesh: Mesh, points: ndarray, facets: ndarray) -> tuple[ndarray, nda
     along = (p[:, 1:] - p[:, :1]).transpose(2, 0, 1)  # (m, dim, n_corners - 1)
     project = np.linalg.pinv(along)  # (m, n_corners - 1, dim)
     size = np.linalg.norm(along, axis=1).max(axis=1)
-    corners, weights, near = [], [], []
+    corners = []
+    weights = []
+    near = []
     n_blocks = max(1, points.shape[1] * parts.shape[1] // _PAIRS)
     for block in np.array_split(points.T, n_blocks):
         # Project the points on all facets, and clip them to the facets.
         offset = block[:, None] - p[:, 0].T  # (n, m, dim)
         local = np.einsum("mij,nmj->nmi", project, offset)
         first = 1.0 - local.sum(axis=2, keepdims=True)
-        share = np.clip(np.concatenate((first, local), axis=2), 0.0, None)
+        share = np.concatenate((first, local), axis=2)
+        share = np.clip(share, 0.0, None)
         share /= share.sum(axis=2, keepdims=True)
         # Take the nearest facet.
         nearest = np.einsum("mij,nmj->nmi", along, share[..., 1:])
@@ -421,4 +424,8 @@ def _nearest(mesh: Mesh, points: ndarray, facets: ndarray) -> tuple[ndarray, nda
         corners.append(parts[:, best].T)
         weights.append(share[rows, best])
         near.append(distance[rows, best] <= _BESIDE * size[best])
-    return np.concatenate(corners), np.concatenate(weights), np.concatenate(near)
+    return (
+        np.concatenate(corners),
+        np.concatenate(weights),
+        np.concatenate(near),
+    )
