@@ -437,7 +437,10 @@ def _kinds(
 
 
 def _check_arguments(
-    function: Any, owner: type | None, args: tuple[Any, ...], named: dict[str, Any]
+    function: Any,
+    owner: type | None,
+    args: tuple[Any, ...],
+    named: dict[str, Any],
 ) -> None:
     """Refuse arguments that the annotations of a function do not allow."""
     in_order, kinds, allowed = _kinds(function, owner)

@@ -593,7 +593,12 @@ def _joined(given: Form | Sequence[Form]) -> tuple[Nodes, ...]:
 
 
 def _elements_of(
-    corners: ndarray, shell: bool, nu: float, spacing: float | None, Mp: float, thickness: float
+    corners: ndarray,
+    shell: bool,
+    nu: float,
+    spacing: float | None,
+    Mp: float,
+    thickness: float,
 ) -> BeamElements:
     """Return elements in the plane, of a shell or in space, and refuse values they have not."""
     # Only shells have nu, and rows and hinges are in the plane.

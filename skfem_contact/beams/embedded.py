@@ -478,7 +478,10 @@ def _share(force: ndarray, limit: ndarray) -> ndarray:
 
 
 def _limit(
-    values: float | Callable[[ndarray], ArrayLike], positions: ndarray, name: str, what: str
+    values: float | Callable[[ndarray], ArrayLike],
+    positions: ndarray,
+    name: str,
+    what: str,
 ) -> ndarray:
     """Return a resistance at positions, () or (n,)."""
     limit = finite(values(positions) if callable(values) else values, name)
@@ -606,7 +609,10 @@ def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
 
 
 def _around(
-    basis: CellBasis, points: ndarray, along: ndarray, radius: ndarray
+    basis: CellBasis,
+    points: ndarray,
+    along: ndarray,
+    radius: ndarray,
 ) -> tuple[csr_matrix, ndarray]:
     """Return mean displacements over circles about points, (3 n, N), and their parts in the mesh.
 

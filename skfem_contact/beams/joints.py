@@ -50,7 +50,10 @@ def rotations_of(points: ndarray, cells: ndarray, hinges: ndarray, joined: ndarr
 
 
 def taken_by(
-    points: ndarray, bonded: bool, hinges: ndarray, others: Sequence[Any]
+    points: ndarray,
+    bonded: bool,
+    hinges: ndarray,
+    others: Sequence[Any],
 ) -> tuple[Taken, Taken, ndarray]:
     """Return displacements and rotations that nodes take from other beams, and these nodes.
 
@@ -229,7 +232,11 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
 
 
 def of_a_line(
-    length: ndarray, cells: ndarray, force: ndarray, moved: ndarray, G: float
+    length: ndarray,
+    cells: ndarray,
+    force: ndarray,
+    moved: ndarray,
+    G: float,
 ) -> Iterator[Remark]:
     """Yield a remark where a beam bonded to a line in space moves more in elements half as large.
 

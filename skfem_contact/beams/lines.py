@@ -29,7 +29,10 @@ _LEVEL = 1e-6
 
 
 def nodes_of(
-    basis: CellBasis | None, line: Any, cells: Any, bonded: bool | None
+    basis: CellBasis | None,
+    line: Any,
+    cells: Any,
+    bonded: bool | None,
 ) -> tuple[ndarray | None, ndarray, ndarray]:
     """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
     if isinstance(line, str):
@@ -79,7 +82,10 @@ def _elements_between(points: ndarray, cells: Any) -> tuple[ndarray, ndarray]:
 
 
 def _along_named(
-    basis: CellBasis | None, line: str, cells: Any, bonded: bool | None
+    basis: CellBasis | None,
+    line: str,
+    cells: Any,
+    bonded: bool | None,
 ) -> tuple[ndarray | None, ndarray, ndarray]:
     """Return shared dofs, coordinates and elements along a named line of the mesh."""
     if basis is not None:
@@ -227,7 +233,10 @@ def _one_way(ends: ndarray, name: str) -> ndarray:
 
 
 def touching(
-    mesh: Mesh, boundaries: str | Sequence[str] | None, points: ndarray, half: float
+    mesh: Mesh,
+    boundaries: str | Sequence[str] | None,
+    points: ndarray,
+    half: float,
 ) -> dict[str, int]:
     """Return boundaries, by default all, on a side of beams, (m, 3, 2), and which: 1 or -1."""
     # Sort boundaries by the side on which they lie.

@@ -266,7 +266,11 @@ def _fixed_geometry(system: System, last: StageResult | None) -> tuple[System, P
 
 
 def _load_on_top(
-    setup: Setup, load: Any, last: StageResult | None, water: Any, active: Mapping[str, Form]
+    setup: Setup,
+    load: Any,
+    last: StageResult | None,
+    water: Any,
+    active: Mapping[str, Form],
 ) -> ndarray:
     """Return the load of a search without the weights of the active forms, (N,)."""
     if last is None or load is not None:
@@ -437,7 +441,11 @@ def _plateau(points: list[Point], margin: float) -> SearchResult:
 
 
 def _as_collapse(
-    branch: Branch, last: Point, parameter: float, error: NotConverged, newton: Newton
+    branch: Branch,
+    last: Point,
+    parameter: float,
+    error: NotConverged,
+    newton: Newton,
 ) -> NotConverged:
     """Return a collapse for a singular tangent if nothing resists at a parameter, or the error."""
     if not is_singular(error):
@@ -475,7 +483,11 @@ def _is_level(
 
 
 def correct(
-    branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton
+    branch: Branch,
+    control: ndarray,
+    points: list[Point],
+    work: float,
+    newton: Newton,
 ) -> Point:
     """Return the equilibrium at which the reference load has done some work.
 
@@ -504,7 +516,12 @@ class _Curve(Problem):
     """Equilibria of displacements and parameter at which the reference load has done some work."""
 
     def __init__(
-        self, branch: Branch, control: ndarray, last: Point, first: Point, work: float
+        self,
+        branch: Branch,
+        control: ndarray,
+        last: Point,
+        first: Point,
+        work: float,
     ) -> None:
         self._branch = branch
         self._control = control

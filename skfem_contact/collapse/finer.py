@@ -319,7 +319,10 @@ def _numbers(basis: Any) -> ndarray:
 
 
 def _body_forces(
-    solids: Mapping[str, Any], built: Mapping[str, Any], load: ndarray, size: int
+    solids: Mapping[str, Any],
+    built: Mapping[str, Any],
+    load: ndarray,
+    size: int,
 ) -> tuple[ndarray, ndarray]:
     """Return a load less uniform forces of the regions, and these on the finer mesh, (N,)."""
     basis = next(iter(solids.values())).basis

@@ -161,7 +161,11 @@ def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> Non
 
 
 def warn_of_motion(
-    what: str, value: float, curve: ndarray, tolerance: float, end: StageResult
+    what: str,
+    value: float,
+    curve: ndarray,
+    tolerance: float,
+    end: StageResult,
 ) -> None:
     """Raise a warning if the curve, (n, 3), still rises at displacements that are not small."""
     # Displacements of a tenth of the model are far.
@@ -286,7 +290,11 @@ def within_bounds(added: float, value: float, proven: Bounds) -> float:
 
 
 def warn_of_mesh(
-    what: str, value: float, added: float, proven: Bounds | None, tolerance: float
+    what: str,
+    value: float,
+    added: float,
+    proven: Bounds | None,
+    tolerance: float,
 ) -> None:
     """Raise a warning if a value lies outside of its bounds, or if the mesh adds much to it."""
     least, most = (doubt * added for doubt in _DOUBT)
@@ -325,7 +333,11 @@ def warn_of_mesh(
 
 
 def _warn_of_coarse_mesh(
-    what: str, value: float, share: float, between: tuple[float, float], bounds: str = ""
+    what: str,
+    value: float,
+    share: float,
+    between: tuple[float, float],
+    bounds: str = "",
 ) -> None:
     """Raise a warning of a value that is too high by a share, estimated or from bounds."""
     least, most = between

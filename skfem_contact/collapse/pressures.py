@@ -80,7 +80,10 @@ def _assembled(
 
 
 def warn_of_fresh_pressures(
-    system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
+    system: System,
+    x: ndarray,
+    states: Mapping[str, Any],
+    load: ndarray,
 ) -> None:
     """Raise a warning where a search keeps pressures that have yet to drain.
 

@@ -90,7 +90,11 @@ class _Strength(Branch):
     lowest = 0.0
 
     def __init__(
-        self, system: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow
+        self,
+        system: System,
+        load: ndarray,
+        targets: dict[str, tuple[str, ...]],
+        flow: Flow,
     ) -> None:
         self.system = system
         self.load = load
@@ -371,7 +375,12 @@ def _prepared(setup: Setup, load: Force, start: Any, water: AtRest, options: _Op
 
 
 def _whole(
-    setup: Setup, load: Force, start: Any, water: AtRest, options: _Options, certify: Any
+    setup: Setup,
+    load: Force,
+    start: Any,
+    water: AtRest,
+    options: _Options,
+    certify: Any,
 ) -> CollapseResult:
     """Search on the mesh of the model, with bounds."""
     prepared = _prepared(setup, load, start, water, options)
@@ -382,7 +391,11 @@ def _whole(
 
 
 def _found(
-    setup: Setup, prepared: _Prepared, water: AtRest, options: _Options, first: float = 0.0
+    setup: Setup,
+    prepared: _Prepared,
+    water: AtRest,
+    options: _Options,
+    first: float = 0.0,
 ) -> _Search:
     """Search, after Davis first where dilatancy is less than friction.
 
@@ -410,7 +423,10 @@ def _found(
 
 
 def _concluded(
-    search: _Search, proven: Bounds | None, options: _Options, certify: Any
+    search: _Search,
+    proven: Bounds | None,
+    options: _Options,
+    certify: Any,
 ) -> CollapseResult:
     """Return the result with bounds; prove them on the mesh of the search where they are cheap."""
     result = search.result
@@ -481,7 +497,10 @@ class _Limits(NamedTuple):
 
 
 def _cheap_bounds(
-    result: CollapseResult, free: bool, tolerance: float, structure: Mapping[str, Any]
+    result: CollapseResult,
+    free: bool,
+    tolerance: float,
+    structure: Mapping[str, Any],
 ) -> tuple[Bounds | None, str]:
     """Prove bounds if they cost less than the search, or return the reason why not."""
     iterations = result.iterations
@@ -553,7 +572,11 @@ def _search(
 
 
 def _first(
-    branch: _Strength, origin: Point, newton: Newton, log: SearchLog, begin: float = 0.0
+    branch: _Strength,
+    origin: Point,
+    newton: Newton,
+    log: SearchLog,
+    begin: float = 0.0,
 ) -> Point:
     """Return the first equilibrium: at a given factor, at 1, or below."""
     error: NotConverged | None = None

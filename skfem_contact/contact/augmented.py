@@ -137,7 +137,10 @@ class AugmentedLagrangian(Penalty):
 
     @override
     def start_with(
-        self, pair: Any, state: ContactState, tractions: ndarray
+        self,
+        pair: Any,
+        state: ContactState,
+        tractions: ndarray,
     ) -> tuple[ContactState, ndarray]:
         points = pair.points(state)
         rows = np.repeat(np.arange(len(points.weight)), points.nodes.shape[1])
@@ -159,7 +162,10 @@ class AugmentedLagrangian(Penalty):
 
     @override
     def after_equilibrium(
-        self, pair: Any, accepted: ContactState, found: ContactState
+        self,
+        pair: Any,
+        accepted: ContactState,
+        found: ContactState,
     ) -> tuple[ContactState, dict[str, Any]]:
         if pair.stiffness is None:
             stiffness = pair.penalty[0]
@@ -199,7 +205,11 @@ class AugmentedLagrangian(Penalty):
 
     @override
     def remarks(
-        self, pair: Any, x: ndarray, state: ContactState, meshed: ndarray
+        self,
+        pair: Any,
+        x: ndarray,
+        state: ContactState,
+        meshed: ndarray,
     ) -> Iterator[Remark]:
         penalties = pair.penalties(state)
         stiffness = pair.stiffness or penalties[0]
@@ -320,7 +330,10 @@ def _kept(pair: Any) -> ndarray:
 
 
 def _improved(
-    points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray
+    points: SlavePoints,
+    traction: ndarray,
+    multiplier: ndarray,
+    closed: ndarray,
 ) -> ndarray:
     """Return multipliers with the tractions' nodal forces at closed nodes, means at the others."""
     excess = []

@@ -89,7 +89,10 @@ def on_round_off(pair: Any, state: ContactState) -> Iterator[Remark]:
 
 
 def on_gaps_between_nodes(
-    pair: Any, x: ndarray, state: ContactState, meshed: ndarray
+    pair: Any,
+    x: ndarray,
+    state: ContactState,
+    meshed: ndarray,
 ) -> Iterator[Remark]:
     """Yield a remark on the mean gap that multipliers at nodes leave where pressure acts."""
     # Only closed points count.
@@ -149,7 +152,11 @@ def _compliance(pair: Any, x: ndarray, state: ContactState) -> ndarray:
 
 
 def _mean_compliance(
-    weight: ndarray, traction: ndarray, penalty: float, distance: ndarray, since: ndarray
+    weight: ndarray,
+    traction: ndarray,
+    penalty: float,
+    distance: ndarray,
+    since: ndarray,
 ) -> float:
     """Return the force-weighted mean elastic distance, as far as it has grown since a reset."""
     elastic = np.isclose(traction, penalty * distance, rtol=_ELASTIC, atol=0.0)

@@ -101,7 +101,12 @@ class OnEdges:
         )
 
     def _first(
-        self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray
+        self,
+        row: ndarray,
+        r: ndarray,
+        nodes: ndarray,
+        from_stick: ndarray,
+        direction: ndarray,
     ) -> First:
         """Return the variations of points `row` at real or complex coordinates."""
         # Normal n = (r - rho) / g at the closest point, and the frame
@@ -146,7 +151,12 @@ class OnEdges:
         return First(*(part.real for part in result))
 
     def _closest(
-        self, facet: ndarray, xi: ndarray, along: ndarray, r: ndarray, nodes: ndarray
+        self,
+        facet: ndarray,
+        xi: ndarray,
+        along: ndarray,
+        r: ndarray,
+        nodes: ndarray,
     ) -> ndarray:
         """Return xi after one Newton step along the edge, exact for the complex part."""
         M = self.master.shape.at(facet, xi, 2)

@@ -58,7 +58,10 @@ class Enforcement:
         return state
 
     def start_with(
-        self, pair: Any, state: ContactState, tractions: ndarray
+        self,
+        pair: Any,
+        state: ContactState,
+        tractions: ndarray,
     ) -> tuple[ContactState, ndarray]:
         """Return a state with multipliers of tractions (dim, n), and the penalty's part of them."""
         return state, tractions
@@ -68,7 +71,10 @@ class Enforcement:
         raise NotImplementedError
 
     def after_equilibrium(
-        self, pair: Any, accepted: ContactState, found: ContactState
+        self,
+        pair: Any,
+        accepted: ContactState,
+        found: ContactState,
     ) -> tuple[ContactState, dict[str, Any]]:
         """Return the accepted state to solve the increment with once more, and the pair's changes.
 
@@ -77,7 +83,11 @@ class Enforcement:
         return accepted, {}
 
     def remarks(
-        self, pair: Any, x: ndarray, state: ContactState, meshed: ndarray
+        self,
+        pair: Any,
+        x: ndarray,
+        state: ContactState,
+        meshed: ndarray,
     ) -> Iterator[Remark]:
         """Yield remarks on the accuracy; `meshed` are the gaps of the mesh, shape (n,)."""
         yield from ()
@@ -95,7 +105,12 @@ class Enforcement:
         return [operator @ pressure.ravel(), operator @ friction.ravel()]
 
     def foreseen(
-        self, pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState
+        self,
+        pair: Any,
+        start: ndarray,
+        x: ndarray,
+        before: ndarray | None,
+        accepted: ContactState,
     ) -> ndarray:
         """Return displacements to start an increment from."""
         return start

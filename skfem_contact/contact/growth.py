@@ -25,7 +25,11 @@ _POWER = 2.0 / 3.0
 
 
 def foreseen(
-    pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState
+    pair: Any,
+    start: ndarray,
+    x: ndarray,
+    before: ndarray | None,
+    accepted: ContactState,
 ) -> ndarray:
     """Return a start with tension at nodes that stay open although the start closes their gaps.
 

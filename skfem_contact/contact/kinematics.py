@@ -254,7 +254,11 @@ def variations(
 
 
 def _directions(
-    points: SlavePoints, slave: Surface, nodes: ndarray, normal: ndarray, shape: tuple[int, ...]
+    points: SlavePoints,
+    slave: Surface,
+    nodes: ndarray,
+    normal: ndarray,
+    shape: tuple[int, ...],
 ) -> tuple[ndarray, ndarray]:
     """Return directions from which tangents are counted, and the nodes' factors in them."""
     delta = np.zeros(shape)
@@ -327,7 +331,11 @@ def _from_stick(
 
 
 def dragged(
-    kinematics: Kinematics, master: Surface, nodes: ndarray, stick: MaterialPoints, elastic: ndarray
+    kinematics: Kinematics,
+    master: Surface,
+    nodes: ndarray,
+    stick: MaterialPoints,
+    elastic: ndarray,
 ) -> MaterialPoints:
     """Return stick points after a step: sliding drags them at their elastic slip (eq. 10)."""
     slid = np.abs(elastic.T - kinematics.slip).max(axis=1)
@@ -356,7 +364,10 @@ def slip_gradient(kinematics: Kinematics) -> ndarray:
 
 
 def tangents(
-    kinematics: Kinematics, traction: ndarray, derivative: ndarray, exact: bool
+    kinematics: Kinematics,
+    traction: ndarray,
+    derivative: ndarray,
+    exact: bool,
 ) -> ndarray:
     """Return tangents of points of unit weight, (n, m, m): eqs 14 to 16, or 20 to 22.
 

@@ -190,7 +190,10 @@ def neighbours(
 
 
 def _neighbours_of_pieces(
-    surface: Surface, nodes: ndarray, points: ndarray, own: ndarray
+    surface: Surface,
+    nodes: ndarray,
+    points: ndarray,
+    own: ndarray,
 ) -> tuple[Neighbours, float]:
     """Return neighbours of points of pieces, many of which stay on their own facets alone."""
     flat = Flat.of(surface, nodes)
@@ -358,7 +361,10 @@ def _lattice(shape: Shape, n: int) -> tuple[ndarray, tuple[ndarray, ...]]:
 
 
 def _nearest_allowed(
-    tree: scipy.spatial.cKDTree, points: ndarray, facet: ndarray, excludes: Excludes
+    tree: scipy.spatial.cKDTree,
+    points: ndarray,
+    facet: ndarray,
+    excludes: Excludes,
 ) -> ndarray:
     """Return distances of points from the nearest samples of facets that are not excluded.
 
@@ -387,7 +393,10 @@ def _nearest_allowed(
 
 
 def _around(
-    tree: scipy.spatial.cKDTree, points: ndarray, nearest: ndarray, margin: ndarray
+    tree: scipy.spatial.cKDTree,
+    points: ndarray,
+    nearest: ndarray,
+    margin: ndarray,
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return pairs (point, sample) within a margin of the nearest sample, and its distance."""
     samples = tree.data

@@ -242,7 +242,11 @@ class Penalty(Enforcement):
 
     @override
     def remarks(
-        self, pair: Any, x: ndarray, state: ContactState, meshed: ndarray
+        self,
+        pair: Any,
+        x: ndarray,
+        state: ContactState,
+        meshed: ndarray,
     ) -> Iterator[Remark]:
         too_deep = list(on_penetration(pair, state))
         yield from too_deep or on_compliance(pair, x, state)

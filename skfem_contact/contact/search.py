@@ -206,7 +206,11 @@ def merged(
 
 
 def _foot(
-    surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi: ndarray
+    surface: Surface,
+    nodes: ndarray,
+    points: ndarray,
+    facet: ndarray,
+    xi: ndarray,
 ) -> ndarray:
     """Return orthogonal projections on facets by Newton's method from xi (n, dim - 1), eq. 2.
 
@@ -319,7 +323,11 @@ def _stays(
 
 
 def _preferred(
-    surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarray, stays: ndarray
+    surface: Surface,
+    facet: ndarray,
+    beyond: ndarray,
+    outside: ndarray,
+    stays: ndarray,
 ) -> ndarray:
     """Return the share of its size by which a taken candidate may be farther away than another.
 
@@ -344,7 +352,10 @@ def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
 
 
 def on_ends(
-    surface: Surface, facet: ndarray, beyond: ndarray, reach: ndarray
+    surface: Surface,
+    facet: ndarray,
+    beyond: ndarray,
+    reach: ndarray,
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return the ends in the plane beyond which feet lie, like :func:`on_sides`."""
     side = np.argmax(beyond - reach, axis=1)
@@ -437,7 +448,11 @@ def _along_side(
 
 
 def side_of_joint(
-    surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray
+    surface: Surface,
+    nodes: ndarray,
+    facet: ndarray,
+    feature: ndarray,
+    xi: ndarray,
 ) -> ndarray:
     """Return the outward direction at sides and corners: the sum of all normals.
 
@@ -474,7 +489,10 @@ def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> nda
 
 
 def normals_at_joint(
-    surface: Surface, nodes: ndarray, facet: ndarray, side: ndarray
+    surface: Surface,
+    nodes: ndarray,
+    facet: ndarray,
+    side: ndarray,
 ) -> tuple[ndarray, ndarray]:
     """Return normals of facets and their neighbours at a side's middle; the own one at a rim."""
     neighbour = surface.neighbours[facet, side]

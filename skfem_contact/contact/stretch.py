@@ -83,7 +83,10 @@ class Stretch(NamedTuple):
         return cls(values, slopes.reshape(dofs.shape), dofs)
 
     def by_stretch(
-        self, update: LawUpdate, again: Callable[[InterfaceLaw], LawUpdate], law: InterfaceLaw
+        self,
+        update: LawUpdate,
+        again: Callable[[InterfaceLaw], LawUpdate],
+        law: InterfaceLaw,
     ) -> ndarray:
         """Return the derivatives of tractions by the stretch, (dim, n).
 

@@ -158,7 +158,10 @@ class Explicit:
         return forces, found
 
     def step(
-        self, motion: Motion, load: ndarray, prescribed: ndarray
+        self,
+        motion: Motion,
+        load: ndarray,
+        prescribed: ndarray,
     ) -> tuple[Motion, dict[str, ndarray]]:
         """Return the motion at the end of a step, and the internal forces by form.
 

@@ -24,7 +24,10 @@ _NEAR = -4
 
 
 def mass_and_damping(
-    forms: Mapping[str, Form], layout: Layout, settings: Dynamic, acceleration: float
+    forms: Mapping[str, Form],
+    layout: Layout,
+    settings: Dynamic,
+    acceleration: float,
 ) -> tuple[csr_matrix, csr_matrix]:
     """Return the matrices of mass and of Rayleigh damping of active forms, (N, N).
 

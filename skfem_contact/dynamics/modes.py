@@ -23,7 +23,11 @@ Factor = Callable[[csr_matrix], Callable[[ndarray], ndarray]]
 
 
 def modes_of(
-    K: csr_matrix, M: csr_matrix, fixed: ndarray, factor: Factor, n: int
+    K: csr_matrix,
+    M: csr_matrix,
+    fixed: ndarray,
+    factor: Factor,
+    n: int,
 ) -> tuple[ndarray, ndarray]:
     """Return the lowest solutions of K x = w^2 M x.
 
@@ -91,7 +95,10 @@ def modes_of(
 
 
 def _dense(
-    M: csr_matrix, massive: ndarray, solve: Callable[[ndarray], ndarray], n: int
+    M: csr_matrix,
+    massive: ndarray,
+    solve: Callable[[ndarray], ndarray],
+    n: int,
 ) -> tuple[ndarray, ndarray]:
     """Return values and shapes of a few masses by their flexibility G: L^T G L y = y / w^2."""
     size = M.shape[0]

@@ -135,7 +135,11 @@ class Record:
 
     @classmethod
     def synthetic(
-        cls, peak: float, duration: float = 20.0, step: float = 0.01, seed: int = 0
+        cls,
+        peak: float,
+        duration: float = 20.0,
+        step: float = 0.01,
+        seed: int = 0,
     ) -> Record:
         """Return a record similar to an earthquake: filtered noise that swells and fades.
 
@@ -276,7 +280,10 @@ class Record:
         return replace(self, step=step, values=found)
 
     def filtered(
-        self, low: float | None = None, high: float | None = None, order: int = 4
+        self,
+        low: float | None = None,
+        high: float | None = None,
+        order: int = 4,
     ) -> Record:
         """Return the record without low or high frequencies, by a Butterworth filter without delay.
 

@@ -73,7 +73,11 @@ class FiniteKinematics:
     """
 
     def __init__(
-        self, basis: CellBasis, weight: ndarray, coordinates: Coordinates, f_bar: bool
+        self,
+        basis: CellBasis,
+        weight: ndarray,
+        coordinates: Coordinates,
+        f_bar: bool,
     ) -> None:
         self.basis = basis
         self.weight = weight
@@ -282,7 +286,10 @@ class Deformation:
         return np.matmul(flat, P.reshape(len(G), -1, self._k.dim)).reshape(len(G), -1)
 
     def stiffness(
-        self, stress: ndarray, moduli: Callable[[slice], ndarray], pattern: Pattern
+        self,
+        stress: ndarray,
+        moduli: Callable[[slice], ndarray],
+        pattern: Pattern,
     ) -> ndarray:
         """Return the data of the tangent.
 

@@ -277,7 +277,11 @@ class Bar(Form, Couples, Staged, Regularised):
             self._connect({})
 
     def _set_strength(
-        self, EA: float, yield_force: float, tension_only: bool, compression_only: bool
+        self,
+        EA: float,
+        yield_force: float,
+        tension_only: bool,
+        compression_only: bool,
     ) -> None:
         """Set the range of the force."""
         yields = yield_force == np.inf or is_number(yield_force, 0.0, np.inf)
@@ -439,7 +443,10 @@ def _points(end: ArrayLike | FieldDofs, name: str, basis: CellBasis | None) -> n
 
 
 def _end_dofs(
-    basis: CellBasis | None, end: ArrayLike | FieldDofs, points: ndarray, part: str | None
+    basis: CellBasis | None,
+    end: ArrayLike | FieldDofs,
+    points: ndarray,
+    part: str | None,
 ) -> ndarray | FieldDofs:
     """Return the dofs of ends of bars: nodes of the mesh, (n, dim), or of a beam."""
     if isinstance(end, FieldDofs):

@@ -168,7 +168,12 @@ class Pressure(Form, Couples):
         return Response(force, lambda: state, stiffness, dofs=dofs)
 
     def _stiffness(
-        self, pressure: float, unit: ndarray, cofactors: ndarray, slope: ndarray, weight: ndarray
+        self,
+        pressure: float,
+        unit: ndarray,
+        cofactors: ndarray,
+        slope: ndarray,
+        weight: ndarray,
     ) -> csr_matrix:
         """Return the tangent, not symmetric: moving boundaries, and the column of the pressure."""
         # Normals turn: the load is p cof(F) N, and its slope follows F.

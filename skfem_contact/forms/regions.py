@@ -151,7 +151,11 @@ def _check_cover(
 
 
 def changed_moduli(
-    material: Material, stress: ndarray, internal: ndarray, update: Update, damping: bool
+    material: Material,
+    stress: ndarray,
+    internal: ndarray,
+    update: Update,
+    damping: bool,
 ) -> tuple[ndarray, ndarray]:
     """Return points of other moduli than the elastic stiffness, and tangents, (n, ncomp, ncomp)."""
     plastic = update.plastic
@@ -183,7 +187,10 @@ def elastic_strain(material: Material, stress: ndarray, internal: ndarray) -> nd
 
 
 def by_elasticity(
-    material: Material, change: ndarray, stress: ndarray, internal: ndarray
+    material: Material,
+    change: ndarray,
+    stress: ndarray,
+    internal: ndarray,
 ) -> ndarray:
     """Return the strains of a change of stresses, with the elasticity of a state."""
     ncomp = len(stress)

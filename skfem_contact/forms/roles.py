@@ -426,7 +426,11 @@ class Regularised:
         return self
 
     def foreseen(
-        self, start: ndarray, x: ndarray, before: ndarray | None, accepted: Any
+        self,
+        start: ndarray,
+        x: ndarray,
+        before: ndarray | None,
+        accepted: Any,
     ) -> ndarray:
         """Return displacements to start from, with better values where the form knows some.
 

@@ -233,7 +233,11 @@ def _outlines(x: ndarray, upper: ndarray, lower: ndarray) -> list[ndarray]:
 
 
 def _without_necks(
-    x: ndarray, upper: ndarray, lower: ndarray, thick: ndarray, start: int
+    x: ndarray,
+    upper: ndarray,
+    lower: ndarray,
+    thick: ndarray,
+    start: int,
 ) -> list[ndarray]:
     """Return the outlines of a stretch, cut where the layer has no thickness at a column."""
     stop = start + len(x) - 1

@@ -74,7 +74,10 @@ class Correlation:
     compute: Callable[[Any, Mapping[str, ndarray], Mapping[str, float]], ndarray]
 
     def values(
-        self, sounding: Any, behaviour: Mapping[str, ndarray], constants: Mapping[str, float]
+        self,
+        sounding: Any,
+        behaviour: Mapping[str, ndarray],
+        constants: Mapping[str, float],
     ) -> ndarray:
         """Return the values at the depths of a sounding."""
         strange = [name for name in constants if name not in self.constants]
@@ -85,7 +88,10 @@ class Correlation:
             return self.compute(sounding, behaviour, {**self.constants, **constants})
 
     def applied(
-        self, sounding: Any, behaviour: Mapping[str, ndarray], constants: Mapping[str, float]
+        self,
+        sounding: Any,
+        behaviour: Mapping[str, ndarray],
+        constants: Mapping[str, float],
     ) -> Profile:
         """Return the profile of a sounding."""
         values = self.values(sounding, behaviour, constants)

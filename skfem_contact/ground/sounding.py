@@ -221,7 +221,10 @@ class Sounding:
 
 
 def _joined(
-    depth: ndarray, names: list[str], index: ndarray, thinnest: float
+    depth: ndarray,
+    names: list[str],
+    index: ndarray,
+    thinnest: float,
 ) -> list[tuple[str, float]]:
     """Return soils and lower ends of layers, the thinnest of which are joined to neighbours."""
     # Bounds lie between readings of different soils

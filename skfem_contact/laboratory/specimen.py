@@ -137,7 +137,11 @@ def _advice(step: PathStep, error: Exception) -> str:
 
 
 def _increment(
-    law: Material, state: _State, conditions: _Conditions, dt: float, halvings: int = _HALVINGS
+    law: Material,
+    state: _State,
+    conditions: _Conditions,
+    dt: float,
+    halvings: int = _HALVINGS,
 ) -> tuple[_State, int]:
     """Return the state that fulfils the conditions, and the iterations; halve if it fails."""
     try:

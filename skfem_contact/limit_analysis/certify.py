@@ -74,7 +74,10 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
 
 
 def _balanced(
-    program: Program, found: Solution, theta: float, plain: float
+    program: Program,
+    found: Solution,
+    theta: float,
+    plain: float,
 ) -> tuple[ndarray, float]:
     """Move stresses into equilibrium, where it costs least; return also the relative violation."""
     f = program.dead + theta * program.live

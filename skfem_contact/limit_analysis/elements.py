@@ -200,7 +200,12 @@ class Reduction(NamedTuple):
 
     @classmethod
     def of(
-        cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray
+        cls,
+        elements: Elements,
+        used: ndarray,
+        held: ndarray,
+        tied: ndarray,
+        rigid: ndarray,
     ) -> Reduction:
         """Reduce to used velocities that are not held.
 

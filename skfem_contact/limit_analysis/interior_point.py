@@ -299,7 +299,11 @@ class _Path:
         return y
 
     def _response(
-        self, u: ndarray, rd: ndarray, rp: ndarray | float, rt: float
+        self,
+        u: ndarray,
+        rd: ndarray,
+        rp: ndarray | float,
+        rt: float,
     ) -> tuple[ndarray, ndarray, float]:
         """Return changes of stress, velocity and objective that remove some residuals."""
         flow = self.gathered(_by(self.G, u))

@@ -440,7 +440,11 @@ class LimitModel:
         return total[0], total[1]
 
     def _power_of_water(
-        self, u: ndarray, region: ndarray | None, triangles: Triangles, elements: Elements
+        self,
+        u: ndarray,
+        region: ndarray | None,
+        triangles: Triangles,
+        elements: Elements,
     ) -> ndarray:
         r"""Return the power of a pressure u, :math:`\int u\, {\rm div}\, v - \int u\, n v`.
 

@@ -305,7 +305,10 @@ def _mean(value: Any) -> Any:
 
 
 def _profiles(
-    solids: Mapping[str, SolidForm], flow: Flow, shape: Geometry, unit: float
+    solids: Mapping[str, SolidForm],
+    flow: Flow,
+    shape: Geometry,
+    unit: float,
 ) -> tuple[Profile, ...]:
     """Return the cohesions that vary with the coordinates, in units of the model."""
     n = next(iter(solids.values())).basis.mesh.nelements
@@ -325,7 +328,11 @@ def _profiles(
 
 
 def _cohesion(
-    material: Material, shape: Geometry, share: ndarray, x: ndarray, elements: ndarray
+    material: Material,
+    shape: Geometry,
+    share: ndarray,
+    x: ndarray,
+    elements: ndarray,
 ) -> ndarray:
     """Return a share of the cohesion at coordinates (2, n, 3), by elements of the mesh, (n, 3)."""
     points = shape.centre[:, None, None] + shape.size * x  # (2, n, 3)

@@ -125,7 +125,10 @@ def basis_of(body: Body) -> tuple[CellBasis, bool]:
 
 
 def by_element(
-    mesh: Mesh, values: float | Mapping[str, float], what: str = "weight", missing: float = 0.0
+    mesh: Mesh,
+    values: float | Mapping[str, float],
+    what: str = "weight",
+    missing: float = 0.0,
 ) -> ndarray:
     """Return checked values of all elements, (n_elements,), from one number or by subdomain."""
     # One value for all is that of one part.

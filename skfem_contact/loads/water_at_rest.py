@@ -113,7 +113,10 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
 
 
 def loads_at_rest(
-    solids: Mapping[str, Any], forms: Iterable[Any], water: Any, unit_weight: float | None
+    solids: Mapping[str, Any],
+    forms: Iterable[Any],
+    water: Any,
+    unit_weight: float | None,
 ) -> Iterator[ndarray]:
     """Yield the loads of water in the pores and on all sides of active bodies, and on other forms.
 
@@ -241,7 +244,10 @@ def _on_facets(outside: FacetBasis, pressure: Any, porous: ndarray) -> ndarray:
 
 
 def _in_seepage(
-    basis: CellBasis | FacetBasis, seepage: SteadyFlow, elements: ndarray, head: ndarray
+    basis: CellBasis | FacetBasis,
+    seepage: SteadyFlow,
+    elements: ndarray,
+    head: ndarray,
 ) -> tuple[ndarray, ndarray]:
     """Return the pressure of a head at integration points, and which elements are porous."""
     x = np.asarray(basis.global_coordinates())  # (dim, n, n_points)

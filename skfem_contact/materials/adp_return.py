@@ -265,7 +265,12 @@ def returned(trial: Array, first: Array, share: Array, k: ADPConstants) -> _Retu
 
 
 def _newton(
-    z: Array, trial: Array, first: Array, share: Array, k: ADPConstants, size: Array
+    z: Array,
+    trial: Array,
+    first: Array,
+    share: Array,
+    k: ADPConstants,
+    size: Array,
 ) -> tuple[Array, Array]:
     """Return the step of Newton's method, none in solved points, and the size of the residual."""
     system = _system(z, trial, first, share, k)

@@ -112,7 +112,10 @@ class Material:
     undrained: bool = False
 
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         """Return the elastic stiffness d stress / d strain, (ncomp, ncomp).
 
@@ -236,7 +239,10 @@ class Material:
         return None
 
     def lines(
-        self, stress: float, inner: bool = True, flow: Flow = "associated"
+        self,
+        stress: float,
+        inner: bool = True,
+        flow: Flow = "associated",
     ) -> tuple[Array, Array] | None:
         """Return c and tan(phi) of lines inside or outside of a curved strength, None if straight.
 
@@ -344,7 +350,11 @@ def parameters_of(law: Any) -> dict[str, Any]:
 
 
 def updated(
-    material: Material, strain_increment: Array, stress: Array, internal: Array, dt: float
+    material: Material,
+    strain_increment: Array,
+    stress: Array,
+    internal: Array,
+    dt: float,
 ) -> Update:
     """Call the update of a material, with the time increment if it asks for it."""
     time = (dt,) if material.time_dependent else ()

@@ -145,7 +145,10 @@ class CamClay(Material):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         if stress is None:
             p = np.asarray(self.p_ref + 0 * self.kappa + 0 * self.nu)

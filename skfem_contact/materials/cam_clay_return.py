@@ -343,7 +343,11 @@ class Search:
 
 
 def joint_step(
-    at: Plastic, now: Course, value: Array, by_z: Parameter, by_y: Array
+    at: Plastic,
+    now: Course,
+    value: Array,
+    by_z: Parameter,
+    by_y: Array,
 ) -> tuple[Array, Array]:
     """Return Newton's step (dy, dz), (2, n), of the equations of y and of z, and their error.
 

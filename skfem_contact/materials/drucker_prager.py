@@ -99,7 +99,12 @@ class DruckerPrager(ConePlasticity):
 
     @classmethod
     def plane_strain(
-        cls, E: Parameter, nu: Parameter, c: Parameter, phi: Parameter, psi: Parameter = 0.0
+        cls,
+        E: Parameter,
+        nu: Parameter,
+        c: Parameter,
+        phi: Parameter,
+        psi: Parameter = 0.0,
     ) -> DruckerPrager:
         """Return the cone that collapses at the Mohr-Coulomb strength in plane strain.
 

@@ -107,7 +107,10 @@ class Isotropic(Material):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         lam, mu = np.broadcast_arrays(*self.lame)
         stiffness = np.zeros((*lam.shape, ncomp, ncomp))

@@ -173,7 +173,12 @@ class _Residual(NamedTuple):
 
 
 def _residual(
-    z: Array, t: Points, trial: _Trial, k: Constants, state: _State, with_cap: bool = True
+    z: Array,
+    t: Points,
+    trial: _Trial,
+    k: Constants,
+    state: _State,
+    with_cap: bool = True,
 ) -> _Residual:
     """Return the residuals of a state.
 
@@ -305,7 +310,11 @@ def _step(z: Array, trial: _Trial, state: _State, r: _Residual) -> Array:
 
 
 def _newton(
-    t: Points, modes: _Modes, k: Constants, with_cap: bool, start: Array
+    t: Points,
+    modes: _Modes,
+    k: Constants,
+    with_cap: bool,
+    start: Array,
 ) -> tuple[Array, NDArray[np.intp]]:
     """Return the variables, (4, n), after Newton's method, and the points without a solution.
 
@@ -353,7 +362,12 @@ def _limited(new: Array, z: Array, t: Points, trial: _Trial, k: Constants) -> Ar
 
 
 def _followed(
-    t: Points, modes: _Modes, k: Constants, with_cap: bool, steps: int, first: Array
+    t: Points,
+    modes: _Modes,
+    k: Constants,
+    with_cap: bool,
+    steps: int,
+    first: Array,
 ) -> Array:
     """Return the variables of Newton's method, followed through growing shares of the increment.
 
@@ -436,7 +450,10 @@ def hardening_return(t: Points, k: Constants) -> Returned:
 
 
 def _checked(
-    z: Array, t: Points, modes: _Modes, k: Constants
+    z: Array,
+    t: Points,
+    modes: _Modes,
+    k: Constants,
 ) -> tuple[Array, Array, NDArray[np.bool_], tuple[_State, _Residual]]:
     """Return stresses (3, n), memory (2, n), where they are admissible, state and residual."""
     # evaluate the solution

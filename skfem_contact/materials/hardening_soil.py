@@ -242,7 +242,10 @@ class HardeningSoil(CohesiveFrictional):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         k = self.constants
         if stress is None:
@@ -321,7 +324,11 @@ class HardeningSoil(CohesiveFrictional):
         return Update(new.reshape(stress.shape), memory.reshape(internal.shape), points, tangent)
 
     def _followed(
-        self, increment: Array, stress: Array, memory: Array, halvings: int
+        self,
+        increment: Array,
+        stress: Array,
+        memory: Array,
+        halvings: int,
     ) -> tuple[Array, Array, Callable[[], Array]]:
         """Return stresses, internal variables and tangent; halve increments without a result."""
         # return the points in blocks
@@ -354,7 +361,11 @@ class HardeningSoil(CohesiveFrictional):
         return new, after, tangent
 
     def _by_halves(
-        self, increment: Array, stress: Array, memory: Array, halvings: int
+        self,
+        increment: Array,
+        stress: Array,
+        memory: Array,
+        halvings: int,
     ) -> tuple[Array, Array]:
         """Return stresses and internal variables after the two halves of an increment."""
         for _ in range(2):

@@ -74,7 +74,10 @@ class Constants(NamedTuple):
         return np.where(least > floor, self.m * scale / np.maximum(least, floor), 0.0)
 
     def shear_strength(
-        self, least: Array, gamma: Array, scale: Array
+        self,
+        least: Array,
+        gamma: Array,
+        scale: Array,
     ) -> tuple[Array, Array, Array]:
         """Return the smaller of hyperbola and failure, and its derivatives by c3 and gamma.
 

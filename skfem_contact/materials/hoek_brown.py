@@ -185,7 +185,10 @@ class HoekBrown(IsotropicPlasticity):
 
     @override
     def lines(
-        self, stress: float, inner: bool = True, flow: Flow = "associated"
+        self,
+        stress: float,
+        inner: bool = True,
+        flow: Flow = "associated",
     ) -> tuple[Array, Array]:
         constants = _Constants(*map(np.atleast_1d, self.constants()))
         return lines_of(constants, stress, inner, flow)

@@ -176,7 +176,10 @@ class JointedRock(Material):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         return LinearElastic(self.E, self.nu).elasticity(ncomp)
 

@@ -259,7 +259,10 @@ class AssociatedSubstitute(Material):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         return self.soil.elasticity(ncomp)
 

@@ -99,7 +99,10 @@ class NeoHooke(Isotropic):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         if stress is None:
             return super().elasticity(ncomp)

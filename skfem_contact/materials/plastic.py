@@ -100,7 +100,11 @@ class IsotropicPlasticity(Isotropic):
         return Update(result, internal, plastic, tangent)
 
     def _return_block(
-        self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any
+        self,
+        stress: Array,
+        internal: Array,
+        points: NDArray[np.intp],
+        constants: Any,
     ) -> _ReturnedBlock:
         """Return points outside to the surface; change stress and internal variable in place."""
         stress = stress.reshape(len(stress), -1)

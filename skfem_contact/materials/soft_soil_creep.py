@@ -99,7 +99,11 @@ class SoftSoilCreep(CamClay):
 
     @override
     def update(
-        self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0
+        self,
+        strain_increment: Array,
+        stress: Array,
+        internal: Array,
+        dt: float = 0.0,
     ) -> Update:
         shape = stress.shape
         mu, tau = (
@@ -165,7 +169,10 @@ def _bracketed(start: Array, trial: Trial, times: tuple[Array, ...]) -> tuple[Ar
     search = Search(trial)
 
     def function(
-        log_y: Array, points: NDArray[np.intp], trial: Trial, times: tuple[Array, ...]
+        log_y: Array,
+        points: NDArray[np.intp],
+        trial: Trial,
+        times: tuple[Array, ...],
     ) -> tuple[Array, Array, float]:
         at = search.at(np.exp(log_y), points, trial)
         return *_equation(at, course(at, trial), trial, *times)[:2], _LAST

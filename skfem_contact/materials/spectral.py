@@ -79,7 +79,12 @@ def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:
 
 
 def _shear_modulus(
-    trial: Array, values: Array, moduli: Array, shear: Parameter, i: int, j: int
+    trial: Array,
+    values: Array,
+    moduli: Array,
+    shear: Parameter,
+    i: int,
+    j: int,
 ) -> Array:
     """Return the modulus of the shear strain between the principal directions i and j.
 
@@ -181,7 +186,11 @@ def _plane_frame(stress: Array) -> _PlaneFrame:
 
 
 def _rotate_plane(
-    moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array
+    moduli: Array,
+    order: tuple[int, int, int],
+    shear: Array,
+    cos: Array,
+    sin: Array,
 ) -> Array:
     """Return the tangent (n, 4, 4) of moduli (3, 3, n).
 

@@ -176,7 +176,10 @@ class Undrained(Material):
 
     @override
     def elasticity(
-        self, ncomp: int, stress: Array | None = None, internal: Array | None = None
+        self,
+        ncomp: int,
+        stress: Array | None = None,
+        internal: Array | None = None,
     ) -> Array:
         if stress is None or internal is None or not self.stress_dependent:
             water = np.asarray(self.bulk_modulus)
@@ -195,7 +198,11 @@ class Undrained(Material):
 
     @override
     def update(
-        self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0
+        self,
+        strain_increment: Array,
+        stress: Array,
+        internal: Array,
+        dt: float = 0.0,
     ) -> Update:
         effective, own = self._effective(stress, internal)
         # Compute the stiffness of the water only where it is needed: the soil may begin without.

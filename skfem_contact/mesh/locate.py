@@ -118,7 +118,10 @@ def outside(mesh: Mesh, elements: ndarray, points: ndarray) -> str:
 
 
 def _closest(
-    geometry: _Elements, element: int, point: ndarray, grid: ndarray
+    geometry: _Elements,
+    element: int,
+    point: ndarray,
+    grid: ndarray,
 ) -> tuple[float, ndarray]:
     """Return the distance of a point from an element, and the nearest point in it."""
     middle = np.full((len(point), 1), 0.5)

@@ -125,7 +125,11 @@ def _owners(mesh: Mesh, boundaries: dict[str, Integers], facets: Integers) -> In
 
 
 def _sides_of(
-    mesh: Mesh, cells: Integers, kind: str, facets: Integers, owners: Integers
+    mesh: Mesh,
+    cells: Integers,
+    kind: str,
+    facets: Integers,
+    owners: Integers,
 ) -> tuple[Integers, str]:
     """Return the nodes of facets, which go round as seen from outside of their owners."""
     # Find the side of its element with the same corners.

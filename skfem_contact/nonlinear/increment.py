@@ -235,7 +235,10 @@ def _candidates(step: Step, x: ndarray) -> list[ndarray]:
 
 
 def solve_step(
-    step: Step, interval: Interval, newton: Newton, try_recovery: bool
+    step: Step,
+    interval: Interval,
+    newton: Newton,
+    try_recovery: bool,
 ) -> tuple[Equilibrium, dict[str, tuple[float, float]]]:
     """Solve a step in time, and return the equilibrium at its end and the errors by form.
 

@@ -328,7 +328,11 @@ def full_step(now: Evaluation, step: ndarray, problem: Problem) -> Evaluation:
 
 
 def _along(
-    search: Search, now: Evaluation, step: ndarray, sizes: list[float], problem: Problem
+    search: Search,
+    now: Evaluation,
+    step: ndarray,
+    sizes: list[float],
+    problem: Problem,
 ) -> Evaluation:
     """Return the evaluation that a line search accepts."""
     if search == "full":
@@ -488,7 +492,11 @@ def iterate(
 
 
 def _stepped(
-    now: Evaluation, problem: Problem, search: Search, history: _History, damped: bool
+    now: Evaluation,
+    problem: Problem,
+    search: Search,
+    history: _History,
+    damped: bool,
 ) -> Evaluation:
     """Return the evaluation after one step; an error has the last evaluation."""
     try:

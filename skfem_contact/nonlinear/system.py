@@ -37,7 +37,11 @@ class System:
     """Forms on a layout of dofs, some of which are fixed, with a linear solver."""
 
     def __init__(
-        self, forms: Mapping[str, Form], layout: Layout, fixed: ndarray, solver: LinearSolver
+        self,
+        forms: Mapping[str, Form],
+        layout: Layout,
+        fixed: ndarray,
+        solver: LinearSolver,
     ) -> None:
         self.forms = dict(forms)
         self.layout = layout
@@ -192,7 +196,11 @@ class System:
         return self._total.of(matrices)
 
     def foreseen(
-        self, start: ndarray, x: ndarray, before: ndarray | None, states: Mapping[str, Any]
+        self,
+        start: ndarray,
+        x: ndarray,
+        before: ndarray | None,
+        states: Mapping[str, Any],
     ) -> ndarray:
         """Return displacements to start from, with better values where forms know some.
 

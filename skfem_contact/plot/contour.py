@@ -451,7 +451,10 @@ def only(stage: StageResult, bodies: Container[str]) -> StageResult:
 
 
 def _headline(
-    stage: StageResult, quantity: str, since: StageResult | None, water: Shown | None = None
+    stage: StageResult,
+    quantity: str,
+    since: StageResult | None,
+    water: Shown | None = None,
 ) -> str:
     """Return the title of the colour bar, with its unit."""
     field = quantities(stage, water)[quantity]

@@ -224,7 +224,11 @@ def _nodal_values(result: Result, quantity: str, water: Shown | None) -> ndarray
 
 
 def _at_point(
-    coordinates: ndarray, nodes: ndarray, values: ndarray, point: ArrayLike, label: str
+    coordinates: ndarray,
+    nodes: ndarray,
+    values: ndarray,
+    point: ArrayLike,
+    label: str,
 ) -> ndarray:
     """Return values, (stages, nodes), at the node nearest to a point; warn where bodies differ."""
     # Find the node, within the size of its elements.

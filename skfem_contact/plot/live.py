@@ -67,7 +67,11 @@ class Live:
     """Observer of an analysis that shows and writes its picture."""
 
     def __init__(
-        self, quantity: str, seconds: float, file: str | Path | None, style: dict[str, Any]
+        self,
+        quantity: str,
+        seconds: float,
+        file: str | Path | None,
+        style: dict[str, Any],
     ) -> None:
         self._quantity = quantity
         self._seconds = seconds

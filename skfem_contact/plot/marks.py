@@ -366,7 +366,12 @@ def _arrows(plotter: Any, scene: Scene, tails: ndarray, tips: ndarray, color: st
 
 
 def _segments(
-    plotter: Any, scene: Scene, starts: ndarray, ends: ndarray, color: str, width: float
+    plotter: Any,
+    scene: Scene,
+    starts: ndarray,
+    ends: ndarray,
+    color: str,
+    width: float,
 ) -> None:
     """Draw straight lines between points (n, 2)."""
     if len(starts):

@@ -88,7 +88,10 @@ def _fields(thing: Any) -> Iterable[tuple[str, Any, bool]]:
 
 
 def _parameter(
-    owner: str, name: str, value: Any, is_default: bool
+    owner: str,
+    name: str,
+    value: Any,
+    is_default: bool,
 ) -> tuple[str, str, str, str, str]:
     unit = unit_of_parameter(name) if value is not None else ""
     return owner, name, written(value), unit, "default" if is_default else ""

@@ -284,7 +284,10 @@ class Cutaway(Scene):
                     yield from self._kept_edges(elements, others, thin)
 
     def _kept_edges(
-        self, lines: Any, planes: Sequence[_Plane], style: dict[str, Any]
+        self,
+        lines: Any,
+        planes: Sequence[_Plane],
+        style: dict[str, Any],
     ) -> Iterator[tuple[Any, dict[str, Any]]]:
         """Yield the lines behind the planes, displaced, with their style, if any."""
         kept = _without(lines, planes)

@@ -64,7 +64,11 @@ class Scale(NamedTuple):
 
 
 def make_scale(
-    values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None
+    values: ndarray,
+    area: ndarray,
+    limits: tuple[float, float] | None,
+    n: int,
+    colors: str | None,
 ) -> Scale:
     """Return a scale of about n bands for values and their areas; given limits are not rounded."""
     # Check the arguments, and leave out nodes without a value.

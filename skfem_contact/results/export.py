@@ -109,7 +109,10 @@ def _numbers_of_regions(bodies: Mapping[str, SolidForm], known: Mapping[str, Sol
 
 
 def _with_structures(
-    stage: StageData, points: ndarray, data: dict[str, ndarray], blocks: list[tuple[str, ndarray]]
+    stage: StageData,
+    points: ndarray,
+    data: dict[str, ndarray],
+    blocks: list[tuple[str, ndarray]],
 ) -> tuple[ndarray, dict[str, ndarray]]:
     """Return points and data, beams and shells at the end; add a block of each."""
     for name in stage.states:

@@ -91,7 +91,10 @@ SPACE = PLANE | {
 
 
 def nodal_field(
-    stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None
+    stage: StageData,
+    name: str,
+    since: StageData | None = None,
+    water: Shown | None = None,
 ) -> ndarray:
     """Return a field at the nodes, see :meth:`~skfem_contact.results.StageResult.field`."""
     values = region_field(stage, name, since, water)

@@ -154,7 +154,11 @@ class Modes(Shapes):
 
 
 def modes(
-    squares: ndarray, shapes: ndarray, M: Any, moves: Mapping[int, ndarray], start: StageResult
+    squares: ndarray,
+    shapes: ndarray,
+    M: Any,
+    moves: Mapping[int, ndarray],
+    start: StageResult,
 ) -> Modes:
     """Return modes from squares of angular frequencies and shapes with unit generalised mass.
 

@@ -174,7 +174,10 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
 
 
 def history(
-    stage: Any, point: ArrayLike | FieldDofs, quantity: Quantity, absolute: bool = False
+    stage: Any,
+    point: ArrayLike | FieldDofs,
+    quantity: Quantity,
+    absolute: bool = False,
 ) -> History:
     """Return the motion of a node in a stage, from its records or its kept steps.
 
@@ -220,7 +223,10 @@ def history(
 
 
 def _recorded(
-    series: Mapping[str, ndarray], dofs: ndarray, k: int, absolute: bool
+    series: Mapping[str, ndarray],
+    dofs: ndarray,
+    k: int,
+    absolute: bool,
 ) -> ndarray | None:
     """Return the recorded motion of dofs, (n_steps, n_dofs), or None without records."""
     points = series.get("points", np.zeros((0, len(dofs)), int))

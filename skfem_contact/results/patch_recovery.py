@@ -246,7 +246,12 @@ def _incidence(cells: ndarray, n: int) -> csr_matrix:
 
 
 def _balance(
-    patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray
+    patch: ndarray,
+    cells: ndarray,
+    B: ndarray,
+    p: ndarray,
+    w: ndarray,
+    forces: ndarray,
 ) -> tuple[ndarray, ndarray]:
     """Return nodal forces of fits, (patches, rows, nc m), and of elements, (patches, rows)."""
     dim = forces.shape[1] // cells.shape[1]
@@ -289,7 +294,10 @@ def _inverse(A: ndarray) -> ndarray:
 
 
 def _sources(
-    form: SolidForm, mesh: RegionMesh, vertex: ndarray, incidence: csr_matrix
+    form: SolidForm,
+    mesh: RegionMesh,
+    vertex: ndarray,
+    incidence: csr_matrix,
 ) -> csr_matrix:
     """Return the shares of patches in the value at a node, (n_nodes, n_patches).
 

@@ -268,7 +268,11 @@ def _values(
 
 
 def _allowed(
-    stage: StageData, bodies: Mapping[str, Any], numbers: ndarray, region: ndarray, of: str | None
+    stage: StageData,
+    bodies: Mapping[str, Any],
+    numbers: ndarray,
+    region: ndarray,
+    of: str | None,
 ) -> ndarray:
     """Return the positions of the elements of a solid, region or subdomain among all elements."""
     if of is None:

@@ -266,7 +266,11 @@ def _works_outside(layers: _Layers, phi: ndarray) -> ndarray:
 
 
 def _report_continued(
-    form: SolidForm, sections: Cuts, layers: _Layers, body: ndarray, outside: ndarray
+    form: SolidForm,
+    sections: Cuts,
+    layers: _Layers,
+    body: ndarray,
+    outside: ndarray,
 ) -> None:
     """Report sections where a region of the body, (pairs,), has elements outside, (pairs,)."""
     region = element_regions(form)[layers.element]

@@ -124,7 +124,10 @@ def _number(cell: str, name: str, line: int) -> float:
 
 
 def _cells(
-    row: Sequence[str], names: Sequence[str], soil: int, number: int
+    row: Sequence[str],
+    names: Sequence[str],
+    soil: int,
+    number: int,
 ) -> tuple[str, dict[str, float]]:
     """Return the name of the soil in a row, and the numbers of the other cells by column."""
     if len(row) != len(names) or not row[soil]:

@@ -423,7 +423,10 @@ def _end(chains: list[Chain], way: tuple[int, int]) -> int:
 
 
 def _facets_of_chains(
-    mesh: Mesh, shape: Outline, new: list[_Resampled], number: ndarray
+    mesh: Mesh,
+    shape: Outline,
+    new: list[_Resampled],
+    number: ndarray,
 ) -> tuple[dict[str, ndarray], dict[int, ndarray]]:
     """Return facets by the names of chains, and the middles of the facets on chains."""
     # Gmsh numbers points in the order in which they were added

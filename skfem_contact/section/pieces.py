@@ -187,7 +187,10 @@ def sides_of(gmsh: Any, face: int) -> list[int]:
 
 
 def _check_together(
-    gmsh: Any, plan: Plan, sides: Mapping[int, list[int]], faces: Mapping[int, tuple[str, str]]
+    gmsh: Any,
+    plan: Plan,
+    sides: Mapping[int, list[int]],
+    faces: Mapping[int, tuple[str, str]],
 ) -> None:
     """Refuse faces of the ground that nearly hang together, and warn of faces farther apart."""
     # Find the faces that hang together with the first one by common curves

@@ -105,7 +105,10 @@ def _changing(forms: Mapping[str, Form]) -> tuple[ndarray, bool]:
 
 
 def linear_solver(
-    forms: Mapping[str, Form], solver: Any, locations: ndarray, free: ndarray
+    forms: Mapping[str, Form],
+    solver: Any,
+    locations: ndarray,
+    free: ndarray,
 ) -> LinearSolver:
     """Choose the linear solver of an analysis by the dofs where the tangents of its forms change.
 

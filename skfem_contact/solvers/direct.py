@@ -93,7 +93,10 @@ class Engine(Protocol):
         """Return True if a new order pays."""
 
     def factor(
-        self, A: csr_matrix, symmetric: bool, careful: bool = False
+        self,
+        A: csr_matrix,
+        symmetric: bool,
+        careful: bool = False,
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
 
@@ -145,7 +148,11 @@ class DirectSolver:
     """
 
     def __init__(
-        self, locations: ndarray, free: ndarray, engine: str | None = None, single: bool = False
+        self,
+        locations: ndarray,
+        free: ndarray,
+        engine: str | None = None,
+        single: bool = False,
     ) -> None:
         self._locations = locations
         self._free = np.asarray(free)

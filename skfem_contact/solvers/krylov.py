@@ -24,7 +24,11 @@ Preconditioner = Callable[[ndarray], ndarray]
 
 
 def conjugate_gradients(
-    A: csr_matrix, b: ndarray, cycle: Preconditioner, tolerance: float, most: int
+    A: csr_matrix,
+    b: ndarray,
+    cycle: Preconditioner,
+    tolerance: float,
+    most: int,
 ) -> tuple[ndarray, int]:
     """Return the solution and the number of iterations; an A that is not definite ends them.
 
@@ -75,7 +79,12 @@ class Fgmres:
         self._slow = np.zeros((0, 0))
 
     def __call__(
-        self, A: csr_matrix, b: ndarray, cycle: Preconditioner, tolerance: float, most: int
+        self,
+        A: csr_matrix,
+        b: ndarray,
+        cycle: Preconditioner,
+        tolerance: float,
+        most: int,
     ) -> tuple[ndarray, int]:
         """Return the solution and the number of iterations."""
         if self.forgets or self._slow.shape[1] != len(b):
@@ -138,7 +147,12 @@ class _Space:
         return along @ self.directions, residual - along @ self.images
 
     def arnoldi(
-        self, A: csr_matrix, b: ndarray, cycle: Preconditioner, target: float, most: int
+        self,
+        A: csr_matrix,
+        b: ndarray,
+        cycle: Preconditioner,
+        target: float,
+        most: int,
     ) -> tuple[ndarray, int]:
         """Return the step of least residual, and the iterations, until it is small enough."""
         basis = np.empty((most + 1, len(b)))  # memory is taken as they are filled

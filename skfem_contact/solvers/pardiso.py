@@ -67,7 +67,10 @@ class Pardiso:
         return False
 
     def factor(
-        self, A: csr_matrix, symmetric: bool, careful: bool = False
+        self,
+        A: csr_matrix,
+        symmetric: bool,
+        careful: bool = False,
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; `careful` scales and matches by its values.
 
@@ -113,7 +116,11 @@ class _Analysis:
     """PARDISO's analysis of one pattern, and the factor of the last values on it."""
 
     def __init__(
-        self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool
+        self,
+        library: _Library,
+        pattern: csr_matrix,
+        A: csr_matrix,
+        symmetric: bool,
     ) -> None:
         self.pattern = _ones(pattern)
         self._symmetric = symmetric

@@ -120,7 +120,12 @@ class _Base:
     """
 
     def __init__(
-        self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, condensed: Condensed
+        self,
+        K: csr_matrix,
+        order: ndarray,
+        apart: ndarray,
+        m: int,
+        condensed: Condensed,
     ) -> None:
         self.K = K
         self._order = order

@@ -57,7 +57,10 @@ class SuperLU:
         return self._first_fill is not None and self._fill > DRIFT * self._first_fill
 
     def factor(
-        self, A: csr_matrix, symmetric: bool, careful: bool = False
+        self,
+        A: csr_matrix,
+        symmetric: bool,
+        careful: bool = False,
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; `careful` pivots for accuracy.
 
@@ -267,7 +270,12 @@ def _bisect(along: ndarray, points: ndarray, part: ndarray) -> tuple[ndarray, nd
 
 
 def _separator(
-    row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight: ndarray, hops: int
+    row: ndarray,
+    col: ndarray,
+    right: ndarray,
+    near: ndarray,
+    weight: ndarray,
+    hops: int,
 ) -> ndarray:
     """Return the points of least weight that separate left from right; update `right`.
 

@@ -241,7 +241,11 @@ class _Part(NamedTuple):
 
 
 def _solve(
-    material: Material, now: Point, part: _Part, rows: ndarray, sizes: tuple[ndarray, ndarray]
+    material: Material,
+    now: Point,
+    part: _Part,
+    rows: ndarray,
+    sizes: tuple[ndarray, ndarray],
 ) -> tuple[Point, ndarray]:
     """Return the state after a part of an increment, and where it is in equilibrium.
 

@@ -71,7 +71,10 @@ def begin(
 
 
 def _take_over_tractions(
-    phase: Phase, last: StageResult, x: ndarray, states: dict[str, Any]
+    phase: Phase,
+    last: StageResult,
+    x: ndarray,
+    states: dict[str, Any],
 ) -> None:
     """Give new contact pairs the tractions of pairs that they replace."""
     # Pairs that end with this stage.
@@ -115,7 +118,11 @@ def state_changes(phase: Phase, last: StageResult) -> bool:
 
 
 def placed(
-    layout: Layout, x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray
+    layout: Layout,
+    x: ndarray,
+    new: Mapping[str, Form],
+    known: ndarray,
+    fixed: ndarray,
 ) -> ndarray:
     """Return displacements with new solids moved along by the nodes that they share with old ones.
 

@@ -175,7 +175,11 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
 
 
 def _base(
-    setup: Setup, stage: Stage, forms: Mapping[str, Form], settings: Dynamic, M: csr_matrix
+    setup: Setup,
+    stage: Stage,
+    forms: Mapping[str, Form],
+    settings: Dynamic,
+    M: csr_matrix,
 ) -> tuple[tuple[int, Record, ndarray], ...]:
     """Return the motions of the base: axis, record, and load by a unit of its motion.
 
@@ -286,7 +290,11 @@ def _points(forms: Mapping[str, Form], layout: Layout, given: Any) -> ndarray:
 
 
 def first_motion(
-    in_time: InTime, last: StageResult, jump: ndarray, fixed: ndarray, layout: Layout
+    in_time: InTime,
+    last: StageResult,
+    jump: ndarray,
+    fixed: ndarray,
+    layout: Layout,
 ) -> Motion:
     """Return the motion at the start of a stage, with the acceleration by a jump of the load.
 
@@ -337,7 +345,12 @@ class _Iterated:
         return {name: response.force for name, response in responses.items()}
 
     def take(
-        self, last: StageResult, motion: Motion, steps: Steps, load: ndarray, prescribed: ndarray
+        self,
+        last: StageResult,
+        motion: Motion,
+        steps: Steps,
+        load: ndarray,
+        prescribed: ndarray,
     ) -> _Taken:
         """Take a step."""
         h = steps.length
@@ -382,7 +395,12 @@ class _LinearSteps(_Iterated):
 
     @override
     def take(
-        self, last: StageResult, motion: Motion, steps: Steps, load: ndarray, prescribed: ndarray
+        self,
+        last: StageResult,
+        motion: Motion,
+        steps: Steps,
+        load: ndarray,
+        prescribed: ndarray,
     ) -> _Taken:
         h = steps.length
         if self._model is None:
@@ -401,7 +419,11 @@ class _ExplicitSteps(_Iterated):
     cuts = False
 
     def __init__(
-        self, system: System, forms: Mapping[str, Form], in_time: InTime, last: StageResult
+        self,
+        system: System,
+        forms: Mapping[str, Form],
+        in_time: InTime,
+        last: StageResult,
     ) -> None:
         super().__init__(system, forms, Newton())
         M, C = in_time.M, in_time.C
@@ -429,7 +451,12 @@ class _ExplicitSteps(_Iterated):
 
     @override
     def take(
-        self, last: StageResult, motion: Motion, steps: Steps, load: ndarray, prescribed: ndarray
+        self,
+        last: StageResult,
+        motion: Motion,
+        steps: Steps,
+        load: ndarray,
+        prescribed: ndarray,
     ) -> _Taken:
         moved, forces = self._model.step(motion, load, prescribed)
         states: Mapping[str, Any] = {**self._model.states}

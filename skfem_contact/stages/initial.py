@@ -187,7 +187,11 @@ def _ratios(mesh: Any, elements: ndarray, K0: float | Mapping[str, float]) -> nd
 
 
 def _pressure_field(
-    setup: Setup, mesh: Any, elements: ndarray, water: Any, surcharge: float
+    setup: Setup,
+    mesh: Any,
+    elements: ndarray,
+    water: Any,
+    surcharge: float,
 ) -> Callable[[ndarray, ndarray], ndarray] | None:
     """Return the water pressure as a function of coordinates and elements; None without water."""
     if water is None or water is False:
@@ -274,7 +278,11 @@ def _elastic_bodies(setup: Setup, K0: float | Mapping[str, float]) -> dict[str, 
 
 
 def _loaded(
-    setup: Setup, name: str, load: ndarray, increments: int, start: StageResult | None
+    setup: Setup,
+    name: str,
+    load: ndarray,
+    increments: int,
+    start: StageResult | None,
 ) -> StageResult:
     """Run a stage of a whole load."""
     stage = Stage(name, load, increments=increments)
@@ -421,7 +429,11 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
 
 
 def state_of(
-    name: str, system: System, now: Evaluation, load: ndarray, states: Mapping[str, Any]
+    name: str,
+    system: System,
+    now: Evaluation,
+    load: ndarray,
+    states: Mapping[str, Any],
 ) -> StageResult:
     """Return the stage of an initial state, from its evaluation."""
     return StageResult(

@@ -441,7 +441,10 @@ class Planner:
                 )
 
     def _of_weights(
-        self, stage: Stage, before: Mapping[str, Form], on_top: ndarray
+        self,
+        stage: Stage,
+        before: Mapping[str, Form],
+        on_top: ndarray,
     ) -> Iterator[Remark]:
         """Yield remarks on weights of solids in the load before that this load lacks."""
         if stage.load is not None and not on_top.any():
@@ -570,7 +573,10 @@ def _changes_forms(stage: Stage) -> bool:
 
 
 def _of_idle_input(
-    stage: Stage, same_load: bool, same_supports: bool, out_of_balance: bool
+    stage: Stage,
+    same_load: bool,
+    same_supports: bool,
+    out_of_balance: bool,
 ) -> Iterator[Remark]:
     """Yield remarks on supports that change nothing, and on a stage that changes nothing."""
     if stage.fixed is not None and same_supports:

@@ -90,7 +90,11 @@ def _without(basis: CellBasis, count: ndarray) -> str:
 
 
 def _check_bodies(
-    basis: CellBasis, elements: ndarray, joined: Sequence[ndarray], fixed: ndarray, axial: bool
+    basis: CellBasis,
+    elements: ndarray,
+    joined: Sequence[ndarray],
+    fixed: ndarray,
+    axial: bool,
 ) -> None:
     """Check groups of bodies that contact joins: supports leave a group no common rigid motion.
 

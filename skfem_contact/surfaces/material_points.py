@@ -88,7 +88,11 @@ def distance(
 
 
 def offset_back(
-    surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, slip: ndarray
+    surface: Surface,
+    nodes: ndarray,
+    tangents: ndarray,
+    point: MaterialPoints,
+    slip: ndarray,
 ) -> MaterialPoints:
     """Return points of the same facets from which these have a slip along tangents, (n, dim - 1).
 
@@ -108,7 +112,10 @@ def offset_back(
 
 
 def moved_along(
-    surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray
+    surface: Surface,
+    nodes: ndarray,
+    points: MaterialPoints,
+    motion: ndarray,
 ) -> MaterialPoints:
     """Return the points moved by a motion, (n, dim), along the surface, to the first order."""
     a = surface.at(points.facet, points.known, nodes).x[1]  # (n, dim - 1, dim)

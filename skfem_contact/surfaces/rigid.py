@@ -91,7 +91,10 @@ def polyline(points: ndarray, closed: bool = False, name: str = "obstacle") -> S
 
 
 def circle(
-    center: tuple[float, float], radius: float, hole: bool = False, name: str = "obstacle"
+    center: tuple[float, float],
+    radius: float,
+    hole: bool = False,
+    name: str = "obstacle",
 ) -> Surface:
     """Return a rigid disc, or a round hole in a rigid body.
 
@@ -249,7 +252,11 @@ def sphere(center: ArrayLike, radius: float, hole: bool = False, name: str = "ob
 
 
 def cylinder(
-    start: ArrayLike, end: ArrayLike, radius: float, hole: bool = False, name: str = "obstacle"
+    start: ArrayLike,
+    end: ArrayLike,
+    radius: float,
+    hole: bool = False,
+    name: str = "obstacle",
 ) -> Surface:
     """Return the round side of a rigid cylinder, or of a round hole in a rigid body.
 
@@ -290,7 +297,11 @@ def cylinder(
 
 
 def cone(
-    apex: ArrayLike, axis: ArrayLike, slope: float, radius: float, name: str = "obstacle"
+    apex: ArrayLike,
+    axis: ArrayLike,
+    slope: float,
+    radius: float,
+    name: str = "obstacle",
 ) -> Surface:
     """Return a rigid cone; its free side is the one that the apex points to.
 
@@ -376,7 +387,10 @@ def mesh(mesh: MeshTet | MeshHex, boundary: str, name: str | None = None) -> Sur
 
 
 def _grid(
-    u: tuple[float, float], v: tuple[float, float], rows: int, columns: int
+    u: tuple[float, float],
+    v: tuple[float, float],
+    rows: int,
+    columns: int,
 ) -> tuple[ndarray, ndarray, ndarray]:
     """Return parameters u and v, (n,), and facets of nine nodes, (m, 9), on a rectangle of them."""
     u_lines = np.linspace(*u, rows + 1)
@@ -424,7 +438,11 @@ def _surface(
 
 
 def _rigid(
-    name: str, points: ndarray, facets: ndarray, shape: Shape, neighbours: ndarray
+    name: str,
+    points: ndarray,
+    facets: ndarray,
+    shape: Shape,
+    neighbours: ndarray,
 ) -> Surface:
     """Return a surface of nodes that no dof moves."""
     return Surface.of(name, np.full(points.shape, -1), points, facets, shape, neighbours)

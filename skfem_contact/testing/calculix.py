@@ -306,7 +306,10 @@ def _read_nodes(lines: list[str], position: int, ids: list[int], points: list[li
 
 
 def _read_elements(
-    lines: list[str], position: int, row: dict[int, int], elements: dict[str, list[list[int]]]
+    lines: list[str],
+    position: int,
+    row: dict[int, int],
+    elements: dict[str, list[list[int]]],
 ) -> int:
     """Read the lines of elements: head, then ten or fifteen nodes a line."""
     while lines[position][:3] == " -1":

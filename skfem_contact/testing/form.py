@@ -180,7 +180,12 @@ def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> No
 
 
 def _form_tangent(
-    form: Form, x: ndarray, state: Any, K: Any, directions: ndarray, tolerance: float
+    form: Form,
+    x: ndarray,
+    state: Any,
+    K: Any,
+    directions: ndarray,
+    tolerance: float,
 ) -> float:
     """Return the largest error of the tangent in all directions, at smooth points."""
     size = max(float(np.abs(x).max()), 1e-6)

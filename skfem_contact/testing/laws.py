@@ -35,7 +35,11 @@ def differences(function: Callable[[float], ndarray], h: float) -> tuple[ndarray
 
 
 def largest_error(
-    error: ndarray, kink: ndarray, tolerance: float, message: str, kinks: float = 0.1
+    error: ndarray,
+    kink: ndarray,
+    tolerance: float,
+    message: str,
+    kinks: float = 0.1,
 ) -> float:
     """Return the largest error at smooth points; a share `kinks` of the points may be others."""
     smooth = kink <= _KINK
@@ -336,7 +340,11 @@ def _check_reach(law: InterfaceLaw, gap: ndarray, internal: ndarray, closed: nda
 
 
 def _check_traction(
-    law: InterfaceLaw, jump: ndarray, internal: ndarray, penalties: tuple[float, float], size: float
+    law: InterfaceLaw,
+    jump: ndarray,
+    internal: ndarray,
+    penalties: tuple[float, float],
+    size: float,
 ) -> Traction:
     """Check shapes, signs and admissibility of the traction, and return the update."""
 

@@ -70,7 +70,11 @@ class WaterBalance:
     """
 
     def __init__(
-        self, flow: DarcyFlow, given: NodalConditions, tie: csr_matrix, coordinates: ndarray
+        self,
+        flow: DarcyFlow,
+        given: NodalConditions,
+        tie: csr_matrix,
+        coordinates: ndarray,
     ) -> None:
         self.flow = flow
         self.given = given
@@ -108,7 +112,12 @@ class WaterBalance:
         return self._balance(now, _softer(laws, reached))
 
     def step(
-        self, flow: DarcyFlow, given: NodalConditions, head: ndarray, leaking: ndarray, laws: Laws
+        self,
+        flow: DarcyFlow,
+        given: NodalConditions,
+        head: ndarray,
+        leaking: ndarray,
+        laws: Laws,
     ) -> tuple[Balance, ndarray]:
         """Return the balance of a flow near to heads, and leaking nodes, or raise Unbalanced."""
         new = copy(self)
@@ -129,7 +138,11 @@ class WaterBalance:
         return np.asarray(self.tie.T @ (self.given.supply - self.given.taken(head)))
 
     def _narrowed(
-        self, now: _State, laws: Laws, reached: float, least: float
+        self,
+        now: _State,
+        laws: Laws,
+        reached: float,
+        least: float,
     ) -> tuple[float, _State]:
         """Return the narrowest transition over the requested one, and heads near its balance.
 
@@ -153,7 +166,11 @@ class WaterBalance:
         return reached, now
 
     def _slowly(
-        self, now: _State, laws: Laws, reached: float, finer: DarcyFlow
+        self,
+        now: _State,
+        laws: Laws,
+        reached: float,
+        finer: DarcyFlow,
     ) -> tuple[float, _State]:
         """Narrow the transition in smaller steps, or widen it, with the finer flow or this one."""
         for flow in (finer, self.flow):

@@ -217,7 +217,10 @@ def sourced(basis: CellBasis, sources: Mapping[str, Given], axisymmetric: bool) 
 
 
 def _at_points(
-    basis: CellBasis | FacetBasis, rate: Given, what: str, axisymmetric: bool
+    basis: CellBasis | FacetBasis,
+    rate: Given,
+    what: str,
+    axisymmetric: bool,
 ) -> ndarray:
     """Return a rate at the integration points, times the radius in axial symmetry."""
     x = np.asarray(basis.global_coordinates())  # (dim, n, n_points)
@@ -284,7 +287,10 @@ def drained(
 
 
 def screens_and_ties(
-    basis: CellBasis, connected: Sequence[tuple[str, str]], held: ndarray, first: ndarray
+    basis: CellBasis,
+    connected: Sequence[tuple[str, str]],
+    held: ndarray,
+    first: ndarray,
 ) -> csr_matrix:
     """Return the matrix (N, N) that gives all heads from the heads of free nodes.
 

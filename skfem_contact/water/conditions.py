@@ -93,7 +93,10 @@ class Conditions:
         return not any(callable(each) for each in varying)
 
     def at_nodes(
-        self, basis: CellBasis, axisymmetric: bool, time: float | None = None
+        self,
+        basis: CellBasis,
+        axisymmetric: bool,
+        time: float | None = None,
     ) -> tuple[NodalConditions, ndarray]:
         """Return the conditions at the nodes, and the first node of the well of each node, (N,)."""
         given = conditions(

@@ -134,7 +134,11 @@ class DarcyFlow:
     """
 
     def __init__(
-        self, basis: CellBasis, tensors: ndarray, axisymmetric: bool = False, datum: float = 0.0
+        self,
+        basis: CellBasis,
+        tensors: ndarray,
+        axisymmetric: bool = False,
+        datum: float = 0.0,
     ) -> None:
         functions = [basis.basis[j][0] for j in range(basis.Nbfun)]
         shapes = [np.broadcast_to(np.asarray(f), basis.dx.shape)[0] for f in functions]
@@ -246,7 +250,10 @@ class DarcyFlow:
 
 
 def warn_of_dry_ground(
-    basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray
+    basis: CellBasis,
+    tensors: ndarray,
+    relative: ndarray,
+    velocity: ndarray,
 ) -> None:
     """Report water that flows off through dry ground that conducts better than wet ground."""
     # A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5

@@ -81,7 +81,11 @@ def check_step(
 
 
 def _at_drains(
-    basis: CellBasis, ground: Ground, own: Ground, drained: ndarray, duration: float
+    basis: CellBasis,
+    ground: Ground,
+    own: Ground,
+    drained: ndarray,
+    duration: float,
 ) -> tuple[ndarray, ndarray]:
     """Return own elements that drain through a facet, also to permeable ground, and their sizes."""
     mesh = basis.mesh
@@ -134,7 +138,11 @@ def _areas(mesh: Mesh, facets: ndarray) -> ndarray:
 
 
 def pulled(
-    name: str, pair: Any, state: Any, coordinates: ndarray, pressure: ndarray
+    name: str,
+    pair: Any,
+    state: Any,
+    coordinates: ndarray,
+    pressure: ndarray,
 ) -> Iterator[Remark]:
     """Report tight contact whose pressure is less than the excess pressure at nodes, (n,)."""
     # Compare the total pressure of contact with the water at the nearest node.

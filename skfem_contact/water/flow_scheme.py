@@ -38,7 +38,11 @@ class FlowScheme(NamedTuple):
         return self.gamma**2 * duration / self.alpha
 
     def step(
-        self, duration: float, rate: ndarray, before: ndarray, after: ndarray
+        self,
+        duration: float,
+        rate: ndarray,
+        before: ndarray,
+        after: ndarray,
     ) -> tuple[ndarray, ndarray]:
         """Return the water that leaves the nodes in a step, and the rate at its end.
 

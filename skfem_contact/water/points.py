@@ -32,7 +32,11 @@ def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
 
 
 def interpolated(
-    mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray, beyond: ndarray | None
+    mesh: Mesh,
+    elements: ndarray,
+    nodal: ndarray,
+    points: ndarray,
+    beyond: ndarray | None,
 ) -> ndarray:
     """Return nodal values at points (dim, n), linear on the simplices of elements.
 

@@ -71,7 +71,11 @@ class FullPores:
     first: int
 
     def __init__(
-        self, porous: Porous, specific: ndarray, shear: ndarray, capacity: ndarray
+        self,
+        porous: Porous,
+        specific: ndarray,
+        shear: ndarray,
+        capacity: ndarray,
     ) -> None:
         self._porous = porous
         self._capacity = capacity

@@ -162,7 +162,10 @@ class Seepage:
         return np.inf
 
     def uplift_factor(
-        self, bottom: str, unit_weight: Mapping[str, float], load: float = 0.0
+        self,
+        bottom: str,
+        unit_weight: Mapping[str, float],
+        load: float = 0.0,
     ) -> float:
         """Return the factor of safety of a tight layer or slab against uplift.
 

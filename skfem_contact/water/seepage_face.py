@@ -69,7 +69,10 @@ class SeepageFace(AtNodes, Regularised, Draining):
     _conductance: ndarray
 
     def __init__(
-        self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0
+        self,
+        water: PoreWater,
+        boundaries: str | Collection[str],
+        pressure: Given = 0.0,
     ) -> None:
         names = names_of(boundaries)
         self.water = water

@@ -175,7 +175,10 @@ class March:
         )
 
     def _row(
-        self, balance: Balance, time: float, unit_weight: float
+        self,
+        balance: Balance,
+        time: float,
+        unit_weight: float,
     ) -> tuple[Seepage, ndarray, float, float]:
         """Return the flow, the content of the nodes, and the stored and entered water."""
         flow = self.flow
@@ -228,7 +231,12 @@ class March:
         ) from failed
 
     def _part(
-        self, time: float, length: float, before: ndarray, head: ndarray, leaking: ndarray
+        self,
+        time: float,
+        length: float,
+        before: ndarray,
+        head: ndarray,
+        leaking: ndarray,
     ) -> _Part:
         """Return the balance at a time after a step of first order from stored volumes."""
         given = self._at_nodes(time)[0].above(self.flow.datum)
@@ -253,7 +261,12 @@ class March:
         return self.flow.span(float(np.abs(pressed - before).max()))
 
     def _accepted(
-        self, end: float, step: float, part: float, parts: list[_Part], rate: ndarray
+        self,
+        end: float,
+        step: float,
+        part: float,
+        parts: list[_Part],
+        rate: ndarray,
     ) -> tuple[float, Balance] | None:
         """Accept a step if its error is small; shorten it else."""
         # Estimate the error by the change of the rate.

@@ -343,7 +343,10 @@ def _kind(number: int) -> str:
 
 
 def _content(
-    ids: Integers, points: Floats, blocks: list[_Blocks], names: Mapping[tuple[int, int], str]
+    ids: Integers,
+    points: Floats,
+    blocks: list[_Blocks],
+    names: Mapping[tuple[int, int], str],
 ) -> Content:
     """Join the blocks of every kind, and name the groups."""
     content = Content(np.array(points), {})

@@ -199,7 +199,10 @@ def _name_bodies(content: Content, properties: Mapping[str, list[Integers]]) -> 
 
 
 def _add_part(
-    content: Content, name: str, members: Integers, numbers: Mapping[str, Integers]
+    content: Content,
+    name: str,
+    members: Integers,
+    numbers: Mapping[str, Integers],
 ) -> None:
     """Name the elements of a sub-model part in all kinds."""
     for kind, known in numbers.items():

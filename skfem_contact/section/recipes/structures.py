@@ -84,7 +84,10 @@ def trench(
 
 
 def three_centres(
-    crown: float, side: float, angles: Sequence[float], centre: Sequence[float] = (0.0, 0.0)
+    crown: float,
+    side: float,
+    angles: Sequence[float],
+    centre: Sequence[float] = (0.0, 0.0),
 ) -> Outline:
     """Return the outline of a tunnel of three radii, which meet without kinks.
 
