@@ -33,7 +33,8 @@ from ..surfaces.vectors import dot
 from .element import left_of
 
 #: Dofs of displacements and of rotations of start, end and middle.
-_MOVES, _TURNS = 6, 3
+_MOVES = 6
+_TURNS = 3
 #: Length of a chord, as a share of the one before deformation, below which an element has folded.
 _FOLDED = 1e-3
 

@@ -287,7 +287,8 @@ def remainder(points: Sequence[Point]) -> float:
     The part begins where at most :data:`_CHORD` of the present work had been done: the slope of
     shorter parts may be the solver's tolerance.
     """
-    first, last = points[0], points[-1]
+    first = points[0]
+    last = points[-1]
     done = last.work - first.work
     earlier = []
     for point in points[:-1]:

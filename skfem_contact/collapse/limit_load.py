@@ -230,7 +230,8 @@ def is_stable(
     """
     # Put the load on the structure.
     begun = loaded_start(setup, load, start, water, undrained)
-    system, origin = begun.system, begun.origin
+    system = begun.system
+    origin = begun.origin
     whole = begun.weight + begun.load
     newton = setup.newton or Newton(tolerance=3e-4, max_iterations=60)
     # A collapse is a result; other failures are errors.

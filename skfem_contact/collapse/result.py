@@ -394,7 +394,8 @@ class CollapseResult:
         for step in self.steps:
             moved = yielding = "–"
             if step.outcome == "equilibrium":
-                moved, yielding = f"{step.displacement:.4g}", f"{step.yielding:.1%}"
+                moved = f"{step.displacement:.4g}"
+                yielding = f"{step.yielding:.1%}"
             lines.append(
                 f"{step.parameter:10.5f}  {step.outcome:11}  {step.iterations:10d}  "
                 f"{step.residual:8.1e}  {moved:>12}  {yielding:>8}"

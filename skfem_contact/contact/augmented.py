@@ -29,7 +29,8 @@ logger = logging.getLogger("skfem_contact")
 #: and the one that it goes to where the corrections hardly become less: in a tie of 3 elements with
 #: 7 of a body 14 times as stiff by a tenth each time, so that 30 equilibria are not enough; with
 #: the second one 26 iterations are.
-_WANTED, _HARDEST = 10.0, 100.0
+_WANTED = 10.0
+_HARDEST = 100.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more
 #: than an element.
 _SOFTEST = 0.1
@@ -41,14 +42,16 @@ _INDIFFERENT = 1e-10
 #: halves of an open element cancel, the last bits would decide.
 _ROUND_OFF = 1e-12
 #: A correction that has not become less by this factor so many times in a row will not do so.
-_PROGRESS, _PATIENCE = 0.7, 2
+_PROGRESS = 0.7
+_PATIENCE = 2
 _ACCURACY = 1e-14
 #: Error of the tractions, as a share of the largest one, with which bonds may break: an accurate
 #: equilibrium before each break takes 12 solutions, and 30 are allowed in an increment.
 _SETTLED = 1e-3
 #: Bonds with this share of the largest overload break together with the one that has it, and so do
 #: all bonds with this overload: the increment is too large for an order.
-_TOGETHER, _FAR = 0.9, 2.0
+_TOGETHER = 0.9
+_FAR = 2.0
 _NONE = np.zeros((1, 1), bool)  # mask of no multipliers
 
 

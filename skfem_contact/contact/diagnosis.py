@@ -24,22 +24,28 @@ _RIPPLE = 0.05
 #: Mean overlap of the mesh where pressure acts, as a share of the facets, likewise: fits have a
 #: hundredth, indenters that start inside of their base up to .2. Blocks that were placed too low
 #: overlap by as much everywhere, to a tenth.
-_DEEP, _EVENLY, _TOO_LOW = 0.25, 0.9, 0.05
+_DEEP = 0.25
+_EVENLY = 0.9
+_TOO_LOW = 0.05
 #: Share of the pressure that acts along the slave where nodes face joints of the master, likewise;
 #: and how near to one, as a share of the facet, they do so: strains move them by less.
-_SIDEWAYS, _AT_JOINT = 1e-3, 0.01
+_SIDEWAYS = 1e-3
+_AT_JOINT = 0.01
 #: Share of the pressure on points that have only just closed beside others that slide, likewise.
 _CLOSED = 0.05
 #: Friction of points that slid in the increment in which they closed, as a share of all friction:
 #: .85, .69, .47 and .17 where a parabola is pressed down in 1, 2, 5 and 20 increments; the radius
 #: that sticks is 64, 19, 7 and 0 % off that with 60. Slips of more times the elastic displacement
 #: of the bodies than the second do not count: no part sticks.
-_CLOSING, _GROSS = 0.6, 3.0
+_CLOSING = 0.6
+_GROSS = 3.0
 #: Error of the pressure of a round fit on flat facets, about that many times one minus the mean
 #: cosine of the angle between the normals of facets and their means at nodes, that is remarked on:
 #: 3.5, 2.8 and 2.2 times for 64, 32 and 16 facets around, 3.5 for a ball; angles of edges, whose
 #: cosine is less than the last number, do not count.
-_FLAT, _TIMES, _EDGE = 0.02, 3.0, 0.87
+_FLAT = 0.02
+_TIMES = 3.0
+_EDGE = 0.87
 #: Torque of the pressure on a round fit, as a share of that of friction, likewise.
 _TURNED = 0.02
 

@@ -25,7 +25,8 @@ _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 #: Distance of the pressure's resultant from the last point, over that of the next one, in a joint
 #: that turns about it; and the distance of the next one, as a share of the facet, that is remarked
 #: on: further cuts leave less than .04.
-_PIVOT, _APART = 0.3, 0.1
+_PIVOT = 0.3
+_APART = 0.1
 _ACCURACY = 1e-14
 _MOST = 10_000
 #: Damping of the least change of tractions, over the size of the operator. Tractions that hardly

@@ -32,7 +32,8 @@ _LEFT = 0.5
 _APART = 0.1
 #: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.
 #: Stiffer ones draw wide gaps, as beside a cylinder on a plane, with many times the load.
-_FIRST, _LAST = 1e-4, 1e-6
+_FIRST = 1e-4
+_LAST = 1e-6
 #: Factor by which the share falls from one solution to the next.
 _FALL = 0.1
 #: Springs that exert less than this share of the contact force need not be taken away little by
@@ -40,10 +41,12 @@ _FALL = 0.1
 _NEGLIGIBLE = 1e-3
 #: Tangential penalty of the first solution with a soft stick: so many times the stiffness of the
 #: surfaces, and at most this share of the penalty as given.
-_SOFT, _SHARE = 10.0, 0.1
+_SOFT = 10.0
+_SHARE = 0.1
 #: It grows from one solution to the next by this factor at least, and by more as long as that
 #: changes the tractions of points that stick by no more than this share of the largest one.
-_GROWTH, _CHANGE = 1.6, 0.05
+_GROWTH = 1.6
+_CHANGE = 0.05
 
 
 class Family(NamedTuple):

@@ -32,10 +32,12 @@ _RIPPLE = 0.1
 _INSIDE = 0.05
 #: Facets that are looked at, at most; and the least extent of the contact, over the size of the
 #: coarser facets: Hertz contacts of fewer seem to ripple.
-_MOST, _LEAST = 400, 6.0
+_MOST = 400
+_LEAST = 6.0
 #: Difference of pressures of multipliers, over their mean, that is remarked on as peaks, and the
 #: least extent of the contact, likewise; the edge of a body, with its own peak, is left out.
-_PEAK, _FEW = 0.3, 3.0
+_PEAK = 0.3
+_FEW = 3.0
 
 
 def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterator[Remark]:

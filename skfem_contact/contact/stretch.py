@@ -56,7 +56,8 @@ class Stretch(NamedTuple):
         values = size / area
 
         # Differentiate the length of the normal by the tangents.
-        tangents, derivatives = now.x[1], now.shapes[1]
+        tangents = now.x[1]
+        derivatives = now.shapes[1]
         derivatives = np.broadcast_to(derivatives, (len(facet), *derivatives.shape[1:]))
         if surface.dim == 2:
             factors = tangents / (size * area)[:, None, None]

@@ -33,7 +33,8 @@ from .scheme import Inertia, Motion
 _RENEWED = 64
 #: Size of the displacements with which linearity is tried, as a share of the present ones, and the
 #: error of forces that round-off may leave.
-_TRIED, _SAME = 1e-3, 1e-9
+_TRIED = 1e-3
+_SAME = 1e-9
 
 
 def is_linear(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, object]) -> bool:
@@ -157,12 +158,17 @@ class Linear:
         """
         h = self.length
         am, af, beta, gamma = self._inertia.scheme
-        v, a = motion.velocity, motion.acceleration
+        v = motion.velocity
+        a = motion.acceleration
         fixed = self._fixed
 
         # Newmark's rule with the change d: a' = a_d d + a_v v + a_a a, v' = v_d d + v_v v + v_a a
-        a_d, a_v, a_a = 1.0 / (beta * h**2), -1.0 / (beta * h), 1.0 - 0.5 / beta
-        v_d, v_v, v_a = gamma / (beta * h), 1.0 - gamma / beta, h * (1.0 - 0.5 * gamma / beta)
+        a_d = 1.0 / (beta * h**2)
+        a_v = -1.0 / (beta * h)
+        a_a = 1.0 - 0.5 / beta
+        v_d = gamma / (beta * h)
+        v_v = 1.0 - gamma / beta
+        v_a = h * (1.0 - 0.5 * gamma / beta)
 
         # Force of inertia and damping where nothing moves
         new_force = (1.0 - am) * a_v * v
@@ -199,7 +205,8 @@ class Linear:
         _add(new_force, (1.0 - am) / (1.0 - af) * a_d, self._times_mass(d))
         damped = motion.damped
         if self._damped:
-            Cv, Ca = self._Cv, self._Ca
+            Cv = self._Cv
+            Ca = self._Ca
             Cd = self._inertia.C @ d
             _add(new_force, v_d, Cd)
             # the work of the mean of C v at both ends
@@ -213,7 +220,8 @@ class Linear:
             Cd *= a_d
             _add(Cd, a_v, Cv)
             _add(Cd, a_a, Ca)
-            self._Cv, self._Ca = new_Cv, Cd
+            self._Cv = new_Cv
+            self._Ca = Cd
         still = self._inertia.still
         if len(still):
             new_a[still] = 0.0

@@ -45,7 +45,8 @@ def mass_and_damping(
     C = csr_matrix(M.shape)
     # Sort the coefficients of damping by region.
     damping = _damping(forms, settings.damping)
-    of_mass, of_stiffness = {}, {}
+    of_mass = {}
+    of_stiffness = {}
     for name, by_region in damping.items():
         of_mass[name] = {region: given.alpha for region, given in by_region.items()}
         of_stiffness[name] = {region: given.beta for region, given in by_region.items()}
@@ -172,7 +173,8 @@ def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
     touching[dofs // dim] = True
 
     # Weigh their neighbours in the same elements by the distance
-    first, second = [], []
+    first = []
+    second = []
     for solid in solids:
         cells = nodes(solid.basis)
         a = np.repeat(cells, cells.shape[1], axis=1).ravel()
@@ -191,7 +193,9 @@ def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
     # Nodes without a neighbour inside keep their mass
     kept = np.ones(size)
     moved = np.flatnonzero(sums > 0.0)
-    rows, columns, values = [], [], []
+    rows = []
+    columns = []
+    values = []
     for c in range(dim):
         kept[dim * moved + c] = 0.0
         rows.append(dim * both[0] + c)

@@ -13,10 +13,12 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from ..solvers.direct import SingularSystem
 
 #: Up to so many masses, or so many for each mode, the whole flexibility is computed.
-_FEW, _EACH = 60, 4
+_FEW = 60
+_EACH = 4
 #: Shift of bodies that move freely, as a share of the largest ratio of stiffness to mass on the
 #: diagonals; squares of frequencies below a hundred times the round-off of this ratio are zero.
-_SHIFT, _ZERO = 1e-8, 1e-13
+_SHIFT = 1e-8
+_ZERO = 1e-13
 
 #: Factor of a matrix: function of a right-hand side, zero at supports.
 Factor = Callable[[csr_matrix], Callable[[ndarray], ndarray]]

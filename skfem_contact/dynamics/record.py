@@ -21,10 +21,14 @@ from .spectrum import Spectrum, response_spectrum
 _EQUAL = 1e-3
 #: Taps of the filter before a record is resampled to longer steps, and its corner as a share of the
 #: highest frequency of the new steps.
-_TAPS, _CORNER = 101, 0.8
+_TAPS = 101
+_CORNER = 0.8
 #: Frequency (Hz) and damping of the ground by Kanai and Tajimi, and shares of the duration in which
 #: a synthetic record rises and falls.
-_GROUND, _DAMPED, _RISE, _FALL = 2.5, 0.6, 0.15, 0.5
+_GROUND = 2.5
+_DAMPED = 0.6
+_RISE = 0.15
+_FALL = 0.5
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,8 @@ PARTS = 1024
 _CUT = 4
 #: Share of the tolerance that a new length aims at. Steps grow to twice their length once the last
 #: few have asked for no shorter ones, so that factors of matrices are kept.
-_SAFE, _PATIENCE = 0.7, 4
+_SAFE = 0.7
+_PATIENCE = 4
 #: Share of the points of a contact pair that a step may close or open before it must be short.
 CHANGED = 0.2
 

@@ -254,7 +254,9 @@ def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> 
     Its entries are ``B^T`` times weights. Stored by rows, it multiplies a third faster than the
     transpose of the matrix of the strains.
     """
-    data, indices, counts = [], [], []
+    data = []
+    indices = []
+    counts = []
     # Collect weight B by component, without columns of zeros.
     for component in range(B.shape[2]):
         rows = B[:, :, component]

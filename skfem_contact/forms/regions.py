@@ -102,7 +102,8 @@ def by_region(
         raise ValueError("there is no material: give one, or {subdomain: material}")
     subdomains = basis.mesh.subdomains or {}
     present = elements_of(basis)
-    order, regions = [], []
+    order = []
+    regions = []
     start = 0
     for name, material in materials.items():
         # The elements of the subdomain that belong to the basis.
@@ -214,7 +215,8 @@ def inherited(old: Region, new: Region, stress: ndarray, internal: ndarray) -> b
     """
     # Find the elements that both regions have.
     every = range(stress.shape[1])
-    before, after = every[old.elements], every[new.elements]
+    before = every[old.elements]
+    after = every[new.elements]
     common = slice(max(before.start, after.start), min(before.stop, after.stop))
     if common.start >= common.stop or old.material is new.material:
         return False

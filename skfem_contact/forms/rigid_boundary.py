@@ -21,7 +21,8 @@ from .base import Form, Response, solids_of
 from .links import MatrixForm
 
 #: Coordinates that count as the same, as a share of the mesh, and the least turn that counts.
-_SAME, _TURNS = 1e-9, 1e-6
+_SAME = 1e-9
+_TURNS = 1e-6
 
 
 class RigidBoundary(MatrixForm):

@@ -759,7 +759,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         """Correct the elastic stiffness in the elements that hold a point of another tangent."""
         n_points = self.weight.shape[1]
         # Collect the points whose tangent is not elastic.
-        points, tangents = [], []
+        points = []
+        tangents = []
         for (region, stress, internal), update in zip(given, updates, strict=True):
             changed, tangent = changed_moduli(region.material, stress, internal, update, damping)
             if len(changed):

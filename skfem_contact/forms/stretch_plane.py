@@ -79,7 +79,10 @@ class PlaneStretch:
         u = C / self._tau
         u[:2] += (growth - more) / self._tau
         v = inverse(u, growth)
-        self._C, self._growth_in_plane, self._u, self._v = C, growth, u, v
+        self._C = C
+        self._growth_in_plane = growth
+        self._u = u
+        self._v = v
         self._U = (1.0 + u[0], 1.0 + u[1], u[2])
         self._V = (1.0 + v[0], 1.0 + v[1], v[2])
         self._zz = zz
@@ -99,7 +102,8 @@ class PlaneStretch:
         r"""Return :math:`U^{-1} \exp(2 e) U^{-1} - 1`, (4, m), of elastic strains e, (4, m)."""
         # exponential: mean, and radius of Mohr's circle
         mean = elastic[0] + elastic[1]
-        d, o = elastic[0] - elastic[1], elastic[3]
+        d = elastic[0] - elastic[1]
+        o = elastic[3]
         r = np.hypot(d, o)
         scale = np.exp(mean)
         even = np.expm1(mean) + 2.0 * scale * np.sinh(0.5 * r) ** 2
@@ -120,10 +124,12 @@ class PlaneStretch:
             p = plastic[[0, 1, 3]]
             x = x + _sandwich(self._U, p)
             zz = zz + (1.0 + zz) * plastic[2]
-            self._p, self._p_zz = p, plastic[2]
+            self._p = p
+            self._p_zz = plastic[2]
         # Mohr's circle of X: mean m, half difference d, shear o, radius squared s.
         m = 1.0 + 0.5 * (x[0] + x[1])
-        d, o = 0.5 * (x[0] - x[1]), x[2]
+        d = 0.5 * (x[0] - x[1])
+        o = x[2]
         s = d * d + o * o
         determinant = x[0] + x[1] + x[0] * x[1] - o * o  # - 1
         q = _slope(m, s)
@@ -171,7 +177,8 @@ class PlaneStretch:
     def _stretch_by_strain(self) -> ndarray:
         """Return dU / dE, (3, 3, m): columns of unit strains, engineering shear."""
         J = 1.0 + self._growth_in_plane
-        C, tau = self._C, self._tau
+        C = self._C
+        tau = self._tau
         g = np.stack(((1.0 + C[1]) / J, (1.0 + C[0]) / J, -C[2] / J))  # dJ
         h = g / tau  # d tau
         h[:2] += 1.0 / tau
@@ -213,7 +220,9 @@ class PlaneStretch:
     def _second_by_stretch(self, dU: ndarray, S: ndarray) -> ndarray:
         """Return ``U^-1 dU S`` and its transpose, added."""
         Vx, Vy, Vxy = self._V
-        Sx, Sy, Sxy = S[0], S[1], S[3]
+        Sx = S[0]
+        Sy = S[1]
+        Sxy = S[3]
         # W = U^-1 dU
         Wxx = Vx * dU[0] + Vxy * dU[2]
         Wxy = Vx * dU[2] + Vxy * dU[1]

@@ -97,7 +97,8 @@ class SpaceStretch:
         # exp(2 e) - 1
         w, M = np.linalg.eigh(_tensor(elastic, 0.5))
         b = _built(np.expm1(2.0 * w), M)
-        v, V = self._v, self._V
+        v = self._v
+        V = self._V
         return _components(2.0 * v + v @ v + V @ b @ V)
 
     def log_strain(self, plastic: ndarray | None = None) -> ndarray:
@@ -173,7 +174,8 @@ def _products(A: ndarray) -> ndarray:
 
 def _both_sides(V: ndarray) -> ndarray:
     """Return the map of T to ``V T V``, (m, 6, 6), V symmetric."""
-    first, second = V[:, _I], V[:, _J]
+    first = V[:, _I]
+    second = V[:, _J]
     out = first[:, :, _I] * second[:, :, _J]
     out[:, :, 3:] += first[:, :, _J[3:]] * second[:, :, _I[3:]]
     return out
@@ -186,7 +188,8 @@ def _between(S: ndarray, V: ndarray) -> ndarray:
 
 def _polarised(V: ndarray, S: ndarray) -> ndarray:
     """Return the map of T to ``V T S``, (m, 6, 6), rows of its upper components."""
-    first, second = V[:, _I], S[:, _J]
+    first = V[:, _I]
+    second = S[:, _J]
     out = first[:, :, _I] * second[:, :, _J]
     out[:, :, 3:] += first[:, :, _J[3:]] * second[:, :, _I[3:]]
     return out

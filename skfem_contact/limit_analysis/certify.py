@@ -20,11 +20,14 @@ _PLAIN = 1e-5, 1e-4
 #: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond
 #: the last, refused. A pile in the ground (c = 7,500 and 32) leaves 2e-13 after 8 repetitions and
 #: 2e-14 after 20.
-_BALANCED, _REPETITIONS, UNBALANCED = 1e-15, 20, 1e-13
+_BALANCED = 1e-15
+_REPETITIONS = 20
+UNBALANCED = 1e-13
 #: The change of volume and the overlap of a velocity are taken out until they are below this share
 #: of the largest strain, at most so often: a slope in clay takes 8 times or 20, as round-off will
 #: have it.
-_SHAPED, _SHAPINGS = 1e-15, 40
+_SHAPED = 1e-15
+_SHAPINGS = 40
 #: Stress below this share of the largest is none.
 _NO_STRESS = 1e-12
 #: Power of the loads on a velocity, as a share of its terms, that is round-off: bounds of 1e20 come
@@ -111,7 +114,8 @@ def _largest_share(program: Program, stress: ndarray, round_off: float) -> float
     def holds(share: float) -> bool:
         return _admitted(program, share * stress, share * round_off) >= 1.0
 
-    low, high = 0.0, 2.0
+    low = 0.0
+    high = 2.0
     for _ in range(60):
         middle = 0.5 * (low + high)
         if holds(middle):

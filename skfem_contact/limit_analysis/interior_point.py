@@ -41,11 +41,13 @@ _ROUND_OFF = 1e-13
 _CHANGE = 0.2
 #: Relative residual at which solutions of the normal equations are refined no more, and how often
 #: they are.
-_REFINED, _REFINEMENTS = 1e-9, 3
+_REFINED = 1e-9
+_REFINEMENTS = 3
 #: Least size of that compliance, as a share of the median, where the strength is so many times the
 #: median: a pile in the ground (c = 7,500 and 32) has so little that round-off rules (0 and .01: no
 #: lower bound; .1: 1.347, 1.485).
-_AMONG_WEAK, _STRONG = 0.1, 10.0
+_AMONG_WEAK = 0.1
+_STRONG = 10.0
 #: Share of its depth within the cone that a multiplier keeps where it is made to follow from the
 #: strains.
 _DEEP = 0.5
@@ -213,7 +215,8 @@ class _Path:
         self.iterations += 1
         scaled = self.scaled = _scaling(self.s, self.z)
         self._factor()
-        n_cones, point = len(self.s), scaled.point
+        n_cones = len(self.s)
+        point = scaled.point
         mu = self.gap / n_cones
 
         # predictor: to the surface of the cones

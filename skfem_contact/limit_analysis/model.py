@@ -370,7 +370,8 @@ def _unit_tractions(site: Site) -> dict[str, ndarray]:
 
 def _linear(mesh: Mesh, coefficients: ndarray) -> Field:
     """Return a traction as a function of coordinates, from its six coefficients (2, 3)."""
-    low, high = mesh.p.min(axis=1), mesh.p.max(axis=1)
+    low = mesh.p.min(axis=1)
+    high = mesh.p.max(axis=1)
     centre = 0.5 * (low + high)
     size = float((high - low).max())
 
@@ -419,7 +420,8 @@ class LimitModel:
 
     def power(self, triangles: Triangles, elements: Elements) -> tuple[ndarray, ndarray]:
         """Return the power of the fixed and of the multiplied loads, (n,) each."""
-        mesh, origin = triangles.mesh, triangles.origin
+        mesh = triangles.mesh
+        origin = triangles.origin
         total = [elements.of_body(f[origin]) for f in (self.loads.dead, self.loads.live)]
         for tag, value, live in self.loads.tractions:
             facets = triangles.tags[tag]

@@ -29,7 +29,9 @@ _RESERVES = (1e-6, 2e-5, 2e-4, 2e-3)
 _AIM = -1.2
 #: The solver stops at this share of the gap between the bounds of the last mesh, but not above or
 #: below these.
-_ACCURACY, _COARSE, _FINE = 0.003, 3e-4, 3e-6
+_ACCURACY = 0.003
+_COARSE = 3e-4
+_FINE = 3e-6
 #: Compliance to the mean stress of soil without friction, for the lower bound, whose stresses it
 #: blurs, and for the upper one, whose velocities must be isochoric.
 _VOLUME = (1e-6, 1e-10)
@@ -54,7 +56,8 @@ _FAN = 40
 _HERE = 1e-9
 #: Interior angle from which a corner of the ground is singular, in degrees, and at which loads and
 #: supports may change.
-_REENTRANT, _LEVEL = 185.0, 150.0
+_REENTRANT = 185.0
+_LEVEL = 150.0
 
 
 #: Share of the upper bound below which a lower one is nothing.
@@ -349,7 +352,8 @@ def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndar
 
 def _interpolated(below: Bound, triangles: Triangles) -> ndarray:
     """Return stresses of a coarser mesh at corners of the triangles, (n_elements, 3 corners, 3)."""
-    coarse, parent = below.triangles.mesh, triangles.parent
+    coarse = below.triangles.mesh
+    parent = triangles.parent
     stress = np.zeros((coarse.nelements, 3, 3))
     stress[below.program.soft] = below.program.of_triangles(below.proof.field)
     gradient = gradients(coarse)[0][parent]  # (n, 3 corners, 2)
@@ -411,7 +415,9 @@ def _singular_points(model: LimitModel, triangles: Triangles) -> ndarray:
     facet = np.tile(np.arange(len(edge)), 2)[order]
     nodes = nodes[order]
     same = np.flatnonzero(nodes[1:] == nodes[:-1])
-    vertex, first, second = nodes[same], facet[same], facet[same + 1]
+    vertex = nodes[same]
+    first = facet[same]
+    second = facet[same + 1]
 
     # compare the angle at the vertex, and the kinds of both facets
     angle = _interior_angles(triangles, rigid)[vertex]

@@ -294,7 +294,8 @@ def matched(contacts: tuple[Contact, ...], triangles: Triangles) -> Triangles:
 def _with_nodes(triangles: Triangles, side: str, opposite: str) -> Triangles:
     """Insert the nodes of the opposite side into a side, in each facet its middlemost first."""
     while True:
-        mesh, facets = triangles.mesh, triangles.tags[side]
+        mesh = triangles.mesh
+        facets = triangles.tags[side]
         nodes = np.unique(mesh.facets[:, triangles.tags[opposite]])
         along, away = _local(triangles, facets, nodes)
         inside = (along > _SAME) & (along < 1 - _SAME) & (np.abs(away) < _GAP)
@@ -343,7 +344,8 @@ def _nearest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
 def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, ndarray]:
     """Return facets of slave and master that coincide, and True where their directions differ."""
     mesh = triangles.mesh
-    slave, master = triangles.tags[contact.slave], triangles.tags[contact.master]
+    slave = triangles.tags[contact.slave]
+    master = triangles.tags[contact.master]
     if not len(slave) or not len(master):
         return np.zeros(0, int), np.zeros(0, int), np.zeros(0, bool)
     middle = mesh.p[:, mesh.facets].mean(axis=1)

@@ -17,7 +17,8 @@ _OFF = 0.1
 #: Distance of the middles of facets that touch, over the sum of their sizes: nearly a half.
 _TOUCHING = 0.495
 #: Cosine between the normals of facets that touch, and of facets that are apart, at most.
-_OPPOSITE, _TURNED = -0.5, 0.5
+_OPPOSITE = -0.5
+_TURNED = 0.5
 
 
 class Sides(NamedTuple):

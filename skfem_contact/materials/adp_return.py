@@ -18,7 +18,9 @@ from .local_newton import damped_newton
 
 # Residuals over the strength at which Newton's method ends, iterations and halvings of a step: 4 to
 # 8 are needed.
-_SOLVED, _ITERATIONS, _HALVINGS = 1e-12, 60, 10
+_SOLVED = 1e-12
+_ITERATIONS = 60
+_HALVINGS = 10
 # Deviators whose vertical component is at least 1 / _SIDE of the root of J2 are of the active or
 # the passive side. In plane strain it is the whole root in the end, and less on the way from
 # isotropic stress.

@@ -24,7 +24,8 @@ Flow = Literal["given", "associated", "davis_a", "davis_b", "davis_c", "lagged"]
 FLOWS: tuple[str, ...] = get_args(Flow)
 
 #: Names of internal variables that results ask for.
-PLASTIC_STRAIN, EXCESS_PRESSURE = "plastic strain", "excess pore pressure"
+PLASTIC_STRAIN = "plastic strain"
+EXCESS_PRESSURE = "excess pore pressure"
 
 
 class Internal(NamedTuple):

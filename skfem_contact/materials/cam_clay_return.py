@@ -42,14 +42,20 @@ from .spectral import deviator, product, square
 _ROUND_OFF = 1e-13
 #: Iterations for y and z together, of which 2 to 7 are needed for strain increments of 1e-6 to
 #: 5e-3, and halvings of a step; error of both equations whose square is round-off.
-_JOINT, _HALVINGS, _LAST_JOINT = 12, 3, 1e-9
+_JOINT = 12
+_HALVINGS = 3
+_LAST_JOINT = 1e-9
 #: Iterations in a bracket: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections
 #: included. The last one changes 1 + y by this share.
-_MOST, _LAST = 80, 4e-15
+_MOST = 80
+_LAST = 4e-15
 #: Bounds of ln(p / p_0), beyond the change at which an increment is refused; the change of the last
 #: iteration, whose square is round-off; steps, of which 1 to 4 are needed, and iterations that may
 #: bisect.
-_FARTHEST, _LAST_PRESSURE, _STEPS, _MOST_PRESSURE = 40.0, 3e-8, 6, 120
+_FARTHEST = 40.0
+_LAST_PRESSURE = 3e-8
+_STEPS = 6
+_MOST_PRESSURE = 120
 #: Change of ln(p) below which a series replaces the quotient.
 _SMALL = 1e-4
 #: Square of the elastic deviator without a direction.
@@ -491,7 +497,9 @@ def tangent(flow: Rate, at: Plastic, trial: Trial, p: Array) -> Array:
     d stress / d strain = (sigma + 2 g p x e_z) (x) dz + 2 g p (e (x) dx + x r I_dev)
     """
     c = trial.c
-    y, x, M = at.y, at.x, at.M
+    y = at.y
+    x = at.x
+    M = at.M
     e, e_z = deviators(at.z, trial)
     ncomp = len(e)
     unit = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]

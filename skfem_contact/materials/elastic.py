@@ -62,7 +62,8 @@ class Isotropic(Material):
             return self
         changes: dict[str, Parameter] = {}
         for field in fields(self):
-            name, value = field.name, getattr(self, field.name)
+            name = field.name
+            value = getattr(self, field.name)
             if callable(value):
                 values = at_points(name, value, x)
                 changes[name] = values.mean(axis=1) if name in _BY_ELEMENT else values

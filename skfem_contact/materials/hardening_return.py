@@ -24,8 +24,10 @@ from .plastic import ROUND_OFF
 
 # Newton's method takes its last step below the first residual, and the second is then reached: it
 # converges quadratically. Residuals are relative to the largest trial stress.
-_LAST_STEP, _SOLVED = 1e-7, 1e-11
-_ITERATIONS, _HALVINGS = 12, 6
+_LAST_STEP = 1e-7
+_SOLVED = 1e-11
+_ITERATIONS = 12
+_HALVINGS = 6
 # Positions of c1, c2 and c3 among c1, c3 and c2, and the reverse.
 _SORTED = [0, 2, 1]
 # Averages of c1, c3 and c2, in this order, on the face, the edge c2 = c3 and the edge c1 = c2.

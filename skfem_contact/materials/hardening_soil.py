@@ -38,7 +38,8 @@ from .spectral import Frame, principal, principal_stresses
 _OUTSIDE = 1e-6
 # Increments without an admissible result are halved so often; step of the differences of their
 # tangents, as a share.
-_HALVINGS, _DIFFERENCE = 6, 1e-5
+_HALVINGS = 6
+_DIFFERENCE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)

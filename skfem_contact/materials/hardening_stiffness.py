@@ -22,10 +22,12 @@ from .spectral import Frame, principal
 LEAST = 1e-3
 # Iterations of an elastic increment, 2 to 6 are needed; growth of the stiffness beyond which it has
 # no solution.
-_ITERATIONS, _LARGEST = 60, 1e3
+_ITERATIONS = 60
+_LARGEST = 1e3
 # Slope from which Newton's method is taken for it, and relative change that is its last one, by
 # quadratic convergence.
-_GOOD, _LAST_STEP = 0.3, 1e-8
+_GOOD = 0.3
+_LAST_STEP = 1e-8
 
 
 class Constants(NamedTuple):

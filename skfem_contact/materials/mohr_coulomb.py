@@ -185,7 +185,8 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
     @override
     def constants(self) -> PyramidConstants:
-        phi, psi = np.radians(self.phi), np.radians(self.psi)
+        phi = np.radians(self.phi)
+        psi = np.radians(self.psi)
         strength = 2 * self.c * np.cos(phi)
         return PyramidConstants(*self.lame, np.sin(phi), np.sin(psi), strength, self.tension)
 

@@ -112,7 +112,8 @@ class NeoHooke(Isotropic):
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         check_shapes(strain_increment, stress)
-        ncomp, shape = len(stress), stress.shape
+        ncomp = len(stress)
+        shape = stress.shape
         strain = self.elastic_strain(stress, internal) + strain_increment
         values, vectors = _principal(strain, 0.5)
         lam, mu = self._constants(shape)

@@ -172,7 +172,8 @@ class NgiAdp(Isotropic):
             )
 
         # bound the triaxial ratio, below which the surface has corners
-        A, P = self.s_uA, self.s_uP
+        A = self.s_uA
+        P = self.s_uP
         least = (0.5 * (A - P) + np.sqrt(0.1875) * (A + P)) / A
         inside = np.less(self.triaxial, 1) & np.greater_equal(self.triaxial, least)
         demand = f"lie between {float(np.max(least)):.4g}, without corners, and 1"
@@ -180,7 +181,9 @@ class NgiAdp(Isotropic):
 
     def _constants(self, shape: tuple[int, ...]) -> ADPConstants:
         """Return the constants at the points of a stress of a shape, flattened to (n,)."""
-        A, D, P = self.s_uA, self.s_uDSS, self.s_uP
+        A = self.s_uA
+        D = self.s_uDSS
+        P = self.s_uP
         radius = 0.5 * (A + P)
         shift = A - P
 

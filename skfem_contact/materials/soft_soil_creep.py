@@ -46,9 +46,11 @@ from .cam_clay_return import (
 from .local_newton import bracketed_root, take
 
 # Logarithms of the smallest y, below which nothing creeps, and of the largest.
-_LEAST, _MOST = -80.0, 20.0
+_LEAST = -80.0
+_MOST = 20.0
 # Iterations: 5 to 12 are needed, bisections from the bounds 60. The last one changes ln(y) by less.
-_ITERATIONS, _LAST = 120, 8e-13
+_ITERATIONS = 120
+_LAST = 8e-13
 
 
 @dataclass(frozen=True, eq=False)

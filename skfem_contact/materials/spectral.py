@@ -21,7 +21,8 @@ _COINCIDENT = 1e-8
 _MARGIN = 1e-7
 # Rows of the 6 components in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-_ROW, _COLUMN = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
+_ROW = np.array([0, 1, 2, 0, 1, 2])
+_COLUMN = np.array([0, 1, 2, 1, 2, 0])
 
 
 def extremes(stress: Array) -> tuple[Array, Array]:
@@ -174,7 +175,9 @@ class _PlaneFrame(NamedTuple):
 def _plane_frame(stress: Array) -> _PlaneFrame:
     """Return the frame of stresses (4, n)."""
     centre, half, radius = _mohr_circle(stress)
-    major, minor, zz = centre + radius, centre - radius, stress[2]
+    major = centre + radius
+    minor = centre - radius
+    zz = stress[2]
     middle = np.maximum(minor, np.minimum(major, zz))
     values = np.array((np.maximum(major, zz), middle, np.minimum(minor, zz)))
     rank = (zz <= major).astype(np.int8) + (zz < minor)
@@ -260,7 +263,8 @@ class _SpaceFrame(NamedTuple):
         local = np.zeros((n, 6, 6))
         local[:, :3, :3] = moduli.transpose(2, 0, 1)
         for k in range(3, 6):
-            i, j = _ROW[k], _COLUMN[k]
+            i = _ROW[k]
+            j = _COLUMN[k]
             local[:, k, k] = _shear_modulus(self.values, values, moduli, shear, i, j)
         dyads = self._dyads(_ROW, _COLUMN)
         return dyads @ local @ dyads.transpose(0, 2, 1)

@@ -21,20 +21,28 @@ from .newton import Evaluation, Problem
 logger = logging.getLogger("skfem_contact")
 
 #: Numbers of differences that are kept, and of iterations for which a preconditioner is.
-_MEMORY, _RENEWED = 20, 5
+_MEMORY = 20
+_RENEWED = 5
 #: Relative residual of the linear solutions: a footing in space takes as many iterations with .01.
 _ROUGH = 0.1
 #: Share of the residual that is left when Newton's method takes over again.
 _LEFT = 0.1
 #: Newton's method ends after so many steps that do not leave the second share of the residual. Such
 #: a step is tried with the third length, and not taken if it does not leave the fourth share.
-_SLOW, _HALF, _SHORTER, _NO_FALL = 2, 0.5, 0.4, 0.98
+_SLOW = 2
+_HALF = 0.5
+_SHORTER = 0.4
+_NO_FALL = 0.98
 #: The iterations end when so many have not brought the smallest residual down to this share, and
 #: after this number in all.
-_STALLED, _PROGRESS, _MOST = 40, 0.9, 200
+_STALLED = 40
+_PROGRESS = 0.9
+_MOST = 200
 #: A step is halved, at most so many times, where its residual exceeds the largest of the last few
 #: ones so many times.
-_HALVINGS, _GROWTH, _LAST = 4, 2.0, 4
+_HALVINGS = 4
+_GROWTH = 2.0
+_LAST = 4
 #: A combination leaves out what round-off decides.
 _ROUND_OFF = 1e-12
 

@@ -9,10 +9,13 @@ from .newton import Evaluation
 #: of the third number: a footing of 36,501 dofs in space takes 36 iterations and 271 of the linear
 #: solver, one of 98,301 takes 57 and 524. With terms of Eisenstat and Walker from the start the
 #: first takes 36 and 266, with .01 for .03 38 and 349.
-_LOOSEST, _LOOSE, _NEAR = 3e-2, 1e-2, 1e-3
+_LOOSEST = 3e-2
+_LOOSE = 1e-2
+_NEAR = 1e-3
 #: Residual of a linear solution over the square of the last reduction, and over the final
 #: tolerance.
-_SQUARE, _FINAL = 0.9, 0.1
+_SQUARE = 0.9
+_FINAL = 0.1
 
 
 class Forcing:

@@ -22,7 +22,8 @@ logger = logging.getLogger("skfem_contact")
 #: Lengths of the iteration at which points that chatter are looked for.
 _LENGTHS = (1.0, 0.5, 0.25, 0.0625)
 #: Equilibria of an increment, and recoveries that are tried one after the other.
-_MOST, _RECOVERIES = 30, 3
+_MOST = 30
+_RECOVERIES = 3
 #: Tolerance of the first equilibrium where forms only follow the displacements. Pressed, unloaded
 #: and sheared in 20 steps, a cylinder on a block takes 52 iterations with this, 58 with 1e-4, and
 #: 69 if each equilibrium is accurate.

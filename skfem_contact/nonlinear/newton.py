@@ -22,24 +22,30 @@ _PATIENCE = 6
 _SLOW = 4
 #: So many iterations, all of them with so many times the smallest residual that has been reached,
 #: lead nowhere.
-_ASTRAY, _TIMES = 10, 2.0
+_ASTRAY = 10
+_TIMES = 2.0
 #: With contact, so many without a smaller residual do, or so many with so many times the smallest
 #: one: a strut prestressed against a wall in sand takes 15 to 24 iterations for 22 to 32. Soil
 #: alone comes back from there.
-_CYCLE, _AWAY, _MANY = 8, 2, 10.0
+_CYCLE = 8
+_AWAY = 2
+_MANY = 10.0
 #: Residuals of more than so many times the forces are those of iterations that run away.
 _AWAY_FROM_ALL = 1e8
 #: Active sets of contact that return so many times, with a residual of more than this share of the
 #: one that they had before, may do so for ever: points of a brittle bond open with it, and close
 #: without it.
-_RETURNS, _NO_LESS = 2, 0.9
+_RETURNS = 2
+_NO_LESS = 0.9
 #: Iterations that leave less than this share of the residual continue beyond their largest number:
 #: they are few, and end in equilibrium. A footing of 285,660 dofs begins anew with a residual of
 #: 4e-7 after 25 iterations otherwise.
 _FALLS = 0.25
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest
 #: one.
-_STUCK, _SAME, _WORSE = 6, 0.8, 5.0
+_STUCK = 6
+_SAME = 0.8
+_WORSE = 5.0
 #: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
 _NOISE = 0.1
 #: Times as many iterations as asked for while the active set of contact is one that has not been
@@ -310,9 +316,11 @@ class _Lengths:
             self._least = abs(work)
             self.best = new
         if work > 0.0:
-            self._short, self._above = length, work
+            self._short = length
+            self._above = work
         else:
-            self._long, self._below = length, work
+            self._long = length
+            self._below = work
         share = float(np.clip(self._above / (self._above - self._below), *_SHARES))
         return self._short + share * (self._long - self._short)
 

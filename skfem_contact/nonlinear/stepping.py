@@ -18,7 +18,8 @@ _SMALLEST = 1.0 / 1024.0
 #: An increment with so few iterations to an equilibrium may be followed by a larger one.
 _EASY = 8
 #: Share that remains of an increment that failed with recoveries, and of one that failed without.
-_QUARTER, _HALF = 0.25, 0.5
+_QUARTER = 0.25
+_HALF = 0.5
 #: So many failures of increments of different sizes at one dof, by a tangent that is singular at
 #: their beginning.
 _AGAIN = 3
@@ -30,12 +31,14 @@ _NARROW = 0.02
 _ROUND_OFF = 1e-9
 #: Steps in time keep their length, and with it their matrix, until they may be longer by this, and
 #: at most this much.
-_WORTH, _MOST = 2.0, 4.0
+_WORTH = 2.0
+_MOST = 4.0
 #: Growth of increments without time.
 _TWICE = 2.0
 #: Share taken of the step whose estimated error is just allowed, and the least share of a step
 #: tried.
-_SAFE, _LEAST = 0.9, 0.1
+_SAFE = 0.9
+_LEAST = 0.1
 
 
 class Stepping:
@@ -56,7 +59,10 @@ class Stepping:
         self._size = self._largest = 1.0 / increments
         if first < self._size:
             self._size = 1.0 / np.ceil(_SAFE / first)
-        self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
+        self._reached = 0.0
+        self._failed = np.inf
+        self._collapsed = np.inf
+        self._shortest = 1.0
         #: True if the last attempt failed.
         self.cut = False
         self._growth = self._lasting_growth = np.inf

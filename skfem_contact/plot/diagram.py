@@ -49,7 +49,8 @@ _LONGEST = 0.28
 #: smaller.
 _SAME = 1e-3
 #: Points of an axis that are the same node, as a share of its size; cosine of the least corner.
-_ROUND_OFF, _SMOOTH = 1e-9, 0.7
+_ROUND_OFF = 1e-9
+_SMOOTH = 0.7
 #: Room around two panels of 10 by 4.2 inches: labels of nine letters have room. To search for it
 #: takes as long as to draw them.
 _BESIDE = {"left": 0.02, "right": 0.98, "bottom": 0.13, "top": 0.93, "wspace": 0.25}

@@ -283,7 +283,8 @@ def _curve(s: ndarray, points: ndarray, closed: bool) -> Callable[[ndarray], nda
 def _check_crossings(chains: list[_Resampled]) -> None:
     """Refuse chains that cross themselves: a fold that has passed through itself."""
     for chain in chains:
-        a, b = chain.vertices[:-1], chain.vertices[1:]
+        a = chain.vertices[:-1]
+        b = chain.vertices[1:]
         along = b - a
         offset = a[None] - a[:, None]  # from segment i to segment j, (n, n, 2)
         bent = _cross(along[:, None], along[None])

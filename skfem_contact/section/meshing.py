@@ -149,7 +149,8 @@ def _named(
 ) -> Mesh:
     """Return the mesh with its names, from area and lift of each element and facets of curves."""
     # Name areas and lifts
-    soils, bodies = [], {}
+    soils = []
+    bodies = {}
     subdomains = {}
     for name in plan.areas:
         subdomains[name] = np.flatnonzero(area == name)

@@ -28,7 +28,8 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
     """
     # Find the loops that are no sides of holes
     cut = np.concatenate([np.zeros(0, int), *holes.values()])
-    loops, sizes = [], []
+    loops = []
+    sizes = []
     for facets, nodes in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0)):
         if not np.isin(facets, cut).all():
             loops.append((facets, nodes))

@@ -145,7 +145,9 @@ class Outline:
 
     def chords(self, n: int = _CHORDS) -> tuple[ndarray, ndarray, ndarray]:
         """Return first and last points of chords, (k, 2) each, and their segments; n for an arc."""
-        starts, stops, segments = [], [], []
+        starts = []
+        stops = []
+        segments = []
         for k, (a, b, centre, t) in enumerate(zip(*self.ends, self.centres, self.bulges)):
             points = np.array([a, b])
             if t:

@@ -133,7 +133,8 @@ def _owners(
 
 def _faces(gmsh: Any, plan: Plan, owners: Mapping[int, Owners]) -> dict[int, tuple[str, str]]:
     """Return the faces of the section with area and lift; remove the others from the model."""
-    faces, others = {}, []
+    faces = {}
+    others = []
     remaining = {("area", name) for name in plan.areas} | {("lift", name) for name in plan.lifts}
     for face, kinds in owners.items():
         labels = _area_and_lift(gmsh, plan, face, kinds)
@@ -202,7 +203,8 @@ def _check_together(
     label = connected_components(shared @ shared.T, directed=False)[1]
     if not label.any():
         return
-    first_part, others = [], []
+    first_part = []
+    others = []
     for face, part in zip(sides, label):
         if part == 0:
             first_part.append(face)

@@ -350,7 +350,8 @@ class Section:
         parts: set[str] = set()
         if self.lifts:
             parts = self.parts.keys() - self.plan.bodies
-        by_part, by_side = [], []
+        by_part = []
+        by_side = []
         for name in mesh.boundaries or {}:
             first, *others = name.split("|")
             if first == line:

@@ -37,7 +37,12 @@ class Curves:
     def __init__(self, gmsh: Any) -> None:
         model = gmsh.model
         self.tags: list[int] = []
-        lengths, radii, starts, stops, counts, ends = [], [], [], [], [], []
+        lengths = []
+        radii = []
+        starts = []
+        stops = []
+        counts = []
+        ends = []
         for _, tag in model.getEntities(1):
             (low,), (high,) = model.getParametrizationBounds(1, tag)
             chords = 1

@@ -42,7 +42,9 @@ _ACROSS = 0.1
 #: Least cosine of the angle between neighbours without a fold: 30 degrees.
 SMOOTH = np.cos(np.pi / 6.0)
 #: Strains of a triangle: membrane, curvatures at the middles of the sides, drilling rotations.
-MEMBRANE, BENDING, DRILLING = slice(0, 3), slice(3, 12), slice(12, 15)
+MEMBRANE = slice(0, 3)
+BENDING = slice(3, 12)
+DRILLING = slice(12, 15)
 
 
 def divided(cells: ndarray) -> tuple[ndarray, ndarray, ndarray]:

@@ -21,7 +21,8 @@ logger = logging.getLogger("skfem_contact")
 
 #: Residual of a solution by a function of the user, over the right-hand side, that shows a failure,
 #: unless it is below the second number times its terms: round-off of a nearly singular matrix.
-_WRONG, _ROUND_OFF = 0.1, 1e-8
+_WRONG = 0.1
+_ROUND_OFF = 1e-8
 #: Dofs in space up to which elastic bodies in contact are factored once: 116,000 take 34 s, as long
 #: as 8 solutions by multigrid, and the time grows with the square of their number.
 FACTORED_ONCE = 200_000

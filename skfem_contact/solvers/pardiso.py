@@ -321,7 +321,9 @@ class _Call:
         *vectors: ndarray | None,
     ) -> None:
         # Give the addresses of the arguments.
-        one, zero, error = self._one, self._zero, _integer(0)
+        one = self._one
+        zero = self._zero
+        error = _integer(0)
         handle, options = self._addresses
         matrix = [each.ctypes.data for each in (values, rows, columns)]
         b, x = [None if each is None else each.ctypes.data for each in vectors] or (None, None)

@@ -36,9 +36,12 @@ PARTS = 3
 _AROUND = 0.01
 #: Iterations, of which 2 to 8 are needed; unbalanced stress as a share of its largest change. No
 #: step is longer than this share of the largest increment.
-_MOST, _BALANCED, _LONGEST = 10, 1e-3, 0.5
+_MOST = 10
+_BALANCED = 1e-3
+_LONGEST = 0.5
 #: Error that is remarked on, and the largest that is given as a figure.
-_ERROR, _LARGE = 0.05, 1.0
+_ERROR = 0.05
+_LARGE = 1.0
 #: Share of the largest strain below which strains count as held, as in a layer.
 _HELD = 1e-6
 

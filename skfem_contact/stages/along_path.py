@@ -25,7 +25,8 @@ _CUTS = 12
 #: Iterations of an increment after which the next one is as long.
 _WANTED = 5
 #: Growth of a length, and change of the share over the one asked for, at most.
-_GROWTH, _TOO_MUCH = 2.0, 1.5
+_GROWTH = 2.0
+_TOO_MUCH = 1.5
 #: Cosine of the turn of a path in an increment, at least: a sharper one may be another path.
 _STRAIGHT = 0.9
 

@@ -158,7 +158,8 @@ def _first_mode(solve: Solve, G: csr_matrix) -> tuple[float, ndarray]:
     # build vectors w = K^-1 r, r = G w of the last one
     size = G.shape[0]
     r = np.where(G.diagonal() != 0.0, np.cos(np.arange(size) ** 2.0), 0.0)
-    vectors, forces = [], []
+    vectors = []
+    forces = []
     for _ in range(_VECTORS):
         w = solve(r)
         length = np.linalg.norm(w)

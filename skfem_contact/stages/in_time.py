@@ -44,11 +44,14 @@ logger = logging.getLogger("skfem_contact")
 
 #: Acceleration of a record over the one of gravity, and velocity at its end over the largest one,
 #: that are remarked on.
-_STRONGEST, _DRIFT = 3.0, 0.2
+_STRONGEST = 3.0
+_DRIFT = 0.2
 
 #: Share of the longest stable step that explicit steps take; looks at their energy in a stage, and
 #: energy that unstable steps gain, as a share of the largest one.
-_STABLE, _SEEN, _GAINED = 0.9, 200, 0.2
+_STABLE = 0.9
+_SEEN = 200
+_GAINED = 0.2
 
 #: Share of the load that the digits of displacements may hide in short steps.
 _LOST = 1e-3
@@ -426,7 +429,8 @@ class _ExplicitSteps(_Iterated):
         last: StageResult,
     ) -> None:
         super().__init__(system, forms, Newton())
-        M, C = in_time.M, in_time.C
+        M = in_time.M
+        C = in_time.C
         self._model = Explicit(forms, system.layout, M, C, system.fixed, last)
         self._start = last.states
         self._every = 1
@@ -503,7 +507,8 @@ def steps_of(
     last, motion = start
     settings = in_time.settings
     forms = {name: form for name, form in system.forms.items() if name != INERTIA}
-    longest, number = in_time.step, in_time.steps
+    longest = in_time.step
+    number = in_time.steps
     method = _Iterated(system, forms, newton)
     if settings.explicit:
         try:

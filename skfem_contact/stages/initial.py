@@ -356,8 +356,10 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
     forms = {key: last.forms.get(key, form) for key, form in setup.forms.items()}
     states = {key: last.states.get(key, form.initial_state()) for key, form in forms.items()}
     # Spread the vectors over all dofs.
-    x, load = np.zeros(setup.layout.size), np.zeros(setup.layout.size)
-    x[kept], load[kept] = last.x, last.load
+    x = np.zeros(setup.layout.size)
+    load = np.zeros(setup.layout.size)
+    x[kept] = last.x
+    load[kept] = last.load
     summary = summaries(forms, x, states)
     return Result(
         (

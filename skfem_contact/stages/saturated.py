@@ -30,7 +30,8 @@ from ..forms.roles import Absorbing, Wet, having
 
 #: Shares omega t from which results are remarked on, and from which records are refused: pressures
 #: then err by some 3 and 8 %.
-_REMARK, _LARGEST = 0.03, 0.1
+_REMARK = 0.03
+_LARGEST = 0.1
 
 
 def pores_in_motion(
@@ -63,7 +64,8 @@ def pores_in_motion(
         if not len(density):
             density = np.zeros(form.basis.mesh.nelements)
         density[form.elements] = form.unit_weights / acceleration
-    found, lags = {}, [0.0]
+    found = {}
+    lags = [0.0]
     for name, form in wet.items():
         try:
             found[name], lag = form.with_inertia(settings.rho_inf, density)

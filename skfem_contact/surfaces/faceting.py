@@ -27,7 +27,8 @@ _NEIGHBOURS = (2, 1)
 _DEGREE = 8
 #: Difference of the curvatures of two surfaces, as a share of the larger one, below which they are
 #: alike; and turn of a facet below which it is none.
-_ALIKE, _FLAT = 0.25, 1e-6
+_ALIKE = 0.25
+_FLAT = 1e-6
 
 
 def alike(slave: Surface, master: Surface) -> bool:
@@ -54,7 +55,8 @@ def curvatures(surface: Surface) -> ndarray:
 
     Facets at a corner have none.
     """
-    first, last = surface.facets[:, 0], surface.facets[:, 1]
+    first = surface.facets[:, 0]
+    last = surface.facets[:, 1]
     # The turn of the normal over the length of the chord.
     chord = surface.nodes[last] - surface.nodes[first]
     turn = surface.normals[last] - surface.normals[first]

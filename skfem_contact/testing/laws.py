@@ -181,7 +181,8 @@ def check_material(
             tangent[new.plastic] = new.tangent()
         error = _material_tangent(update, increment, tangent, np.abs(D).max(), strain, tolerance)
         worst = max(worst, error)
-        stress, internal = new.stress, new.internal
+        stress = new.stress
+        internal = new.internal
     return worst
 
 

@@ -26,9 +26,14 @@ logger = logging.getLogger("skfem_contact")
 #: 13,000 triangles take 10 to 22 iterations in all with a ratio of 4, 22 to 38 with 2. The flow is
 #: integrated finer before the ratio falls to the patience: 50 random grounds with rain, wells and
 #: drains take 38 iterations in the mean, 49 with a patience of 1.5.
-_WIDEST, _RATIO, _LEAST_RATIO, _PATIENCE = 16.0, 4.0, 1.02, 2.0
+_WIDEST = 16.0
+_RATIO = 4.0
+_LEAST_RATIO = 1.02
+_PATIENCE = 2.0
 #: Unbalanced water over what enters, at the end, at the widths before it, and in a step in time.
-_BALANCED, _NEARLY, _IN_STEP = 1e-10, 1e-2, 1e-9
+_BALANCED = 1e-10
+_NEARLY = 1e-2
+_IN_STEP = 1e-9
 #: Multiples of the narrowest width that are tried where the water does not balance with the
 #: requested one.
 _WIDER = (1.0, 1.25, 1.6, 2.0, 4.0)
@@ -36,7 +41,10 @@ _WIDER = (1.0, 1.25, 1.6, 2.0, 4.0)
 #: 1e-8 to 1e8 times as permeable, with ramps down to a hundredth of an element and van Genuchten's
 #: curve, all balance with a memory of 5 and two do not with 1; shorter steps or fewer iterations
 #: lose one or two as well.
-_MEMORY, _SHORTEST, _DECREASE, _ITERATIONS = 5, 1.0 / 64.0, 1e-4, 25
+_MEMORY = 5
+_SHORTEST = 1.0 / 64.0
+_DECREASE = 1e-4
+_ITERATIONS = 25
 
 
 class Balance(NamedTuple):

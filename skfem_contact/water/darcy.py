@@ -26,7 +26,8 @@ _MOST = 1e10
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.
 _ROUND_OFF = 16 * np.finfo(float).eps
 #: Ground is dry below the first relative permeability and wet above the second one.
-_DRY, _WET = 0.01, 0.5
+_DRY = 0.01
+_WET = 0.5
 #: Share of the flow through dry ground from which a warning is given.
 _SHARE = 0.05
 

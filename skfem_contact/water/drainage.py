@@ -19,7 +19,8 @@ from .surroundings import Ground
 #: Ground so many times as permeable drains its neighbours: a column on a drained layer of the same
 #: stiffness has up to 1.26 q with 100, 1.0 q with 10, once c_v t of the layer passes a tenth of its
 #: height squared, and 1.003 q before.
-_DRAINS, _DRAINED = 100.0, 0.1
+_DRAINS = 100.0
+_DRAINED = 0.1
 #: Time over h² / c_v from which on elements at drains are fine enough: pressures in columns of 2, 4
 #: and 8 elements are up to 1.40 q at a tenth of 1 / 6, 1.15 q at 1 / 6 (P. A. Vermeer and A.
 #: Verruijt 1981), 1.04 q from 1 / 3 on.
@@ -33,7 +34,8 @@ _EXCESS = 0.05
 #: Pull on the ground under tight contact, as a share of the force of contact, that is remarked on.
 _PULLED = 0.05
 #: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
-_LEAST, _MOST = 1e-10, 1e8
+_LEAST = 1e-10
+_MOST = 1e8
 #: From here on round-off of the pressures moves as much water as the ground holds.
 _LOST = 1e12
 

@@ -21,10 +21,12 @@ from .boundary import Given, sourced, through
 from .pore_water import PoreWater
 
 #: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
-_IDLE, _ALL = 0.2, 1e-9
+_IDLE = 0.2
+_ALL = 1e-9
 #: Depth of ponded water that is remarked on, as a share of that of the mesh, and slope of facets
 #: that look up.
-_PONDS, _UPWARDS = 0.01, 0.01
+_PONDS = 0.01
+_UPWARDS = 0.01
 
 
 class Inflow(AtNodes):

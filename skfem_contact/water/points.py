@@ -20,7 +20,8 @@ _PARTS = {
 #: A point is inside of an element if it lies outside by less than this, in sizes of the element:
 #: round-off, and the distance of curved sides from straight ones. The finder of scikit-fem accepts
 #: one unit of round-off only.
-_ROUND_OFF, _CURVED = 1e-9, 0.1
+_ROUND_OFF = 1e-9
+_CURVED = 0.1
 #: Numbers of elements that are tried, the nearest centres first: graded meshes have many near ones.
 _TRIED = (8, 64, 512)
 

@@ -302,7 +302,8 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
 
     @override
     def pressure_at_nodes(self, x: ndarray) -> ndarray:
-        basis, parts = self.ground, self.pressures
+        basis = self.ground
+        parts = self.pressures
         local = np.asarray(basis.elem.elem.doflocs).T
         values = [parts.elem.lbasis(local, j)[0] for j in range(parts.Nbfun)]
         shapes = np.stack([np.broadcast_to(each, local.shape[1]) for each in values])
@@ -524,7 +525,8 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
         if self._duration is None:
             return self._standing(x, state)
         # Pressures follow the displacements among the dofs.
-        first, duration = self.first, self._duration
+        first = self.first
+        duration = self._duration
         pressure = x[first:]
         strain = None
         changed: dict[str, ndarray] = {}

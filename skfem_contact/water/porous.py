@@ -133,7 +133,9 @@ class Porous:
         if squeezed is None:
             squeezed = coupling
         # Add the blocks of displacements and pressures, and of pressures alone.
-        rows, columns, data = [], [], []
+        rows = []
+        columns = []
+        data = []
         for row, column, values in (
             (u, p, coupling),
             (p, u, squeezed.transpose(0, 2, 1)),

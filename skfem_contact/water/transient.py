@@ -21,10 +21,13 @@ from .seepage import Seepage, described
 from .storage import StoringFlow
 
 #: The first and the shortest step over the whole time.
-_FIRST, _SHORTEST = 1e-5, 1e-11
+_FIRST = 1e-5
+_SHORTEST = 1e-11
 #: Steps grow and shrink by these factors at most; the error of a step aims at this share of the
 #: limit.
-_GROWTH, _CUT, _AIM = 2.0, 0.2, 0.8
+_GROWTH = 2.0
+_CUT = 0.2
+_AIM = 0.8
 #: Share of a step before its end at which rates are taken.
 _JUST = 1e-9
 

@@ -563,7 +563,8 @@ def _behind(
     chosen[sides[:, :corners]] = True
     near = np.flatnonzero(chosen[every].all(axis=1))
     keys = _row_keys(np.concatenate((every[near], np.sort(sides[:, :corners], axis=1))))
-    own, wanted = keys[: len(near)], keys[len(near) :]
+    own = keys[: len(near)]
+    wanted = keys[len(near) :]
     order = np.argsort(own, kind="stable")
     first = np.searchsorted(own, wanted, sorter=order)
     last = np.searchsorted(own, wanted, side="right", sorter=order) - 1

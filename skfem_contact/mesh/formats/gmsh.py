@@ -387,7 +387,8 @@ def _element_data(data: mmap.mmap, is_text: bool) -> dict[str, Integers]:
     """Return the data of elements that scikit-fem wrote, by name."""
     found = {}
     for match in _DATA.finditer(data):
-        width, count = int(match[2]), int(match[3])
+        width = int(match[2])
+        count = int(match[3])
         check_count(count * width, len(data), "values")
         if is_text:
             end = data.find(b"$EndElementData", match.end())

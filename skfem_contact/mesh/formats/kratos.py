@@ -84,7 +84,8 @@ def _blocks(text: bytes) -> Iterator[tuple[str, str, bytes]]:
     position = 0
     while match := _BLOCK.search(text, position):
         position = match.end()
-        word, name = match[2].decode(), decoded(match[3]).strip()
+        word = match[2].decode()
+        name = decoded(match[3]).strip()
         if match[1] == b"End":
             yield f"End {word}", name, b""
         elif word == "SubModelPart":

@@ -120,7 +120,8 @@ def _add_data(
 def _names_of_values(key: str, values: Integers) -> dict[int, str]:
     """Return the names of groups by the values of their cells."""
     # Zeros and ones are a mask.
-    low, high = int(values.min(initial=0)), int(values.max(initial=0))
+    low = int(values.min(initial=0))
+    high = int(values.max(initial=0))
     if low == 0 and high == 1 and key not in _REGIONS:
         return {1: key}
     # Many values are no groups.
