@@ -283,15 +283,16 @@ def _along(pile: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     corners = pile.points[pile.cells]  # (m, 3, 2)
     chord = corners[:, 1] - corners[:, 0]
     size = np.linalg.norm(chord, axis=1)
-    total = np.zeros(len(pile.points))
-    direction = np.zeros((len(pile.points), 2))
+    n = len(pile.points)
+    total = np.zeros(n)
+    direction = np.zeros((n, 2))
     np.add.at(total, pile.cells, size[:, None] * _SHARES)
     np.add.at(direction, pile.cells, np.repeat(chord[:, None], 3, axis=1))
     direction /= np.linalg.norm(direction, axis=1)[:, None]
 
     # Follow the elements from the head.
     start = np.concatenate(([0.0], np.cumsum(size)[:-1]))
-    position = np.zeros(len(pile.points))
+    position = np.zeros(n)
     position[pile.cells[:, 0]] = start
     position[pile.cells[:, 2]] = start + 0.5 * size
     position[pile.cells[:, 1]] = start + size

@@ -128,8 +128,10 @@ def _compliance(pair: Any, x: ndarray, state: ContactState) -> ndarray:
     # Bodies at rest have none
     penalties = pair.penalties(state)
     largest = _largest(pair, x)
-    compressed = float(np.abs(state.traction).max(initial=0.0)) / (pair.stiffness or penalties[0])
-    if largest <= _AT_REST * compressed or not (depth.any() or slip.any()):
+    traction = float(np.abs(state.traction).max(initial=0.0))
+    compressed = traction / (pair.stiffness or penalties[0])
+    moves = depth.any() or slip.any()
+    if largest <= _AT_REST * compressed or not moves:
         return np.zeros(2)
 
     weight = pair.points(state).weight[closed]

@@ -139,11 +139,12 @@ class OnEdges:
         for i in range(e.shape[1]):
             c = _turning(e[:, i], n, facet_n, dual)
             turned.append(lift(beta, c).sum(axis=1))
+        turning = g[:, None, None] * np.stack(turned, axis=1)
         result = First(
             normal=n,
             tangents=e,
             gap_gradient=lift(alpha[:, None], n[:, None])[:, 0],
-            tangential=lift(alpha[:, None], e) - g[:, None, None] * np.stack(turned, axis=1),
+            tangential=lift(alpha[:, None], e) - turning,
             slip=np.einsum("nic,nc->ni", e, from_stick),
         )
         if np.iscomplexobj(r):

@@ -308,13 +308,16 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
         # Update the law at the points that it reaches
         internal = pair.effective(state).internal
         closed = state.status[self._at] != int(Status.OPEN)
-        on = np.flatnonzero(pair.law.take(near).reaches(gap, internal[:, self._at], closed))
+        law = pair.law.take(near)
+        on = np.flatnonzero(law.reaches(gap, internal[:, self._at], closed))
         at = self._at[on]
         dofs = self._dofs[on]
         work = self._work[on]
         weight = pair.share * self._points.weight[at]
-        jump = np.concatenate((gap[None, on], moved[:, on] - state.stick_point[:, at]))
-        update = pair.law.take(near.take(on)).update(jump, internal[:, at], pair.penalties(state))
+        slip = moved[:, on] - state.stick_point[:, at]
+        jump = np.concatenate((gap[None, on], slip))
+        law = pair.law.take(near.take(on))
+        update = law.update(jump, internal[:, at], pair.penalties(state))
 
         def candidate() -> ContactState:
             # Move the points, and begin the elastic slip of those that are updated.
@@ -345,7 +348,8 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
             )
 
         def stiffness(update: LawUpdate) -> csr_matrix:
-            K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
+            tangent = update.tangent.transpose(2, 0, 1)
+            K = work.transpose(0, 2, 1) @ (tangent @ work)
             return pair.gathering.matrix(dofs, K * weight[:, None, None])
 
         def damped() -> csr_matrix:

@@ -283,9 +283,11 @@ class FreeField(Form, Couples, Staged, Absorbing):
         local = self._tied.T @ drag @ self._tied / given.acceleration
         if self._rock is not None:
             density = self._rock.unit_weight / given.acceleration * self._width
+            speeds = np.array([self._rock.vs, self._rock.vp])
             base = np.zeros(m)
-            base[self._bottom] = density * np.array([self._rock.vs, self._rock.vp])
-            local = local + csr_matrix((base, (np.arange(m), np.arange(m))))
+            base[self._bottom] = density * speeds
+            diagonal = np.arange(m)
+            local = local + csr_matrix((base, (diagonal, diagonal)))
 
         # dashpots between side and column
         _, dashpots = self._dashpots.matrices(given)

@@ -102,7 +102,8 @@ class Pressure(Form, Couples):
         self._G = gradients.transpose(2, 3, 1, 0)  # (facets, points, axes, functions)
         self._normal = np.asarray(surface.normals).transpose(1, 2, 0)
         self._weight = np.asarray(surface.dx)
-        self._radius = np.asarray(surface.global_coordinates())[0]
+        coordinates = np.asarray(surface.global_coordinates())
+        self._radius = coordinates[0]
 
         # Number the dofs, of which the last one is the pressure.
         element_dofs = np.asarray(surface.element_dofs).T
@@ -110,7 +111,7 @@ class Pressure(Form, Couples):
         self.acts_on = self._dofs
         self._local: ndarray = local.reshape(element_dofs.shape)
         self._element_dofs = element_dofs
-        middle = np.asarray(surface.global_coordinates()).mean(axis=(1, 2))
+        middle = coordinates.mean(axis=(1, 2))
         self.fields = (Field("pressure", middle[:, None], kind="multiplier"),)
         self._dof = -1
         self.changing = None

@@ -377,7 +377,8 @@ def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants)
     strain = failure * grown
     relaxed = np.einsum("nij,jn->in", C, flow)
     excess = F - kappa * k.radius
-    residual = np.concatenate((stress - trial + strain * relaxed, excess[None])) / k.radius
+    unbalanced = stress - trial + strain * relaxed
+    residual = np.concatenate((unbalanced, excess[None])) / k.radius
 
     def jacobian() -> Array:
         # differentiate C times the plastic strain by the modified deviator

@@ -198,7 +198,8 @@ def _residual(
     reached = k.scale(c3)
     rate = t.faster / scale
     strength, to_least, to_gamma = k.shear_strength(c3, t.gamma + L * rate, reached)
-    radius = np.sqrt(q * q / k.cap_slope + p * p + (1e-12 * trial.size) ** 2)
+    least = (1e-12 * trial.size) ** 2
+    radius = np.sqrt(q * q / k.cap_slope + p * p + least)
     bound, harder = k.hardened(t.cap, 2 * p * C * rate)
 
     # compute the mobilised dilatancy, all of it at failure

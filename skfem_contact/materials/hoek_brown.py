@@ -380,7 +380,9 @@ def _tangent_cone(
     if edge.size:
         s1, s2, s3 = trial[:, edge]
         a, c = edge_weights(trial[:, edge], sine[edge])
-        averaged = _Line(a * s1 + (1 - a) * s2, c * s3 + (1 - c) * s2, a, c)
+        most = a * s1 + (1 - a) * s2
+        least = c * s3 + (1 - c) * s2
+        averaged = _Line(most, least, a, c)
         sine = np.array(sine)
         t[edge], sine[edge], touching = _touch(averaged, chosen(k, edge))
         first[edge], last[edge], sin_phi[edge] = touching

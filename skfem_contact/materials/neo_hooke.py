@@ -89,10 +89,12 @@ class NeoHooke(Isotropic):
         for _ in range(_ITERATIONS):
             z = (stress - (lam * growth)[..., None]) / mu[..., None]
             residual = 0.5 * np.log1p(z).sum(axis=-1) - growth
-            slope = 0.5 * lam / mu * (1.0 / (1.0 + z)).sum(axis=-1) + 1.0
+            inverse = (1.0 / (1.0 + z)).sum(axis=-1)
+            slope = 0.5 * lam / mu * inverse + 1.0
             change = residual / slope
             growth = growth + change
-            if not np.abs(change).max(initial=0.0) > 1e-15 * np.abs(growth).max(initial=0.0):
+            largest = np.abs(growth).max(initial=0.0)
+            if not np.abs(change).max(initial=0.0) > 1e-15 * largest:
                 break
         z = (stress - (lam * growth)[..., None]) / mu[..., None]
         return 0.5 * np.log1p(z)

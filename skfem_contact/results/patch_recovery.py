@@ -260,7 +260,8 @@ def _balance(
 
     # Number the nodes of each patch from zero; the nodes of a patch follow each other.
     n_nodes = cells.max() + 1
-    keys, number = np.unique(patch[:, None] * n_nodes + cells, return_inverse=True)
+    every = patch[:, None] * n_nodes + cells
+    keys, number = np.unique(every, return_inverse=True)
     owner = keys // n_nodes
     n = owner[-1] + 1
     first = np.searchsorted(owner, np.arange(n + 1))
@@ -276,8 +277,9 @@ def _balance(
     columns = []
     for part in np.moveaxis(H, 2, 0):
         columns.append(np.bincount(slot, part.ravel(), minlength=size))
+    H = np.array(columns).T.reshape(n, rows, -1)
     f = np.bincount(slot, forces.ravel(), minlength=size)
-    return np.array(columns).T.reshape(n, rows, -1), f.reshape(n, rows)
+    return H, f.reshape(n, rows)
 
 
 def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:

@@ -262,9 +262,10 @@ def _resampled(chain: Chain, size: SizeField) -> _Resampled:
     density = 1.0 / np.asarray(size(curve(fine).T))
     steps = 0.5 * (density[1:] + density[:-1]) * np.diff(fine)
     count = np.concatenate(([0.0], np.cumsum(steps)))
-    n = max(3 if chain.closed else 1, round(float(count[-1])))
-    at = np.interp(np.arange(2 * n + 1) * count[-1] / (2 * n), count, fine)
-    new = curve(at)
+    least = 3 if chain.closed else 1
+    n = max(least, round(float(count[-1])))
+    wanted = np.arange(2 * n + 1) * count[-1] / (2 * n)
+    new = curve(np.interp(wanted, count, fine))
     new[0] = points[0]
     new[-1] = points[-1]
     return _Resampled(new[0::2], new[1::2])

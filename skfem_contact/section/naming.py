@@ -58,9 +58,12 @@ def _loops(mesh: Mesh, free: ndarray) -> list[tuple[ndarray, ndarray]]:
     """Return closed chains of boundary facets, with their first nodes, the mesh on their left."""
     # Turn the facets so that the mesh is on their left
     ends = mesh.facets[:, free]
-    inner = mesh.p[:, mesh.t[:, mesh.f2t[0, free]]].mean(axis=1) - mesh.p[:, ends[0]]
+    owner = mesh.f2t[0, free]
+    centre = mesh.p[:, mesh.t[:, owner]].mean(axis=1)
+    inner = centre - mesh.p[:, ends[0]]
     along = mesh.p[:, ends[1]] - mesh.p[:, ends[0]]
-    start, stop = np.where(along[0] * inner[1] > along[1] * inner[0], ends, ends[::-1])
+    is_left = along[0] * inner[1] > along[1] * inner[0]
+    start, stop = np.where(is_left, ends, ends[::-1])
     direction = np.where(start == ends[0], along, -along)
     angle = np.arctan2(direction[1], direction[0])
     begin_at: dict[int, list[int]] = {}

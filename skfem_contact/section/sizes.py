@@ -49,7 +49,8 @@ class Curves:
             radius = np.inf
             if model.getType(1, tag) != "Line":
                 chords = _CHORDS
-                radius = 1.0 / float(model.getCurvature(1, tag, [0.5 * (low + high)])[0])
+                curvature = model.getCurvature(1, tag, [0.5 * (low + high)])
+                radius = 1.0 / float(curvature[0])
             x = model.getValue(1, tag, np.linspace(low, high, chords + 1))
             x = np.reshape(x, (-1, 3))[:, :2]
             boundary = model.getBoundary([(1, tag)], combined=False, oriented=False)

@@ -95,7 +95,8 @@ def _at_drains(
     sides = mesh.t2f[:, elements_of(basis)]  # (n_facets, n_elements)
     # Find the least permeable way through the nodes of each facet: drains are without resistance.
     best = np.zeros(n_nodes)
-    np.maximum.at(best, ground.corners.ravel(), np.tile(ground.mobility, len(ground.corners)))
+    mobility = np.tile(ground.mobility, len(ground.corners))
+    np.maximum.at(best, ground.corners.ravel(), mobility)
     best[drained] = np.inf
     through = best[mesh.facets].min(axis=0)[sides]
     result = [np.nonzero(np.isinf(through))]
@@ -103,12 +104,14 @@ def _at_drains(
     permeable = np.isfinite(through) & (through >= _DRAINS * own.mobility)
     values = np.unique(own.mobility[permeable.any(axis=0)])
     if len(values):
-        distance = scipy.spatial.cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :n_nodes].T)[0]
+        tree = scipy.spatial.cKDTree(mesh.p[:, drained].T)
+        distance = tree.query(mesh.p[:, :n_nodes].T)[0]
     for value in values:
         drain = ground.mobility >= _DRAINS * value
         part = _parts(ground.corners[:, drain], n_nodes)
         spread = ground.diffusivity[drain].max(initial=0.0) * duration
-        open_ = np.isin(part, part[drained]) & (_DRAINED * distance**2 <= spread)
+        connected = np.isin(part, part[drained])
+        open_ = connected & (_DRAINED * distance**2 <= spread)
         on_drain = open_[mesh.facets].all(axis=0)[sides]
         result.append(np.nonzero(on_drain & (own.mobility == value)))
     side, element = np.hstack(result)
@@ -118,7 +121,8 @@ def _at_drains(
     factor = 1
     if simplex:
         factor = mesh.dim()
-    return element, factor * basis.dx.sum(axis=1)[element] / area
+    volume = basis.dx.sum(axis=1)[element]
+    return element, factor * volume / area
 
 
 def _parts(corners: ndarray, n_nodes: int) -> ndarray:

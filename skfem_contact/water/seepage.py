@@ -82,8 +82,10 @@ class Seepage:
         mesh = self.basis.mesh
         facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
         if of is not None:
-            part = np.isin(elements_of(self.basis), look_up(of, mesh.subdomains or {}, "subdomain"))
-            on = np.isin(self.basis.element_dofs.T[part], mesh.facets[:, facets])
+            elements = look_up(of, mesh.subdomains or {}, "subdomain")
+            part = np.isin(elements_of(self.basis), elements)
+            nodes = self.basis.element_dofs.T[part]
+            on = np.isin(nodes, mesh.facets[:, facets])
             return float(self._by_element[part][on].sum())
         # Share the nodes among the boundaries by their size.
         passing = np.unique(np.concatenate(list(self._passing.values())))
@@ -94,7 +96,8 @@ class Seepage:
         entering = self.inflow - self._from_sources
         own_rates = self._rates(facets)
         rates = self._rates(passing)
-        taken = np.where(rates > 0.0, np.clip(entering, 0.0, rates), rates)
+        limited = np.clip(entering, 0.0, rates)
+        taken = np.where(rates > 0.0, limited, rates)
         by_rate = np.divide(own_rates, rates, out=np.zeros_like(size), where=rates != 0.0)
         return float(by_rate @ taken + share @ (entering - taken))
 
