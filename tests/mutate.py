@@ -64,6 +64,8 @@ ROOMS = (
     "stages",
     "water",
 )
+#: Test of the defaults of all public names.
+DEFAULTS = "tests/test_defaults.py"
 #: Process time of tests with a mutation: ``LEAST + SLOWER * (time without)`` seconds.
 LEAST, SLOWER = 30.0, 3.0
 #: Process time of the tests of a mutation that run first, in seconds.
@@ -266,15 +268,19 @@ def tests_that_touch(root: Path, mutation: Mutation) -> list[str]:
 def tests_of_file(root: Path, mutation: Mutation) -> list[str]:
     """List the test files that are named after a file, or else those of its room that touch it.
 
-    The examples in the docstrings of the file come first.
+    The examples in the docstrings of the file come first, and for what runs on import the record of
+    defaults.
     """
     file = f"skfem_contact/{mutation.file}"
-    examples = [file] if ">>>" in (root / file).read_text(encoding="utf-8") else []
+    source = (root / file).read_text(encoding="utf-8")
+    first = [file] if ">>>" in source else []
+    if reached.segment_of(source, mutation.line) is None and (root / DEFAULTS).exists():
+        first.append(DEFAULTS)
     room = tests_of_room(root, mutation)
     named = [test for test in room if f"/test_{Path(mutation.file).stem}" in test]
     if not named:
         named = [test for test in tests_that_touch(root, mutation) if test in room]
-    return [*examples, *named]
+    return [*first, *named]
 
 
 def tests_of_rest(root: Path, mutation: Mutation) -> list[str]:

@@ -35,8 +35,10 @@ IMPORTED_ONCE = (
     "scipy.spatial",
     "skfem",
 )
-#: Seconds after which a run ends even if it waits, and process time of a test without end.
-LONGEST, LONGEST_TEST = 3600, 60.0
+#: Seconds after which a run ends even if it waits.
+LONGEST = 3600
+#: Process time of a test without end; tests that are not marked as slow take 5 s at most.
+LONGEST_TEST = 20.0
 #: Address space of a run, in bytes: a changed size may ask for any memory.
 MEMORY = 12 * 2**30
 #: Exit status if pytest could not be run.
@@ -131,9 +133,10 @@ class Order:
         items.sort(key=number.__getitem__)
 
     @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_protocol(self) -> Any:
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Any:
         """Limit the process time of a test."""
-        signal.setitimer(signal.ITIMER_PROF, LONGEST_TEST)
+        limit = 0.0 if item.get_closest_marker("slow") else LONGEST_TEST  # zero: no limit
+        signal.setitimer(signal.ITIMER_PROF, limit)
         return (yield)
 
 
