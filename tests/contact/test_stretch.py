@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -154,6 +155,13 @@ def test_points_choose_facets_between_increments() -> None:
     assert (beyond[choosing] > 1e-9).any(axis=1).all()
     began = pair.choosing_facets(state)
     assert began.choosing_facets(state) is began
+    # and the pair follows them, also to none
+    position = state.position.copy()
+    position[:, np.flatnonzero(choosing)[0]] = 0.0
+    fewer = began.choosing_facets(replace(state, position=position))
+    assert fewer.choosing.sum() == choosing.sum() - 1
+    within = replace(state, position=np.zeros_like(position))
+    assert began.choosing_facets(within).choosing is None
     reactions = last.reactions()
     # the tolerance of Newton's method
     assert abs(reactions[0::2].sum()) < 1e-6 * np.abs(reactions).max()

@@ -298,6 +298,8 @@ def test_penalties_of_surfaces_without_elements() -> None:
     [
         ({"cells": [[0, 1, 2, 3]]}, "cells must be numbers of 2 or 3 of the 3 nodes"),
         ({"cells": [[0, 7]]}, "cells must be numbers"),
+        ({"cells": [[0, 3]]}, "cells must be numbers"),
+        ({"cells": [[-1, 0], [0, 1]]}, "cells must be numbers"),
         ({"dofs": np.zeros((3, 2))}, "'beam': dofs must be whole numbers"),
         ({"dofs": [[0, 1]]}, "of shape"),
         ({"rotations": [1, 2]}, "'beam': rotations must be whole numbers"),

@@ -384,3 +384,10 @@ def test_ends_of_a_side_lie_on_it(length):
 def test_kinds_of_sides():
     """Elements in the plane have lines, those in space triangles or quadrilaterals."""
     assert [side_kind(*side) for side in ((2, 2), (3, 3), (4, 3))] == ["line", "triangle", "quad"]
+
+
+@pytest.mark.parametrize("joined", [[0.0, 1.0], [[0, 1]], 3])
+def test_joined_nodes_are_numbers(joined) -> None:
+    """Neither coordinates nor tables."""
+    with pytest.raises(ValueError, match="joined must be numbers of nodes"):
+        check_mesh(MeshTri1(), joined=joined)

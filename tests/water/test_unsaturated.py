@@ -210,6 +210,21 @@ def test_water_under_suction_rests(by: str) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:the factor of safety .* too high")
+@pytest.mark.parametrize(("start", "told"), [(0.4, True), (1.0, False), (1.5, False)])
+def test_level_without_the_suction_of_the_start(start: float, told: bool, recwarn) -> None:
+    """A level at rest has no suction above it: told with its size, and not of saturated ground."""
+    basis = column(n=2)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0))
+    forms = {"soil": soil, "water": pores(basis, start=start)}
+    moist = sc.Model(forms, sc.box_supports(basis), water_unit_weight=WATER)
+    moist.run([sc.Stage("wait", water=start, duration=1.0)], **QUIET)
+    texts = [str(w.message) for w in recwarn if "has none of the suction" in str(w.message)]
+    assert len(texts) == told
+    if told:
+        suction = -moist.forms["water"].initial.min()
+        assert f"up to {suction:.3g}, with which 'water' begins" in texts[0]
+
+
 def test_suction_is_strength() -> None:
     """[N] A search with the water finds the factor of one with its Bishop pressure as a load."""
     mesh = MeshTri.init_tensor(np.linspace(0, 2, 9), np.linspace(0, 1, 5)).with_defaults()
