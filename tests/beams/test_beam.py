@@ -394,6 +394,10 @@ STIFF = {"EI": 1.0, "EA": 1.0}
             lambda: sc.Beam(None, BENT, **STIFF, hinges=(0.0, 0.0)),
         ),
         ("belongs to no element", lambda: sc.Beam(None, BENT, **STIFF, cells=[[0, 1]])),
+        ("of its 3 nodes", lambda: sc.Beam(None, BENT, **STIFF, cells=[[0, 1], [-1, 1]])),
+        ("of its 3 nodes", lambda: sc.Beam(None, BENT, **STIFF, cells=[[0, 1], [1, 3]])),
+        ("of its 3 nodes", lambda: sc.Beam(None, BENT, **STIFF, cells=[[0.0, 1.0]])),
+        ("of its 3 nodes", lambda: sc.Beam(None, BENT, **STIFF, cells=[[0], [1]])),
         ("not numbered yet", lambda: sc.Beam(None, BENT, **STIFF).load((1.0, 0.0), (0.0, 0.0))),
         (
             "there is no boundary 'wall'",
