@@ -678,3 +678,43 @@ def test_other_shapes_and_kinds_are_refused(name):
     call, message = shapes()[name]
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def calls():
+    """Calls whose arguments contradict each other, with their messages."""
+    basis = vector_basis(grid("Q2", [0.0, 1.0], [0.0, 1.0]), "Q2", intorder=4)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0)
+    solid = sc.SolidForm(basis, soil, unit_weight=20.0)
+    model = sc.Model({"soil": solid}, sc.box_supports(basis), gravity_acceleration=9.81)
+    flow = sc.water.Flow(basis, 1e-5, unit_weight=10.0)
+    drained = sc.water.Conditions(head={"left": 1.0}, drains={"left": (0.0, 1.0)})
+    law = sc.water.VanGenuchten(2.0, 3.0, content=(0.1, 0.4))
+    bar = {"EA": 1.0, "tension_only": True, "compression_only": True}
+    swing = sc.Dynamic(step=0.1)
+    return {
+        "bar": (lambda: sc.Bar(None, [(0.0, 0.0)], [(1.0, 0.0)], **bar), "resists nothing"),
+        "limit point": (
+            lambda: model.run([sc.Stage("a", duration=1.0, dynamic=swing, arc_length=True)]),
+            "bodies with inertia pass a limit point in time",
+        ),
+        "drains": (
+            lambda: flow.in_time(drained, start=1.0, times=[0.0, 1.0]),
+            "drains are a condition of steady flow",
+        ),
+        "start": (
+            lambda: sc.PoreWater(basis, 1e-3, unit_weight=10.0, start=1.0),
+            "needs both `retention` and `start`",
+        ),
+        "retention": (
+            lambda: sc.PoreWater(basis, 1e-3, unit_weight=10.0, retention=law),
+            "needs both `retention` and `start`",
+        ),
+    }
+
+
+@pytest.mark.parametrize("name", calls())
+def test_arguments_that_contradict_each_other(name):
+    """One sentence, before anything is computed."""
+    call, message = calls()[name]
+    with pytest.raises(ValueError, match=message):
+        call()

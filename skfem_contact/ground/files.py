@@ -401,6 +401,7 @@ def _checked(
     """Return a test in the order of its depths, with remarks on missing readings."""
     # Replace voids, and sort by depth.
     readings = [np.where(values <= 1e3 * _VOID, np.nan, values) for values in readings]
+    depth = np.where(depth <= _VOID, np.nan, depth)
     usable = np.isfinite(depth)
     order = np.argsort(depth[usable], kind="stable")
     depth = depth[usable][order]

@@ -108,6 +108,9 @@ def test_wrong_ags_files(tmp_path):
     rows = ['"DATA","C1","1","deep","8.0","40",""']
     with pytest.raises(ValueError, match=r"site.ags: SCPT_DPTH is 'deep', which is not a number"):
         sc.ground.read_ags(ags(tmp_path / "site.ags", rows=rows))
+    for given in (['"DATA","C1","1","","8.0","40",""'], ['"DATA","C1","1","-9999","8.0","40",""']):
+        with pytest.raises(ValueError, match=r"site.ags: 'C1' has no depths"):
+            sc.ground.read_ags(ags(tmp_path / "site.ags", rows=given))
     text = (tmp_path / "site.ags").read_text()
     (tmp_path / "none.ags").write_text(text[: text.index('"GROUP","GEOL"')])
     with pytest.raises(ValueError, match=r"none.ags: it has no layers \(GEOL\) and no cone"):
@@ -117,6 +120,25 @@ def test_wrong_ags_files(tmp_path):
         sc.ground.read_ags(tmp_path / "empty.ags")
     with pytest.raises(FileNotFoundError, match=r"there is no file .*missing.ags"):
         sc.ground.read_ags(tmp_path / "missing.ags")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"DATA","B1","100.00","50.00","4.00"\n', "", "LOCA has no location 'B1'"),
+        ('"50.00","4.00"', '"","4.00"', "the location 'B1' has no coordinates or no level"),
+        ('"50.00","4.00"', '"50.00",""', "the location 'B1' has no coordinates or no level"),
+        ('"DATA","B2","1.00","11.00"', '"DATA","B2","1.00",""', "last layer of 'B2' has no GEOL_B"),
+    ],
+)
+def test_wrong_tables_of_ags(tmp_path, old, new, message):
+    """[X] Locations that are missing, or have no place, and a borehole without an end."""
+    path = ags(tmp_path / "site.ags")
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new), newline="\r\n")
+    with pytest.raises(ValueError, match=f"site.ags: .*{message}"):
+        sc.ground.read_ags(path)
 
 
 GEF = """#GEFID = 1, 1, 0

@@ -36,6 +36,38 @@ def test_bad_input_is_named(given: dict, message: str) -> None:
         analysis("bounds", *column(SOIL), weight=20.0, elements=100, progress=False, **given)
 
 
+@pytest.mark.parametrize(
+    ("material", "given", "message"),
+    [
+        (
+            sc.LinearElastic(E=1e5, nu=0.3),
+            {"tractions": {"top": (0.0, -1.0)}, "live": "top"},
+            "nothing can yield: all solids",
+        ),
+        (
+            sc.MohrCoulomb(E=1e5, nu=0.3, c=0.0, phi=0.0),
+            {"weight": 20.0},
+            "'ground.*' has neither cohesion nor friction",
+        ),
+        (
+            SOIL,
+            {"tractions": {"top": lambda x: np.ones(3)}},
+            r"the traction on 'top' must have shape \(2, .*\) and finite values",
+        ),
+        (
+            SOIL,
+            {"tractions": {"top": lambda x: np.nan * x}},
+            r"the traction on 'top' must have shape \(2, .*\) and finite values",
+        ),
+        (SOIL, {"tractions": {"top": (1.0, 2.0, 3.0)}}, r"must be \(t_x, t_y\) or a function"),
+    ],
+)
+def test_what_has_no_bounds(material, given: dict, message: str) -> None:
+    """Nothing that yields, no strength at all, and tractions of another shape."""
+    with pytest.raises(ValueError, match=message):
+        analysis("bounds", *column(material), elements=100, progress=False, **given)
+
+
 def test_rigid_body_in_the_air() -> None:
     """A rigid body that nothing holds is refused before the iteration."""
     forms, fixed = sliding_blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
