@@ -13,10 +13,13 @@ import numpy as np
 
 from .kinds import KINDS, Floats, Integers
 
-#: Random odd number of 64 bits, which is added to nodes in the key of an element.
+#: Random odd numbers of 64 and of 32 bits, which are added to nodes in the key of an element.
 _ODD = np.uint64(0x9E3779B97F4A7C15)
+_SHORT_ODD = np.uint32(0x9E3779B9)
+#: Lower half of a short key.
+_HALF = np.uint32(16)
 #: Elements of a piece, the temporary arrays of which stay in the cache.
-_ROWS = 1 << 14
+_ROWS = 1 << 15
 #: Distance of a node in the middle from its regular position, over the size of the element, up to
 #: which the shape is the same: round-off of coordinates.
 _SAME = 1e-9
@@ -98,7 +101,7 @@ class Content:
                     "out of bounds"
                 )
         # Points of no element do no harm.
-        if np.isfinite(self.points).all():
+        if np.isfinite(self.points.sum()) or np.isfinite(self.points).all():
             return
         for cells in self.cells.values():
             if not np.isfinite(self.points[cells]).all():
@@ -146,7 +149,7 @@ def node_keys(cells: Integers) -> Any:
 def without_doubles(content: Content, kind: str) -> None:
     """Leave out elements of a kind that are repeated with the same nodes, as in Gmsh's 2.2."""
     cells = content.cells[kind]
-    keys = node_keys(cells)
+    keys = node_keys(_maybe_repeated(cells))
     keys.sort()
     if not (keys[1:] == keys[:-1]).any():
         return
@@ -158,6 +161,36 @@ def without_doubles(content: Content, kind: str) -> None:
     for group in content.groups.values():
         if kind in group:
             group[kind] = np.unique(number[group[kind]])
+
+
+def _maybe_repeated(cells: Integers) -> Integers:
+    """Return a few elements, among which all are that occur twice.
+
+    Short keys are computed and sorted in less than half of the time of long ones. In meshes of 1e6
+    elements up to 1 % of them have the short key of another one.
+    """
+    # Add nodes twice, so that all factors are odd, and products do not end with zeros.
+    keys, ordered = np.empty((2, len(cells)), dtype=np.uint32)
+    factors = np.empty(_ROWS, dtype=np.uint32)
+    for piece in cached(len(cells)):
+        product = keys[piece]
+        product[:] = 1
+        own = factors[: len(product)]
+        for nodes in unsigned(cells[piece]).T:
+            np.add(nodes, nodes, out=own, casting="unsafe")
+            own += _SHORT_ODD
+            product *= own
+    # Mark the upper halves of keys that occur twice, and find the elements that have them.
+    ordered[:] = keys
+    ordered.sort()
+    twice = ordered[1:][ordered[1:] == ordered[:-1]]
+    marked = np.zeros(1 << 16, dtype=bool)
+    marked[twice >> _HALF] = True
+    found = np.empty(len(cells), dtype=bool)
+    for piece in cached(len(cells)):
+        upper = (keys[piece] >> _HALF).astype(np.intp)
+        found[piece] = marked[upper]
+    return cells.T.take(np.flatnonzero(found), axis=1).T
 
 
 def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
@@ -201,7 +234,7 @@ def compact(numbers: Integers) -> Integers:
     """Return whole numbers with four bytes each, where they have room."""
     if numbers.dtype.itemsize <= 4 or numbers.size == 0:
         return numbers
-    if numbers.min() < 0 or numbers.max() >= _ROOM:
+    if unsigned(numbers).max() >= _ROOM:
         return numbers
     return numbers.astype(np.int32)
 

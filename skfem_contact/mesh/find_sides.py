@@ -34,7 +34,9 @@ def named_sides(mesh: Mesh, corners: Integers, groups: dict[str, Integers]) -> d
     for members in groups.values():
         is_named[members] = True
     place = np.cumsum(is_named) - 1
-    elements, local = _behind(mesh, corners[is_named])
+    if not is_named.all():
+        corners = corners[is_named]
+    elements, local = _behind(mesh, corners)
     # Divide them by groups.
     found = {}
     for name, members in groups.items():
@@ -69,7 +71,11 @@ def _behind(mesh: Mesh, corners: Integers) -> tuple[Integers, Integers]:
     """Return the elements behind sides and the numbers of their sides, (n,), -1 where none is."""
     elements = np.full(len(corners), -1, dtype=np.int32)
     local = elements.copy()
-    known = np.flatnonzero((corners >= 0).all(axis=1))
+    known = np.arange(len(corners))
+    wanted = corners
+    if corners.min(initial=0) < 0:
+        known = np.flatnonzero((corners >= 0).all(axis=1))
+        wanted = corners[known]
     if corners.shape[1] != len(mesh.elem.refdom.facets[0]) or len(known) == 0:
         return elements, local
     # Look up the keys among the ones of element sides, all of whose corners occur.
@@ -78,7 +84,7 @@ def _behind(mesh: Mesh, corners: Integers) -> tuple[Integers, Integers]:
     order = np.argsort(keys)
     keys = np.append(keys[order], np.zeros(2, keys.dtype))
     # Ascending keys are found several times faster.
-    wanted = node_keys(corners[known])
+    wanted = node_keys(wanted)
     ascending = np.argsort(wanted)
     wanted = wanted[ascending]
     place = np.searchsorted(keys[:-2], wanted)
@@ -118,7 +124,8 @@ def _sides_among(mesh: Mesh, chosen: NDArray[np.bool_]) -> tuple[Integers, Integ
     may_be = np.zeros(mesh.t.shape[1], dtype=bool)
     first = mesh.t[: len(mesh.t) - len(sides[0]) + 1]
     for piece in cached(len(may_be)):
-        may_be[piece] = chosen[first[:, piece].astype(np.intp)].any(axis=0)
+        nodes = first[:, piece].astype(np.intp)
+        np.logical_or.reduce(chosen[nodes], axis=0, out=may_be[piece])
     near = np.flatnonzero(may_be).astype(np.int32)
     t = mesh.t.take(near, axis=1)
     is_chosen = chosen.take(t)
@@ -127,10 +134,10 @@ def _sides_among(mesh: Mesh, chosen: NDArray[np.bool_]) -> tuple[Integers, Integ
     local = []
     corners = []
     for number, side in enumerate(sides):
-        found = np.flatnonzero(is_chosen[side].all(axis=0))
+        found = np.flatnonzero(np.logical_and.reduce([is_chosen[corner] for corner in side]))
         elements.append(near[found])
         local.append(np.full(len(found), number, dtype=np.int32))
-        corners.append(t[np.ix_(side, found)].T)
+        corners.append(np.array([t[corner].take(found) for corner in side]).T)
     return np.concatenate(elements), np.concatenate(local), np.concatenate(corners)
 
 

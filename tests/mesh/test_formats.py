@@ -712,6 +712,25 @@ def test_med_files_with_wrong_nodes(tmp_path, values, message):
         load_mesh(path)
 
 
+def test_med_files_with_a_head_and_with_families_in_other_letters(tmp_path):
+    """[X] Data sets behind a block of the user, and a family named in the letters of Windows."""
+    h5py = pytest.importorskip("h5py")
+    cube = MeshTet().refined(1).with_subdomains({"west": lambda x: x[0] < 0.5})
+    path = tmp_path / "cube.med"
+    save_mesh(cube, path)
+    moved = tmp_path / "moved.med"
+    with h5py.File(path) as source, h5py.File(moved, "w", userblock_size=512) as file:
+        for name in source:
+            source.copy(name, file)
+        families = file["FAS/mesh/ELEME"]
+        (family,) = families
+        families.id.links.move(family.encode(), families.id, "sürface".encode("cp1252"))
+    for name in (path, moved):
+        mesh = load_mesh(name)
+        np.testing.assert_array_equal(mesh.p, cube.p)
+        np.testing.assert_array_equal(mesh.subdomains["west"], cube.subdomains["west"])
+
+
 @pytest.mark.parametrize("end", [".msh", ".inp", ".mdpa", ".f3grid"])
 def test_texts_of_editors_on_windows(tmp_path, end):
     """[X] Ends of lines with two bytes, a mark before the first letter, and letters of Windows."""
