@@ -15,7 +15,7 @@ from ..mesh import bodies as joined_bodies
 from ..mesh.kinds import BY_NODES, HEXAHEDRON, oriented
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
-from .patch_recovery import RegionMesh, recovered, region_mesh
+from .patch_recovery import RegionMesh, recovered_together, region_mesh, within_points
 from .strength import plastic_strain, total_stress
 from .tractions import interfaces
 
@@ -84,10 +84,12 @@ def _at_nodes(
     for name, form in bodies.items():
         state = stage.states[name]
         balanced = form.kinematics != "finite"  # forces are of the undeformed body
-        values = recovered(form, total_stress(form, state), balanced=balanced)
-        stress.append(_in_space(values.T, 6))
-        strain.append(_in_space(recovered(form, form.total_strain(state)).T, 6))
-        plastic.append(recovered(form, plastic_strain(form, state)[None], limited=True)[0])
+        yielded = plastic_strain(form, state)[None]
+        fields = (total_stress(form, state), form.total_strain(state), yielded)
+        fitted = recovered_together(form, *fields, balanced=balanced)
+        stress.append(_in_space(fitted[0].T, 6))
+        strain.append(_in_space(fitted[1].T, 6))
+        plastic.append(within_points(fitted[2], yielded, region_mesh(form))[0])
     # Files hold vectors of three components, tensors of six.
     return {
         "displacement": _in_space(u[mesh.nodes], 3),

@@ -83,10 +83,26 @@ def recovered(
     wanted = None
     if elements is not None:
         wanted = np.unique(mesh.cells[elements])
-    nodal = _fitted(form, values, mesh, balanced, wanted)
+    n_stresses = len(values) if balanced else 0
+    nodal = _fitted(form, values, mesh, n_stresses, wanted)
     if limited:
         return within_points(nodal, values, mesh)
     return nodal
+
+
+def recovered_together(
+    form: SolidForm, stress: ndarray, *others: ndarray, balanced: bool
+) -> list[ndarray]:
+    """Return stresses and other fields at the nodes as :func:`recovered` does, in one pass.
+
+    Only stresses may be balanced.
+    """
+    fields = (stress, *others)
+    ends = np.cumsum([len(values) for values in fields])
+    mesh = region_mesh(form)
+    n_stresses = len(stress) if balanced else 0
+    nodal = _fitted(form, np.concatenate(fields), mesh, n_stresses)
+    return np.split(nodal, ends[:-1])
 
 
 def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, ndarray]:
@@ -147,12 +163,13 @@ def _fitted(
     form: SolidForm,
     values: ndarray,
     mesh: RegionMesh,
-    balanced: bool,
+    balanced: int,
     wanted: ndarray | None = None,
 ) -> ndarray:
     """Fit polynomials around the vertices, and evaluate them at the nodes, (n_components, n).
 
-    Only the patches of wanted nodes are fitted.
+    Only the patches of wanted nodes are fitted. As many components as are balanced, the first ones,
+    are stresses with their forces.
 
     With the terms p of the polynomials, fits c of a patch minimise
 
@@ -185,13 +202,13 @@ def _fitted(
     beta = _BETA[degree, simplices]
     origin = np.zeros((dim, 1))
     m = len(_powers(origin, degree))
-    nc = len(values)
+    nc = balanced
     if balanced:
         every = np.arange(basis.nelems)
-        forces = form.element_forces(values, every).T
+        forces = form.element_forces(values[:nc], every).T
         B = strain_operator(form.basis, "full", str(form.coordinates)).B
 
-    fits = np.zeros((len(vertex), nc, m))  # (n_patches, n_components, terms)
+    fits = np.zeros((len(vertex), len(values), m))  # (n_patches, n_components, terms)
     for start in range(0, len(patches), _CHUNK):
         # Collect pairs of patches and elements, and weights relative to the patch.
         part = patches[start : start + _CHUNK]
@@ -211,20 +228,21 @@ def _fitted(
         M = _sum_of(patch, n, products)
         moments = np.einsum("cpq,pqa,pq->pca", values[:, e], p, w)
         r = _sum_of(patch, n, moments)
+        if nc < len(values):
+            fits[part, nc:] = r[:, nc:] @ _inverse(M)
         if not balanced:
-            fits[part] = r @ _inverse(M)
             continue
 
-        # Fit all components together with forces.
+        # Fit all stresses together with forces.
         scaled = w * scale
         of_elements = forces[e] * (scaled / form.weight[e])[:, :1]
         H, f = _balance(patch, cells[e], B[e], p, scaled, of_elements)
         M = np.einsum("cd,pab->pcadb", np.eye(nc), M)
         M = M.reshape(n, nc * m, nc * m)
         A = H.transpose(0, 2, 1) @ H + beta * M
-        b = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(n, -1)
+        b = np.einsum("pra,pr->pa", H, f) + beta * r[:, :nc].reshape(n, -1)
         c = np.einsum("pab,pb->pa", _inverse(A), b)
-        fits[part] = c.reshape(-1, nc, m)
+        fits[part, :nc] = c.reshape(-1, nc, m)
     return _evaluated(fits, coordinates, center, size, sources, degree)
 
 

@@ -12,7 +12,7 @@ import skfem_contact as sc
 from skfem_contact.demo import culvert
 from skfem_contact.forms.solid import SolidState
 from skfem_contact.results import StageResult
-from skfem_contact.results.patch_recovery import recovered, region_mesh
+from skfem_contact.results.patch_recovery import recovered, recovered_together, region_mesh
 from skfem_contact.results.strength import PointStatus, mobilised, point_status
 from tests.tools.helpers import distorted, traction, vector_basis
 
@@ -164,6 +164,18 @@ def test_limited_fields_stay_within_the_points(rng):
     for node, value in enumerate(recovered(form, values, limited=True)[0]):
         around = values[0, (region_mesh(form).cells == node).any(axis=1)]
         assert around.min() <= value <= around.max()
+
+
+@pytest.mark.parametrize("balanced", [True, False])
+def test_fields_that_are_recovered_together_are_those_recovered_alone(rng, balanced):
+    """The same patches serve all fields; only the stresses are balanced."""
+    _, form = two_layers()
+    stress, strain = rng.standard_normal((2, 4, *form.weight.shape))
+    plastic = rng.uniform(size=(1, *form.weight.shape))
+    together = recovered_together(form, stress, strain, plastic, balanced=balanced)
+    alone = recovered(form, stress, balanced=balanced), recovered(form, strain)
+    for found, expected in zip(together, (*alone, recovered(form, plastic)), strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
 def test_change_since_a_stage_strains_and_pore_pressure():
