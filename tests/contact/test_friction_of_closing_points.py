@@ -142,9 +142,11 @@ def test_friction_of_bodies_that_touch_from_the_start(across, recwarn):
 
 @pytest.mark.parametrize(("slips", "told"), [(1.0, True), (10.0, False)])
 def test_points_that_slide_far_may_have_closed_on_the_way(slips: float, told: bool) -> None:
-    """Slips of ten times the elastic displacement of the bodies leave no part that sticks."""
+    """Slips of ten times the elastic displacement of the bodies leave no part that sticks, wherever
+    the bodies are.
+    """
     points = SimpleNamespace(weight=np.ones(3), positions=lambda nodes: nodes)
-    nodes = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    nodes = np.array([[30.0, -40.0], [31.0, -40.0], [32.0, -40.0]])
     pair = SimpleNamespace(
         stiffness=2.0,
         slave=SimpleNamespace(name="foot", nodes=nodes, spacing=1.0),

@@ -65,6 +65,30 @@ def test_the_other_direction():
     assert np.isclose(found.overturning, 144.0 / 45.0, rtol=2e-3)
 
 
+@pytest.mark.parametrize("degrees", [-12.0, 7.0])
+def test_inclined_base(degrees):
+    """[X] A block on an incline of beta: W cos(beta) across the base and W sin(beta) along it, which
+    the friction resists by mu / tan(beta); the weight acts H / 2 above.
+    """
+    beta = np.radians(degrees)
+    turn = np.array([[np.cos(beta), -np.sin(beta)], [np.sin(beta), np.cos(beta)]])
+    grid = MeshQuad.init_tensor(np.linspace(0, B, 9), np.linspace(0, 1, 5)).with_defaults()
+    grid = MeshQuad(turn @ grid.p, grid.t).with_boundaries(grid.boundaries)
+    basis = Basis(sc.join_bodies({"block": grid}), ElementVector(ElementQuad1()), intorder=2)
+    block = sc.SolidForm(basis, sc.LinearElastic(E=1e7, nu=0.0), unit_weight=WEIGHT)
+    plane = sc.rigid.line(turn @ [-1.0, 0.0], turn @ [3.0, 0.0])
+    skin = sc.ContactPair(basis, "block:bottom", plane, sc.Coulomb(mu=0.5), penalty=1e9)
+    stage = sc.Model({"block": block, "skin": skin}).run([sc.Stage("weight")])["weight"]
+    ends = [tuple(turn @ [0.0, 0.0]), tuple(turn @ [B, 0.0])]
+    # the toe is the lower end
+    found = check(stage, "block", ends if degrees > 0.0 else ends[::-1])
+    W = WEIGHT * B
+    assert np.isclose(found.vertical, W * np.cos(beta), rtol=1e-4)
+    assert np.isclose(found.horizontal, W * np.sin(abs(beta)), rtol=1e-4)
+    assert np.isclose(found.sliding, 0.5 / np.tan(abs(beta)), rtol=1e-4)
+    assert np.isclose(found.eccentricity, 0.5 * np.tan(abs(beta)), rtol=1e-3)
+
+
 def test_factors_and_adhesion():
     """[X] DA2*: effects times 1.35, sliding over 1.1; adhesion counts over the closed length."""
     model = wall(adhesion=2.0)

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 import skfem_contact as sc
 from skfem_contact.errors import IncrementTooLarge
 from skfem_contact.laboratory import PathStep, isotropic, oedometer, triaxial
+from skfem_contact.materials import cam_clay_return
 from skfem_contact.testing import check_material
 from tests.tools.helpers import grid, vector_basis
 
@@ -444,3 +445,26 @@ def test_strength_that_is_not_reduced(choice: dict, told: bool):
         any("ground.clay, CamClay: this law keeps its strength" in str(w.message) for w in caught)
         == told
     )
+
+
+@pytest.mark.parametrize("conservative", [False, True])
+def test_search_within_bounds_finds_the_roots_of_newton(conservative, monkeypatch, rng):
+    """[N] The same stresses if Newton's method is taken to fail at all points, wet and dry of the
+    critical state.
+    """
+    n = 200
+    law = clay(rng.uniform(1.0, 8.0, n), conservative=conservative)
+    start = -P * np.array([[1.0], [1.0], [1.0], [0.0]]) * np.ones(n)
+    strain = 0.03 * rng.standard_normal((4, n))
+    strain[:3] -= 0.9 * strain[:3].mean(axis=0)
+    internal = law.initial_internal(start)
+    found = law.update(strain, start, internal)
+    newton = cam_clay_return.joint_root
+
+    def failing(*arguments):
+        y, z, _ = newton(*arguments)
+        return np.zeros_like(y), np.zeros_like(z), np.arange(y.size)
+
+    monkeypatch.setattr(cam_clay_return, "joint_root", failing)
+    again = law.update(strain, start, internal)
+    np.testing.assert_allclose(again.stress, found.stress, rtol=1e-8, atol=1e-6 * P)
