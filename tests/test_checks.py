@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
 import skfem_contact as sc
 from skfem_contact import checks
+from tests.tools.helpers import grid, vector_basis
 
 
 @pytest.mark.parametrize("value", [True, "1", None, np.nan, np.inf, [1.0], 1j])
@@ -70,3 +72,31 @@ def test_wrong_names_suggest_the_nearest():
     wrong = {"actvate": "fill"}
     with pytest.raises(TypeError, match=r"'actvate'; its arguments are .*; did you mean 'act"):
         sc.Stage("dig", **wrong)
+
+
+def test_calls_of_a_form_are_checked_in_the_first_increment():
+    """A form that calls the package with a wrong argument is told so by its name."""
+
+    class Calling(sc.Form):
+        """A spring that asks for supports of a mesh."""
+
+        size = 1
+
+        def __init__(self, basis):
+            self.basis = basis
+
+        def initial_state(self, x=None):
+            return np.zeros(1)
+
+        def assemble(self, x, state):
+            sc.box_supports(self.basis)
+            return sc.Response(x, lambda: state, lambda: csr_matrix([[1.0]]))
+
+    def run(basis):
+        stage = sc.Stage("push", np.ones(1), increments=2)
+        return sc.Model({"form": Calling(basis)}).run([stage], progress=False)["push"]
+
+    basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1")
+    assert run(basis).x[0] == pytest.approx(1.0)
+    with pytest.raises(ValueError, match="basis must be a CellBasis, not MeshQuad"):
+        run(basis.mesh)

@@ -67,8 +67,8 @@ def test_the_other_direction():
 
 @pytest.mark.parametrize("degrees", [-12.0, 7.0])
 def test_inclined_base(degrees):
-    """[X] A block on an incline of beta: W cos(beta) across the base and W sin(beta) along it, which
-    the friction resists by mu / tan(beta); the weight acts H / 2 above.
+    """[X] A block on an incline of beta with a horizontal thrust T downhill, at half its height:
+    W cos(beta) - T sin(beta) across the base, W sin(beta) + T cos(beta) along it.
     """
     beta = np.radians(degrees)
     turn = np.array([[np.cos(beta), -np.sin(beta)], [np.sin(beta), np.cos(beta)]])
@@ -78,15 +78,23 @@ def test_inclined_base(degrees):
     block = sc.SolidForm(basis, sc.LinearElastic(E=1e7, nu=0.0), unit_weight=WEIGHT)
     plane = sc.rigid.line(turn @ [-1.0, 0.0], turn @ [3.0, 0.0])
     skin = sc.ContactPair(basis, "block:bottom", plane, sc.Coulomb(mu=0.5), penalty=1e9)
-    stage = sc.Model({"block": block, "skin": skin}).run([sc.Stage("weight")])["weight"]
-    ends = [tuple(turn @ [0.0, 0.0]), tuple(turn @ [B, 0.0])]
-    # the toe is the lower end
-    found = check(stage, "block", ends if degrees > 0.0 else ends[::-1])
-    W = WEIGHT * B
-    assert np.isclose(found.vertical, W * np.cos(beta), rtol=1e-4)
-    assert np.isclose(found.horizontal, W * np.sin(abs(beta)), rtol=1e-4)
-    assert np.isclose(found.sliding, 0.5 / np.tan(abs(beta)), rtol=1e-4)
-    assert np.isclose(found.eccentricity, 0.5 * np.tan(abs(beta)), rtol=1e-3)
+    model = sc.Model({"block": block, "skin": skin})
+    # The toe is the lower end, and the thrust acts on the other side
+    W, T = WEIGHT * B, 5.0
+    toe, heel = turn @ [0.0, 0.0], turn @ [B, 0.0]
+    push = model.traction("block:right", (-T, 0.0))
+    if degrees < 0.0:
+        toe, heel = heel, toe
+        push = model.traction("block:left", (T, 0.0))
+    stage = model.run([sc.Stage("thrust", push)])["thrust"]
+    found = check(stage, "block", [tuple(toe), tuple(heel)])
+    sine, cosine = np.sin(abs(beta)), np.cos(beta)
+    vertical, horizontal = W * cosine - T * sine, W * sine + T * cosine
+    moment = 0.5 * W * sine + T * (0.5 * B * sine + 0.5 * cosine)
+    assert np.isclose(found.vertical, vertical, rtol=1e-4)
+    assert np.isclose(found.horizontal, horizontal, rtol=1e-4)
+    assert np.isclose(found.sliding, 0.5 * vertical / horizontal, rtol=1e-4)
+    assert np.isclose(found.eccentricity, moment / vertical, rtol=1e-3)
 
 
 def test_factors_and_adhesion():
