@@ -134,7 +134,7 @@ class Search:
             # The upper bound is cheap, and follows every mesh.
             known = self.upper.proof.value
             self._note(upper=self._solve_upper())
-            if self._futile(known, gap):
+            if self.gap <= gap or self._futile(known, gap):
                 break
             # The lower bound follows when it may gain enough.
             before = self.last[0].triangles.mesh

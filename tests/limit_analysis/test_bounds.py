@@ -490,6 +490,17 @@ def test_what_has_no_bounds() -> None:
         sc.Model(forms | {"spring": spring}, fixed).bounds(weight=20.0, progress=False)
 
 
+def test_no_bound_is_computed_once_the_gap_is_closed() -> None:
+    """An upper bound that closes the bracket is the last one."""
+    gap = 0.012
+    slope = ground(slope_mesh(10, 20, 12), 10.0, 20.0, 20.0)
+    found = bounds(**slope, gap=gap, elements=20_000)
+    before = found.history[:-1]
+    lower = max(each.value for each in before if each.kind == "lower")
+    upper = min(each.value for each in before if each.kind == "upper")
+    assert found.gap <= gap < search.relative_gap(lower, upper)
+
+
 def test_clean_sand() -> None:
     """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, which a
     warning says with the meshes that were tried; they are not refined for nothing.
