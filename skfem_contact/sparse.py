@@ -212,6 +212,16 @@ def same_matrix(A: csr_matrix, B: csr_matrix) -> bool:
     return same_pattern(A, B) and np.array_equal(A.data, B.data)
 
 
+def widened(A: csr_matrix, pattern: csr_matrix) -> csr_matrix:
+    """Return A on a wider pattern, or A where that one lacks entries; both are canonical."""
+    slots = _find(A, pattern)
+    if slots is None:
+        return A
+    data = np.zeros(pattern.nnz)
+    data[slots] = A.data
+    return with_data(pattern, data)
+
+
 #: Entries that are kept for contacts that have opened, as a share of all.
 _SPARE = 0.05
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix, random_array
 
-from skfem_contact.sparse import Total
+from skfem_contact.sparse import Total, same_pattern, widened
 
 
 def some(density: float, rng: np.random.Generator) -> csr_matrix:
@@ -48,3 +48,13 @@ def test_duplicates_count_twice() -> None:
     """A matrix in no canonical format is summed as it is meant."""
     twice = csr_matrix((np.ones(2), np.zeros(2, int), np.array([0, 2, 2])), shape=(2, 2))
     assert Total().of([twice, csr_matrix(np.eye(2))]).toarray().tolist() == [[3.0, 0.0], [0.0, 1.0]]
+
+
+def test_wider_patterns_keep_the_values(rng: np.random.Generator) -> None:
+    """A matrix on a wider pattern is the same; a pattern that lacks an entry is not taken."""
+    solid, contact = some(0.2, rng), some(0.02, rng)
+    wide = Total().of([solid, contact])
+    found = widened(solid, wide)
+    assert same_pattern(found, wide)
+    np.testing.assert_array_equal(found.toarray(), solid.toarray())
+    assert widened(wide, solid) is wide

@@ -21,7 +21,7 @@ from numpy import ndarray
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
-from ..sparse import FreeBlock, same_pattern
+from ..sparse import FreeBlock, same_pattern, widened
 from .direct import REFINE, SOFT, Condensed, Engine, LinearSolver, Solve, as_engine
 
 logger = logging.getLogger("skfem_contact")
@@ -75,6 +75,8 @@ class SchurSolver:
 
         # solve with the factors that are kept
         if self._base is not None:
+            if not same_pattern(K, self._base.K):  # contact has got new entries
+                self._base.K = widened(self._base.K, K)
             change = self._change(K, self._base.K)
             if change is not None:
                 return self._base.updated(K, change, other)
