@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 from scipy.linalg import eigh, solve_triangular
-from scipy.sparse import csr_matrix
+from scipy.sparse import spmatrix
 
 #: Directions of FGMRES that are kept, two vectors each.
 RESTART = 100
@@ -24,7 +24,7 @@ Preconditioner = Callable[[ndarray], ndarray]
 
 
 def conjugate_gradients(
-    A: csr_matrix,
+    A: spmatrix,
     b: ndarray,
     cycle: Preconditioner,
     tolerance: float,
@@ -80,7 +80,7 @@ class Fgmres:
 
     def __call__(
         self,
-        A: csr_matrix,
+        A: spmatrix,
         b: ndarray,
         cycle: Preconditioner,
         tolerance: float,
@@ -127,7 +127,7 @@ class _Space:
     R: ndarray  # triangular, (k, k)
 
     @classmethod
-    def of(cls, A: csr_matrix, directions: ndarray) -> _Space:
+    def of(cls, A: spmatrix, directions: ndarray) -> _Space:
         """Return the space of directions alone."""
         Q, R = np.linalg.qr(A @ directions.T)
         none = np.zeros((0, 0))
@@ -148,7 +148,7 @@ class _Space:
 
     def arnoldi(
         self,
-        A: csr_matrix,
+        A: spmatrix,
         b: ndarray,
         cycle: Preconditioner,
         target: float,

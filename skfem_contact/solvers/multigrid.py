@@ -32,7 +32,7 @@ from .levels import Levels, smoothed_aggregation
 logger = logging.getLogger("skfem_contact")
 
 Balance = Callable[[ndarray, ndarray], ndarray]
-Method = Callable[[csr_matrix, ndarray, Preconditioner, float, int], tuple[ndarray, int]]
+Method = Callable[[bsr_matrix, ndarray, Preconditioner, float, int], tuple[ndarray, int]]
 
 MOST = 300  # iterations of a solution
 # Coarse matrices are kept for the next tangents until the additional iterations have cost more
@@ -154,7 +154,7 @@ class AmgSolver:
             if not fresh:
                 patience = min(most, self._patience(rtol))
             result = _iterated(
-                A,
+                blocks,
                 cycle,
                 balanced,
                 right,
@@ -170,7 +170,7 @@ class AmgSolver:
                 cycle = self._renewed(A, blocks).cycle(A, blocks)
                 fresh = True
                 result = _iterated(
-                    A,
+                    blocks,
                     cycle,
                     balanced,
                     right,
@@ -313,7 +313,7 @@ class _Result:
 
 
 def _iterated(
-    A: csr_matrix,
+    A: bsr_matrix,
     cycle: Preconditioner,
     balanced: Balance,
     b: ndarray,
@@ -359,7 +359,7 @@ def _iterated(
     return _Result(x, count, first, error, close=error <= enough)
 
 
-def _round_off(A: csr_matrix, x: ndarray) -> float:
+def _round_off(A: bsr_matrix, x: ndarray) -> float:
     """Estimate the residual of round-off: 7e-9 of the load of a beam 30 times as long as high."""
     magnitudes = with_data(A, np.abs(A.data)) @ np.abs(x)
     return float(np.finfo(float).eps * np.linalg.norm(magnitudes))

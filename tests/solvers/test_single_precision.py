@@ -80,7 +80,7 @@ def test_soft_structures_have_double_precision_and_keep_it(engine, monkeypatch):
     assert used == [np.float32, np.float64]
     dense = np.linalg.solve(K[free][:, free].toarray(), b[free])
     np.testing.assert_allclose(x[free], dense, rtol=0.0, atol=1e-9 * np.abs(dense).max())
-    solver.factor(2.0 * K)
+    solver.factor(2.0 * K)(b)
     assert used[2:] == [np.float64]
 
 
@@ -93,8 +93,30 @@ def test_solutions_that_stay_inaccurate_have_double_precision(engine, monkeypatc
     x = solver.factor(K)(b)
     assert used == [np.float32, np.float64]
     assert np.linalg.norm((b - K @ x)[free]) < 1e-12 * np.linalg.norm(b)
-    solver.factor(2.0 * K)
+    solver.factor(2.0 * K)(b)
     assert used[2:] == [np.float64]
+
+
+def test_single_precision_returns_after_a_matrix_that_is_not_firm(engine, monkeypatch):
+    """[N] One tangent near a mechanism has double precision, and so has the next one; from then on
+    firm ones have single precision again.
+    """
+    K, locations, free = block()
+    b, used = np.random.default_rng(0).standard_normal(K.shape[0]), kinds(monkeypatch, engine)
+
+    # take the stiffness of one dof away but for a share of 1e-7
+    first = free[:1]
+    others = np.setdiff1d(free, first)
+    pulled = np.linalg.solve(K[others][:, others].toarray(), K[others][:, first].toarray())
+    own = float((K[first][:, first] - K[first][:, others] @ pulled)[0, 0])
+    lost = (1.0 - 1e-7) * own * np.isin(np.arange(K.shape[0]), first)
+    soft = (K - diags(lost)).tocsr()
+
+    solver = DirectSolver(locations, free, engine, single=True)
+    for matrix in (K, soft, 2.0 * K, 3.0 * K):
+        solver.factor(matrix)(b)
+    single, double = np.float32, np.float64
+    assert used == [single, single, double, double, single]
 
 
 def test_stiffness_that_stays_has_double_precision(engine, monkeypatch):
