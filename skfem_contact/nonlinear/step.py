@@ -183,13 +183,13 @@ class _Balance(Problem):
             step[system.fixed] = lag
             right = right - K @ step
         try:
-            moved = system.factor(K)(right, rtol)
+            change = system.factor(K)(right, rtol)
             self._regular = K  # not its factors, which would be in memory next to the new ones
         except SingularSystem:
             if self._regular is None:
                 raise
-            moved = system.factor(self._regular)(right, rtol)
-        step = step + moved
+            change = system.factor(self._regular)(right, rtol)
+        step = step + change
         if self._elastic is None:
             moves = system.layout.displacements
             moved = float(np.linalg.norm((now.z + step - self._step.x)[moves]))

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 from ..errors import NotConverged
 from ..layout import rigid_modes
-from ..sparse import FreeBlock, with_data
+from ..sparse import FreeBlock
 from .direct import (
     REFINE,
     UNCHECKED,
@@ -361,7 +361,7 @@ def _iterated(
 
 def _round_off(A: bsr_matrix, x: ndarray) -> float:
     """Estimate the residual of round-off: 7e-9 of the load of a beam 30 times as long as high."""
-    magnitudes = with_data(A, np.abs(A.data)) @ np.abs(x)
+    magnitudes = abs(A) @ np.abs(x)
     return float(np.finfo(float).eps * np.linalg.norm(magnitudes))
 
 
