@@ -17,6 +17,7 @@ from zlib import crc32
 
 import numpy as np
 from numpy import ndarray
+from skfem import Mesh, MeshTri1, MeshTri2
 from typing_extensions import Self
 
 from ..contact.laws import Status
@@ -98,6 +99,7 @@ class StageData:
     inertial: ndarray | None = field(default=None, repr=False)
     series: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
     gravity: tuple[float, ...] | None = field(default=None, repr=False)
+    new_mesh: Mesh | None = field(default=None, repr=False)
 
     def outputs(self, name: str) -> Outputs:
         """Return values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""
@@ -187,11 +189,48 @@ def write(file: str | Path, stages: Iterable[StageData]) -> None:
         raise
 
 
-def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_Stage, ...]:
+#: Kinds of meshes of :func:`~skfem_contact.remeshed`, by their names in a file.
+_MESHES = {kind.__name__: kind for kind in (MeshTri1, MeshTri2)}
+
+
+class _Models:
+    """Forms of the meshes of a file: of the given one, and of those that follow in the file."""
+
+    def __init__(self, forms: Any, model_of: Callable[[Mesh], Any] | None) -> None:
+        self._model_of = model_of
+        self._known: list[tuple[Mapping[str, Form], Layout | None]] = []
+        self._add(forms)
+
+    def _add(self, model: Any) -> None:
+        forms = choose_penalties(getattr(model, "forms", model))
+        self._known.append((forms, getattr(model, "layout", None)))
+
+    def follow(self, mesh: Mesh) -> None:
+        """Make the forms of a new mesh."""
+        if self._model_of is None:
+            raise ValueError(
+                "the run went on with new meshes: give model_of, the function of a mesh that "
+                "returns the model on it"
+            )
+        self._add(self._model_of(mesh))
+
+    def of(self, head: Mapping[str, Any]) -> tuple[Mapping[str, Form], Layout | None]:
+        """Return forms and layout on the mesh of a stage: the last ones that fit, or the last."""
+        for forms, layout in reversed(self._known):
+            if set(head["forms"]) <= set(forms) and not _on_another_mesh(head, forms):
+                return forms, layout
+        return self._known[-1]
+
+
+def read(
+    file: str | Path,
+    forms: Any,
+    make: Callable[..., _Stage],
+    model_of: Callable[[Mesh], Any] | None = None,
+) -> tuple[_Stage, ...]:
     """Read the stages of a file, made by a class of stages."""
     path = str(file) if Path(file).is_file() else _with_end(file)
-    given = choose_penalties(getattr(forms, "forms", forms))
-    make = partial(make, layout=getattr(forms, "layout", None))
+    given = _Models(forms, model_of)
     try:
         with open(path, "rb") as stream:
             appended = stream.read(len(_MAGIC)) == _MAGIC
@@ -255,6 +294,9 @@ def _grouped(increments: list[_Stage]) -> tuple[_Stage, ...]:
     for increment in increments:
         name = increment.name
         names = list(stages)
+        if increment.new_mesh is not None and names and stages[names[-1]][-1].fraction < 1.0:
+            # The stage failed, and began anew on this mesh.
+            del stages[names.pop()]
         if name in stages:
             advances = increment.fraction > stages[name][-1].fraction
             if name != names[-1] or not advances:
@@ -303,12 +345,34 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     for name, values in stage.series.items():
         arrays[f"{key}/series of {name}"] = values
     head["series"] = list(stage.series)
+    if stage.new_mesh is not None:
+        head["new mesh"] = _described_mesh(stage.new_mesh, f"{key}/new mesh", arrays)
     head["placed"] = list(stage.placed)
     head["time before"] = 0.0 if stage.before is None else stage.before[2]
     head["increments"] = []
     for k, increment in enumerate(stage.increments):
         head["increments"].append(_described(increment, f"{key}.{k}", arrays))
     return head
+
+
+def _described_mesh(mesh: Mesh, key: str, arrays: dict[str, ndarray]) -> dict[str, Any]:
+    """Return the head of a mesh, and add its arrays."""
+    arrays[f"{key}/nodes"] = mesh.doflocs
+    arrays[f"{key}/elements"] = mesh.t
+    groups = {"boundaries": mesh.boundaries or {}, "subdomains": mesh.subdomains or {}}
+    for kind, members in groups.items():
+        for name, numbers in members.items():
+            arrays[f"{key}/{kind}/{name}"] = np.asarray(numbers)
+    named = {kind: list(members) for kind, members in groups.items()}
+    return {"kind": type(mesh).__name__, **named}
+
+
+def _mesh(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any]) -> Mesh:
+    """Make a mesh of its head and arrays; the inverse of :func:`_described_mesh`."""
+    groups = {}
+    for kind in ("boundaries", "subdomains"):
+        groups[f"_{kind}"] = {name: arrays[f"{key}/{kind}/{name}"] for name in head[kind]}
+    return _MESHES[head["kind"]](arrays[f"{key}/nodes"], arrays[f"{key}/elements"], **groups)
 
 
 def _vectors_of(stage: StageData, with_before: bool) -> dict[str, ndarray]:
@@ -321,9 +385,7 @@ def _vectors_of(stage: StageData, with_before: bool) -> dict[str, ndarray]:
     return {name: vector for name, vector in vectors.items() if vector is not None}
 
 
-def _read_arrays(
-    source: Any, given: Mapping[str, Form], make: Callable[..., _Stage]
-) -> list[_Stage]:
+def _read_arrays(source: Any, given: _Models, make: Callable[..., _Stage]) -> list[_Stage]:
     """Read the stages of an archive."""
     with np.load(source, allow_pickle=False) as data:
         head = json.loads(str(data["head"]))
@@ -339,7 +401,18 @@ def _read_arrays(
     damaged = [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]
     if damaged:
         raise ValueError(f"{damaged} are not what was written")
-    return [_stage(arrays, str(i), stage, given, make) for i, stage in enumerate(head["stages"])]
+
+    # Make the stages, each of the forms on its mesh.
+    stages = []
+    for i, part in enumerate(head["stages"]):
+        mesh = None
+        if "new mesh" in part:
+            mesh = _mesh(arrays, f"{i}/new mesh", part["new mesh"])
+            given.follow(mesh)
+        forms, layout = given.of(part)
+        stage = _stage(arrays, str(i), part, forms, partial(make, layout=layout))
+        stages.append(replace(stage, new_mesh=mesh))
+    return stages
 
 
 def _stage(
@@ -389,18 +462,27 @@ def _states(
     """Make the states of the forms of a stage, and check that they fit to the given forms."""
     if not set(head["forms"]) <= set(given):
         raise ValueError(f"it holds the forms {head['forms']}, not {list(given)}")
+    others = _on_another_mesh(head, given)
+    if others:
+        raise ValueError(
+            f"'{others[0]}' has another mesh, or another order of the elements, which follow its "
+            "materials"
+        )
     states = {}
     for name in head["forms"]:
-        form = given[name]
-        # Compare the meshes; files of older versions identify no elements.
-        both = zip(head["meshes"].get(name, ()), _fingerprint(form), strict=False)
-        if not all(np.isclose(a, b, rtol=1e-9, atol=0.0) for a, b in both):
-            raise ValueError(
-                f"'{name}' has another mesh, or another order of the elements, which follow its "
-                f"materials"
-            )
-        states[name] = _state(name, form, arrays, f"{key}/{name}")
+        states[name] = _state(name, given[name], arrays, f"{key}/{name}")
     return states
+
+
+def _on_another_mesh(head: Mapping[str, Any], given: Mapping[str, Form]) -> list[str]:
+    """Return the forms of a stage whose mesh is another one than that of the given forms."""
+    others = []
+    for name in head["forms"]:
+        # Files of older versions identify no elements.
+        both = zip(head["meshes"].get(name, ()), _fingerprint(given[name]), strict=False)
+        if not all(np.isclose(a, b, rtol=1e-9, atol=0.0) for a, b in both):
+            others.append(name)
+    return others
 
 
 def _known_arrays(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
+from skfem import Mesh
 
 from ..checks import finite, look_up, nearest
 from ..display import Table
@@ -268,7 +269,9 @@ def rows_of(result: Result) -> tuple[tuple[Any, ...], ...]:
     return tuple(rows)
 
 
-def load_result(file: str | Path, forms: Any) -> Result:
+def load_result(
+    file: str | Path, forms: Any, model_of: Callable[[Mesh], Any] | None = None
+) -> Result:
     """Read a saved result, or increments that :class:`~skfem_contact.results.Append` has written.
 
     Parameters
@@ -277,12 +280,15 @@ def load_result(file: str | Path, forms: Any) -> Result:
         Name of the file, with or without the end ``.npz`` of :meth:`Result.save`.
     forms
         The model, or the forms of the analysis by the same names.
+    model_of
+        Function of a mesh that returns the model on it, as for
+        :class:`~skfem_contact.Remeshing`: for files of runs with new meshes, which hold these.
 
     Raises
     ------
     ValueError
         The file is no result or damaged, another version of this library wrote it, or it holds
-        other forms or meshes.
+        other forms or meshes; it has new meshes, and `model_of` is missing.
 
     Examples
     --------
@@ -293,7 +299,7 @@ def load_result(file: str | Path, forms: Any) -> Result:
     >>> len(sc.load_result(file, {}))
     0
     """
-    return Result(files.read(file, forms, StageResult))
+    return Result(files.read(file, forms, StageResult, model_of))
 
 
 def of(

@@ -74,6 +74,8 @@ class StageResult(files.StageData):
         Records of all steps: energies and motions, see :attr:`energy` and :meth:`history`.
     gravity
         Acceleration of all weights over that of gravity, (dim,).
+    new_mesh
+        Mesh of deformed bodies that begins here, see :func:`~skfem_contact.remeshed`.
 
     Examples
     --------

@@ -59,7 +59,8 @@ class Remeshing:
     new mesh, whose stage ``"mesh 1"``, ``"mesh 2"``, ... is among the stages of the result, with
     the shares of volume, stress and balance that are lost in its ``series["loss"]``, see
     :meth:`Remeshed.loss <skfem_contact.stages.remeshing.Remeshed.loss>`.
-    A file of such a result is not read again, since its stages have several meshes.
+    Files of such results hold the meshes: ``load_result(file, model, model_of)`` reads them, and
+    ``model.run(left, start=result, remesh=remesh)`` continues with the stages that are left.
 
     Examples
     --------
@@ -124,7 +125,7 @@ def run(
         are inactive.
     on_increment
         Function of every accepted increment, a :class:`StageResult`, such as
-        ``sc.results.Append(file)``.
+        ``sc.results.Append(file)``; of the first state on a new mesh, too.
     progress
         Show a progress bar; by default where the output is a terminal.
     remesh
@@ -159,7 +160,7 @@ def run(
     _check(setup, stages)
     done = [start] if isinstance(start, StageResult) else list(start or ())
     checked(stages, [stage.name for stage in done])
-    way = _Way(remesh, setup, list(stages), done)
+    way = _Way(remesh, setup, list(stages), done, on_increment)
     while way.left:
         if way.used and remesh.due(way.done[-1], way.used):
             way.renew()
@@ -192,14 +193,27 @@ class _Way:
     """
 
     def __init__(
-        self, remesh: Remeshing, model: Setup, stages: list[Stage], done: list[StageResult]
+        self,
+        remesh: Remeshing,
+        model: Setup,
+        stages: list[Stage],
+        done: list[StageResult],
+        on_increment: Observer | None,
     ) -> None:
         self.model = model
         self.left = stages
         self.done = done
         self.used = 0
         self._remesh = remesh
+        self._on_increment = on_increment
         self._n_meshes = 0
+        # Follow the new meshes of a run that continues: the model is on the mesh that it began with
+        for number, stage in enumerate(done):
+            self.used += bool(stage.iterations)
+            if stage.new_mesh is not None:
+                self._n_meshes += 1
+                if number:
+                    self._go_on(self._model_on(stage.new_mesh), done[number - 1])
 
     def add(self, result: Result) -> None:
         """Take the stages that are done so far."""
@@ -213,15 +227,24 @@ class _Way:
         self._n_meshes += 1
         try:
             new = remeshed(last, self._remesh.size, order=self._remesh.order)
-            model = _checked(self._remesh.model_of(new.mesh), self.model)
+            model = self._model_on(new.mesh)
             start = new.start(model, name=f"mesh {self._n_meshes}")
-            left = _carried(self.model, model, self.left, last)
+            self._go_on(model, last)
         except ValueError as error:
             error.result = Result(tuple(self.done))  # type: ignore[attr-defined]
             raise
         self.done.extend(start)
+        if self._on_increment is not None:
+            self._on_increment(start[-1])
+
+    def _model_on(self, mesh: Mesh) -> Setup:
+        """Return the model on a new mesh."""
+        return _checked(self._remesh.model_of(mesh), self.model)
+
+    def _go_on(self, model: Setup, last: StageResult) -> None:
+        """Continue on the model of a new mesh of a stage."""
+        self.left = _carried(self.model, model, self.left, last)
         self.model = model
-        self.left = left
         self.used = 0
 
 

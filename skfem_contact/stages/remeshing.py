@@ -287,8 +287,8 @@ def _started(new: Remeshed, model: Setup, load: Force, name: str) -> Result:
     before, after = new.volume
     lost = np.array([abs(after / before - 1.0), returned, _unbalanced(system, x, states, whole)])
     _warn_of_losses(name, lost)
-    end = replace(state_of(name, system, now, whole, states), series={"loss": lost})
-    return Result((end,))
+    end = state_of(name, system, now, whole, states)
+    return Result((replace(end, series={"loss": lost}, new_mesh=new.mesh),))
 
 
 def _unbalanced(system: Any, x: ndarray, states: dict[str, Any], load: ndarray) -> float:

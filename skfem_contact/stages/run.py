@@ -260,6 +260,7 @@ class _Follower:
             acceleration=None,
             inertial=None,
             series={},
+            new_mesh=None,
         )
 
     def _remark_on_motion(self, stage: Stage, last: StageResult) -> None:

@@ -155,6 +155,102 @@ def test_closed_points_stay_on_a_round_tool():
     assert forces[2:] == pytest.approx([forces[1]] * 2, rel=2e-3)
 
 
+def sheared(n=4, build=None):
+    """Return a model, stages that shear it, and new meshes after each of them."""
+    model = model_of(block(), CLAY, ("bottom", "top"))
+    stages = []
+    for way in 0.15 * np.arange(1, n + 1):
+        slid = lambda x, way=way: np.stack((way * (x[1] > 1 - 1e-9), 0 * x[0]))  # noqa: E731
+        stages.append(stage_of(model, f"{way:.2f}", slid, increments=2))
+    build = build or (lambda mesh: model_of(mesh, CLAY, ("bottom", "top")))
+    return model, stages, sc.Remeshing(build, 0.3, every=1)
+
+
+def same(result, other):
+    """Compare stages, displacements and stresses to round-off."""
+    assert [stage.name for stage in other] == [stage.name for stage in result]
+    for one, two in zip(result, other, strict=True):
+        np.testing.assert_allclose(two.x, one.x, atol=1e-12)
+        stresses = [stage.forms["body"].cauchy(stage.states["body"]) for stage in (one, two)]
+        np.testing.assert_allclose(stresses[1], stresses[0], atol=1e-9)
+        assert (two.new_mesh is None) == (one.new_mesh is None)
+
+
+@pytest.mark.parametrize("n_done", [1, 2, 3])
+def test_saved_runs_are_read_and_continue(tmp_path, n_done):
+    """[X] Stages of three meshes are read, shown, and continue as if the run had not ended."""
+    model, stages, remesh = sheared()
+    whole = model.run(stages, remesh=remesh, progress=False)
+    half = model.run(stages[:n_done], remesh=remesh, progress=False)
+    half.save(tmp_path / "half")
+    read = sc.load_result(tmp_path / "half", model, remesh.model_of)
+    same(half, read)
+    resumed = model.run(stages[n_done:], start=read, remesh=remesh, progress=False)
+    same(whole, resumed)
+    assert len(read.to_pvd(tmp_path / "half.pvd")) == 1 + len(read)
+    if n_done > 1:
+        assert read[1].new_mesh.boundaries.keys() == half[1].new_mesh.boundaries.keys()
+        with pytest.raises(ValueError, match="went on with new meshes: give model_of"):
+            sc.load_result(tmp_path / "half", model)
+        with pytest.raises(ValueError, match="'body' has another mesh"):
+            sc.load_result(tmp_path / "half", model, lambda mesh: model)
+
+
+def test_appended_runs_are_read_and_continue(tmp_path):
+    """[X] A run that is stopped on its second mesh continues from the file of its increments."""
+    model, stages, remesh = sheared(3)
+    whole = model.run(stages, remesh=remesh, progress=False)
+    append = sc.results.Append(tmp_path / "run.records")
+
+    def stop(increment):
+        append(increment)
+        if increment.name == stages[2].name:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        model.run(stages, remesh=remesh, on_increment=stop, progress=False)
+    read = sc.load_result(append.file, model, remesh.model_of)
+    assert read[-1].name == stages[2].name and read[-1].fraction == 0.5
+    done = read.completed()
+    assert [stage.name for stage in done] == [stage.name for stage in whole][:-1]
+    model.run(stages[2:], start=done, remesh=remesh, on_increment=append, progress=False)
+    same(whole, sc.load_result(append.file, model, remesh.model_of))
+    # the whole run once more, into the same file: its records replace those of the first mesh on
+    model.run(stages[:1], remesh=remesh, on_increment=append, progress=False)
+    again = sc.load_result(append.file, model, remesh.model_of)
+    same(sc.results.Result(whole.stages[:1]), again)
+
+
+def test_appended_stages_that_began_anew(tmp_path):
+    """Increments of a stage that failed on the mesh before are left out."""
+    calls = []
+
+    class Fragile(sc.LinearElastic):
+        """Material that fails far on the first mesh."""
+
+        def update(self, strain, stress, internal):
+            if len(calls) == 0 and np.abs(stress).max() > 20.0:
+                raise sc.errors.NotConverged("too much")
+            return super().update(strain, stress, internal)
+
+    material = Fragile(E=100.0, nu=0.3)
+
+    def build(mesh):
+        calls.append(mesh)
+        return model_of(mesh, material)
+
+    model = model_of(block(1), material)
+    stages = []
+    for way in (0.1, 0.3):
+        stretched = lambda x, way=way: np.stack((way * x[0], 0 * x[1]))  # noqa: E731
+        stages.append(stage_of(model, f"{way}", stretched, increments=4))
+    append = sc.results.Append(tmp_path / "run.records")
+    remesh = sc.Remeshing(build, 0.5, every=9)
+    result = model.run(stages, remesh=remesh, on_increment=append, progress=False)
+    assert [stage.name for stage in result] == ["0.1", "mesh 1", "0.3"]
+    same(result, sc.load_result(append.file, model, build))
+
+
 def test_refusals():
     """Each mistake has one sentence, before anything is computed."""
     model = model_of(block())
