@@ -356,12 +356,17 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         """Return the stretch of the slave's area at points; coordinates count from its middle."""
         return Stretch.of(self.slave, nodes + self.slave.middle, points.facet, points.xi)
 
+    @property
+    def holds_points(self) -> bool:
+        """True where bodies slide far over facets, at points that do not move on the slave."""
+        return self.finite and self.quadrature != "segments"
+
     def held(self, state: ContactState) -> ndarray | None:
         """Return a mask of the points that stay on their facets in an increment; None for none.
 
         Where bodies slide and strain much, points at kinks of the master would go back and forth.
         """
-        if not self.finite or self.quadrature == "segments":
+        if not self.holds_points:
             return None
         held = self.interface.within_facets(state)
         if self.choosing is None:

@@ -133,16 +133,26 @@ class DualMultipliers(Enforcement):
         # Let points take part that have come under a rim, where bodies slide far. In the iterations
         # they would go back and forth, and the areas of their nodes with them.
         new = (found.facet >= 0) & (accepted.facet < 0)
-        if pair.held(accepted) is None or not new.any():
+        if not pair.holds_points or not new.any():
             return accepted, {}
         facet = np.where(new, found.facet, accepted.facet)
         position = np.where(new, found.position, accepted.position)
+        state = replace(accepted, facet=facet, position=position)
+
+        # They have slipped as far as the points beside them.
+        interface = pair.interface
+        slip = interface.elastic_slip(accepted, found)
+        known = np.flatnonzero((found.facet >= 0) & (accepted.facet >= 0))
+        beside = np.zeros_like(slip)
+        if len(known):
+            points = pair.points(accepted)
+            at = known[interface.nearest(points.take(known), points.take(np.flatnonzero(new)))]
+            beside[:, new] = slip[:, at]
+        stick = interface.with_elastic_slip(state, beside)
         state = replace(
-            accepted,
-            facet=facet,
-            position=position,
-            stick_facet=np.where(new, facet, accepted.stick_facet),
-            stick_point=np.where(new, position, accepted.stick_point),
+            state,
+            stick_facet=np.where(new, stick.stick_facet, accepted.stick_facet),
+            stick_point=np.where(new, stick.stick_point, accepted.stick_point),
         )
         return state, {}
 

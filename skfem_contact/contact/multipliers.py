@@ -9,6 +9,10 @@ the law is evaluated at the nodes:
 
 .. math:: t_j = t(J_j + \lambda_j / \epsilon), \qquad \frac{W_j}{\epsilon} (t_j - \lambda_j) = 0 .
 
+Where bodies slide far, points come and go at the rim of the master, and :math:`\psi_j = N_j`. The
+dual function of a small part of a facet is steep: its mean is that of a linear function, which is
+extrapolated to the node, and nodes at the rim would slip the wrong way.
+
 So closed nodes have :math:`J_j = 0`, open ones no traction, and sliding ones lie on the friction
 cone, whatever the parameter :math:`\epsilon` is (P. Alart, A. Curnier 1991).  Newton's method for
 these equations is a primal-dual active set strategy (S. Hueeber, B. I. Wohlmuth 2005).
@@ -38,10 +42,6 @@ from .search import Projection
 #: Share of the largest area below which a node faces nothing, and of a facet's largest product of
 #: hats that is round-off.
 _NOTHING, _SINGULAR = 1e-9, 1e-10
-#: Share of its own area with which a node must face the master where bodies slide far. The friction
-#: of a block on its way along a slab changes by 3 % from step to step with this, by 5 and 7 % with
-#: .1 and .3, and with none increments are cut.
-_RIM = 0.01
 #: Compliance of the multipliers in the tangent, over that of the penalty: supports may hold both
 #: sides of a node, whose multiplier then has no effect, and a rigid slave leaves combinations
 #: without any. With 1e-10 these err by .4 % of the pressure after two increments of a block under a
@@ -92,13 +92,12 @@ def duals(points: SlavePoints, values: ndarray, n_facets: int) -> ndarray:
 class Nodes:
     """Hats of a slave at points, nearest node of each point, and nearest point of each node.
 
-    A node has the internal variables of its nearest point; its area is the integral of its hat.
+    A node has the internal variables of its nearest point.
     """
 
     values: ndarray
     owner: ndarray
     point: ndarray
-    area: ndarray
 
     @classmethod
     def of(cls, slave: Surface, points: SlavePoints) -> Nodes:
@@ -114,9 +113,7 @@ class Nodes:
         order = np.argsort(values.ravel(), kind="stable")
         point = np.full(len(slave.nodes), -1)
         point[points.nodes.ravel()[order]] = order // k
-        weighted = points.weight[:, None] * values
-        area = float_bincount(points.nodes.ravel(), weighted.ravel(), len(slave.nodes))
-        return cls(values, owner, point, area)
+        return cls(values, owner, point)
 
 
 class Plane(NamedTuple):
@@ -270,7 +267,7 @@ def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
     )
     traction = closed.everywhere(closed.update.traction)
 
-    # Forces of the tractions that the duals interpolate, and what round-off leaves of them
+    # Forces of the tractions that psi interpolates, and what round-off leaves of them
     kinematics = closed.kinematics
     near = closed.points
     weight = points.weight[near, None]
@@ -326,8 +323,6 @@ def _closed(
     at = np.flatnonzero(found.found)
     facing, weights, area, opened = integrals(pair, state, at, found.gap)
     faces = area > _NOTHING * area.max(initial=0.0)
-    if pair.held(state) is not None:
-        faces &= area > _RIM * around.area
     some = np.flatnonzero(faces)
     gap = without_round_off(opened[some] / area[some])
     gap = without_round_off(gap + multiplied[0, some])
@@ -373,12 +368,14 @@ def _closed(
 def integrals(
     pair: Any, state: ContactState, at: ndarray, gap: ndarray
 ) -> tuple[SlavePoints, ndarray, ndarray, ndarray]:
-    """Return points `at` facing the master, their weights, and integrals of duals and of the gap.
+    """Return points `at` facing the master, their weights, and integrals of psi_j and of the gap.
 
     The integrals of the nodes are ``W_j`` and ``W_j J_j``, shape (n_nodes,) each.
     """
     facing = pair.points(state).take(at)
-    psi = duals(facing, pair.nodes_at(state).values[at], len(pair.slave.facets))
+    psi = pair.nodes_at(state).values[at]
+    if not pair.holds_points:
+        psi = duals(facing, psi, len(pair.slave.facets))
     weights = pair.share * facing.weight[:, None] * psi
     gaps = (gap - state.clearance)[at]
     nodes = facing.nodes.ravel()

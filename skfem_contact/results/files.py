@@ -209,7 +209,7 @@ class _Models:
         """Make the forms of a new mesh."""
         if self._model_of is None:
             raise ValueError(
-                "the run went on with new meshes: give model_of, the function of a mesh that "
+                "the run continued with new meshes: give model_of, the function of a mesh that "
                 "returns the model on it"
             )
         self._add(self._model_of(mesh))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import NotConverged
+from ..forms.roles import Touching, having
 from ..nonlinear.arc_length import Arc, OnPath
 from ..nonlinear.increment import Path, solve_increment
 from ..nonlinear.newton import Newton
@@ -29,6 +30,9 @@ _GROWTH = 2.0
 _TOO_MUCH = 1.5
 #: Cosine of the turn of a path in an increment, at least: a sharper one may be another path.
 _STRAIGHT = 0.9
+#: Cuts in a row after which a path of bodies in contact is tried with the tangent to more load (1)
+#: and to less (-1): it has a kink where contact closes or opens.
+_KINK = {6: 1.0, 7: -1.0}
 
 #: Function that returns the result of an increment: last result, step, equilibrium, and share.
 Accept = Callable[[StageResult, Step, Equilibrium, float], StageResult]
@@ -62,6 +66,7 @@ def along_path(
     ahead: ndarray | None = None
     scale = 1.0
     cuts = 0
+    touches = bool(having(system.forms, Touching))
     for _ in range(_MOST):
         # Take the tangent at first, then the last increment, as far as the load allows.
         arc = Arc(system, path, last.x, last.states, share)
@@ -69,8 +74,14 @@ def along_path(
             if ahead is None:
                 ahead = arc.tangent(largest)
             step = scale * ahead
+            cosine = _STRAIGHT
+            if touches and cuts in _KINK:
+                # Where contact has changed, the path has a kink: take the tangent again.
+                step = arc.tangent(_KINK[cuts] * largest)
+                cosine = -_STRAIGHT
             step *= min(1.0, largest / max(abs(step[-1]), 1e-300))
             new, ends = _next(arc, step, newton, largest)
+            _check_turn(arc, new, ahead, cosine)
         except NotConverged as error:
             logger.info("%s: along the path from %.4f: %s", where, share, error)
             scale *= 0.5
@@ -107,11 +118,12 @@ def _next(arc: Arc, ahead: ndarray, newton: Newton, largest: float) -> tuple[OnP
     Raises
     ------
     NotConverged
-        None was found, or one that is too far from the last or aside.
+        None was found, or one that is too far from the last.
     """
     new = arc.solve(ahead, newton)
     moved = np.append(new.found.x - arc.x, new.share - arc.share)
-    _check_way(arc, ahead, moved, largest)
+    if abs(moved[-1]) > _TOO_MUCH * largest:
+        raise NotConverged(f"the load changes by {moved[-1]:.2%} at once", arc.x)
     if new.share < 1.0 or arc.share >= 1.0:
         return new, False
 
@@ -127,13 +139,11 @@ def _next(arc: Arc, ahead: ndarray, newton: Newton, largest: float) -> tuple[OnP
     return OnPath(found, 1.0), True
 
 
-def _check_way(arc: Arc, ahead: ndarray, moved: ndarray, largest: float) -> None:
-    """Refuse an increment that changes the load by too much, or turns sharply."""
-    if abs(moved[-1]) > _TOO_MUCH * largest:
-        raise NotConverged(f"the load changes by {moved[-1]:.2%} at once", arc.x)
+def _check_turn(arc: Arc, new: OnPath, ahead: ndarray, least: float) -> None:
+    """Refuse an increment that turns from the expected way by more than a cosine allows."""
     moves = arc.system.layout.displacements
     expected = ahead[:-1][moves]
-    found = moved[:-1][moves]
+    found = (new.found.x - arc.x)[moves]
     cosine = expected @ found / (np.linalg.norm(expected) * np.linalg.norm(found))
-    if not cosine > _STRAIGHT:
+    if not cosine > least:
         raise NotConverged("the path turns sharply", arc.x)

@@ -51,7 +51,7 @@ _MOVING = 1e-2
 #: Share of the energy that a scheme may take, and that contact may give, before it is remarked on.
 _MISSING, _GIVEN = 0.1, 0.02
 
-#: Displacements along a path over the size of the solids: long bars may hold short ones.
+#: Displacements along a path over the size of all that moves: long bars may hold short ones.
 _SNAPS = 10.0
 
 #: Seconds between two updates of the bars.
@@ -575,7 +575,10 @@ def _along_path(
     way: _Way, system: System, predictor: Predictor, last: StageResult, newton: Newton
 ) -> Iterator[StageResult]:
     """Yield the accepted increments along a way beyond limit points of its load."""
-    farthest = _SNAPS * _farthest(system, way.pushed)
+    size = max(
+        _extent(field.coordinates) for field in system.layout.fields if field.kind == "displacement"
+    )
+    farthest = _SNAPS * (2.0 * size + way.pushed)
     start_x = last.x
 
     def accept(before: StageResult, step: Step, new: Equilibrium, share: float) -> StageResult:
@@ -629,14 +632,19 @@ def _check_size(
 
 def _farthest(system: System, pushed: float) -> float:
     """Return the size of the bodies and how far supports move: no structure moves farther."""
-    sizes = []
-    for form in solids_of(system.forms).values():
-        sizes.append(np.linalg.norm(np.ptp(form.basis.mesh.p, axis=1)))
+    sizes = [_extent(form.basis.mesh.p) for form in solids_of(system.forms).values()]
     if not sizes:
         return np.inf
     # Half a turn moves the far end of a body by twice its size.
     turns = 2.0 if system.finite else 1.0
     return float(turns * max(sizes) + pushed)
+
+
+def _extent(coordinates: ndarray) -> float:
+    """Return the largest distance between points (dim, n) along a diagonal of their box."""
+    if coordinates.shape[1] == 0:
+        return 0.0
+    return float(np.linalg.norm(np.ptp(coordinates, axis=1)))
 
 
 def _check_begin(stage: Stage, given: ndarray, held: ndarray) -> None:

@@ -599,3 +599,38 @@ def test_refusals() -> None:
         ValueError, match=r"initial states of the ground are for the penalty method"
     ):
         model.gravity_state(problem.basis.zeros() - 1e-3)
+
+
+def test_friction_at_the_rim_of_a_block_on_its_way() -> None:
+    """[X] A block is drawn along a slab: all nodes under it slip its way, also beside its rim.
+
+    Nodes there slipped backwards, and H fell by a fifth, by means of dual functions on the parts of
+    facets under the rim, and where points that come under it slipped from there on alone.
+    """
+    n, radius = 3, 0.75
+    slab = grid("Q1", np.linspace(0.0, 4.0, 12 + 1), np.linspace(0.0, 2.4, 8 + 1))
+    block = grid("Q1", np.linspace(-0.6, 0.6, 2 * n + 1), np.linspace(0.0, 1.0, n + 1))
+    x, y = block.p
+    arch = radius - np.sqrt(radius**2 - x**2)
+    block = replace(block, doflocs=np.stack((1.2 + x, 2.6 + arch + y * (1.2 - arch))))
+    basis = vector_basis(sc.join_bodies({"slab": slab, "block": block}), "Q1")
+    laws = {"slab": sc.NeoHooke(E=690.0, nu=0.32), "block": sc.NeoHooke(E=6900.0, nu=0.32)}
+    bodies = sc.SolidForm(basis, laws, kinematics="finite")
+    joint = sc.ContactPair(basis, "slab:top", "block:bottom", sc.Coulomb(0.3), 5, enforcement=DUAL)
+    top, bottom = basis.get_dofs("block:top"), basis.get_dofs("slab:bottom")
+    model = sc.Model({"bodies": bodies, "joint": joint}, np.union1d(top.all(), bottom.all()))
+    stages = []
+    pressed = [(0.1 * k, 0.0) for k in range(1, 11)]
+    drawn = [(1.0, 0.0625 * k) for k in range(1, 21)]
+    for down, along in pressed + drawn:
+        u = basis.zeros()
+        u[top.all("u^2")], u[top.all("u^1")] = -down, along
+        stages.append(sc.Stage(f"{down:.2f} {along:.2f}", prescribed=u))
+    result = model.run(stages, progress=False)
+    forces = []
+    for stage in list(result)[-10:]:
+        pressure, shear = stage.states["joint"].multiplier
+        assert (shear[pressure < 0.0] > 0.0).all()
+        forces.append(stage.reactions()[top.all("u^1")].sum())
+    # the last steps, on which all slides
+    assert np.abs(np.diff(forces[-6:])).max() < 0.03 * np.mean(forces)

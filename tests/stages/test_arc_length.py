@@ -72,6 +72,63 @@ def test_truss_snaps_through(increments: int) -> None:
     assert force_of_truss(-on.x[apex]) == pytest.approx(1.65 * limit, rel=1e-6)
 
 
+def truss_over_ground(depth: float, method: Any) -> tuple[sc.Model, int]:
+    """Von Mises' truss, whose block lands on rigid ground after a way; the dof of its apex."""
+    a, h = 1.0, 0.5
+    mesh = MeshQuad.init_tensor([-0.1, 0.0, 0.1], [0.4, h]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    bars = sc.Bar(
+        basis,
+        [(0.0, h), (0.0, h)],
+        [(-a, 0.0), (a, 0.0)],
+        EA=1e3,
+        fixed_end=True,
+        kinematics="finite",
+    )
+    body = sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0), kinematics="finite")
+    ground = sc.rigid.polyline([(-2.0, 0.4 - depth), (2.0, 0.4 - depth)])
+    law = sc.Coulomb(mu=0.0)
+    pair = sc.ContactPair(basis, "bottom", ground, law, penalty=1e4, enforcement=method)
+    forms = {"bars": bars, "body": body, "ground": pair}
+    apex = basis.nodal_dofs[1, np.argmin(np.hypot(*(mesh.p - [[0.0], [h]])))]
+    return sc.Model(forms, basis.get_dofs().all("u^1")), int(apex)
+
+
+@pytest.mark.parametrize("method", [None, sc.AugmentedLagrangian(), sc.DualMultipliers()])
+def test_truss_lands_and_leaves(method: Any) -> None:
+    """[X] It snaps through, lands on ground, is pressed; drawn off a penalty, it snaps back.
+
+    At a kink, where hard ground stops the block, the load alone grows.
+    """
+    depth = 0.7
+    model, apex = truss_over_ground(depth, method)
+    v = np.linspace(0.0, 0.5, 2001)
+    limit = force_of_truss(v).max()
+    down, up = np.zeros(model.layout.size), np.zeros(model.layout.size)
+    down[apex], up[apex] = -1.5 * limit, 1.2 * limit
+    options: dict[str, Any] = {"increments": 8, "arc_length": True, "keep": "all"}
+    stages = [sc.Stage("land", down, **options)]
+    if method is None:
+        stages.append(sc.Stage("leave", up, **options))
+    result = model.run(stages, **QUIET)
+    for stage, way in zip(result, ((0.0, -1.5), (-1.5, 1.2)), strict=False):
+        depths = np.array([-one.x[apex] for one in stage.increments])
+        pressed = np.array([one.contact("ground").force[1] for one in stage.increments])
+        shares = np.array([one.fraction for one in stage.increments])
+        load = -limit * (way[0] + shares * (way[1] - way[0]))
+        # the tolerance of Newton's method
+        assert np.abs(load - force_of_truss(depths) - pressed).max() < 1e-6 * limit
+        assert (pressed[depths < depth - 1e-6] == 0.0).all()
+        # the block yields by its own stiffness, and by the penalty's
+        assert depths.max() < depth + (0.1 if method is None else 1e-3)
+        assert pressed.max() > 0.5 * limit
+        assert stage.fraction == 1.0
+    if method is None:
+        # it has passed its peak in the other direction as well
+        assert -result["leave"].x[apex] < -0.05
+        assert max(load) > 0.9 * limit
+
+
 #: Half of a shallow arch, clamped at its foot and guided at its crown: radius, angle of opening,
 #: thickness, Young's modulus, and load on the half.
 RADIUS, ANGLE, THICKNESS, E, LOAD = 100.0, 0.4, 2.0, 1000.0, 3.0

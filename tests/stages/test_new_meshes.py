@@ -190,7 +190,7 @@ def test_saved_runs_are_read_and_continue(tmp_path, n_done):
     assert len(read.to_pvd(tmp_path / "half.pvd")) == 1 + len(read)
     if n_done > 1:
         assert read[1].new_mesh.boundaries.keys() == half[1].new_mesh.boundaries.keys()
-        with pytest.raises(ValueError, match="went on with new meshes: give model_of"):
+        with pytest.raises(ValueError, match="continued with new meshes: give model_of"):
             sc.load_result(tmp_path / "half", model)
         with pytest.raises(ValueError, match="'body' has another mesh"):
             sc.load_result(tmp_path / "half", model, lambda mesh: model)
