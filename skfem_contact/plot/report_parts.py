@@ -167,7 +167,11 @@ def diagrams_of(result: Result, sections: Mapping[str, Cuts]) -> Iterator[tuple[
             upright = bool(np.ptp(forces.y) > 2.0 * np.ptp(forces.x))
             yield text, diagram(series, upright=upright)
 
-    # Draw moments of shells, each in the last stage in which it is active.
+    yield from _moments_of_shells(result)
+
+
+def _moments_of_shells(result: Result) -> Iterator[tuple[str, Any]]:
+    """Yield moments of shells, each in the last stage in which it is active."""
     last_stages = {name: stage for stage in result for name in stage.states if name in stage.forms}
     for name, stage in last_stages.items():
         if stage.outputs(name).triangles is not None:
