@@ -11,6 +11,7 @@ import pytest
 from skfem import Basis, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
+from skfem_contact.contact import ripple
 from skfem_contact.results.files import _state
 from skfem_contact.surfaces.faceting import Faceting, alike, curvatures
 from skfem_contact.surfaces.material_points import MaterialPoints
@@ -94,6 +95,21 @@ def test_ripple_is_told_by_its_size(enforcement) -> None:
     error, remarks = pressed_rings("Q1", 64, 52, 1e-5, enforcement=enforcement)
     told = float(remarks.partition("ripples by about ")[2].partition("%")[0]) / 100
     assert error > 0.5 and 0.5 < told / error < 2.0
+
+
+def test_ripple_is_looked_for_on_all_facets_of_a_small_contact(monkeypatch) -> None:
+    """Of more than 400 facets every second one is looked at, and of fewer each."""
+    found = []
+    compared = ripple._compared
+
+    def noted(*arguments):
+        found.append(compared(*arguments))
+        return found[-1]
+
+    monkeypatch.setattr(ripple, "_compared", noted)
+    pressed_rings("Q1", 32, 40, 1e-5)
+    loaded = found[-1].values[:, 0] != 0.0
+    assert found[-1].inside[loaded].all()
 
 
 def test_ripple_in_space_is_told() -> None:

@@ -73,3 +73,21 @@ def test_rigid_body_in_the_air() -> None:
     forms, fixed = sliding_blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
     with pytest.raises(ValueError, match="can move freely"):
         sc.Model(forms, fixed).bounds(weight=20.0, gap=0.2, elements=100, progress=False)
+
+
+@pytest.mark.parametrize("below", [0.0, 1e-16, 1e-3])
+def test_cohesion_that_begins_at_zero(below: float) -> None:
+    """A strength that grows from zero with depth is taken, also with round-off below zero, and a
+    negative one refused with its place.
+    """
+
+    def cohesion(x):
+        return 10.0 * (1.0 - x[1]) - below
+
+    forms, fixed = column(sc.Tresca(E=1e5, nu=0.3, c=cohesion))
+    options = {"weight": 1.0, "elements": 100, "progress": False}
+    if below < 1e-6:
+        assert analysis("bounds", forms, fixed, **options).upper > 1.0
+        return
+    with pytest.raises(ValueError, match=r"must not be negative, got -0\.001 at \(.*, 1\)"):
+        analysis("bounds", forms, fixed, **options)
