@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from skfem import (
@@ -12,6 +14,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.collapse import mechanism
 from skfem_contact.collapse.mechanism import as_collapse
 from tests.fuzz.blocks import Stack
 
@@ -31,6 +34,38 @@ def test_forms_of_any_name_resist_a_motion():
     assert (
         as_collapse(error, system, basis.zeros(), states, load, sc.Newton(tolerance=1e-4)) is error
     )
+
+
+@pytest.mark.parametrize("failures", [0, 1, 20])
+def test_motion_of_a_free_block(failures, monkeypatch):
+    """[X] Nothing but springs resists the weight of a block in the air, whether the softest springs
+    are reached at once or one by one; where none is reached nothing is known.
+    """
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0))
+    floor = sc.rigid.line((-5.0, -0.3), (5.0, -0.3))
+    joint = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(0.0), penalty=1e3)
+    model = sc.Model({"block": block, "joint": joint})
+    system = model.checked_system(model.forms, model.fixed)
+    states = {name: form.initial_state() for name, form in model.forms.items()}
+    error = sc.NotConverged("no equilibrium")
+    steps = itertools.count()
+    whole = mechanism.Step
+
+    def step(*arguments, **named):
+        if next(steps) < failures:
+            raise error
+        return whole(*arguments, **named)
+
+    monkeypatch.setattr(mechanism, "Step", step)
+    newton = sc.Newton(tolerance=1e-4)
+    found = as_collapse(error, system, basis.zeros(), states, -sc.weight(basis, 1.0), newton)
+    if failures == 20:
+        assert next(steps) == 2  # one with the softest springs, one with the stiffest
+        assert found is error
+    else:
+        assert isinstance(found, sc.NoEquilibrium)
+        assert "only springs would resist 100.0% of the load" in str(found)
 
 
 @pytest.mark.parametrize(

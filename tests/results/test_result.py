@@ -317,3 +317,14 @@ def test_reset_keeps_all_forces():
             [sc.Stage("null", load)], start=first.reset(), progress=False
         )["null"]
         assert np.abs(null.x).max() < 1e-9 * np.abs(first["weight"].x).max()
+
+
+@pytest.mark.parametrize("shape", [(3,), (8, 1), (0,)])
+def test_displacements_of_another_shape(shape):
+    """[X] Displacements of one's own have all dofs of the forms, in one row."""
+    basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1", intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
+    states = {"solid": solid.initial_state()}
+    with pytest.raises(ValueError, match=r"displacements of 'solid' have shape .*, not \(8,\)"):
+        sc.results.of({"solid": solid}, np.zeros(shape), states)
+    assert not sc.results.of({"solid": solid}, np.zeros(8), states).x.any()
