@@ -712,6 +712,91 @@ def test_med_files_with_wrong_nodes(tmp_path, values, message):
         load_mesh(path)
 
 
+PLATE = "1,0.,0.\n2,1.,0.\n3,1.,1.\n4,0.,1.\n5,2.,0.\n6,2.,1.\n"
+TWO = "*ELEMENT, TYPE=CPE4, ELSET=soil\n1, 1,2,3,4\n2, 2,5,6,3\n"
+
+
+@pytest.mark.parametrize(
+    "nodes",
+    [
+        "1,,\n2,1.,\n3,1.,1.\n4,,1.\n5,2.,0.\n6,2.,1.\n",
+        "1, , 0.\n2,1.\n3,1.,1.,0.\n4, ,1.,\n5,2.\n\n6,2.,1.,,\n",
+    ],
+)
+def test_coordinates_that_abaqus_may_leave_out_are_zero(tmp_path, nodes):
+    """[X] Blank ones and ones at the end of a line."""
+    (tmp_path / "a.inp").write_text(f"*NODE\n{nodes}{TWO}")
+    mesh = load_mesh(tmp_path / "a.inp")
+    np.testing.assert_array_equal(mesh.p.T, [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [2, 1]])
+    (tmp_path / "a.inp").write_text(f"*NODE\n{nodes.replace('2,1.', '2 1.')}{TWO}")
+    with pytest.raises(ValueError, match=r"blanks between numbers: '2 1.,?'"):
+        load_mesh(tmp_path / "a.inp")
+
+
+def test_lines_of_abaqus_in_files_of_their_own(tmp_path):
+    """[X] Nodes and elements by INPUT, and the nodes of a set of elements."""
+    (tmp_path / "nodes.txt").write_text("** far away\n" + PLATE)
+    (tmp_path / "more.txt").write_text("2, 2,5,6,3\n")
+    text = "*NODE, INPUT=nodes.txt\n*ELEMENT, TYPE=CPE4, ELSET=soil, INPUT=more.txt\n1, 1,2,3,4\n"
+    text += "*ELSET, ELSET=first\n1\n*NSET, NSET=around, ELSET=first\n"
+    (tmp_path / "a.inp").write_text(text)
+    mesh = load_mesh(tmp_path / "a.inp")
+    assert size_of(mesh, "soil") == pytest.approx(2.0)
+    assert side_of(mesh, "around") == pytest.approx(3.0)
+    (tmp_path / "a.inp").write_text(text.replace("ELSET=first\n1", "ELSET=other\n1"))
+    with pytest.raises(ValueError, match="the set 'first' does not exist"):
+        load_mesh(tmp_path / "a.inp")
+    (tmp_path / "a.inp").write_text(text.replace("more.txt", "none.txt"))
+    with pytest.raises(ValueError, match=r"it includes the file .*none.txt, which does not exist"):
+        load_mesh(tmp_path / "a.inp")
+    (tmp_path / "a.inp").write_text(f"*NODE, SYSTEM=C\n{PLATE}{TWO}")
+    with pytest.raises(ValueError, match="SYSTEM=C are not in Cartesian coordinates"):
+        load_mesh(tmp_path / "a.inp")
+
+
+GRIDS = "GRID,1,,0.,0.,0.\nGRID*,2,,1.,0.,*G2\n*G2,0.\nGRID,3,,1.,1.,0.\nGRID,4,,0.,1.,0.\n"
+
+
+def test_nastran_files_that_include_others(tmp_path):
+    """[X] Half of a plate in another file; systems by default and repeated cards are refused."""
+    (tmp_path / "east.bdf").write_text("GRID,5,,2.,0.,0.\nGRID,6,,2.,1.,0.\nCQUAD4,2,1,2,5,6,3\n")
+    text = f"BEGIN BULK\n{GRIDS}CQUAD4,1,1,1,2,3,4\nINCLUDE 'east.bdf'\nENDDATA\n"
+    path = tmp_path / "plate.bdf"
+    path.write_text(text)
+    assert size_of(load_mesh(path), "property 1") == pytest.approx(2.0)
+    for line, message in (
+        ("INCLUDE 'west.bdf'", "it includes the file .*west.bdf, which does not exist"),
+        ("INCLUDE plate.bdf", "INCLUDE are nested more than 8 times"),
+        ("GRDSET,,5", "GRDSET gives coordinates of the system 5; only the basic system is read"),
+        ("=,*(1),==", "repeats cards by '=', which is not read"),
+    ):
+        path.write_text(text.replace("INCLUDE 'east.bdf'", line))
+        with pytest.raises(ValueError, match=message):
+            load_mesh(path)
+
+
+def test_joints_of_kratos_are_left_out(tmp_path):
+    """[X] A joint without width between two squares has no area."""
+    text = "Begin Nodes\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 2 1 0\n7 1 0 0\n8 1 1 0\n"
+    text += "End Nodes\nBegin Elements UPwSmallStrainElement2D4N\n1 1 1 2 3 4\n2 1 7 5 6 8\n"
+    text += "End Elements\nBegin Elements UPwSmallStrainInterfaceElement2D4N\n3 2 2 7 8 3\n"
+    (tmp_path / "joint.mdpa").write_text(text + "End Elements\n")
+    with pytest.warns(sc.AnalysisWarning, match="1 elements UPwSmallStrainInterfaceElement2D4N"):
+        mesh = load_mesh(tmp_path / "joint.mdpa")
+    assert mesh.nelements == 2
+
+
+def test_vtk_files_of_several_pieces_are_refused(tmp_path):
+    """Of two pieces meshio reads the last one alone."""
+    mesh = meshio.Mesh(np.eye(3), [("triangle", np.array([[0, 1, 2]]))])
+    mesh.write(tmp_path / "pieces.vtu", binary=False)
+    text = (tmp_path / "pieces.vtu").read_text()
+    begin, end = text.index("<Piece"), text.index("</Piece>") + len("</Piece>")
+    (tmp_path / "pieces.vtu").write_text(text[:end] + text[begin:end] + text[end:])
+    with pytest.raises(ValueError, match=r"2 cells, but 1 can be read: .* several pieces"):
+        load_mesh(tmp_path / "pieces.vtu")
+
+
 def test_med_files_with_a_head_and_with_families_in_other_letters(tmp_path):
     """[X] Data sets behind a block of the user, and a family named in the letters of Windows."""
     h5py = pytest.importorskip("h5py")

@@ -63,6 +63,8 @@ _FACES = {
 }
 #: Cards that make nodes or elements of others, or in other coordinates.
 _MAKERS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBSTRUCTURE")
+#: Cards whose lines may be in a file of their own.
+_LISTS = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE")
 _DEEPEST = 8
 #: Most numbers of a line of a set that is generated.
 _MOST = 10**8
@@ -155,12 +157,11 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
             name, _, value = part.partition("=")
             options["".join(name.upper().split())] = value.strip()
         keyword = " ".join(keyword.upper().split())
-        # Follow other files.
+        # Follow other files, of cards or of the lines of one.
         if keyword == "INCLUDE":
-            other = folder / options.get("INPUT", "").strip('"')
-            if not other.is_file():
-                raise ValueError(f"it includes the file {other}, which does not exist")
-            yield from _cards(read_text(other), folder, depth + 1)
+            yield from _cards(_other(folder, options), folder, depth + 1)
+        elif keyword in _LISTS and "INPUT" in options:
+            yield _Card(keyword, options, _other(folder, options) + b"\n" + data)
         elif keyword in _MAKERS:
             raise ValueError(
                 f"it makes nodes or elements by *{keyword}, which is not read: write the nodes and "
@@ -168,6 +169,14 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
             )
         else:
             yield _Card(keyword, options, data)
+
+
+def _other(folder: Path, options: Mapping[str, str]) -> bytes:
+    """Return the text of the file that a card names, without comments."""
+    other = folder / options.get("INPUT", "").strip('"')
+    if not other.is_file():
+        raise ValueError(f"it includes the file {other}, which does not exist")
+    return re.sub(rb"^\*\*.*\n?|\r", b"", read_text(other), flags=re.MULTILINE)
 
 
 def _assembled(cards: Iterator[_Card]) -> _Part:
@@ -281,7 +290,10 @@ def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Par
         if card.keyword == "NSET":
             sets = part.node_sets
         shift = instances.get(options.get("INSTANCE", "").strip('"').upper(), (0, part))[0]
-        members = _members(sets, part, card, shift)
+        if card.keyword == "NSET" and card.options.get("ELSET"):
+            members = _nodes_of(part, card.options["ELSET"])
+        else:
+            members = _members(sets, part, card, shift)
         key = part.key(options.get(card.keyword, ""))
         sets.setdefault(key, []).append(members)
         # Sets that Abaqus makes for its surfaces have no name of their own.
@@ -293,14 +305,21 @@ def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Par
 
 def _read_nodes(part: _Part, card: _Card) -> None:
     """Read numbers and coordinates, of which plane files have two."""
-    # The first line has the number of columns.
-    lines = card.data.split(b"\n", 1)[0]
-    width = len([word for word in lines.split(b",") if word.strip()])
-    if width < 3:
-        if not card.data.strip():
-            return
-        raise ValueError("a line of *NODE has fewer than a number and two coordinates")
-    numbers = parsed(card.data, "the lines of *NODE", commas=True)
+    if card.options.get("SYSTEM", "R").upper() != "R":
+        raise ValueError(
+            f"its *NODE, SYSTEM={card.options['SYSTEM']} are not in Cartesian coordinates, which "
+            "alone are read: write x, y and z"
+        )
+    data = card.data.strip()
+    if not data:
+        return
+    # All lines have the columns of the first one, unless coordinates are left out.
+    lines = 1 + data.count(b"\n")
+    width = 1 + data.split(b"\n", 1)[0].count(b",")
+    numbers = parsed(data, "the lines of *NODE", commas=True)
+    if data.count(b",") != (width - 1) * lines or len(numbers) != width * lines:
+        numbers = _completed(data)
+        width = 4
     table = rows(numbers, width, "*NODE")
     points = np.zeros((len(table), 3))
     points[:, : min(width - 1, 3)] = table[:, 1:4]
@@ -310,6 +329,18 @@ def _read_nodes(part: _Part, card: _Card) -> None:
     # A card may name its nodes.
     if card.options.get("NSET"):
         part.node_sets.setdefault(part.key(card.options["NSET"]), []).append(ids)
+
+
+def _completed(data: bytes) -> Floats:
+    """Return lines of a number and three coordinates, of which the ones left out are zero."""
+    found = []
+    for line in data.split(b"\n"):
+        words = [word.strip() or b"0" for word in line.split(b",")]
+        if any(len(word.split()) > 1 for word in words):
+            raise ValueError(f"a line of *NODE has blanks between numbers: '{decoded(line)}'")
+        if line.strip():
+            found.append(b" ".join([*words, b"0", b"0", b"0"][:4]))
+    return np.asarray(parsed(b"\n".join(found), "the lines of *NODE"))
 
 
 def _read_elements(part: _Part, card: _Card) -> None:
@@ -367,6 +398,16 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
             raise ValueError(f"the set '{part.spelled[other]}' does not exist")
         parts += sets[other]
     return np.concatenate(parts)
+
+
+def _nodes_of(part: _Part, name: str) -> Integers:
+    """Return the nodes of the elements of a set."""
+    key = part.key(name)
+    if key not in part.element_sets:
+        raise ValueError(f"the set '{part.spelled[key]}' does not exist")
+    members = np.concatenate(part.element_sets[key])
+    found = [nodes[np.isin(ids, members)].ravel() for _, ids, nodes in part.elements]
+    return np.unique(np.concatenate([np.zeros(0, int), *found]))
 
 
 def _generated(data: bytes) -> Integers:

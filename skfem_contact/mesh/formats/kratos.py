@@ -141,10 +141,12 @@ def _read_elements(
 
 
 def _kind_of(word: str, name: str, n_nodes: int) -> str:
-    """Return the kind of elements of a name, or nothing for points and unknown shapes.
+    """Return the kind of elements of a name, or nothing for points, joints, unknown shapes.
 
     "2D" in the name of an element is the space; conditions have a dimension less than the space.
     """
+    if "Interface" in name:  # joints, whose sides coincide
+        return ""
     space = 2
     if "3D" in name:
         space = 3

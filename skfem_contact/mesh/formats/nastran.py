@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
@@ -31,7 +32,10 @@ _CARDS = {
     "CROD": {2: "line"},
 }
 #: Starts of the names of cards of elements.
-_STARTS = ("CTRI", "CPLST", "CQUAD", "CTETRA", "CPYR", "CPENTA", "CHEX")
+_STARTS = ("CTRI", "CTRAX", "CPLST", "CQUAD", "CTETRA", "CPYR", "CPENTA", "CHEX")
+#: Files that are included, in quotation marks or without, and how deep.
+_INCLUDE = re.compile(r"""^[ \t]*INCLUDE[ \t]+['"]?([^'"\n]+)['"]?[ \t]*$""", re.M | re.I)
+_DEEPEST = 8
 #: Numbers of corners of bodies.
 _CORNERS = {"CTETRA": 4, "CPYRAM": 5, "CPENTA": 6, "CHEXA": 8}
 #: Nodes in the order of VTK, where the two differ: upright edges come before upper ones.
@@ -43,7 +47,7 @@ _ORDER = {
 
 def read(path: str) -> Content:
     """Read grid points and elements; properties are groups."""
-    text = decoded(read_text(path)).replace("\r\n", "\n")
+    text = _text(Path(path), 0)
     ids = []
     points = []
     cells: dict[str, list[list[int]]] = {}
@@ -58,6 +62,10 @@ def read(path: str) -> Content:
             kind, nodes = _nodes(card)
             cells.setdefault(kind, []).append(nodes)
             properties.setdefault(kind, []).append(_integer(card[2] or card[1]))
+        elif card[0] == "GRDSET":
+            _check_system(card, "GRDSET gives")
+        elif card[0].startswith("="):
+            raise ValueError(f"it repeats cards by '{card[0]}', which is not read: write them out")
         elif card[0].startswith(_STARTS):
             left_out.add(f"elements {card[0]}")
     if not ids or not cells:
@@ -71,6 +79,21 @@ def read(path: str) -> Content:
         for tag, members in members_by_tag(np.array(properties[kind])).items():
             content.add(names.get(tag, f"property {tag}"), kind, members)
     return content
+
+
+def _text(path: Path, depth: int) -> str:
+    """Return the text of a file with the files that it includes."""
+    if depth > _DEEPEST:
+        raise ValueError(f"its INCLUDE are nested more than {_DEEPEST} times")
+
+    def included(match: re.Match[str]) -> str:
+        other = path.parent / match[1].strip()
+        if not other.is_file():
+            raise ValueError(f"it includes the file {other}, which does not exist")
+        return _text(other, depth + 1)
+
+    text = decoded(read_text(path)).replace("\r\n", "\n")
+    return _INCLUDE.sub(included, text)
 
 
 def _names(text: str) -> dict[int, str]:
@@ -87,13 +110,16 @@ def _names(text: str) -> dict[int, str]:
 
 def _point(card: list[str]) -> list[float]:
     """Return the coordinates of a grid point."""
-    if card[2] not in ("", "0"):
-        raise ValueError(
-            f"grid point {card[1]} has coordinates of the system {card[2]}; only the basic system "
-            "is read"
-        )
+    _check_system(card, f"grid point {card[1]} has")
     coordinates = [*card[3:6], "", "", ""][:3]
     return [_number(word) for word in coordinates]
+
+
+def _check_system(card: list[str], subject: str) -> None:
+    if card[2] not in ("", "0"):
+        raise ValueError(
+            f"{subject} coordinates of the system {card[2]}; only the basic system is read"
+        )
 
 
 def _cards(text: str) -> Iterator[list[str]]:
@@ -127,7 +153,10 @@ def _fields(line: str) -> list[str]:
     """Return the name and the fields of a line: free, or in columns of 8 or 16."""
     if "," in line:
         words = [word.strip() for word in line.split(",")]
-        return [*words[:9], *[""] * (9 - len(words))]
+        count = 8
+        if "*" in words[0]:
+            count = 4
+        return [*words, *[""] * count][: 1 + count]
     line = line.expandtabs(8)
     width = 8
     if "*" in line[:8]:

@@ -6,7 +6,7 @@ import contextlib
 import io
 import re
 from html import escape
-from pathlib import Path
+from mmap import ACCESS_READ, mmap
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,6 @@ _REGIONS = (
 )
 #: Most values of data of cells by which they are taken for numbers of regions.
 _MOST = 256
-#: Bytes at the beginning of a file, which have its number of cells.
-_HEAD = 1 << 16
 
 
 def read(path: str) -> Content:
@@ -64,18 +62,16 @@ def _add_groups(content: Content, file: Any, blocks: list[tuple[str, Integers]])
 
 def _check_complete(path: str, count: int) -> None:
     """Refuse a file of whose cells meshio reads a part: truncated, or of types it leaves out."""
-    announced = 0
+    expression = rb"""<Piece\b[^>]*NumberOfCells\s*=\s*["']\s*(\d+)"""
     if path.lower().endswith(".vtk"):
-        head = re.search(rb"^CELL_TYPES\s+(\d+)", Path(path).read_bytes(), re.M)
-    else:
-        with open(path, "rb") as file:  # a large file has its first piece at the beginning
-            head = re.search(rb"""NumberOfCells\s*=\s*["']\s*(\d+)""", file.read(_HEAD))
-    if head:
-        announced = int(head[1])
+        expression = rb"(?m)^CELL_TYPES\s+(\d+)"
+    with open(path, "rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as octets:
+        announced = sum(map(int, re.findall(expression, octets)))
     if count < announced:
         raise ValueError(
-            f"it announces {announced} cells, but {count} can be read: it is not complete, or has "
-            "cells such as voxels, which ParaView's filter Tetrahedralize divides"
+            f"it announces {announced} cells, but {count} can be read: it is not complete, in "
+            "several pieces, which ParaView joins, or has cells such as voxels, which ParaView's "
+            "filter Tetrahedralize divides"
         )
 
 
