@@ -136,7 +136,8 @@ class Turned:
 
         # The frame turns the forces: Q g^T + g Q^T - (sum q . x) g g^T, with Q = J q.
         q = self._forward(force[:, :_MOVES].reshape(-1, 3, 2))
-        Q = np.hstack((_balanced(left_of(q)), np.zeros((len(q), _TURNS))))
+        turned = _balanced(left_of(q))
+        Q = np.hstack((turned, np.zeros((len(q), _TURNS))))
         g = self._turn
         both = Q[:, :, None] * g[:, None]
         K += both + both.transpose(0, 2, 1)

@@ -262,15 +262,18 @@ class ShellElements(BeamElements):
     def section(self, root: ndarray, EA: float, EI: float) -> ndarray:
         """Return N, V and M per width at start and end, then N and M around the axis."""
         # Displacements by the forces, but for a rise along the axis
-        moved = np.linalg.pinv(root @ root.transpose(0, 2, 1), hermitian=True)
+        stiffness = root @ root.transpose(0, 2, 1)
+        moved = np.linalg.pinv(stiffness, hermitian=True)
         x = self.points[:, :2, 0]
-        turned = moved[:, 6:8] * (self.tangents()[..., 0] / x)[..., None]
+        slope = self.tangents()[..., 0] / x
+        turned = moved[:, 6:8] * slope[..., None]
 
         # N_h = nu N + (1 - nu**2) EA u_x / x, M_h = nu M - (1 - nu**2) EI theta t_x / x
         full = 1.0 - self.nu**2
         per_width = self.resultants / x[:, :, None, None]  # (elements, ends, 3, dofs)
         N, _, M = np.moveaxis(per_width, 2, 0)
-        N_h = self.nu * N + full * EA * moved[:, [0, 2]] / x[..., None]
+        u_x = moved[:, [0, 2]]
+        N_h = self.nu * N + full * EA * u_x / x[..., None]
         M_h = self.nu * M - full * EI * turned
         return np.concatenate((per_width, N_h[:, :, None], M_h[:, :, None]), axis=2)
 

@@ -59,10 +59,13 @@ def mass_and_damping(
         M, C = moved_from_contact(forms, [M, C], consistent)
     for name, form in solids_of(forms).items():
         if of_stiffness.get(name):
-            C = csr_matrix(C + padded(form.scaled_stiffness(of_stiffness[name]), layout.size))
+            part = form.scaled_stiffness(of_stiffness[name])
+            C = csr_matrix(C + padded(part, layout.size))
     M = csr_matrix(M / acceleration)
     # Add what boundaries bring.
-    by_region = {region: each for part in damping.values() for region, each in part.items()}
+    by_region = {}
+    for coefficients in damping.values():
+        by_region |= coefficients
     given = Masses(acceleration, consistent, by_region, layout.size)
     for form in having(forms, Absorbing).values():
         more, viscous = form.matrices(given)
@@ -182,11 +185,13 @@ def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
         chosen = touching[a] & ~touching[b]
         first.append(a[chosen])
         second.append(b[chosen])
-    both = np.unique(np.stack((np.concatenate(first), np.concatenate(second))), axis=1)
+    pairs_of_nodes = np.stack((np.concatenate(first), np.concatenate(second)))
+    both = np.unique(pairs_of_nodes, axis=1)
     if both.size == 0:
         return None
     x = basis.doflocs[:, ::dim]
-    weight = np.linalg.norm(x[:, both[0]] - x[:, both[1]], axis=0) ** _NEAR
+    distance = np.linalg.norm(x[:, both[0]] - x[:, both[1]], axis=0)
+    weight = distance**_NEAR
     sums = np.bincount(both[0], weight, minlength=len(touching))
     weight = weight / sums[both[0]]
 
@@ -205,8 +210,10 @@ def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
     rows.append(stays)
     columns.append(stays)
     values.append(np.ones(len(stays)))
-    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return coo_matrix(entries, shape=(size, size)).tocsr()
+    row = np.concatenate(rows)
+    column = np.concatenate(columns)
+    entries = np.concatenate(values)
+    return coo_matrix((entries, (row, column)), shape=(size, size)).tocsr()
 
 
 def lumped(M: csr_matrix) -> ndarray | None:

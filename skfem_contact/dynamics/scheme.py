@@ -132,11 +132,13 @@ class Inertia(Form, Timed):
         h = self._step
         am, af, beta, gamma = self.scheme
         moved = x - state.x
-        a = (moved - h * state.velocity) / (beta * h**2) - (0.5 / beta - 1.0) * state.acceleration
-        v = state.velocity + h * ((1.0 - gamma) * state.acceleration + gamma * a)
+        v_0 = state.velocity
+        a_0 = state.acceleration
+        a = (moved - h * v_0) / (beta * h**2) - (0.5 / beta - 1.0) * a_0
+        v = v_0 + h * ((1.0 - gamma) * a_0 + gamma * a)
         # Forces between the two ends: (1 - am) a + am a_0, (1 - af) v + af v_0.
-        viscous = self.C @ ((1.0 - af) * v + af * state.velocity)
-        inertial = self.M @ ((1.0 - am) * a + am * state.acceleration)
+        viscous = self.C @ ((1.0 - af) * v + af * v_0)
+        inertial = self.M @ ((1.0 - am) * a + am * a_0)
         force = (inertial + viscous - af * state.force) / (1.0 - af)
 
         def new() -> Motion:

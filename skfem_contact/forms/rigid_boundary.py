@@ -145,13 +145,19 @@ class RigidBoundary(MatrixForm):
         """Return True if a motion that supports leave turns a plane across an axis."""
         dim, n = self._coordinates.shape
         # Append the two ends of an axis to the nodes: rigid modes show how it turns.
-        ends = np.stack((self._coordinates[:, 0], self._coordinates[:, 0]), axis=1)
+        first = self._coordinates[:, 0]
+        ends = np.stack((first, first), axis=1)
         ends[axis, 1] += np.ptp(self._coordinates[axis])
-        coordinates = np.column_stack((self._coordinates, np.repeat(ends, dim, axis=1)))
-        modes = rigid_modes(coordinates, np.arange(n + 2 * dim))[:, : self._modes]
+        of_ends = np.repeat(ends, dim, axis=1)
+        coordinates = np.column_stack((self._coordinates, of_ends))
+        every = np.arange(n + 2 * dim)
+        modes = rigid_modes(coordinates, every)[:, : self._modes]
         # Keep the modes that the supports leave.
-        free = null_space(modes[:n][np.isin(self._dofs, fixed)])
-        turn = (modes[n + dim :] - modes[n : n + dim]) @ free
+        at_supports = np.isin(self._dofs, fixed)
+        free = null_space(modes[:n][at_supports])
+        first_end = modes[n : n + dim]
+        second_end = modes[n + dim :]
+        turn = (second_end - first_end) @ free
         return bool(np.abs(turn).max(initial=0.0) > _TURNS)
 
     def _plane_of_symmetry(self, axis: int, fixed: ndarray) -> float | None:

@@ -107,12 +107,14 @@ class PlaneStretch:
         r = np.hypot(d, o)
         scale = np.exp(mean)
         even = np.expm1(mean) + 2.0 * scale * np.sinh(0.5 * r) ** 2
-        odd = scale * np.divide(np.sinh(r), r, out=np.ones_like(r), where=r > 0.0)
+        relative = np.divide(np.sinh(r), r, out=np.ones_like(r), where=r > 0.0)
+        odd = scale * relative
         b = np.stack((even + odd * d, even - odd * d, odd * o))
 
         # transform back
         inner = _squared(self._v) + _sandwich(self._V, b)
-        zz = np.expm1(2.0 * elastic[2] - 2.0 * np.log1p(self._zz))
+        plastic_zz = 2.0 * elastic[2] - 2.0 * np.log1p(self._zz)
+        zz = np.expm1(plastic_zz)
         return np.stack((inner[0], inner[1], zz, inner[2]))
 
     def log_strain(self, plastic: ndarray | None = None) -> ndarray:

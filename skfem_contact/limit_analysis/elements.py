@@ -220,7 +220,8 @@ class Reduction(NamedTuple):
         fixed = np.isin(same, same[held])
         body = np.full(n, -1)
         for b in range(n_bodies):
-            body[np.isin(same, same[elements.dofs[rigid == b]])] = b
+            dofs = elements.dofs[rigid == b]
+            body[np.isin(same, same[dofs])] = b
 
         # number the free velocities outside of bodies
         is_used = np.zeros(n, bool)
@@ -236,7 +237,8 @@ class Reduction(NamedTuple):
             own = np.flatnonzero(body == b)
             free = rigid_modes(elements.coordinates, own)
             if fixed[own].any():
-                free = free @ null_space(free[fixed[own]], rcond=_FREE)
+                at_supports = free[fixed[own]]
+                free = free @ null_space(at_supports, rcond=_FREE)
             motion = np.zeros((n, free.shape[1]))
             motion[own] = free
             motions.append(motion)

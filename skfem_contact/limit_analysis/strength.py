@@ -318,7 +318,8 @@ class Strength:
         else:
             a = np.sqrt(F**2 + self.t**2)
             p = (a * limit - self.c) / (a - self.t)  # at the corner, where r = limit - p
-            torn = np.maximum(p * volume + (limit - p) * shear, limit * volume)
+            at_corner = p * volume + (limit - p) * shear
+            torn = np.maximum(at_corner, limit * volume)
         return np.where(self.cut, torn, sheared)
 
     def _of_lines(self, volume: ndarray, shear: ndarray, F: ndarray) -> ndarray:

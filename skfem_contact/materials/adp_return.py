@@ -382,7 +382,8 @@ def _system(z: Array, trial: Array, first: Array, share: Array, k: ADPConstants)
 
     def jacobian() -> Array:
         # differentiate C times the plastic strain by the modified deviator
-        turned = np.einsum("nki,kln->nil", project, second) / length[:, None, None]
+        turned = np.einsum("nki,kln->nil", project, second)
+        turned = turned / length[:, None, None]
         longer = np.einsum("in,nil->nl", metric * flow, turned)
         turned -= flow.T[:, :, None] * longer[:, None, :]
         increased = grown * flow

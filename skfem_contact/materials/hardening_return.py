@@ -473,7 +473,9 @@ def _checked(
     caps = 4 * k.mu / k.cap_slope * state.q * C
     on_minor = middle - last <= (1 + s) * faces + (2 * k.lode - 1) * caps + round_off
     on_major = first - middle <= (1 - s) * faces + (2 - k.lode) * caps + round_off
-    on_face = (c1 >= c2 - round_off) & (c2 >= c3 - round_off)
+    above_minor = c2 >= c3 - round_off
+    below_major = c1 >= c2 - round_off
+    on_face = below_major & above_minor
     ordered = np.choose(modes.number, (on_face, on_minor, on_major))
 
     # collect stresses and memory, and accept solutions in the right order
@@ -483,7 +485,8 @@ def _checked(
     solved = residual.error <= _SOLVED
     holds = solved & (c1 >= c3) & ordered
     memory = np.array((t.gamma + L * rate, cap))
-    return np.array((c1, c2, c3)), memory, holds, (state, residual)
+    stress = np.array((c1, c2, c3))
+    return stress, memory, holds, (state, residual)
 
 
 def _slopes(parts: list[_Part], n: int, k: Constants) -> tuple[Array, Array]:

@@ -86,7 +86,8 @@ def _to_cut_off(trial: Array, k: PyramidConstants) -> Return:
     relaxed = constrained * (s1 - tension)
     middle = s2 - relaxed
     two_planes = middle > tension
-    smallest = np.where(two_planes, s3 - poisson * (s1 + s2 - 2 * tension), s3 - relaxed)
+    on_line = s3 - poisson * (s1 + s2 - 2 * tension)
+    smallest = np.where(two_planes, on_line, s3 - relaxed)
 
     # Return to the line where the first plane cuts the pyramid.
     sheared = smallest < lateral
@@ -104,8 +105,10 @@ def _to_cut_off(trial: Array, k: PyramidConstants) -> Return:
         one_plane = ~two_planes & ~sheared
         direct = k.lam + 2 * k.mu - k.lam * constrained
         across = k.lam - k.lam * constrained
-        result[1, 1] = result[2, 2] = np.where(one_plane, direct, 0)
-        result[1, 2] = result[2, 1] = np.where(one_plane, across, 0)
+        result[1, 1] = np.where(one_plane, direct, 0)
+        result[2, 2] = result[1, 1]
+        result[1, 2] = np.where(one_plane, across, 0)
+        result[2, 1] = result[1, 2]
         # Young's modulus on a line: s3 or s2 is free.
         young = 2 * k.mu * (1 + poisson)
         third_free = two_planes & ~sheared & (smallest < tension)

@@ -70,17 +70,20 @@ def locate(mesh: Mesh, elements: ndarray, points: ndarray, groups: ndarray) -> L
 
     # Try the elements with the nearest centres in turn.
     count = min(_NEAREST, len(elements))
-    nearest = scipy.spatial.cKDTree(geometry.center).query(points, k=np.arange(1, count + 1))[1]
+    tree = scipy.spatial.cKDTree(geometry.center)
+    nearest = tree.query(points, k=np.arange(1, count + 1))[1]
     for candidates in np.asarray(nearest).T:
         missing = np.flatnonzero(found < 0)
         inside, at = _inverse(geometry, candidates[missing], points[missing])
-        found[missing[inside]] = candidates[missing[inside]]
-        local[:, missing[inside]] = at[:, inside]
+        new = missing[inside]
+        found[new] = candidates[new]
+        local[:, new] = at[:, inside]
 
     # Try all elements whose balls hold the points that remain, or that lie between groups.
     again = found < 0
     if (groups != groups[0]).any():
-        again |= _at_border(mesh, elements, groups)[found] & _on_side(geometry.kind, local)
+        at_border = _at_border(mesh, elements, groups)[found]
+        again |= at_border & _on_side(geometry.kind, local)
     which = np.flatnonzero(again)
     point, candidates = _near(geometry, points[which])
     point = which[point]

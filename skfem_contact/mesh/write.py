@@ -105,10 +105,12 @@ def content_of(mesh: Mesh) -> Content:
     boundaries = own_tags(mesh.boundaries)
     if boundaries:
         facets = np.unique(np.concatenate([np.asarray(part) for part in boundaries.values()]))
-        sides, side_kind = _sides_of(mesh, cells, kind, facets, _owners(mesh, boundaries, facets))
+        owners = _owners(mesh, boundaries, facets)
+        sides, side_kind = _sides_of(mesh, cells, kind, facets, owners)
         content.cells[side_kind] = sides
         for name, members in boundaries.items():
-            content.add(name, side_kind, np.searchsorted(facets, np.unique(np.asarray(members))))
+            own = np.unique(np.asarray(members))
+            content.add(name, side_kind, np.searchsorted(facets, own))
     return content
 
 

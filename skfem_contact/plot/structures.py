@@ -53,7 +53,8 @@ def structures(stage: StageResult) -> Iterator[Lines]:
             points, values = outputs.points
             order = [0, 2, 1]
             corners = points.reshape(-1, 3, points.shape[1])[:, order]
-            moved = np.asarray(values["displacement"]).reshape(corners.shape[0], 3, -1)[:, order]
+            displacement = np.asarray(values["displacement"])
+            moved = displacement.reshape(corners.shape[0], 3, -1)[:, order]
             beams.append(Lines(name, BEAM, corners, moved[:, :, : corners.shape[2]]))
             continue
         members = outputs.members
@@ -76,8 +77,10 @@ def structures(stage: StageResult) -> Iterator[Lines]:
     for name, points in bars.items():
         displacement = np.zeros_like(points)
         if nodes:
-            distance, nearest = scipy.spatial.cKDTree(np.concatenate(nodes)).query(points)
+            tree = scipy.spatial.cKDTree(np.concatenate(nodes))
+            distance, nearest = tree.query(points)
             length = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
             held = distance < _SAME * length[:, None]
-            displacement[held] = np.concatenate(moves)[np.asarray(nearest)[held]]
+            node = np.asarray(nearest)[held]
+            displacement[held] = np.concatenate(moves)[node]
         yield Lines(name, BAR, points, displacement)

@@ -151,9 +151,12 @@ class Outline:
         for k, (a, b, centre, t) in enumerate(zip(*self.ends, self.centres, self.bulges)):
             points = np.array([a, b])
             if t:
-                turn = np.exp(1j * 4.0 * np.arctan(t) * np.linspace(0.0, 1.0, n + 1))
+                # Turn the arm from the centre to the first point by 4 arctan(t)
+                share = np.linspace(0.0, 1.0, n + 1)
+                turn = np.exp(1j * 4.0 * np.arctan(t) * share)
                 arm = complex(*(a - centre)) * turn
-                points = np.vstack((a, centre + np.column_stack((arm.real, arm.imag))[1:-1], b))
+                on_arc = centre + np.column_stack((arm.real, arm.imag))
+                points = np.vstack((a, on_arc[1:-1], b))
             starts.append(points[:-1])
             stops.append(points[1:])
             segments += [k] * (len(points) - 1)
@@ -179,13 +182,17 @@ class Outline:
         u = (b - a)[before]
         v = (b - a)[(before + 1) % n]
         scale = _SAME * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-        back = (np.abs(_cross(u, v)) <= scale) & ((u * v).sum(axis=1) < 0.0)
+        parallel = np.abs(_cross(u, v)) <= scale
+        opposite = (u * v).sum(axis=1) < 0.0
+        back = parallel & opposite
         if n > 2 and back.any():
-            return np.asarray(b[before[np.argmax(back)]])
+            chord = before[np.argmax(back)]
+            return np.asarray(b[chord])
 
         # Find chords that meet others than their neighbours
         first, second = np.triu_indices(n, 1)
-        neighbours = (second - first == 1) | ((first == 0) & (second == n - 1) & self.closed)
+        at_seam = (first == 0) & (second == n - 1) & self.closed
+        neighbours = (second - first == 1) | at_seam
         first = first[~neighbours]
         second = second[~neighbours]
         met = _meet(a[first], b[first], a[second], b[second])

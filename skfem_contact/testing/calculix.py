@@ -271,8 +271,9 @@ def _stress_difference(stage: Any, dat: list[Printed]) -> float:
         share = form.weight / form.weight.sum(axis=1)[:, None]
         mean = np.einsum("ceq,eq->ec", stage.states[name].stress, share)
         own[form.elements, : mean.shape[1]] = mean
-    width = np.isfinite(own[known]).all(axis=0)
-    difference = np.abs(own[known][:, width] - other[:, width]).max()
+    own = own[known]
+    width = np.isfinite(own).all(axis=0)
+    difference = np.abs(own[:, width] - other[:, width]).max()
     return float(difference / np.abs(other).max())
 
 

@@ -163,11 +163,13 @@ def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> No
     resistances = []
     for configuration, follows in ((points, 0.0), (points + x.reshape(-1, dim), 1.0)):
         p = configuration - configuration.mean(axis=0)
-        moment = resistance = 0.0
+        moment = 0.0
+        resistance = 0.0
         for turn in turns:
             spin = p @ turn.T
             moment = max(moment, abs((spin * f).sum()))
-            change = K @ spin.ravel() - follows * (f @ turn.T).ravel()
+            turned_force = (f @ turn.T).ravel()
+            change = K @ spin.ravel() - follows * turned_force
             resistance = max(resistance, np.abs(change).max())
         moments.append(moment / (total * arms + 1e-300))
         resistances.append(resistance / (stiffness * arms))

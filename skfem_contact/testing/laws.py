@@ -372,7 +372,8 @@ def _check_traction(
 
     # Check that the elastic slip gives the same traction, and the opposite slip the opposite one.
     force = max(float(np.abs(new.traction).max(initial=0.0)), 1e-300)
-    drift = np.abs(traction(new.elastic_slip, new.internal) - new.traction).max(axis=0)
+    again = traction(new.elastic_slip, new.internal)
+    drift = np.abs(again - new.traction).max(axis=0)
     message = "the traction is not admissible: the elastic slip gives another one"
     require_all(drift <= EXACT * force, message)
     opposite = traction(-jump[1:], internal)
@@ -380,7 +381,8 @@ def _check_traction(
     require_all(skew <= EXACT * force, "the opposite slip gives no opposite traction")
 
     # Check the signs of work and stiffness.
-    work = (new.traction[1:] * (jump[1:] - new.elastic_slip)).sum(axis=0)
+    plastic_slip = jump[1:] - new.elastic_slip
+    work = (new.traction[1:] * plastic_slip).sum(axis=0)
     require_all(work >= -EXACT * force * size, "sliding dissipates negative work")
     require_all((new.tangent[0, 0] >= 0) | (jump[0] > 0), "the pressure falls with the penetration")
     return new

@@ -182,9 +182,9 @@ def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates:
     weight = sides.dx * radius(sides, coordinates == "axisymmetric")
     # Move the facets by each displacement along their normals.
     moved = []
-    for b in range(sides.Nbfun):
-        moved.append(np.einsum("ifq,ifq->fq", sides.basis[b][0], sides.normals))
-    shapes = [np.broadcast_to(wet.basis[j][0], weight.shape) for j in range(wet.Nbfun)]
+    for (displacement,) in sides.basis:
+        moved.append(np.einsum("ifq,ifq->fq", displacement, sides.normals))
+    shapes = [np.broadcast_to(shape, weight.shape) for (shape,) in wet.basis]
     swept = np.einsum("bfq,jfq,fq->fbj", np.stack(moved), np.stack(shapes), weight)
     # Add the volume to the elements of the facets.
     number = np.zeros(basis.mesh.nelements, int)

@@ -206,11 +206,13 @@ class Seepage:
             )
         # Integrate the vertical force of the water.
         around = FacetBasis(mesh, self.basis.elem, facets=facets)
-        pressure = around.interpolate(np.nan_to_num(np.maximum(self.pressure, 0.0)))
+        compressive = np.nan_to_num(np.maximum(self.pressure, 0.0))
+        pressure = around.interpolate(compressive)
         force = pressure * around.dx * radius(around, self._axisymmetric)
         up = around.normals[-1] * np.where(below, 1.0, -1.0)[:, None]
         inside = (below & above)[:, None]
-        upward = float((force * np.where(inside, np.abs(up), up)).sum())
+        up = np.where(inside, np.abs(up), up)
+        upward = float((force * up).sum())
         if not upward > _DRIP * float(force.sum()):
             raise ValueError(f"no water presses upwards on boundary '{bottom}'")
         # Weigh the subdomains above.
@@ -220,7 +222,8 @@ class Seepage:
             )
         weights = {name: positive(each, "unit_weight") for name, each in unit_weight.items()}
         parts = [look_up(name, mesh.subdomains or {}, "subdomain") for name in weights]
-        body = CellBasis(mesh, self.basis.elem, elements=np.unique(np.concatenate(parts)))
+        elements = np.unique(np.concatenate(parts))
+        body = CellBasis(mesh, self.basis.elem, elements=elements)
         volume = body.dx * radius(body, self._axisymmetric)
         regional: list[tuple[ndarray, float]] = regions(body, weights, "unit weight")
         weight = sum(each * float(volume[part].sum()) for part, each in regional)
