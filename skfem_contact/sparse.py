@@ -27,7 +27,8 @@ def constant(K: csr_matrix) -> csr_matrix:
 
 def padded(K: csr_matrix, n: int) -> csr_matrix:
     """Pad a matrix of the first dofs to n dofs; its data are shared."""
-    indptr = np.concatenate((K.indptr, np.repeat(K.indptr[-1:], n - K.shape[0])))
+    empty = np.repeat(K.indptr[-1:], n - K.shape[0])
+    indptr = np.concatenate((K.indptr, empty))
     matrix = csr_matrix((K.data, K.indices, indptr), shape=(n, n))
     return with_data(matrix, K.data)  # scipy has taken a view of the data
 
@@ -345,7 +346,8 @@ def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
     if (counts > available).any():
         return None
     # rows of as many entries are as in the pattern, or not within it; search the others
-    position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
+    shift = pattern.indptr[:-1] - matrix.indptr[:-1]
+    position = np.arange(matrix.nnz) + np.repeat(shift, counts)
     rows = np.flatnonzero((counts > 0) & (counts < available))
     if len(rows):
         n = matrix.shape[1]

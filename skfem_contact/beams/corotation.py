@@ -95,7 +95,8 @@ class Turned:
     @property
     def sizes(self) -> ndarray:
         """Sizes of the terms of the motions, (m, 9), whose round-off these have."""
-        moves = np.abs(self._moves) + np.abs(self._moves[:, :1]) + np.abs(self.arms)
+        first = np.abs(self._moves[:, :1])
+        moves = np.abs(self._moves) + first + np.abs(self.arms)
         return np.hstack((moves.reshape(-1, _MOVES), np.abs(self._theta)))
 
     def _back(self, vectors: ndarray) -> ndarray:

@@ -115,7 +115,8 @@ class BeamElements:
 
     def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
         """Return the matrices R of the stiffness R R', (m, 9, 2 q)."""
-        D = (self.weights[:, :, None] * np.array([EA, GA, EI])).reshape(-1, 6)
+        stiffness = np.array([EA, GA, EI])
+        D = (self.weights[:, :, None] * stiffness).reshape(-1, 6)
         return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
 
     def section(self, root: ndarray, EA: float, EI: float) -> ndarray:
@@ -321,7 +322,8 @@ class SpaceElements(BeamElements):
 
     @override
     def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
-        D = (self.weights[:, :, None] * np.array([EA, GA, GA, EI, EI, GJ])).reshape(-1, 12)
+        stiffness = np.array([EA, GA, GA, EI, EI, GJ])
+        D = (self.weights[:, :, None] * stiffness).reshape(-1, 12)
         return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
 
     @cached_property
@@ -412,7 +414,8 @@ class Hinges:
             far = (excess[e] / size).max()
             beyond = excess[e] / size / far
             A = np.vstack((way.T / size, beyond))
-            multiplier, _ = scipy.optimize.nnls(A, np.append(np.zeros(way.shape[1]), 1.0))
+            b = np.append(np.zeros(way.shape[1]), 1.0)
+            multiplier, _ = scipy.optimize.nnls(A, b)
             multiplier *= far / size / (1.0 - beyond @ multiplier)
             yield Flow(int(e), faces.T @ multiplier, faces[multiplier > 0.0])
 

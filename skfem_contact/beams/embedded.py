@@ -245,11 +245,13 @@ class Embedded(Form, Couples, Staged, Regularised):
         across = (3.0 - 4.0 * nu) / (4.0 - 4.0 * nu)
         new._k = self._part[:-1] / (1.0 / k + between)
         new._across = self._part[:-1] / (1.0 / k + across * between)
-        base = (1.0 - nu) / (4.0 * G) * (1.0 / self.radius - 1.0 / self._wide[-1])
+        nearer = 1.0 / self.radius - 1.0 / self._wide[-1]
+        base = (1.0 - nu) / (4.0 * G) * nearer
         new._at_foot = self._part[-1] / (1.0 / (k * self._lengths[-1]) + base)
 
         # The beam must be stiffer than the ground that it replaces
-        own = 2.0 * (1.0 + nu) * G * np.pi * self.radius**2 * float(self._part.mean())
+        E = 2.0 * (1.0 + nu) * G
+        own = E * np.pi * self.radius**2 * float(self._part.mean())
         if own > self._replacing:
             raise ValueError(
                 f"EA={self._replacing:g} of the embedded beam is less than that of the ground it "
@@ -349,7 +351,8 @@ class Embedded(Form, Couples, Staged, Regularised):
         tt = t[:, :, None] * t[:, None]  # (n, dim, dim)
         along = np.where(limits.slips, kept, 1.0) * self._k
         m = limits.pushes
-        mm = np.where(limits.flows, 1.0, 0.0)[:, None, None] * m[:, :, None] * m[:, None]
+        flows = np.where(limits.flows, 1.0, 0.0)
+        mm = flows[:, None, None] * m[:, :, None] * m[:, None]
         turned = (limits.share * self._across)[:, None, None]
         pushed = (kept * self._across)[:, None, None]
         skin = self._weight[:, None, None] * (

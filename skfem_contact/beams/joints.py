@@ -246,7 +246,8 @@ def of_a_line(
     """
     # Sum forces f, displacements u and lengths of the nodes
     nodes = cells.ravel()
-    f = np.column_stack([np.bincount(nodes, force[:, c::3].ravel()) for c in range(3)])
+    components = [np.bincount(nodes, force[:, c::3].ravel()) for c in range(3)]
+    f = np.column_stack(components)
     u = np.zeros_like(f)
     u[nodes] = moved.reshape(-1, 3)
     part = np.bincount(nodes, np.outer(length, _OF_LENGTH).ravel())
@@ -255,7 +256,8 @@ def of_a_line(
     q = np.linalg.norm(f, axis=1) / part
     q = np.minimum(q, _SINGLE * np.median(q))
     work = part @ (q * np.linalg.norm(u, axis=1)) + abs((f * u).sum())
-    more = float(np.log(2.0) / (2.0 * np.pi * G) * (part @ q**2) / (work or 1.0))
+    compliance = np.log(2.0) / (2.0 * np.pi * G)
+    more = float(compliance * (part @ q**2) / (work or 1.0))
     if more > _TOLD:
         yield Remark(
             "line",
@@ -286,7 +288,8 @@ def turning_ends(corners: ndarray, rows: ndarray, met: ndarray, fixed: ndarray) 
         held = np.isin(rows[:, 2 * end : 2 * end + 2], fixed)
         theta = rows[:, 6 + end]
         # Held in one direction, along the beam, and free to turn.
-        cut = (held.sum(axis=1) == 1) & ((held * along).sum(axis=1) > _ALONG)
+        once = held.sum(axis=1) == 1
+        cut = once & ((held * along).sum(axis=1) > _ALONG)
         alone = (theta[:, None] == met).sum(axis=1) == 1  # no other element meets it
         cut &= alone & ~np.isin(theta, fixed)
         if cut.any():

@@ -125,7 +125,8 @@ def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
         facets = facets[::-1]
         ends = ends[::-1, ::-1]
     if closed:
-        top = int(np.argmax((mesh.p[1] - _LEVEL * mesh.p[0])[ends[0]]))
+        height = mesh.p[1] - _LEVEL * mesh.p[0]
+        top = int(np.argmax(height[ends[0]]))
         facets = np.roll(facets, -top)
         ends = np.roll(ends, -top, axis=1)
     nodal = basis.nodal_dofs[0, ends]
@@ -357,7 +358,8 @@ def split_along(mesh: Mesh, name: str) -> Mesh:
         for element in mesh.f2t[:, others]
     )
     size = mesh.t.size
-    joined = coo_matrix((np.ones(first.size), (first.ravel(), second.ravel())), shape=(size, size))
+    ones = np.ones(first.size)
+    joined = coo_matrix((ones, (first.ravel(), second.ravel())), shape=(size, size))
     fan = connected_components(joined, directed=False)[1].reshape(mesh.t.shape)
 
     # Give every further fan of a node a copy of it
@@ -391,7 +393,9 @@ def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
         raise ValueError(f"'{name}' is closed, and separates bodies: use join_bodies")
 
     # Turn the facets to the right, or upwards
-    dx, dy = mesh.p[:, chain[1, -1]] - mesh.p[:, chain[0, 0]]
+    first_node = mesh.p[:, chain[0, 0]]
+    last_node = mesh.p[:, chain[1, -1]]
+    dx, dy = last_node - first_node
     start, end = mesh.p[:, ends].swapaxes(0, 1)
     along = end - start
     level = bool(abs(dx) > abs(dy))

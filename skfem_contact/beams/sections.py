@@ -120,7 +120,7 @@ def moment_curvature(
     if not eps_cu > eps_c or not eps_su > 0.0 or not f_t >= 0.0:
         raise ValueError("eps_cu must exceed eps_c, eps_su be positive, and f_t not negative")
     bars = np.atleast_2d(finite(steel, "steel"))
-    inside = bars.shape[1] == 2 and ((bars[:, 0] > 0.0) & (bars[:, 1] > 0.0)).all()
+    inside = bars.shape[1] == 2 and (bars > 0.0).all()
     if not inside or (bars[:, 1] >= h).any():
         raise ValueError(f"steel is pairs (area, depth) with depths between 0 and {h:g}")
     section = _Section(
@@ -140,7 +140,11 @@ def moment_curvature(
     # Follow the curve, closely at its beginning.
     largest_curvature = _last_curvature(section, normal, eps_cu, eps_su)
     curvature = largest_curvature * np.linspace(0.0, 1.0, _POINTS) ** 2
-    moment = np.array([section.forces(section.axis(k, normal), k)[1] for k in curvature])
+    moments = []
+    for k in curvature:
+        axis = section.axis(k, normal)
+        moments.append(section.forces(axis, k)[1])
+    moment = np.array(moments)
     # The secant at half of the largest moment is the stiffness.
     largest = float(moment.max())
     rising = slice(0, int(moment.argmax()) + 1)

@@ -37,5 +37,6 @@ def lost_stiffness(elements: BeamElements, N: ndarray) -> ndarray:
         blocks = np.einsum("mi,mj,mcd->micjd", slope, slope, across)
         size = -force * elements.weights[:, g]
         moves = slice(0, 3 * dim)
-        lost[:, moves, moves] += size[:, None, None] * blocks.reshape(m, 3 * dim, 3 * dim)
+        blocks = blocks.reshape(m, 3 * dim, 3 * dim)
+        lost[:, moves, moves] += size[:, None, None] * blocks
     return lost

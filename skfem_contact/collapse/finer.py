@@ -131,7 +131,8 @@ def finer(
     bare = MeshTri1(mesh.p, mesh.t)
     new = bare.refined(cut)
     everything = np.arange(mesh.nelements)
-    parent = locate(mesh, everything, new.p[:, new.t].mean(axis=1).T, 0 * everything).elements
+    centres = new.p[:, new.t].mean(axis=1).T
+    parent = locate(mesh, everything, centres, 0 * everything).elements
     side = _sides(mesh, new, parent)
     subdomains = {}
     for name, part in (mesh.subdomains or {}).items():
@@ -181,7 +182,8 @@ def _carried(old: Any, state: Any, new: Any, parent: ndarray) -> Any:
     # Fit linear functions in the elements of the mesh.
     known = np.concatenate((state.stress, state.internal))  # (n_values, n_elements, n_points)
     at = old.basis.X
-    fit = np.linalg.pinv(np.column_stack((np.ones(at.shape[1]), at.T)))  # (3, n_points)
+    linear = np.column_stack((np.ones(at.shape[1]), at.T))
+    fit = np.linalg.pinv(linear)  # (3, n_points)
     functions = np.einsum("ven,kn->vek", known, fit)
 
     # Evaluate them at the integration points of the finer elements.

@@ -389,4 +389,5 @@ def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:
 def _integral(points: SlavePoints, values: ndarray, shapes: ndarray) -> ndarray:
     """Return integrals of values times the nodes' functions, shape (n_nodes,)."""
     share = shapes * (points.weight * values)[:, None]
-    return np.asarray(np.bincount(points.nodes.ravel(), share.ravel(), points.nodes.max() + 1))
+    count = points.nodes.max() + 1
+    return np.asarray(np.bincount(points.nodes.ravel(), share.ravel(), count))

@@ -189,7 +189,8 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     no_shear = ~state.traction[1:].any(axis=0)
     closed = (state.status == Status.STICK) & no_slip & no_shear
     slides = state.status == Status.SLIP
-    slid = float(np.linalg.norm(state.slip[:, slides], axis=0).max(initial=0.0))
+    slips = np.linalg.norm(state.slip[:, slides], axis=0)
+    slid = float(slips.max(initial=0.0))
     if slid <= pair.slave.spacing:
         return
     # Weigh them by their share of the force.
@@ -216,7 +217,8 @@ def _on_closing(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
         return
 
     # Leave out slips that are large beside the elastic displacement of the bodies
-    width = np.linalg.norm(np.ptp(points.positions(pair.slave.nodes)[rubs], axis=0))
+    positions = points.positions(pair.slave.nodes)[rubs]
+    width = np.linalg.norm(np.ptp(positions, axis=0))
     elastic = shear * width / (stiffness * pair.slave.spacing)
     slid = (state.status == Status.SLIP) & (slip > 0.0) & (slip < _GROSS * elastic)
 
@@ -248,7 +250,8 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
     force = points.weight[on] * np.abs(state.traction[0, on])
     arm = (points.positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
     friction = mu * float(force @ np.linalg.norm(arm, axis=1))
-    torque = float(force @ (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]))
+    lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
+    torque = float(force @ lever)
     carried = abs(torque) / friction
     if carried > _TURNED:
         yield Remark(
@@ -269,7 +272,8 @@ def _on_flat_facets(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     slave = pair.slave
     m, k = slave.facets.shape
     facet = np.repeat(np.arange(m), k)
-    normal = slave.at(facet, np.tile(slave.shape.nodes, (m, 1)), slave.nodes).normal
+    xi = np.tile(slave.shape.nodes, (m, 1))
+    normal = slave.at(facet, xi, slave.nodes).normal
     cosine = dot(normal, slave.normals[slave.facets.ravel()])
     error = _TIMES * (1.0 - float(cosine[cosine > _EDGE].mean()))
     if error > _FLAT:

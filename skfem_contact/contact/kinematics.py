@@ -305,7 +305,8 @@ def _stick_weights(
     master: Surface, facet: ndarray, stick: MaterialPoints
 ) -> tuple[list[ndarray], list[ndarray]]:
     """Return shape functions at stick points, by facets, and nodes of facets not the closest."""
-    weights = np.where(stick.exist[:, None], master.shape.at(stick.facet, stick.known, 0)[0], 0.0)
+    shapes = master.shape.at(stick.facet, stick.known, 0)[0]
+    weights = np.where(stick.exist[:, None], shapes, 0.0)
     elsewhere = (stick.exist & (stick.facet != facet))[:, None]
     if not elsewhere.any():
         return [weights], []
@@ -415,7 +416,8 @@ def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
         right = [dn, on.Xi, by_frame + factors.by_frame, *factors.right]
 
     # Multiply all factors at once, which takes half of the time of one product each
-    K = np.asarray(np.concatenate(left, axis=1).transpose(0, 2, 1) @ np.concatenate(right, axis=1))
+    rows = np.concatenate(left, axis=1).transpose(0, 2, 1)
+    K = np.asarray(rows @ np.concatenate(right, axis=1))
 
     if kinematics.edges is not None:
         v = kinematics.edges.at
@@ -462,7 +464,8 @@ def _tangential_factors(kinematics: Kinematics, t: ndarray) -> _Factors:
     by_frame = -a @ dP
     spin = _spin(on, n, frame(n, on.direction))
     if spin is not None:
-        by_frame += np.einsum("nac,nc->na", a, cross(n, t))[:, :, None] * spin[:, None]
+        across_n = np.einsum("nac,nc->na", a, cross(n, t))
+        by_frame += across_n[:, :, None] * spin[:, None]
 
     # Add the curvature; on flat facets P is t
     if on.curved:

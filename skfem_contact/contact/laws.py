@@ -255,7 +255,8 @@ class Coulomb(InterfaceLaw):
                 f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and "
                 f"{soil!r}"
             )
-        return cls(mu=ratio * float(np.tan(np.radians(phi))), adhesion=ratio * float(c))
+        friction = float(np.tan(np.radians(phi)))
+        return cls(mu=ratio * friction, adhesion=ratio * float(c))
 
     @override
     def reduced(self, factor: float) -> Coulomb:

@@ -338,7 +338,8 @@ def _samples(
         lattice, (first, second) = _lattice(surface.shape, int(n))
         n_points = len(lattice)
         facet = np.repeat(on, n_points)
-        M = surface.shape.at(facet, np.tile(lattice, (len(on), 1)), 0)[0]
+        xi = np.tile(lattice, (len(on), 1))
+        M = surface.shape.at(facet, xi, 0)[0]
         M = M.reshape(len(on), n_points, -1)
         x = np.einsum("fqk,fkc->fqc", M, nodes[surface.facets[on]])  # (facets, points, dim)
         squares = ((x[:, first] - x[:, second]) ** 2).sum(axis=2)

@@ -300,7 +300,8 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
         near = self._near
 
         # g = g_0 + G . (u - u_0), s = T . (u - u_0)
-        change = np.where(self._dofs < 0, 0.0, x.take(self._dofs.clip(0)) - self._first)
+        moved_dofs = x.take(self._dofs.clip(0)) - self._first
+        change = np.where(self._dofs < 0, 0.0, moved_dofs)
         motion = np.einsum("nim,nm->in", self._work, change)
         gap = self._gap + motion[0]
         moved = motion[1:]

@@ -112,7 +112,8 @@ def _is_smooth(pair: ContactBase, state: ContactState, pressure: ndarray) -> boo
     area = np.bincount(points.facet, points.weight, n)
     force = np.bincount(points.facet, points.weight * pressure, n)
     loaded = force > 0.0
-    mean = force.sum() / max(float(area[loaded].sum()), np.finfo(float).tiny)
+    total = float(area[loaded].sum())
+    mean = force.sum() / max(total, np.finfo(float).tiny)
     return bool(pressure.max(initial=0.0) <= (1.0 + _PEAK) * mean)
 
 
@@ -166,7 +167,8 @@ class _Compared:
         """The largest first value over the polynomial there."""
         values = np.where(self.inside, self.values[:, 0], -np.inf)
         at = int(np.argmax(values))
-        return float(values[at] / max(values[at] - self.rest[at, 0], np.finfo(float).tiny))
+        smooth = values[at] - self.rest[at, 0]
+        return float(values[at] / max(smooth, np.finfo(float).tiny))
 
     def away_from(self, nodes: ndarray, distance: float) -> _Compared:
         """Return the points that are so far from some nodes."""

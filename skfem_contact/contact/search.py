@@ -231,7 +231,8 @@ def _foot(
     for _ in range(NEWTON_STEPS):
         x = surface.at(facet[remaining], xi[remaining], nodes, 2).x
         step, quadratic = _newton_step(x, points[remaining])
-        new = np.clip(xi[remaining] + np.clip(step, -width / 4, width / 4), low, high)
+        limited = np.clip(step, -width / 4, width / 4)
+        new = np.clip(xi[remaining] + limited, low, high)
         xi[remaining] = new
         last = np.where(quadratic, max(exact, _LAST_STEP), exact)[:, None]
         moves = (np.abs(step) >= last) & (new > low) & (new < high)

@@ -320,7 +320,8 @@ def _forces(stage: StageResult, dofs: ndarray, toe: ndarray, heel: ndarray) -> _
         t = facets[name].tractions
         normal = facets[name].normal
         tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
-        force = t.weight[:, None] * (t.shear[:, None] * tangent - t.pressure[:, None] * normal)
+        traction = t.shear[:, None] * tangent - t.pressure[:, None] * normal
+        force = t.weight[:, None] * traction
         force = _turned(force, stage.contact(name).force)
         points.append(np.column_stack((t.x, t.y)))
         vectors.append(force if as_slave else -force)
@@ -403,7 +404,8 @@ def _check_balance(forces: _Forces, body: str) -> None:
 def _moment(points: ndarray, forces: ndarray, toe: ndarray) -> float:
     """Return the moment about the toe, anticlockwise positive."""
     arm = points - toe
-    return float((arm[:, 0] * forces[:, 1] - arm[:, 1] * forces[:, 0]).sum())
+    moments = arm[:, 0] * forces[:, 1] - arm[:, 1] * forces[:, 0]
+    return float(moments.sum())
 
 
 def _moments(forces: _Forces, toe: ndarray) -> tuple[float, float]:
@@ -417,7 +419,9 @@ def _moments(forces: _Forces, toe: ndarray) -> tuple[float, float]:
     level = -sense * arm[:, 1] * vectors[:, 0]
 
     # Weights and friction on the back by their sum, horizontal forces likewise.
-    parts = np.array([upright[vectors[:, 1] < 0.0].sum(), upright[vectors[:, 1] > 0.0].sum()])
+    downwards = upright[vectors[:, 1] < 0.0].sum()
+    upwards = upright[vectors[:, 1] > 0.0].sum()
+    parts = np.array([downwards, upwards])
     parts = np.append(parts, level.sum())
     stabilising = -float(parts[parts < 0.0].sum())
     return stabilising, float(parts[parts > 0.0].sum())

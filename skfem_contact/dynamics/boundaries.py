@@ -191,4 +191,6 @@ class ViscousBoundary(Form, Couples, Absorbing):
         moduli = solid.elastic_moduli[own]
         density = solid.unit_weights[own] / acceleration
         # rho v = sqrt(rho M) with the modulus M of the wave
-        return np.sqrt(density * moduli[:, 0, 0]), np.sqrt(density * moduli[:, -1, -1])
+        along = np.sqrt(density * moduli[:, 0, 0])
+        across = np.sqrt(density * moduli[:, -1, -1])
+        return along, across

@@ -64,7 +64,8 @@ def critical_step(K: csr_matrix, C: csr_matrix, m: ndarray, free: ndarray) -> fl
     # Damping z shortens the step: 2 (sqrt(1 + z^2) - z) / w.
     w = np.sqrt(square)
     x = root @ shape
-    z = float(x @ (C[free][:, free] @ x)) / (2.0 * w * float(shape @ shape))
+    damped = float(x @ (C[free][:, free] @ x))
+    z = damped / (2.0 * w * float(shape @ shape))
     return float(2.0 / w * (np.sqrt(1.0 + z**2) - z))
 
 

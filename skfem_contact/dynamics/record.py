@@ -172,7 +172,8 @@ class Record:
 
         # H(s) = (2 z w s + w^2) / (s^2 + 2 z w s + w^2), and slow motions removed
         w = 2.0 * np.pi * _GROUND
-        b, a = bilinear([2.0 * _DAMPED * w, w**2], [1.0, 2.0 * _DAMPED * w, w**2], 1.0 / step)
+        damping = 2.0 * _DAMPED * w
+        b, a = bilinear([damping, w**2], [1.0, damping, w**2], 1.0 / step)
         shaken = lfilter(b, a, noise)
         # Let the motion swell, stay and fade.
         share = np.arange(n) / (n - 1)
@@ -201,7 +202,8 @@ class Record:
     def velocity(self) -> ndarray:
         """Velocities from rest, (n,), exact for linear accelerations."""
         a = self.values
-        return np.append(0.0, np.cumsum(0.5 * self.step * (a[1:] + a[:-1])))
+        gained = 0.5 * self.step * (a[1:] + a[:-1])
+        return np.append(0.0, np.cumsum(gained))
 
     @property
     def displacement(self) -> ndarray:
@@ -342,7 +344,8 @@ class Record:
         """Return the integral of the square of the acceleration, exact for linear pieces, (n,)."""
         a = self.values[:-1]
         b = self.values[1:]
-        return np.append(0.0, np.cumsum(self.step * (a * a + a * b + b * b) / 3.0))
+        squares = self.step * (a * a + a * b + b * b) / 3.0
+        return np.append(0.0, np.cumsum(squares))
 
     def spectrum(self, periods: ArrayLike | None = None, ratio: float = 0.05) -> Spectrum:
         """Return the response spectrum of oscillators with a damping ratio.

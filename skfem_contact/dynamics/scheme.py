@@ -107,7 +107,9 @@ class Inertia(Form, Timed):
         self._K = csr_matrix(M.shape)
         self._diagonal = np.zeros(M.shape[0])
         # Dofs without mass and damping, which have no motion of their own.
-        self.still = np.flatnonzero((np.diff(M.indptr) == 0) & (np.diff(C.indptr) == 0))
+        massless = np.diff(M.indptr) == 0
+        undamped = np.diff(C.indptr) == 0
+        self.still = np.flatnonzero(massless & undamped)
 
     @override
     def over(self, duration: float) -> Self:

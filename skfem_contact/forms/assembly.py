@@ -214,7 +214,8 @@ def _b_bar(B: ndarray, weight: ndarray) -> StrainOperator:
     """
     volumetric = B[:, :, :3].sum(axis=2)
     mean = np.einsum("eq,eqb->eb", weight, volumetric) / weight.sum(axis=1)[:, None]
-    B[:, :, :3] += ((mean[:, None] - volumetric) / 3.0)[:, :, None]
+    change = (mean[:, None] - volumetric) / 3.0
+    B[:, :, :3] += change[:, :, None]
     return StrainOperator(B, weight)
 
 

@@ -303,7 +303,8 @@ class Bar(Form, Couples, Staged, Regularised):
                 dofs = numbers[end.field][end.indices]
             else:
                 dofs = end
-            columns.append(np.broadcast_to(dofs, (n, self._axis.shape[1] // len(self._ends))))
+            each = self._axis.shape[1] // len(self._ends)
+            columns.append(np.broadcast_to(dofs, (n, each)))
         self._dofs = np.hstack(columns)
         # Number the dofs that occur.
         self._at, rows = np.unique(self._dofs, return_inverse=True)

@@ -203,7 +203,8 @@ def by_elasticity(
         if moduli.ndim == 2:
             return np.linalg.solve(moduli, change.reshape(ncomp, -1)).reshape(change.shape)
         moduli = moduli[:, None]
-    strain = np.linalg.solve(moduli, np.moveaxis(change, 0, -1)[..., None])[..., 0]
+    by_point = np.moveaxis(change, 0, -1)
+    strain = np.linalg.solve(moduli, by_point[..., None])[..., 0]
     return np.moveaxis(strain, -1, 0)
 
 

@@ -167,7 +167,10 @@ class RigidBoundary(MatrixForm):
         across = self._dofs % dim == axis
         x = self._coordinates[axis, across]
         held = np.isin(self._dofs[across], fixed)
-        ends = {float(end) for end in (x.min(), x.max()) if held[x == end].any()}
+        ends = set()
+        for end in (x.min(), x.max()):
+            if held[x == end].any():
+                ends.add(float(end))
         if len(ends) != 1 or x.min() == x.max():
             return None
         (end,) = ends

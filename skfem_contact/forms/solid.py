@@ -691,7 +691,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             k = int(np.argmin(now.min(axis=0)))
             vertices = self.basis.mesh.t[:, self.elements][:, k]
             nodes = self.basis.nodal_dofs[:, vertices]
-            where = format_point((self.basis.doflocs[:, nodes[0]] + x[nodes]).mean(axis=1))
+            corners = self.basis.doflocs[:, nodes[0]] + x[nodes]
+            where = format_point(corners.mean(axis=1))
             angle = float(np.degrees(np.arcsin(max(now[sharp].min(), 0.0))))
             yield Remark(
                 "shape",

@@ -217,6 +217,7 @@ def fit(
     # Estimate the standard errors from the scatter, by the inverse of J^T J.
     free = max(len(result.fun) - len(first), 1)
     J = np.asarray(result.jac, dtype=float)
-    variance = np.diag(np.linalg.pinv(J.T @ J)) * (result.fun**2).sum() / free
+    covariance = np.linalg.pinv(J.T @ J)
+    variance = np.diag(covariance) * (result.fun**2).sum() / free
     parameters = named(result.x)
     return Fit(law(**parameters), parameters, named(np.sqrt(variance)), result.fun)

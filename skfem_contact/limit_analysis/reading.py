@@ -322,7 +322,8 @@ def _profiles(
             c = _parameters(region, flow, name)[0]
             full = _parameters(region, "associated", name)[0]
             share = np.zeros(n)  # of the function's values, in units of the model
-            share[where] = np.divide(c, full, out=np.ones(len(where)), where=full > 0) / unit
+            ones = np.ones(len(where))
+            share[where] = np.divide(c, full, out=ones, where=full > 0) / unit
             profiles.append(Profile(share > 0, partial(_cohesion, given, shape, share)))
     return tuple(profiles)
 
@@ -447,7 +448,8 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     first, second = mesh.f2t[:, mesh.f2t[1] >= 0]
     both = stiff[first] & stiff[second]
     n = mesh.nelements
-    links = coo_matrix((np.ones(both.sum()), (first[both], second[both])), shape=(n, n))
+    ones = np.ones(both.sum())
+    links = coo_matrix((ones, (first[both], second[both])), shape=(n, n))
     label = connected_components(links, directed=False)[1]
     number = np.full(n, -1)
     number[stiff] = np.unique(label[stiff], return_inverse=True)[1]

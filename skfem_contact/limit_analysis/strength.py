@@ -216,7 +216,9 @@ class Strength:
         """Return change of volume and largest shear of strains (n, 3), or opening and slip."""
         if self.joint:
             return values[:, 0], np.abs(values[:, 1])
-        return values[:, 0] + values[:, 1], np.hypot(values[:, 0] - values[:, 1], values[:, 2])
+        volume = values[:, 0] + values[:, 1]
+        shear = np.hypot(values[:, 0] - values[:, 1], values[:, 2])
+        return volume, shear
 
     def factor(self, stress: ndarray, round_off: float) -> ndarray:
         """Return the largest factor that every stress (n, 3) admits: 0 for none, inf for all.
@@ -366,7 +368,8 @@ class Profile(NamedTuple):
         """Return positions among some triangles where the cohesion varies, and corner values."""
         origin = triangles.origin[some]
         varies = np.flatnonzero(self.elements[origin])
-        x = triangles.mesh.p[:, triangles.mesh.t[:, some[varies]]].swapaxes(1, 2)  # (2, n, 3)
+        corners = triangles.mesh.t[:, some[varies]]
+        x = triangles.mesh.p[:, corners].swapaxes(1, 2)  # (2, n, 3)
         return varies, self.cohesion(x, origin[varies])
 
     def vanishes(self, triangles: Triangles) -> bool:

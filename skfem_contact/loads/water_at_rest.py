@@ -239,7 +239,8 @@ def _on_facets(outside: FacetBasis, pressure: Any, porous: ndarray) -> ndarray:
     above = wet & (faced != np.arange(len(faced)))
     if above.any():
         x = np.asarray(outside.global_coordinates())[:, above]
-        head[above] = pressure.head_at(x, head[faced[above]].mean(axis=1)[:, None])
+        faced_head = head[faced[above]].mean(axis=1)
+        head[above] = pressure.head_at(x, faced_head[:, None])
     return _in_seepage(outside, pressure, owner, head)[0]
 
 
@@ -292,7 +293,8 @@ def _beside_facets(outside: FacetBasis, pressure: Any, facets: ndarray, points: 
     # Find the nearest point a + s (b - a) of each facet.
     a, b = mesh.p[:, ends].transpose(1, 2, 0)
     along = b - a
-    s = np.clip(((points - a) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    s = ((points - a) * along).sum(axis=1) / (along**2).sum(axis=1)
+    s = np.clip(s, 0.0, 1.0)
     nearest = np.stack((1.0 - s, s))
     values = np.zeros(len(points))
     # Continue the head of a seepage.

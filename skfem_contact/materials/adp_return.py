@@ -43,7 +43,8 @@ class ADPConstants(NamedTuple):
 
     def stiffness(self, ncomp: int) -> Array:
         """Return the elastic moduli, (n, ncomp, ncomp)."""
-        D = self.mu[:, None, None] * np.diag(np.r_[2.0, 2.0, 2.0, np.ones(ncomp - 3)])
+        deviatoric = np.r_[2.0, 2.0, 2.0, np.ones(ncomp - 3)]
+        D = self.mu[:, None, None] * np.diag(deviatoric)
         D[:, :3, :3] += self.lam[:, None, None]
         return D
 
@@ -278,7 +279,8 @@ def _newton(
     system = _system(z, trial, first, share, k)
     residual = system.residual
     error = np.abs(residual).max(axis=0) / size
-    step = np.linalg.solve(system.jacobian(), residual.T[:, :, None])[:, :, 0]
+    right = residual.T[:, :, None]
+    step = np.linalg.solve(system.jacobian(), right)[:, :, 0]
     return np.where(error < _SOLVED, 0.0, -step.T), error
 
 
@@ -340,7 +342,9 @@ def _at_failure(s: Array, k: ADPConstants) -> tuple[Array, Array]:
     half = 0.5 * (k.active - k.passive)
     of_side = mean + half * v * (1.5 - 0.5 * v * v)
     failure: Array = k.dss * flat + of_side * (1 - flat)
-    return failure, (k.dss - of_side) * by_flat + 1.5 * half * (1 - v * v) * (1 - flat) * by_v
+    side_by_v = 1.5 * half * (1 - v * v)
+    gradient = (k.dss - of_side) * by_flat + side_by_v * (1 - flat) * by_v
+    return failure, gradient
 
 
 def _mobilisation(root: Array, k: ADPConstants) -> tuple[Array, Array]:

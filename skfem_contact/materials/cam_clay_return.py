@@ -186,13 +186,15 @@ def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | No
     directed = E > _ROUND
     square = np.where(directed, E, 1.0)
     cube = square**1.5
-    sine = np.where(directed, np.clip(3 * np.sqrt(6) * determinant / cube, -1, 1), 0.0)
+    sine = np.clip(3 * np.sqrt(6) * determinant / cube, -1, 1)
+    sine = np.where(directed, sine, 0.0)
     a = np.asarray(c.extension) ** 4
     base = 1 + a - (1 - a) * sine
     M = c.M * (2 * a / base) ** 0.25
 
     # differentiate M by the deviator
-    slope = np.where(directed, 0.25 * M * (1 - a) / base * 3 * np.sqrt(6) / cube, 0.0)
+    slope = 0.25 * M * (1 - a) / base * 3 * np.sqrt(6) / cube
+    slope = np.where(directed, slope, 0.0)
     gradient = minors[: len(e)]
     gradient[:3] -= gradient[:3].mean(axis=0)
     return M, slope * (gradient - 3 * determinant / square * e)
@@ -244,7 +246,8 @@ def at_pressure(y: Array, z: Array, trial: Trial) -> Plastic:
         e, e_z = deviators(z, trial)
         M, gradient = critical(e, E, c)
         dM = np.asarray(gradient)
-        M_z = (dM[:3] * e_z[:3]).sum(axis=0) + 2 * (dM[3:] * e_z[3:]).sum(axis=0)
+        by_shear = (dM[3:] * e_z[3:]).sum(axis=0)
+        M_z = (dM[:3] * e_z[:3]).sum(axis=0) + 2 * by_shear
 
     # compute D = y (M^2 - h) / (6 g r), h = 6 g^2 E x^2
     x = 1 / (1 + y)
@@ -329,7 +332,8 @@ def course(at: Plastic, trial: Trial) -> Course:
     most = square + at.h
     F = trial.base + at.z - c.hardening * at.D + np.log1p(at.h / square)
     h_z = 6 * c.g**2 * at.x**2 * at.E_z
-    F_z = 1 - c.hardening * at.D_z + (h_z - 2 * at.h * at.M_z / at.M) / most
+    h_by_M = h_z - 2 * at.h * at.M_z / at.M
+    F_z = 1 - c.hardening * at.D_z + h_by_M / most
     F_y = F_z * z_y - c.hardening * at.D_y - 2 * at.h * at.x / most
     return Course(F, F_z, F_y, D_y, z_y, M_y)
 

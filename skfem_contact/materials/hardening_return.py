@@ -224,7 +224,8 @@ def _residual(
     active = (values[:2] > 0) | (z[:2] > 0)
     active[1] &= with_cap
     bulk = k.lam + 2 * k.mu / 3
-    shear_error = np.abs(np.where(active[0], values[0], k.mu * L)) / trial.size
+    shear_rest = np.where(active[0], values[0], k.mu * L)
+    shear_error = np.abs(shear_rest) / trial.size
     cap_error = np.abs(np.where(active[1], values[1], bulk * C))
     error = np.maximum(shear_error, np.maximum(cap_error, np.abs(values[2])))
     error = np.maximum(error, np.abs(values[3]) / scale)
@@ -261,7 +262,8 @@ def _rows(slopes: _Slopes, r: _Residual) -> Array:
     c1 = slopes.c[..., 0, :]
     c3 = slopes.c[..., 1, :]
     shear = np.where(r.active[0], c1 - r.to_least * c3, 0.0)
-    cap = np.where(r.active[1], r.to_q * slopes.q + r.to_p * slopes.p, 0.0)
+    cap = r.to_q * slopes.q + r.to_p * slopes.p
+    cap = np.where(r.active[1], cap, 0.0)
     return np.array((shear, cap, r.to_minor * c3 - r.to_major * c1))
 
 
@@ -378,7 +380,8 @@ def _followed(
     would be crushed by stresses that the shear relieves. Points without a solution on the way keep
     the variables of no increment.
     """
-    none = np.array((*np.zeros((3, t.gamma.size)), t.factor * t.scale))
+    zeros = np.zeros((3, t.gamma.size))
+    none = np.array((*zeros, t.factor * t.scale))
     z = none.copy()
     if steps == 1:
         z[:2] = first * np.array(((1.0,), (with_cap,)))

@@ -59,7 +59,8 @@ class Constants(NamedTuple):
 
     def stiffness(self, ncomp: int) -> Array:
         """Return the elastic moduli of unloading at the reference stress, (ncomp, ncomp)."""
-        D = 2 * self.mu * np.diag(np.r_[np.ones(3), np.full(ncomp - 3, 0.5)])
+        components = np.r_[np.ones(3), np.full(ncomp - 3, 0.5)]
+        D = 2 * self.mu * np.diag(components)
         D[:3, :3] += self.lam
         return D
 
@@ -217,4 +218,6 @@ def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:
     to_minor = (c[0] - 0.5 * (c[1] + c[2])) / (3 - k.sin_psi)
     to_major = (0.5 * (c[0] + c[1]) - c[2]) / (3 + k.sin_psi)
     multiplier = 2 * np.maximum(to_minor, to_major) / k.mu
-    return c.mean(axis=0) + (k.lam + 2 * k.mu / 3) * k.sin_psi * multiplier <= 0
+    bulk = k.lam + 2 * k.mu / 3
+    mean = c.mean(axis=0) + bulk * k.sin_psi * multiplier
+    return mean <= 0

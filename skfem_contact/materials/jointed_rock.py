@@ -232,7 +232,8 @@ class JointedRock(Material):
         flow = s.b.T @ multipliers  # (4, n)
         flat[:, points] -= s.D @ flow
         mean = flow[:3].mean(axis=0)
-        deviator = ((flow[:3] - mean) ** 2).sum(axis=0) + 0.5 * flow[3] ** 2
+        normal = ((flow[:3] - mean) ** 2).sum(axis=0)
+        deviator = normal + 0.5 * flow[3] ** 2
         new_internal.reshape(1, -1)[0, points] += np.sqrt(2.0 / 3.0 * deviator)
 
         def tangent() -> Array:
@@ -271,7 +272,9 @@ class _Surfaces:
             a += [shear + friction * normal, -shear + friction * normal, normal]
             b += [shear + dilatancy * normal, -shear + dilatancy * normal, normal]
             limit += [joint.c, joint.c, joint.tension]
-        return cls(np.array(a), np.array(b), np.array(limit), D, np.array(a) @ D @ np.array(b).T)
+        normals = np.array(a)
+        flows = np.array(b)
+        return cls(normals, flows, np.array(limit), D, normals @ D @ flows.T)
 
 
 def _resolved(dip: float) -> tuple[Array, Array]:

@@ -164,7 +164,8 @@ def _principal(tensor: Array, shear: float) -> tuple[Array, Array]:
 def _components(values: Array, vectors: Array, ncomp: int, shear: float) -> Array:
     """Return components, (ncomp, ...), of eigenvalues and eigenvectors."""
     T = (vectors * values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    result = np.moveaxis(T[..., _I[:ncomp], _J[:ncomp]], -1, 0).copy()
+    components = T[..., _I[:ncomp], _J[:ncomp]]
+    result = np.moveaxis(components, -1, 0).copy()
     result[3:] *= shear
     return result
 

@@ -116,7 +116,9 @@ class SmallStrain(NamedTuple):
 
 def _product(a: Array, b: Array) -> Array:
     """Return the product of deviators with engineering shear strains, (6, n)."""
-    return (a[:3] * b[:3]).sum(axis=0) + 0.5 * (a[3:] * b[3:]).sum(axis=0)
+    normal = (a[:3] * b[:3]).sum(axis=0)
+    shear = (a[3:] * b[3:]).sum(axis=0)
+    return normal + 0.5 * shear
 
 
 def _norm(e: Array) -> Array:

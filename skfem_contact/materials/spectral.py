@@ -285,12 +285,14 @@ def principal(stress: Array) -> Frame:
     if stress.shape[0] == 4:
         return _plane_frame(stress)
     values, directions = np.linalg.eigh(stress[_TENSOR].transpose(2, 0, 1))
-    return _SpaceFrame(np.ascontiguousarray(values[:, ::-1].T), directions[:, :, ::-1])
+    falling = np.ascontiguousarray(values[:, ::-1].T)
+    return _SpaceFrame(falling, directions[:, :, ::-1])
 
 
 def principal_stresses(stress: Array) -> Array:
     """Return principal stresses (3, ...) of stresses (4 or 6, ...) in descending order."""
-    return principal(stress.reshape(len(stress), -1)).values.reshape(3, *stress.shape[1:])
+    frame = principal(stress.reshape(len(stress), -1))
+    return frame.values.reshape(3, *stress.shape[1:])
 
 
 def largest_shear(strain: Array) -> Array:
@@ -303,12 +305,16 @@ def largest_shear(strain: Array) -> Array:
 
 def square(e: Array) -> Array:
     """Return e:e of a deviator with tensor shears."""
-    return np.square(e[:3]).sum(axis=0) + 2 * np.square(e[3:]).sum(axis=0)
+    normal = np.square(e[:3]).sum(axis=0)
+    shear = np.square(e[3:]).sum(axis=0)
+    return normal + 2 * shear
 
 
 def product(e: Array, f: Array) -> Array:
     """Return e:f of two deviators with tensor shears."""
-    return (e[:3] * f[:3]).sum(axis=0) + 2 * (e[3:] * f[3:]).sum(axis=0)
+    normal = (e[:3] * f[:3]).sum(axis=0)
+    shear = (e[3:] * f[3:]).sum(axis=0)
+    return normal + 2 * shear
 
 
 def deviator(ncomp: int) -> Array:

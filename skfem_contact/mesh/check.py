@@ -260,8 +260,14 @@ def _derivatives(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.float64]
 def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the derivatives of det J by its columns: (dim, dim, n_elements, n_points)."""
     if len(J) == 2:
-        return np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]])
-    return np.array([np.cross(J[:, k - 2], J[:, k - 1], axis=0) for k in range(3)])
+        return np.array(
+            [
+                [J[1, 1], -J[0, 1]],
+                [-J[1, 0], J[0, 0]],
+            ]
+        )
+    rows = [np.cross(J[:, k - 2], J[:, k - 1], axis=0) for k in range(3)]
+    return np.array(rows)
 
 
 def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:

@@ -62,7 +62,8 @@ def outside_of(mesh: Mesh) -> Outside:
     sides = np.array(mesh.elem.refdom.facets)
     nodes = mesh.t[sides[local].T, element].T
     corners = mesh.p.T[nodes]
-    size = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)
+    offset = corners - corners.mean(axis=1, keepdims=True)
+    size = np.linalg.norm(offset, axis=2).max(axis=1)
     return Outside(facets, nodes, corners, size)
 
 
@@ -114,14 +115,16 @@ def hanging_nodes(outside: Outside, points: Floats) -> Indices:
     sides = np.unique(side)
     own = outside.nodes[sides]
     count = outside.nodes.max() + 1
-    of_side = np.concatenate((side * count + node, (sides[:, None] * count + own).ravel()))
+    of_corners = sides[:, None] * count + own
+    of_side = np.concatenate((side * count + node, of_corners.ravel()))
     of_side = np.unique(of_side)
 
     # Find smaller sides around each node all of whose corners are among these nodes
     link = _incidence(outside, count)
     pair, smaller = link[node].nonzero()  # link: (nodes, sides)
     other = side[pair]
-    within = np.isin(other[:, None] * count + outside.nodes[smaller], of_side).all(axis=1)
+    wanted = other[:, None] * count + outside.nodes[smaller]
+    within = np.isin(wanted, of_side).all(axis=1)
     within &= smaller != other
     covered = np.unique(other[within, None] * count + outside.nodes[smaller[within]])
     complete = np.isin(sides[:, None] * count + own, covered).all(axis=1)
@@ -189,7 +192,8 @@ def doubled_elements(mesh: Mesh) -> Indices:
     first = order[near]
     second = order[near + 1]
     apart = np.linalg.norm(middles[:, first] - middles[:, second], axis=0)
-    extent = np.ptp(mesh.p[:, mesh.t[:, first]], axis=1).max(axis=0)
+    corners = mesh.p[:, mesh.t[:, first]]
+    extent = np.ptp(corners, axis=1).max(axis=0)
     same = apart <= _ON * extent
     return np.unique(np.concatenate((first[same], second[same])))
 

@@ -83,7 +83,11 @@ def _sorted(nodes: list[Integers]) -> list[Integers]:
     if len(nodes) == 2:
         return [low, high]
     middle = np.minimum(high, nodes[2])
-    return [np.minimum(low, middle), np.maximum(low, middle), np.maximum(high, nodes[2])]
+    return [
+        np.minimum(low, middle),
+        np.maximum(low, middle),
+        np.maximum(high, nodes[2]),
+    ]
 
 
 def _unpacked(key: Integers, bits: int, dim: int, dtype: np.dtype) -> Integers:

@@ -147,7 +147,8 @@ def _connected_elements(mesh: Mesh) -> list[Indices]:
     size = n_elements + mesh.nvertices
     element = np.tile(np.arange(n_elements), n_corners)
     node = n_elements + mesh.t.ravel()
-    links = coo_matrix((np.ones(mesh.t.size), (element, node)), shape=(size, size))
+    ones = np.ones(mesh.t.size)
+    links = coo_matrix((ones, (element, node)), shape=(size, size))
     label = connected_components(links, directed=False)[1][:n_elements]
     return [np.flatnonzero(label == k) for k in np.unique(label)]
 

@@ -168,7 +168,8 @@ def _side_nodes(kind: str) -> list[list[int]]:
             count = len(side)
         middles = []
         for k in range(count):
-            middles.append(number[frozenset((side[k], side[(k + 1) % len(side)]))])
+            ends = frozenset((side[k], side[(k + 1) % len(side)]))
+            middles.append(number[ends])
         nodes = [*side, *middles]
         if len(side) == 4:
             nodes.append(_FACE_NODES[position])

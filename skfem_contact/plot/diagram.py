@@ -241,7 +241,8 @@ def _at_point(
     distance = np.linalg.norm(coordinates - wanted, axis=1)
     node = int(distance.argmin())
     elements = coordinates[nodes[(nodes == node).any(axis=1)]]  # (elements, nodes, dim)
-    reach = float(np.linalg.norm(np.ptp(elements, axis=1), axis=1).max(initial=0.0))
+    lengths = np.linalg.norm(np.ptp(elements, axis=1), axis=1)
+    reach = float(lengths.max(initial=0.0))
     if distance[node] > reach:
         raise ValueError(
             f"point '{label}' lies outside the bodies: the nearest node, at "

@@ -116,7 +116,8 @@ def _draw_arrows(ax: Axes, centres: ndarray, velocity: ndarray) -> None:
     cell = np.floor(position).astype(int)
     off = np.linalg.norm(position - cell - 0.5, axis=0)
     order = np.lexsort((off, *cell))
-    is_first = np.append(True, (np.diff(cell[:, order]) != 0).any(axis=0))
+    differs = (np.diff(cell[:, order]) != 0).any(axis=0)
+    is_first = np.append(True, differs)
     first = order[is_first]
 
     # Scale the velocities, and leave out small ones.

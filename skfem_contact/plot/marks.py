@@ -179,7 +179,8 @@ def _draw_water(plotter: Any, scene: Scene, water: Water, color: str) -> None:
         _segments(plotter, scene, starts[dashes], ends[dashes], color, 5)
     if lines:
         # The usual triangle of a water table.
-        triangle = 14.0 * scene.pixel * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
+        corners = np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
+        triangle = 14.0 * scene.pixel * corners
         tip = lines[0][len(lines[0]) // 20]
         _polygons(plotter, scene, (tip + triangle)[None], color)
 
@@ -240,7 +241,8 @@ def water_tables(scene: Scene, water: Water) -> list[ndarray]:
 
 def _evenly(line: ndarray, step: float) -> ndarray:
     """Return points (n, 2) along a polyline, about `step` from each other."""
-    arc = np.append(0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum())
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    arc = np.append(0.0, lengths.cumsum())
     even = np.linspace(0.0, arc[-1], max(2, round(arc[-1] / step)))
     return np.column_stack([np.interp(even, arc, values) for values in line.T])
 
@@ -270,7 +272,11 @@ def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
     middle = scene.coordinates[used].mean(axis=0)
 
     # Draw the triangles of each kind outside of the bodies.
-    kinds = (1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")
+    kinds = (
+        (1, x & y, "#444444"),
+        (0, x & ~y, "#b0b0b0"),
+        (1, y & ~x, "#b0b0b0"),
+    )
     for axis, is_fixed, color in kinds:
         if not is_fixed[used].any():
             continue

@@ -113,7 +113,8 @@ def make_scale(
 def quantile(values: ndarray, area: ndarray, share: float) -> float:
     """Return the value that a share of the area does not exceed."""
     order = np.argsort(values)
-    return float(np.interp(share, np.cumsum(area[order]) / area.sum(), values[order]))
+    shares = np.cumsum(area[order]) / area.sum()
+    return float(np.interp(share, shares, values[order]))
 
 
 def _robust(values: ndarray, area: ndarray) -> tuple[float, float]:

@@ -208,7 +208,9 @@ class Cuts:
 
     def _turned(self, angle: ndarray) -> ndarray:
         """Return the axes, turned to the right by angles (n,)."""
-        return np.cos(angle)[:, None] * self.axis - np.sin(angle)[:, None] * self.left
+        cos = np.cos(angle)[:, None]
+        sin = np.sin(angle)[:, None]
+        return cos * self.axis - sin * self.left
 
     def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
         """Return positions along the curved axis and distances to its left of points (m, dim).

@@ -126,7 +126,8 @@ def _with_structures(
             own, values = given
             own = _in_space(own, 3)
             values = values | {"displacement": _in_space(values["displacement"], 3)}
-            blocks.append((kind, len(points) + np.arange(len(own)).reshape(-1, 3)))
+            cells = np.arange(len(own)).reshape(-1, 3)
+            blocks.append((kind, len(points) + cells))
             # Values that only one of both has are gaps at the others.
             filled = _filled([data, values], [len(points), len(own)])
             data = {key: np.concatenate(parts) for key, parts in filled.items()}

@@ -303,7 +303,8 @@ def _balance(
 def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:
     """Return sums over the elements of each patch."""
     pairs = len(patch)
-    pick = csr_matrix((np.ones(pairs), (patch, np.arange(pairs))), shape=(n, pairs))
+    ones = np.ones(pairs)
+    pick = csr_matrix((ones, (patch, np.arange(pairs))), shape=(n, pairs))
     sums = np.asarray(pick @ values.reshape(pairs, -1))
     return sums.reshape(n, *values.shape[1:])
 

@@ -216,7 +216,8 @@ def _line(stage: StageData, line: ArrayLike, n: int) -> tuple[ndarray, ndarray]:
         raise ValueError(f"a line needs at least two points, not n={n}")
     # Equal distances, and the corners.
     knots = np.concatenate(([0.0], np.cumsum(length)))
-    position = np.sort(np.concatenate((np.linspace(0.0, knots[-1], n), knots[1:-1])))
+    evenly = np.linspace(0.0, knots[-1], n)
+    position = np.sort(np.concatenate((evenly, knots[1:-1])))
     # Drop points that coincide with a corner.
     apart = np.diff(position, prepend=-1.0) > _SAME * knots[-1]
     position = position[apart]

@@ -363,7 +363,8 @@ def _undrained(
 
 def _at(value: Any, x: ndarray, name: str, least: float) -> ndarray:
     """Return a number or a function of the coordinates (dim, n_elements, n_points) at points."""
-    values = np.broadcast_to(finite(value(x) if callable(value) else value, name), x.shape[1:])
+    given = value(x) if callable(value) else value
+    values = np.broadcast_to(finite(given, name), x.shape[1:])
     if (values < least).any():
         raise ValueError(f"{name} must be at least {least:g}, but is {values.min():g} somewhere")
     return values

@@ -132,7 +132,8 @@ def _arc(centre: ndarray, radius: float, start: float, end: float) -> Chain:
     count = max(1, int(np.ceil(angle / (0.5 * np.pi))))
     turns = np.linspace(0.0, angle, count + 1) + np.radians(start)
     points = centre + radius * np.column_stack((np.cos(turns), np.sin(turns)))
-    return Chain(points, np.full(count, np.tan(np.diff(turns)[0] / 4.0)), False)
+    bulge = np.tan(np.diff(turns)[0] / 4.0)
+    return Chain(points, np.full(count, bulge), False)
 
 
 def _polyline(vertices: Sequence[tuple[float, float, float]], closed: bool) -> Chain | None:
@@ -154,7 +155,8 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
     counts = [len(chain.points) for chain in chains]
     x = np.vstack([chain.points for chain in chains])
     pairs = scipy.spatial.cKDTree(x).query_pairs(near, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(x), len(x)))
+    ones = np.ones(len(pairs))
+    links = coo_matrix((ones, pairs.T), shape=(len(x), len(x)))
     label = connected_components(links, directed=False)[1]
     first = np.unique(label, return_index=True)[1]
     parts = np.split(x[first[label]], np.cumsum(counts)[:-1])

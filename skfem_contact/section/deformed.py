@@ -379,7 +379,8 @@ def _elements(gmsh: Any, faces: list[int]) -> tuple[ndarray, ndarray, ndarray]:
         nodes = gmsh.model.mesh.getElementsByType(2, face)[1]
         cells.append(row[nodes.astype(int)].reshape(-1, 3))
         part_of.append(np.full(len(cells[-1]), part))
-    return np.reshape(places, (-1, 3))[:, :2], np.vstack(cells), np.concatenate(part_of)
+    coordinates = np.reshape(places, (-1, 3))[:, :2]
+    return coordinates, np.vstack(cells), np.concatenate(part_of)
 
 
 def _signed(lines: list[list[int]], loop: list[tuple[int, int]]) -> list[int]:
@@ -412,7 +413,8 @@ def _loops(chains: list[Chain], new: list[_Resampled], part: int) -> list[list[t
         while at != start:
             loop.append(leaving[at].pop())
             at = _end(chains, loop[-1])
-        points = np.concatenate([new[k].vertices[::sign][:-1] for k, sign in loop])
+        pieces = [new[k].vertices[::sign][:-1] for k, sign in loop]
+        points = np.concatenate(pieces)
         loops.append(loop)
         areas.append(0.5 * _cross(points, np.roll(points, -1, axis=0)).sum())
     return [loops[k] for k in np.argsort(areas)[::-1]]
@@ -460,11 +462,13 @@ def _check_curved(mesh: MeshTri2) -> None:
     mapping = mesh.mapping()
     corners = np.array([[0.0, 1.0, 0.0, 0.5, 0.5, 0.0], [0.0, 0.0, 1.0, 0.0, 0.5, 0.5]])
     J = mapping.detDF(corners)
-    bad = (J.min(axis=1) <= 0.05 * J.max(axis=1)) & (J.max(axis=1) > 0)
+    largest = J.max(axis=1)
+    bad = (J.min(axis=1) <= 0.05 * largest) & (largest > 0)
     turned = np.sign(J[:, 0])[:, None] * J <= 0
     bad |= turned.any(axis=1)
     if bad.any():
-        at = mesh.p[:, mesh.t[:, np.flatnonzero(bad)[0]]].mean(axis=1)
+        element = np.flatnonzero(bad)[0]
+        at = mesh.p[:, mesh.t[:, element]].mean(axis=1)
         raise ValueError(
             f"curved triangles fold over near {format_point(at)}, where the outline bends within "
             "an element: take smaller elements there, or order=1"

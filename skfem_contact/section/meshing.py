@@ -132,7 +132,8 @@ def sharpest(mesh: Mesh) -> tuple[float, ndarray]:
             4.0 * middles[:, side] - 3.0 * corner - corners[:, end]
             for side, end in ((k, (k + 1) % 3), ((k + 2) % 3, (k + 2) % 3))
         )
-        angle = np.arctan2(np.abs(u[0] * v[1] - u[1] * v[0]), (u * v).sum(axis=0))
+        area = u[0] * v[1] - u[1] * v[0]
+        angle = np.arctan2(np.abs(area), (u * v).sum(axis=0))
         if angle.min() < smallest:
             smallest = float(angle.min())
             place = corner[:, angle.argmin()]

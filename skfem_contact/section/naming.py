@@ -40,7 +40,8 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
     found = dict(holes)
     for k, (loop, nodes) in enumerate(loops):
         x, y = mesh.p[:, nodes]
-        if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0.0:
+        areas = x * np.roll(y, -1) - y * np.roll(x, -1)
+        if areas.sum() < 0.0:
             raise ValueError(
                 f"the areas enclose a gap near {format_point(mesh.p[:, nodes].mean(axis=1))}: "
                 f"close it, or name it in holes="
@@ -50,7 +51,8 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
         else:
             parts = {f"{area[mesh.f2t[0, loop[0]]]}:outside": loop}
         for name, facets in parts.items():
-            found[name] = np.append(found.get(name, np.zeros(0, int)), np.setdiff1d(facets, cut))
+            before = found.get(name, np.zeros(0, int))
+            found[name] = np.append(before, np.setdiff1d(facets, cut))
     return {name: np.unique(facets) for name, facets in found.items() if len(facets)}
 
 
@@ -175,7 +177,8 @@ def _top_and_sides(mesh: Mesh, boundaries: Tags, body: str) -> Tags:
     """Return the facets of a body's surface that look upwards, its surface then, and the others."""
     facets = np.asarray(boundaries.get(f"{body}:surface", np.zeros(0, int)))
     first, last = mesh.p[:, mesh.facets[:2, facets]].transpose(1, 0, 2)
-    inner = mesh.p[:, mesh.t[:3, mesh.f2t[0, facets]]].mean(axis=1)
+    corners = mesh.t[:3, mesh.f2t[0, facets]]
+    inner = mesh.p[:, corners].mean(axis=1)
     along = last - first
     up = (0.5 * (first + last) - inner)[1] > 0.0
     upwards = up & (np.abs(along[1]) < np.abs(along[0]))

@@ -273,7 +273,8 @@ def _meet(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:
     """Return which segments a-b and c-d have a point in common."""
     low = np.maximum(np.minimum(a, b), np.minimum(c, d))
     high = np.minimum(np.maximum(a, b), np.maximum(c, d))
-    near = (low <= high + _SAME * np.abs(b - a).max(axis=1, keepdims=True)).all(axis=1)
+    size = np.abs(b - a).max(axis=1, keepdims=True)
+    near = (low <= high + _SAME * size).all(axis=1)
     parted = _side(a, b, c) * _side(a, b, d) <= 0.0
     return near & parted & (_side(c, d, a) * _side(c, d, b) <= 0.0)
 

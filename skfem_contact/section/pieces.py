@@ -198,7 +198,8 @@ def _check_together(
     if len(sides) < 2:
         return
     curves = np.concatenate(list(sides.values()))
-    rows = np.repeat(np.arange(len(sides)), [len(around) for around in sides.values()])
+    counts = [len(around) for around in sides.values()]
+    rows = np.repeat(np.arange(len(sides)), counts)
     shared = coo_matrix((np.ones(len(curves)), (rows, curves)))
     label = connected_components(shared @ shared.T, directed=False)[1]
     if not label.any():

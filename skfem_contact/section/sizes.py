@@ -93,7 +93,8 @@ class Curves:
 
     def check(self, plan: Plan) -> None:
         """Refuse curves that come so near to each other that no mesh fits between them."""
-        nearest = _NEAREST * np.ptp(np.vstack((self.a, self.b)), axis=0).max()
+        ends = np.vstack((self.a, self.b))
+        nearest = _NEAREST * np.ptp(ends, axis=0).max()
         for k, tag in enumerate(self.tags):
             chords = np.flatnonzero(self.owner == k)
             for end in (self.a[chords[0]], self.b[chords[-1]]):

@@ -144,7 +144,8 @@ def chosen(form: Any, old: Any, new: Any, creeping: bool = False) -> dict[str, S
     stress = new.stress - old.stress
     strain = new.strain - old.strain
     if creeping:
-        work = form.weight * np.linalg.norm(stress, axis=0) * np.linalg.norm(strain, axis=0)
+        size = np.linalg.norm(stress, axis=0)
+        work = form.weight * size * np.linalg.norm(strain, axis=0)
     else:
         work = np.abs(form.weight * (stress * strain).sum(axis=0))
     samples = {}
@@ -194,7 +195,8 @@ def _error(samples: Sequence[Sample], begin: int, end: int, driven: bool) -> flo
             lost = (new.strain - strain) * (new.stress - old.stress)
         # Parts that are PARTS times finer err PARTS times less.
         total += sample.work(begin, end)[solved].sum()
-        more += PARTS / (PARTS - 1.0) * (sample.weight * lost.sum(axis=0))[solved].sum()
+        of_points = sample.weight * lost.sum(axis=0)
+        more += PARTS / (PARTS - 1.0) * of_points[solved].sum()
     if total:
         return abs(more / total)
     return 0.0

@@ -457,7 +457,9 @@ class Planner:
         remaining = {name: form for name, form in self._active.items() if name in before}
         for name, form in solids_of(remaining).items():
             own = np.unique(nodes(form.basis))
-            lost = own[(np.abs(then[own]) > least) & (np.abs(now[own]) <= least)]
+            loaded_before = np.abs(then[own]) > least
+            unloaded_now = np.abs(now[own]) <= least
+            lost = own[loaded_before & unloaded_now]
             total = float(then[lost].sum())
             weightless = form.own_weight(gravity) is None
             if weightless and len(lost) > _WEIGHTY * len(own) and total > 0.0:
@@ -596,4 +598,6 @@ def _of_idle_input(
 
 def acts_on(load: ndarray, dofs: ndarray) -> bool:
     """Return True if a load is more than round-off at some dofs."""
-    return len(dofs) > 0 and bool(np.abs(load[dofs]).max() > _NO_LOAD * np.abs(load).max())
+    if not len(dofs):
+        return False
+    return bool(np.abs(load[dofs]).max() > _NO_LOAD * np.abs(load).max())

@@ -79,7 +79,8 @@ def check_base(lag: float, records: Iterable[Record]) -> None:
     """Refuse motions of the base in which water does not follow Darcy's law."""
     for record in records:
         moved = record.velocity - record.velocity.mean()
-        omega = float(np.linalg.norm(record.values)) / max(float(np.linalg.norm(moved)), 1e-300)
+        size = max(float(np.linalg.norm(moved)), 1e-300)
+        omega = float(np.linalg.norm(record.values)) / size
         if omega * lag > _LARGEST:
             raise ValueError(
                 f"the inertia of the water is {omega * lag:.2g} of its resistance at the frequency "

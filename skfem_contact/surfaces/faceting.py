@@ -41,7 +41,8 @@ def alike(slave: Surface, master: Surface) -> bool:
             return False
     # Compare with the curvature of the nearest facet of the master.
     own = curvatures(slave)
-    opposite = scipy.spatial.cKDTree(master.centres.x[0]).query(slave.centres.x[0])[1]
+    tree = scipy.spatial.cKDTree(master.centres.x[0])
+    opposite = tree.query(slave.centres.x[0])[1]
     other = curvatures(master)[opposite]
     largest = np.maximum(np.abs(own), np.abs(other))
     # Round facets fit where the curvatures cancel.
@@ -166,7 +167,8 @@ def _curve(surface: Surface, stencil: _Stencil, xi: ndarray) -> ndarray:
     # The length along the chords is the parameter of the curve.
     t = np.concatenate(([0.0], np.cumsum(chords)))
     own = t[stencil.own]
-    here = _interpolated(np.linspace(-1.0, 1.0, len(own)), own[:, None], xi)[:, 0]
+    knots = np.linspace(-1.0, 1.0, len(own))
+    here = _interpolated(knots, own[:, None], xi)[:, 0]
     return _interpolated(t, x, here)
 
 

@@ -177,7 +177,8 @@ def level_set(
     points = points[np.concatenate(([True], spacing > 1e-6 * spacing.max()))]
     # turn the line so that the body lies to the right
     middle = 0.5 * (points[0] + points[1])
-    left = middle + np.array([-1.0, 1.0]) * (points[1] - points[0])[::-1] * 1e-3
+    along = points[1] - points[0]
+    left = middle + np.array([-1.0, 1.0]) * along[::-1] * 1e-3
     if function(left[0], left[1]) < 0:
         points = points[::-1]
     return smoothed(polyline(points, closed=closed, name=name))
@@ -201,7 +202,8 @@ def plane(point: ArrayLike, normal: ArrayLike, width: float, name: str = "obstac
     axes = _axes(name, normal)
     # Corners counter-clockwise, seen against the normal.
     middle = _point(name, point)
-    corners = 0.5 * width * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    corners = 0.5 * width * square
     points = middle + corners @ axes[:2]
     shape = Shape.of_facets(ElementHex1())
     facets = np.arange(4)[None]

@@ -229,7 +229,8 @@ class Surface:
         new: dict[str, Any] = {}
         for part, field in self.unnumbered:
             local = getattr(self, part)
-            new[part] = np.where(local < 0, -1, np.asarray(numbers[field])[local.clip(0)])
+            own = np.asarray(numbers[field])
+            new[part] = np.where(local < 0, -1, own[local.clip(0)])
         return replace(self, unnumbered=(), **new)
 
     @cached_property
@@ -305,7 +306,8 @@ class Surface:
     def centres(self) -> FacetMapping:
         """The facets' centres in the reference configuration."""
         m = len(self.facets)
-        return self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes)
+        xi = np.tile(self.shape.centre, (m, 1))
+        return self.at(np.arange(m), xi, self.nodes)
 
     @cached_property
     def normals(self) -> ndarray:

@@ -230,7 +230,8 @@ def compare(stage: Any, frd: Frd, dat: list[Printed] | None = None) -> Compariso
     dim = basis.mesh.dim()
     nodes = basis.doflocs[:, ::dim].T
     size = np.ptp(nodes, axis=0).max()
-    distance, row = map(np.asarray, scipy.spatial.cKDTree(frd.points[:, :dim]).query(nodes))
+    tree = scipy.spatial.cKDTree(frd.points[:, :dim])
+    distance, row = map(np.asarray, tree.query(nodes))
     if distance.max() > _SAME * size:
         raise ValueError(
             f"{np.count_nonzero(distance > _SAME * size)} of {len(nodes)} nodes are not in the "

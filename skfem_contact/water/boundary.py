@@ -224,7 +224,8 @@ def _at_points(
 ) -> ndarray:
     """Return a rate at the integration points, times the radius in axial symmetry."""
     x = np.asarray(basis.global_coordinates())  # (dim, n, n_points)
-    rates = values_at(rate, x.reshape(len(x), -1), what).reshape(x.shape[1:])
+    points = x.reshape(len(x), -1)
+    rates = values_at(rate, points, what).reshape(x.shape[1:])
     return radius(basis, axisymmetric) * rates
 
 
@@ -309,7 +310,8 @@ def check_heads(basis: CellBasis, held: ndarray, tie: csr_matrix) -> None:
     dofs = basis.element_dofs
     porous = np.unique(dofs)
     first = np.broadcast_to(dofs[0], dofs.shape)
-    graph = csr_matrix((np.ones(dofs.size), (first.ravel(), dofs.ravel())), shape=tie.shape)
+    ones = np.ones(dofs.size)
+    graph = csr_matrix((ones, (first.ravel(), dofs.ravel())), shape=tie.shape)
     part = connected_components(graph + tie, directed=False)[1]
     without = porous[~np.isin(part[porous], part[held])]
     if len(without):
@@ -367,7 +369,8 @@ def _ties(mesh: Mesh, pair: tuple[str, str], held: ndarray) -> tuple[ndarray, nd
 
 
 def _mean_size(mesh: Mesh, facets: ndarray) -> float:
-    return float(np.ptp(mesh.p[:, mesh.facets[:, facets]], axis=1).max(axis=0).mean())
+    ends = mesh.p[:, mesh.facets[:, facets]]
+    return float(np.ptp(ends, axis=1).max(axis=0).mean())
 
 
 def exchange(basis: CellBasis, connected: Sequence[tuple[str, str]]) -> tuple[csr_matrix, ndarray]:

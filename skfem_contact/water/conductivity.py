@@ -169,7 +169,8 @@ class Conductivity:
             return Slopes(by_pressure, None)
         by_pressure = self._faster(strain)[:, None, None] * by_pressure
         corners = self._corners(pressure, strain)
-        by_strain = (self._rate[:, None] * parts.growth)[:, :, None] * corners[:, None, :]
+        by_growth = self._rate[:, None] * parts.growth
+        by_strain = by_growth[:, :, None] * corners[:, None, :]
         return Slopes(by_pressure, by_strain)
 
     def _corners(self, pressure: ndarray, strain: ndarray | None) -> ndarray:

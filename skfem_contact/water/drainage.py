@@ -139,7 +139,9 @@ def _areas(mesh: Mesh, facets: ndarray) -> ndarray:
     if mesh.dim() == 2:
         normal = p[:, 1] - p[:, 0]
     else:
-        normal = 0.5 * np.cross(p[:, 2] - p[:, 0], p[:, -1] - p[:, 1], axis=0)
+        first_diagonal = p[:, 2] - p[:, 0]
+        second_diagonal = p[:, -1] - p[:, 1]
+        normal = 0.5 * np.cross(first_diagonal, second_diagonal, axis=0)
     return np.asarray(np.linalg.norm(normal, axis=0))
 
 

@@ -29,7 +29,8 @@ _TRIED = (8, 64, 512)
 def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
     """Return the triangles or tetrahedra of elements, (dim + 1, n)."""
     t = mesh.t[:, elements]
-    return np.hstack([t[list(part)] for part in _PARTS[mesh.dim(), len(t)]])
+    parts = _PARTS[mesh.dim(), len(t)]
+    return np.hstack([t[list(part)] for part in parts])
 
 
 def interpolated(
@@ -45,7 +46,8 @@ def interpolated(
     """
     corners = simplices(mesh, elements)
     p = mesh.p[:, corners]  # (dim, dim + 1, m)
-    inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
+    edges = p[:, 1:] - p[:, :1]
+    inverse = np.linalg.inv(edges.transpose(2, 0, 1))
     tree = scipy.spatial.cKDTree(p.mean(axis=1).T)
     n_simplices = len(inverse)
     last = min(_TRIED[-1], n_simplices)

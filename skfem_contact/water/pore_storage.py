@@ -249,8 +249,8 @@ def _stabilisation(porous: Porous, shear: ndarray) -> ndarray:
 def _upward(basis: CellBasis, pressures: CellBasis, axisymmetric: bool) -> ndarray:
     """Return the forces of an upward unit weight 1 by corner, (n_elements, n_u, n_p)."""
     weight = np.asarray(basis.dx * radius(basis, axisymmetric))
-    up = [np.asarray(basis.basis[b][0])[-1] for b in range(basis.Nbfun)]
-    corner = [np.asarray(pressures.basis[j][0]) for j in range(pressures.Nbfun)]
+    up = [np.asarray(displacement)[-1] for (displacement,) in basis.basis]
+    corner = [np.asarray(shape) for (shape,) in pressures.basis]
     of_ground = np.stack([np.broadcast_to(values, weight.shape) for values in up])
     of_corners = np.stack([np.broadcast_to(values, weight.shape) for values in corner])
     forces = np.einsum("beq,jeq,eq->ebj", of_ground, of_corners, weight, optimize=True)

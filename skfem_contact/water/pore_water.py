@@ -385,7 +385,8 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
         new.porous = porous
         new._capacity = porous.at_nodes(softness)
         size = basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())
-        new.fields = (replace(self.fields[0], scale=float(around.modulus.mean() / size.mean())),)
+        scale = float(around.modulus.mean() / size.mean())
+        new.fields = (replace(self.fields[0], scale=scale),)
         # Store the water, and let it flow.
         new._moisture = None
         if self._laws is None:

@@ -73,7 +73,8 @@ class _Limited(Retention):
     def limited(self, k: ndarray, slope: ndarray, dry: ndarray) -> tuple[ndarray, ndarray]:
         """Return the relative permeability and its slope, 1 in wet ground, and above the limit."""
         changing = dry & (k > self.least)
-        return np.where(dry, np.maximum(k, self.least), 1.0), np.where(changing, slope, 0.0)
+        k = np.where(dry, np.maximum(k, self.least), 1.0)
+        return k, np.where(changing, slope, 0.0)
 
 
 @dataclass(frozen=True)
@@ -197,7 +198,8 @@ class VanGenuchten(_Limited):
         # slope of (x / (1 + x))^m: infinite at s = 0 for n < 2
         from_zero = np.maximum(s, _STEEPEST) ** (self.n - 2.0)
         steep = (self.n - 1.0) * from_zero * (1.0 + x) ** (-m - 1.0)
-        slope = -filled * rest * (0.5 * m * self.n * rest * x / s / (1.0 + x) + 2.0 * steep)
+        by_filled = 0.5 * m * self.n * rest * x / s / (1.0 + x)
+        slope = -filled * rest * (by_filled + 2.0 * steep)
         return self.limited(k, self.alpha * slope, suction > 0.0)
 
     @override
@@ -212,10 +214,12 @@ class VanGenuchten(_Limited):
     def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
         m = self._m
         steepest = m ** (1.0 / self.n) / self.alpha  # at x = m
-        turn = (flat / (self.alpha * m * self.n)) ** (1.0 / (self.n - 1.0)) / self.alpha
+        relative = flat / (self.alpha * m * self.n)
+        turn = relative ** (1.0 / (self.n - 1.0)) / self.alpha
 
         def suction_of(filled: ndarray) -> ndarray:
-            return np.asarray(np.expm1(-np.log(filled) / m) ** (1.0 / self.n) / self.alpha)
+            power = np.expm1(-np.log(filled) / m)
+            return np.asarray(power ** (1.0 / self.n) / self.alpha)
 
         turn = np.clip(turn, _STEEPEST * steepest, steepest)
         return _by_saturation(self, turn, suction_of, suction, change, flat)

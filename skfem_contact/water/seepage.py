@@ -156,7 +156,8 @@ class Seepage:
                 "water"
             )
         # Compare the submerged weight with the seepage force upwards, γ_w ∂h/∂y dV.
-        rise = np.asarray(self.basis.interpolate(np.nan_to_num(self.head)).grad)[-1][here]
+        head = self.basis.interpolate(np.nan_to_num(self.head))
+        rise = np.asarray(head.grad)[-1][here]
         volume = (self.basis.dx * radius(self.basis, self._axisymmetric))[here]
         upward = -self._unit_weight * float((rise * volume).sum())
         weight = (unit_weight - self._unit_weight) * float(volume.sum())

@@ -69,7 +69,8 @@ class StoringFlow(DarcyFlow):
         """Return how far stored volumes, (2, N), exceed the possible ones, over the span."""
         least = self.gathered(self._least)
         off = np.maximum(least - stored[0], stored[0] - least - span[0])
-        share = np.divide(off, span[0], out=np.zeros_like(off), where=span[0] > 0.0)
+        none = np.zeros_like(off)
+        share = np.divide(off, span[0], out=none, where=span[0] > 0.0)
         return float(share.max(initial=0.0))
 
     def room(self, head: ndarray) -> float:

@@ -151,7 +151,8 @@ def pit(
     # Check that floors and wall descend.
     levels = np.append(0.0, finite(floors, "floors"))
     heights = np.append(0.0, finite(wall, "wall"))
-    descending = (np.diff(levels) < 0.0).all() and (np.diff(heights[heights < 0.0]) < 0.0).all()
+    below = heights[heights < 0.0]
+    descending = (np.diff(levels) < 0.0).all() and (np.diff(below) < 0.0).all()
     if not descending or heights[-1] > levels[-1]:
         raise ValueError(
             "heights of floors and of the wall must descend from 0, to the toe of the wall, not "
