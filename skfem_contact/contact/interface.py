@@ -28,6 +28,7 @@ from .laws import LawUpdate, Status
 from .neighbours import ON_FACET, NeighbourList, Neighbours
 from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
+from .symmetry import Plane
 
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
@@ -168,8 +169,8 @@ class Interface:
     """Slave and master with a quadrature rule, and the share of a facet that gaps may have.
 
     With `rounds` gaps count between smooth curves where facets in the plane approximate these.
-    With a `fold` both are one surface, which touches itself. The slave's chain in the plane may be
-    `mirrored` at its begin and its end.
+    With a `fold` both are one surface, which touches itself. The slave may end at `planes` of
+    symmetry.
     """
 
     slave: Surface
@@ -178,7 +179,7 @@ class Interface:
     adjusted: float = 0.0
     rounds: bool = False
     fold: Fold | None = None
-    mirrored: tuple[bool, bool] = (False, False)
+    planes: tuple[Plane, ...] = ()
 
     def _around(
         self, candidates: NeighbourList, points: SlavePoints, nodes: ndarray, positions: ndarray
@@ -248,10 +249,20 @@ class Interface:
             return np.zeros(0)
         slave, master = self.positions(x)
         if self.slave.dim == 3:
-            return piecewise(self.slave, slave, self.master, master, self.adjusted)
+            planes = [plane.now(slave) for plane in self.planes]
+            return piecewise(self.slave, slave, self.master, master, self.adjusted, planes)
         return common_cuts(
-            self.slave, slave, self.master, master, facing=self._facing, mirrored=self.mirrored
+            self.slave, slave, self.master, master, facing=self._facing, mirrored=self._mirrored
         )
+
+    @cached_property
+    def _mirrored(self) -> tuple[bool, bool]:
+        """True if the slave's chain in the plane begins and ends at planes of symmetry."""
+        if self.slave.closed:
+            return False, False
+        on_plane = np.unique(np.concatenate([np.zeros(0, int), *(p.nodes for p in self.planes)]))
+        begin, end = self.slave.shape.corners.argmin(), self.slave.shape.corners.argmax()
+        return self.slave.facets[0, begin] in on_plane, self.slave.facets[-1, end] in on_plane
 
     def fits(self, cuts: ndarray) -> bool:
         """Return True if cuts belong to this slave."""

@@ -21,10 +21,9 @@ these equations is a primal-dual active set strategy (S. Hueeber, B. I. Wohlmuth
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import scipy
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array, vstack
 
@@ -32,7 +31,6 @@ from ..forms.base import Response
 from ..sparse import float_bincount
 from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import frame
 from .interface import ROUND_OFF, ContactState
 from .kinematics import Kinematics, geometric_tangent, slip_gradient
 from .laws import LawUpdate, Status
@@ -49,10 +47,6 @@ _NOTHING, _SINGULAR = 1e-9, 1e-10
 _HELD = 1e-6
 #: Second moment of a surface, over the largest one, below which it has no extent there.
 _FLAT = 1e-6
-#: Distance from a plane of symmetry, over the size of a facet, that is none.
-_ON_PLANE = 1e-3
-#: Square of the cosine between a direction of slip and supports that hold it.
-_ALONG = 0.99
 
 
 def hats(shape: Shape, xi: ndarray) -> ndarray:
@@ -114,91 +108,6 @@ class Nodes:
         point = np.full(len(slave.nodes), -1)
         point[points.nodes.ravel()[order]] = order // k
         return cls(values, owner, point)
-
-
-class Plane(NamedTuple):
-    """A plane of symmetry across an axis, at a coordinate.
-
-    Tractions across it are odd: their mirror images have the other sign, a mask (dim,).
-    """
-
-    axis: int
-    coordinate: float
-    odd: ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Symmetry:
-    """Nodes of a slave that supports hold along the surface, as the master on the same plane.
-
-    Across a plane of symmetry nothing slips, and no friction acts: a multiplier would act on the
-    master's inside alone, and its equations would nearly be equations of its neighbours. Supports
-    that move the two sides apart are no such plane.
-
-    Attributes
-    ----------
-    along : ndarray, shape (dim - 1, n_nodes)
-        Mask of the directions of slip that are held.
-    own, opposite : ndarray, shape (n_nodes, dim)
-        Dofs of these nodes, and dofs of the master beside them; -1 where they are not held.
-    """
-
-    along: ndarray
-    own: ndarray
-    opposite: ndarray
-
-    @classmethod
-    def of(cls, slave: Surface, master: Surface, fixed: ndarray) -> Symmetry:
-        """Return the nodes that fixed dofs hold."""
-        reach = max(slave.spacing, master.spacing)
-        own = np.where(np.isin(slave.dofs, fixed), slave.dofs, -1)
-        opposite = np.full(own.shape, -1)
-
-        # Find held nodes of the master on the same plane, direction by direction
-        for i in range(slave.dim):
-            members = np.flatnonzero((master.dofs[:, i] >= 0) & np.isin(master.dofs[:, i], fixed))
-            if len(members) == 0:
-                continue
-            distance, nearest = scipy.spatial.cKDTree(master.nodes[members]).query(slave.nodes)
-            beside = members[nearest]
-            apart = np.abs(master.nodes[beside, i] - slave.nodes[:, i])
-            on_plane = (distance < reach) & (apart < _ON_PLANE * reach)
-            opposite[on_plane, i] = master.dofs[beside[on_plane], i]
-        held = (own >= 0) & (opposite >= 0)
-        directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
-        along = (directions**2 * held[:, None]).sum(axis=2) > _ALONG
-        return cls(along.T, np.where(held, own, -1), np.where(held, opposite, -1))
-
-    def planes(self, slave: Surface) -> list[Plane]:
-        """Return the planes of symmetry at which a slave ends."""
-        planes = []
-        directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
-        near = _ON_PLANE * slave.spacing
-        for i, coordinates in enumerate(slave.nodes.T):
-            for end in (coordinates.min(), coordinates.max()):
-                on = np.abs(coordinates - end) <= near
-                across = (directions[on, :, i] ** 2 > _ALONG).all(axis=0)
-                if across.any() and (self.own[on, i] >= 0).all():
-                    planes.append(Plane(i, float(end), np.append(False, across)))
-        return planes
-
-    def ends(self, slave: Surface) -> tuple[bool, bool]:
-        """Return if the chain of a slave in the plane begins and ends on planes of symmetry."""
-        if slave.dim == 3 or slave.closed:
-            return False, False
-        facets = np.array([0, len(slave.facets) - 1])
-        first, last = slave.at(facets, np.array([[-1.0], [1.0]]), slave.nodes, 0).x[0]
-        near = _ON_PLANE * slave.spacing
-        planes = self.planes(slave)
-        begins = any(abs(first[plane.axis] - plane.coordinate) <= near for plane in planes)
-        ends = any(abs(last[plane.axis] - plane.coordinate) <= near for plane in planes)
-        return begins, ends
-
-    def slides(self, x: ndarray, round_off: float) -> ndarray:
-        """Return a mask of nodes, (n_nodes,), that supports have moved along the master."""
-        held = self.own >= 0
-        apart = np.where(held, x[self.own] - x[self.opposite], 0.0)
-        return np.asarray((np.abs(apart) > round_off).any(axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -420,10 +329,7 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
     facing, weights, *_ = integrals(pair, state, at, state.gap)
     forces = np.einsum("nk,ink->in", weights, state.multiplier[:, facing.nodes])
     area = pair.share * facing.weight
-    if pair.symmetry:
-        planes = pair.symmetry.planes(pair.slave)
-    else:
-        planes = []
+    planes = pair.symmetry.planes if pair.symmetry else ()
 
     # Weigh the points by one and by their coordinates across the mean normal, over the size
     x = facing.positions(pair.slave.nodes)

@@ -20,10 +20,10 @@ from .base import ContactBase, initial_clearance
 from .diagnosis import remarks
 from .interface import RECUTS, ContactState
 from .laws import InterfaceLaw, Status
-from .multipliers import Symmetry
 from .prestress import LinearisedContact, TractionOperator
 from .quadrature import SlavePoints
 from .search import Projection
+from .symmetry import Symmetry
 
 #: Tractions that differ by this share come from another penalty; and the share of the largest one
 #: that counts.
@@ -298,9 +298,9 @@ class ContactPair(ContactBase):
         else:
             idle = np.zeros(0, int)
         interface = self.interface
-        mirrored = symmetry.ends(self.slave)
-        if mirrored != interface.mirrored:
-            interface = replace(interface, mirrored=mirrored)
+        ends = [plane[:2] for plane in symmetry.planes]
+        if ends != [plane[:2] for plane in interface.planes]:
+            interface = replace(interface, planes=symmetry.planes)
         return self.with_(symmetry=symmetry, interface=interface), idle
 
     @override

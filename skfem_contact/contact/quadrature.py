@@ -8,6 +8,7 @@ the slave's facet (I. E. Sutherland and G. W. Hodgman, 1974) and cut into triang
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy import ndarray
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
-from ..surfaces.shape import divided_rule, gauss_points, rule
+from ..surfaces.shape import Shape, divided_rule, gauss_points, rule
 from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import across, cross, determinant, dot, products, solve, unit
 from .neighbours import NeighbourList
@@ -45,6 +46,8 @@ _NEAR = 0.2
 #: 1.1 and .6 % with .3, .1 and .05. With .05 a block on an incline finds no equilibrium .02 degrees
 #: before it slides.
 _EDGE = 0.1
+#: Distance from a plane of symmetry, over the size of a facet, that is none.
+ON_PLANE = 1e-3
 _LAST_STEP = 1e-9  # of Newton's method: the error is its square
 
 
@@ -263,17 +266,18 @@ def piecewise(
     master: Surface,
     master_nodes: ndarray,
     adjusted: float = 0.0,
+    planes: Iterable[tuple[int, float]] = (),
 ) -> ndarray:
     """Return points on all pieces of the slave's facets at present coordinates, shape (n, 5).
 
     A row holds the slave's facet, two local coordinates, the weight in their measure, and the facet
     of the master that the piece faces, -1 on facets that are not near any. Gaps up to the share
-    `adjusted` of a facet count as none.
+    `adjusted` of a facet count as none. Planes of symmetry are given by their axis and coordinate.
     """
     # Draw the corners of each pair of facets in the mean plane of the slave's facet
-    own, facing = _pairs(slave, slave_nodes, master, master_nodes)
     slave_corners = _corners(slave, slave_nodes)
-    master_corners = _corners(master, master_nodes)
+    master_corners, facets = _with_images(_corners(master, master_nodes), planes)
+    own, facing = _pairs(slave_corners, slave.size, master_corners)
     centre, axes = _mean_planes(slave_corners)
     _, master_axes = _mean_planes(master_corners)
     clip = _in_plane(slave_corners[own], centre[own], axes[own])
@@ -291,25 +295,23 @@ def piecewise(
     clip = clip[near]
     polygon = polygon[near]
 
-    # Clip the master's facets by the slave's, and cut the pieces into triangles
-    piece, triangles = _fans(*_clipped(polygon[:, :, :2], clip[:, :, :2]))
-    size = _area(triangles)
-    height = _heights(polygon[piece], triangles).min(axis=1)
-    kept = (size > _SLIVER * slave.area[own[piece]]) & (height < limit[own[piece]])
-    piece = piece[kept]
-    triangles = triangles[kept]
-    size = size[kept]
+    # Clip the master's facets by the slave's, and leave out slivers and pieces that are far
+    pieces, corners = _clipped(polygon[:, :, :2], clip[:, :, :2])
+    number = np.arange(max(pieces.shape[1], 4))
+    number = np.minimum(number, corners[:, None] - 1).clip(0)  # the last corner is repeated
+    pieces = np.take_along_axis(pieces, number[..., None], axis=1)
+    height = _heights(polygon, pieces).min(axis=1)
+    kept = (_area(pieces) > _SLIVER * slave.area[own]) & (height < limit[own])
+    own = own[kept]
+    facing = facing[kept]
 
-    # Put the points of a rule on each triangle, and map them back to the slave's facets
+    # Put points on every piece, and map them back to the slave's facets
     order = int(slave.shape.exponents.max())
-    xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + 2 * order)
-    shapes = np.stack((1.0 - xi.sum(axis=0), *xi), axis=1)
-    points = (shapes @ triangles).reshape(-1, 2)
-    area = (2.0 * size[:, None] * w).ravel()
-    piece = np.repeat(piece, len(w))
+    degree = 2 * order if slave.shape.triangular else 4 + 2 * order
+    piece, points, area = _points_on(pieces[kept], corners[kept], degree)
     facet = own[piece]
     local, slope = _back(slave, slave_nodes, facet, centre[facet], axes[facet], points)
-    return _with_the_others(slave, facet, local, area / slope, facing[piece])
+    return _with_the_others(slave, facet, local, area / slope, facets[facing[piece]])
 
 
 def _corners(surface: Surface, nodes: ndarray) -> ndarray:
@@ -317,13 +319,30 @@ def _corners(surface: Surface, nodes: ndarray) -> ndarray:
     return np.asarray(nodes[surface.facets[:, : len(surface.shape.corners)]])
 
 
+def _with_images(corners: ndarray, planes: Iterable[tuple[int, float]]) -> tuple[ndarray, ndarray]:
+    """Add the mirror images of facets at planes of symmetry; return corners and facets.
+
+    The facets of a round body are inclined where they end at the plane, and face a part of the
+    master's image.
+    """
+    facets = np.arange(len(corners))
+    near = ON_PLANE * _spheres(corners)[1].mean()
+    for axis, coordinate in planes:
+        ends = (np.abs(corners[:, :, axis] - coordinate) < near).any(axis=1)
+        image = corners[ends, ::-1].copy()
+        image[:, :, axis] = 2.0 * coordinate - image[:, :, axis]
+        corners = np.concatenate((corners, image))
+        facets = np.concatenate((facets, facets[ends]))
+    return corners, facets
+
+
 def _pairs(
-    slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray
+    slave_corners: ndarray, slave_size: ndarray, master_corners: ndarray
 ) -> tuple[ndarray, ndarray]:
     """Return pairs of facets of slave and master whose spheres touch, by sizes of the master's."""
-    slave_centre, slave_radius = _spheres(_corners(slave, slave_nodes))
-    centre, radius = _spheres(_corners(master, master_nodes))
-    reach = slave_radius + _FACING * slave.size
+    slave_centre, slave_radius = _spheres(slave_corners)
+    centre, radius = _spheres(master_corners)
+    reach = slave_radius + _FACING * slave_size
     levels = np.floor(np.log2(radius)).astype(int)
     own = []
     facing = []
@@ -418,13 +437,55 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
     return polygons, count
 
 
-def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
-    """Cut convex polygons into triangles about their first corners; return polygon and corners."""
-    number = np.arange(1, max(polygons.shape[1] - 1, 1))
-    polygon, column = np.nonzero(number + 1 < count[:, None])
-    second = number[column]
-    corners = np.stack((np.zeros_like(second), second, second + 1), axis=1)
-    return polygon, polygons[polygon[:, None], corners]
+def _points_on(
+    polygons: ndarray, corners: ndarray, degree: int
+) -> tuple[ndarray, ndarray, ndarray]:
+    """Return points of rules on convex polygons with so many corners: polygon, point and area.
+
+    Polynomials of the degree are integrated exactly. The points do not depend on the first corner,
+    so that mirror images have mirrored points: quadrilaterals have a product rule, polygons of more
+    corners are cut into triangles about their centres.
+    """
+    # Put a rule on triangles
+    of_many, parts = _about_centres(polygons, corners)
+    three = np.flatnonzero(corners == 3)
+    triangles = np.concatenate((polygons[three, :3], parts))
+    xi, w = get_quadrature(RefTri, degree)
+    shapes = np.stack((1.0 - xi.sum(axis=0), *xi), axis=1)
+    in_triangles = shapes @ triangles
+    areas = 2.0 * _area(triangles)[:, None] * w
+
+    # Put a rule on quadrilaterals, whose area |x_,1 x x_,2| has one degree more
+    four = np.flatnonzero(corners == 4)
+    bilinear = Shape.of_cells(3, 4)
+    xi, w = rule(bilinear, degree // 2 + 1)
+    values, slopes = bilinear.at(np.zeros(len(xi), int), xi, 1)
+    in_four = values @ polygons[four, :4]
+    tangents = np.einsum("qak,nkc->nqac", slopes, polygons[four, :4])
+    areas_of_four = determinant(tangents.reshape(-1, 2, 2)) * np.tile(w, len(four))
+
+    # Join both
+    piece = np.concatenate(
+        (
+            np.repeat(np.concatenate((three, of_many)), areas.shape[1]),
+            np.repeat(four, len(w)),
+        )
+    )
+    points = np.concatenate((in_triangles.reshape(-1, 2), in_four.reshape(-1, 2)))
+    return piece, points, np.concatenate((areas.ravel(), areas_of_four))
+
+
+def _about_centres(polygons: ndarray, corners: ndarray) -> tuple[ndarray, ndarray]:
+    """Cut polygons of more than four corners about their centres; return polygon and corners."""
+    many = np.flatnonzero(corners > 4)
+    x = polygons[many]
+    after = np.roll(x, -1, axis=1)
+    twice = x[..., 0] * after[..., 1] - x[..., 1] * after[..., 0]
+    moment = ((x + after) * twice[..., None]).sum(axis=1)
+    centre = moment / (3.0 * twice.sum(axis=1))[:, None]
+    polygon, side = np.nonzero((x != after).any(axis=2))
+    triangles = np.stack((centre[polygon], x[polygon, side], after[polygon, side]), axis=1)
+    return many[polygon], triangles
 
 
 def _back(

@@ -7,10 +7,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefTri
 
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import NeighbourList, Neighbours
-from skfem_contact.contact.quadrature import gauss, nodal, piecewise
+from skfem_contact.contact.quadrature import _points_on, gauss, nodal, piecewise
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import EXTENSION, Surface
@@ -399,3 +401,37 @@ def test_what_is_no_surface(name):
     mistake, message = NO_SURFACE[name]
     with pytest.raises(ValueError, match=message):
         mistake()
+
+
+@pytest.mark.parametrize("corners", [3, 4, 5, 6])
+def test_points_on_pieces_do_not_depend_on_the_first_corner(corners: int) -> None:
+    """[X] The areas and moments of a polygon, cut about its first corner, to the degree of the
+    rule.
+    """
+    angle = 2.0 * np.pi * np.arange(corners) / corners
+    polygon = np.stack((np.cos(angle) + 0.3 * np.sin(angle), 0.7 * np.sin(angle + 0.1)), axis=1)
+    turns = [np.roll(polygon, k, axis=0) for k in range(corners)]
+    padded = np.array([np.vstack((turn, *[turn[-1:]] * (7 - corners))) for turn in turns])
+    piece, points, area = _points_on(padded, np.full(corners, corners), 4)
+
+    # Compare with triangles about the first corner
+    xi, w = get_quadrature(RefTri, 4)
+    exact = 0.0
+    for k in range(1, corners - 1):
+        a, b, c = polygon[[0, k, k + 1]]
+        x = a + np.outer(xi[0], b - a) + np.outer(xi[1], c - a)
+        size = np.linalg.det(np.stack((b - a, c - a)))
+        exact += size * w @ _monomials(x)
+    sums = [area[piece == k] @ _monomials(points[piece == k]) for k in range(corners)]
+    assert np.array(sums) == pytest.approx(np.tile(exact, (corners, 1)), abs=1e-12)
+
+    # All orders of the corners have the same points
+    first = points[piece == 0]
+    for k in range(1, corners):
+        apart = np.linalg.norm(first[:, None] - points[piece == k], axis=2)
+        assert apart.min(axis=1).max() < 1e-12
+
+
+def _monomials(x: np.ndarray) -> np.ndarray:
+    """Monomials to the fourth degree, (n, 15)."""
+    return np.stack([x[:, 0] ** i * x[:, 1] ** j for i in range(5) for j in range(5 - i)], axis=1)

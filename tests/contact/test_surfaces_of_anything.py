@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
-from skfem_contact.contact.quadrature import _pairs
+from skfem_contact.contact.quadrature import _corners, _pairs
 from skfem_contact.surfaces.surface import Surface
 from tests.tools.helpers import grid, vector_basis
 
@@ -336,7 +336,7 @@ def test_facets_of_any_size_that_may_face_each_other_are_paired() -> None:
     }
     basis = Basis(sc.join_bodies(bodies), ElementVector(ElementHex1()), intorder=2)
     slave, master = (Surface.from_boundary(basis, name) for name in ("up:front", "low:back"))
-    own, facing = _pairs(slave, slave.nodes, master, master.nodes)
+    own, facing = _pairs(_corners(slave, slave.nodes), slave.size, _corners(master, master.nodes))
     found = set(zip(own.tolist(), facing.tolist(), strict=True))
 
     def spheres(surface):

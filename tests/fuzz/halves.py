@@ -7,17 +7,23 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 from skfem import (
     Basis,
     ElementHex1,
+    ElementHex2,
+    ElementHexS2,
     ElementQuad1,
     ElementQuad2,
+    ElementTetP1,
+    ElementTetP2,
     ElementTriP1,
     ElementTriP2,
     ElementVector,
     Mesh,
     MeshHex,
     MeshQuad,
+    MeshTet,
     MeshTri,
 )
 
@@ -33,7 +39,12 @@ KINDS = {
     "P1": (MeshTri, ElementTriP1),
     "P2": (MeshTri, ElementTriP2),
     "Hex8": (MeshHex, ElementHex1),
+    "Hex20": (MeshHex, ElementHexS2),
+    "Hex27": (MeshHex, ElementHex2),
+    "Tet4": (MeshTet, ElementTetP1),
+    "Tet10": (MeshTet, ElementTetP2),
 }
+SECOND_ORDER = ("Q2", "P2", "Hex20", "Hex27", "Tet10")
 METHODS = {
     "penalty": None,
     "augmented": sc.AugmentedLagrangian(),
@@ -64,7 +75,7 @@ class Pressed:
 
     @property
     def dim(self) -> int:
-        return 3 if self.element == "Hex8" else 2
+        return KINDS[self.element][0].elem.refdom.dim()
 
     def grid(self, half: float, n: int, low: float, layers: int, mirrored: bool) -> Mesh:
         """Mesh of one body: the half at positive x, with its image if asked for."""
@@ -72,7 +83,11 @@ class Pressed:
         across = [np.linspace(0.0, half, n + 1)] * (self.dim - 1)
         mesh = kind.init_tensor(*across, np.linspace(low, low + HEIGHT, layers + 1))
         if mirrored:
-            mesh = mesh + mesh.mirrored(tuple(np.eye(self.dim)[0]))
+            image = mesh.mirrored(tuple(np.eye(self.dim)[0]))
+            exact = np.hstack((mesh.p, image.p)).T
+            mesh = mesh + image  # scikit-fem rounds to eight decimals
+            nearest = cKDTree(exact).query(mesh.p.T)[1]
+            mesh = replace(mesh, doflocs=exact[nearest].T.copy())
         ends = {"bottom": low, "top": low + HEIGHT}
         return mesh.with_boundaries(
             {name: lambda x, z=z: np.abs(x[-1] - z) < 1e-9 for name, z in ends.items()}
@@ -86,7 +101,7 @@ class Pressed:
         round_one[-1] += share * (body.p[:-1] ** 2).sum(axis=0) / (2.0 * self.radius)
         block = self.grid(BLOCK, self.elements[1], -HEIGHT, 3, whole)
         mesh = sc.join_bodies({"block": block, "body": replace(body, doflocs=round_one)})
-        order = 4 if self.element in ("Q2", "P2") else 2
+        order = 4 if self.element in SECOND_ORDER else 2
         basis = Basis(mesh, ElementVector(KINDS[self.element][1]()), intorder=order)
         soft, stiff = (sc.LinearElastic(E=1e4 * factor, nu=0.3) for factor in (1.0, self.stiffer))
         forms = {
@@ -145,7 +160,7 @@ def same(drawn: Pressed) -> Iterator[Check]:
     to nodes, of which the last one is shown over half of a facet.
     """
     (part, halves), (whole, wholes) = (drawn.stages(k) for k in (False, True))
-    image = _numbers(part, whole)
+    image = half_of(part, whole)
     for one, both in zip(halves, wholes, strict=True):
         size = np.abs(both.x[: whole.N]).max()
         yield Check("half", np.abs(one.x[: part.N] - both.x[image]).max() / size, 1e-2)
@@ -168,7 +183,7 @@ def _shear_on_plane(joint: Tractions) -> float:
     return float(np.abs(joint.shear.reshape(len(near), -1)[near, 0]).max(initial=0.0))
 
 
-def _numbers(part: Basis, whole: Basis) -> np.ndarray:
+def half_of(part: Basis, whole: Basis) -> np.ndarray:
     """Return the number in the whole model of each dof of the half."""
     numbers = {row: k for k, row in enumerate(_rows(whole))}
     return np.array([numbers[row] for row in _rows(part)])
