@@ -16,7 +16,7 @@ from .quadrature import ON_PLANE
 
 #: Square of the cosine between a direction of slip and supports that hold it.
 _ALONG = 0.99
-#: Square of the cosine between a normal and a support across which the surface may go on.
+#: Square of the cosine between a normal and a support across which the surface may continue.
 _ACROSS = 0.5
 
 
