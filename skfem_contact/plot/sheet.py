@@ -471,5 +471,5 @@ def _kind_of_window() -> str:
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (it brings the classes)
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
-    with pyvista.vtk_verbosity("off"):  # of the displays that are not there
+    with pyvista.vtk_verbosity("off"):  # it complains of displays that the machine lacks
         return str(vtkRenderWindow().GetClassName())
