@@ -355,6 +355,29 @@ def winkler(length, m, EI, p_max=None, k=1e4, spacing=1.0):
     return sc.Model(forms, np.arange(basis.N))
 
 
+@pytest.mark.parametrize("degrees", [35.0, -50.0, 90.0])
+def test_deflections_of_an_inclined_pile(degrees):
+    """[X] A pile that is turned with its force has the same deflections and resistances."""
+    mesh = MeshQuad.init_tensor(np.linspace(-6.0, 6.0, 13), np.linspace(-6.0, 1.0, 8))
+    basis = vector_basis(mesh.with_defaults(), "Q1", intorder=2)
+    columns = ("deflection", "resistance", "share")
+    found = []
+    for angle in (0.0, np.radians(degrees)):
+        along = np.array([np.sin(angle), -np.cos(angle)])
+        line = np.linspace(0.0, 5.0, 11)[:, None] * along
+        beam = sc.Beam(None, line, EI=4e4, EA=1e8, GA=1e9)
+        skin = sc.Embedded(basis, beam, T_max=1e6, stiffness=1e4, p_max=30.0)
+        forms = {"soil": sc.SolidForm(basis, ELASTIC), "pile": beam, "skin": skin}
+        model = sc.Model(forms, np.arange(basis.N))
+        force = 20.0 * np.array([np.cos(angle), np.sin(angle)]) + 7.0 * along
+        push = model.forms["pile"].load(force, at=(0.0, 0.0))
+        table = model.run([sc.Stage("push", push)], **QUIET)["push"].table("skin")
+        found.append(np.array([table[name][table["kind"] == "p"] for name in columns]))
+    assert np.abs(found[0][1]).max() > 5.0
+    for upright, inclined in zip(*found, strict=True):
+        np.testing.assert_allclose(inclined, upright, atol=1e-6 * np.abs(upright).max())
+
+
 def test_deflections_and_resistances_of_a_long_pile():
     """[X] Hetenyi: y = 2 H b / k D(b s), p = k y, V = H C(b s), M = H / b B(b s) on springs.
 

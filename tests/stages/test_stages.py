@@ -374,7 +374,9 @@ def test_progress_bar(capsys):
     sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 1.0))])  # no terminal here
     assert capsys.readouterr().err == ""
     sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 1.0))], progress=True)
-    assert "gravity" in capsys.readouterr().err
+    written = capsys.readouterr().err
+    assert "gravity" in written
+    assert "1 increments, 1 iterations, displacement 0.00" in written
 
 
 def test_soft_penalty_is_warned_of():
