@@ -10,6 +10,7 @@ import pytest
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.contact.compliance import _compliance
 from skfem_contact.contact.penalty import choose_penalties
 from tests.tools.helpers import grid, traction, vector_basis
 from tests.tools.scenes import remarked
@@ -75,6 +76,14 @@ def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
     if share is not None:
         assert way / short == pytest.approx(share, abs=0.003)
         assert f"penalty compliance is {way / short:.1%} of" in remarks
+        # a point that touches without a penetration does not count for all
+        joint, state = stage.forms["joint"], stage.states["joint"]
+        clearance = state.clearance.copy()
+        clearance[0] = state.gap[0]
+        some = _compliance(joint, stage.x, replace(state, clearance=clearance))
+        whole = _compliance(joint, stage.x, state)
+        assert whole[0] == pytest.approx(way / short, abs=0.003)
+        assert some[0] > 0.5 * whole[0]
 
 
 @pytest.mark.parametrize("n", [3, 20])
