@@ -579,7 +579,8 @@ class Beam(BeamNodes, Slender):
             values = finite(force(points.T), "force").T
         else:
             values = vector(force, self.dim, "force")
-        return self._distributed(shares[:, :, None] * (values * lengths[:, None])[:, None])
+        of_elements = values * lengths[:, None]
+        return self._distributed(shares[:, :, None] * of_elements[:, None])
 
 
 def _joined(given: Form | Sequence[Form]) -> tuple[Nodes, ...]:

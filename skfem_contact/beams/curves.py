@@ -61,7 +61,9 @@ def clay_p_y(
     z = number(depth, "depth", -1e-9)
     D = positive(diameter, "diameter")
     c = positive(su, "su")
-    limit = min(3.0 + positive(unit_weight, "unit_weight") * z / c + J * z / D, 9.0) * c * D
+    overburden = positive(unit_weight, "unit_weight") * z
+    factor = min(3.0 + overburden / c + J * z / D, 9.0)
+    limit = factor * c * D
     return _CLAY * (2.5 * positive(eps50, "eps50") * D, limit)
 
 

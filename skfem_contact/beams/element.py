@@ -163,8 +163,10 @@ class BeamElements:
     def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
         """Return the n = 2 m Gauss points, (n, dim), their lengths, (n,), and N at them, (n, 3)."""
         N = np.array([shapes(xi)[0] for xi in GAUSS])
-        points = np.einsum("gk,mkc->gmc", N, self.points).reshape(-1, self.points.shape[2])
-        return points, self.weights.T.ravel(), np.repeat(N, len(self.points), axis=0)
+        points = np.einsum("gk,mkc->gmc", N, self.points)
+        points = points.reshape(-1, self.points.shape[2])
+        functions = np.repeat(N, len(self.points), axis=0)
+        return points, self.weights.T.ravel(), functions
 
     def sides(self, half: float) -> tuple[ndarray, ...]:
         """Return both sides, half a thickness off the axis, at the Gauss points: n = 4 m.

@@ -247,7 +247,8 @@ class Embedded(Form, Couples, Staged, Regularised):
         new._across = self._part[:-1] / (1.0 / k + across * between)
         nearer = 1.0 / self.radius - 1.0 / self._wide[-1]
         base = (1.0 - nu) / (4.0 * G) * nearer
-        new._at_foot = self._part[-1] / (1.0 / (k * self._lengths[-1]) + base)
+        tip = 1.0 / (k * self._lengths[-1])
+        new._at_foot = self._part[-1] / (tip + base)
 
         # The beam must be stiffer than the ground that it replaces
         E = 2.0 * (1.0 + nu) * G

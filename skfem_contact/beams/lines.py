@@ -117,7 +117,8 @@ def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
     x, y = mesh.p[:, ends]  # (2, n): start and end of each facet
     closed = ends[0, 0] == ends[1, -1]
     if closed:
-        backward = (x[0] * y[1] - x[1] * y[0]).sum() > 0.0
+        areas = x[0] * y[1] - x[1] * y[0]
+        backward = areas.sum() > 0.0
     else:
         rise = y[1, -1] - y[0, 0]
         backward = rise > 0.0 if rise else x[0, 0] > x[1, -1]

@@ -160,7 +160,8 @@ class RotationSpring(Form, Couples, Staged):
 
     def _rotation(self, x: ndarray) -> ndarray:
         """Return the rotation of each spring, theta_b - theta_a, (n,)."""
-        return np.asarray((self._signs * x[self._dofs][self._rows]).sum(axis=1))
+        moves = x[self._dofs][self._rows]
+        return np.asarray((self._signs * moves).sum(axis=1))
 
     @override
     def initial_state(self, x: ndarray | None = None) -> RotationState:

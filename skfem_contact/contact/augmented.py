@@ -354,7 +354,8 @@ def _improved(
     for nodes in np.unique(closed, axis=0):
         rows = np.flatnonzero((closed == nodes).all(axis=1))
         at = np.flatnonzero(nodes)
-        solution = spsolve(mass[at][:, at].tocsc(), force[rows][:, at].T)
+        of_nodes = mass[at][:, at].tocsc()
+        solution = spsolve(of_nodes, force[rows][:, at].T)
         change[rows[:, None], at] = solution.reshape(len(at), len(rows)).T
     return multiplier + change
 

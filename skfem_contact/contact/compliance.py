@@ -75,7 +75,8 @@ def on_compliance(pair: Any, x: ndarray, state: ContactState) -> Iterator[Remark
 def on_round_off(pair: Any, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on a tangential penalty so hard that round-off of the slip counts."""
     penalty = pair.penalties(state)[1]
-    extent = np.abs(pair.master.nodes - pair.slave.nodes.mean(axis=0)).max()
+    centre = pair.slave.nodes.mean(axis=0)
+    extent = np.abs(pair.master.nodes - centre).max()
     lost = penalty * ROUND_OFF * float(extent)
     largest = float(np.abs(state.traction).max(initial=0.0))
     sticks = (state.status == Status.STICK).any()

@@ -248,7 +248,8 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
     _, nodes = pair.interface.positions(x)
     normal = pair.master.at(*state.closest.take(on), nodes).normal
     force = points.weight[on] * np.abs(state.traction[0, on])
-    arm = (points.positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
+    centre = pair.slave.nodes.mean(axis=0)
+    arm = (points.positions(pair.slave.nodes) - centre)[on]
     friction = mu * float(force @ np.linalg.norm(arm, axis=1))
     lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
     torque = float(force @ lever)

@@ -179,5 +179,8 @@ def _turning(e: ndarray, n: ndarray, facet_n: ndarray, dual: ndarray) -> ndarray
     """Return vectors c with ``e . Omega n = c_a . da_a``, shape (n, dim - 1, dim)."""
     by_n = np.einsum("nac,nc->na", dual, n)
     by_e = np.einsum("nac,nc->na", dual, e)
-    along_normal = by_e * dot(facet_n, n)[:, None] - by_n * dot(facet_n, e)[:, None]
-    return np.asarray(0.5 * (outer(by_n, e) - outer(by_e, n) - outer(along_normal, facet_n)))
+    by_e_along = by_e * dot(facet_n, n)[:, None]
+    by_n_along = by_n * dot(facet_n, e)[:, None]
+    along_normal = by_e_along - by_n_along
+    turning = outer(by_n, e) - outer(by_e, n) - outer(along_normal, facet_n)
+    return np.asarray(0.5 * turning)

@@ -506,4 +506,5 @@ def _spin(on: _OnFacets, n: ndarray, e: ndarray) -> ndarray | None:
     across = e[:, 1:]
     by_direction = lift(on.delta[:, None], across)[:, 0]
     by_normal = dot(on.direction, n)[:, None] * (across @ on.normal_motion)[:, 0]
-    return np.asarray((by_direction - by_normal) / dot(on.direction, e[:, 0])[:, None])
+    length = dot(on.direction, e[:, 0])
+    return np.asarray((by_direction - by_normal) / length[:, None])

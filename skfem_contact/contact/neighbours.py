@@ -140,7 +140,8 @@ def neighbours(
     """
     # Sample the facets
     m = len(surface.facets)
-    spacing = max(surface.spacing, surface.size.sum() / (4 * m)) / _SAMPLES[surface.dim]
+    least = surface.size.sum() / (4 * m)
+    spacing = max(surface.spacing, least) / _SAMPLES[surface.dim]
     length = _longest_side(surface)
     divisions = np.ceil(length / spacing).astype(int)
     facet, samples, gap = _samples(surface, nodes, divisions)
@@ -403,7 +404,8 @@ def _around(
     samples = tree.data
     rows = []
     found = []
-    for some in np.array_split(np.flatnonzero(np.isfinite(nearest)), len(points) // _AT_ONCE + 1):
+    known = np.flatnonzero(np.isfinite(nearest))
+    for some in np.array_split(known, len(points) // _AT_ONCE + 1):
         reach = nearest[some] + margin.max()
         around = tree.query_ball_point(points[some], reach, return_sorted=True)
         row = np.repeat(some, [len(numbers) for numbers in around])

@@ -337,7 +337,8 @@ def _preferred(
     outside = outside[:, None]
     tied = (np.abs(beyond) <= ON_FACET) | (outside & (beyond > 0))
     ties = np.where(tied, ON_FACET * surface.rank[facet], 0.0)
-    return np.asarray(np.where(outside, ties, np.maximum(stays, ties)).max(axis=1))
+    largest = np.where(outside, ties, np.maximum(stays, ties))
+    return np.asarray(largest.max(axis=1))
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:

@@ -147,7 +147,8 @@ def _drained(
     """Return the resistance of the drained strength, (D.2)."""
     # Factors of capacity.
     friction = np.tan(np.radians(phi))
-    Nq = np.exp(np.pi * friction) * np.tan(np.radians(45.0 + 0.5 * phi)) ** 2
+    passive = np.tan(np.radians(45.0 + 0.5 * phi)) ** 2
+    Nq = np.exp(np.pi * friction) * passive
     Nc = (Nq - 1.0) / friction
     Ny = 2.0 * (Nq - 1.0) * friction
 
@@ -170,7 +171,10 @@ def _drained(
     iy = taken ** (m + 1.0)
     i_c = iq - (1.0 - iq) / (Nc * friction)
 
-    pressure = c * Nc * s_c * i_c + q * Nq * sq * iq + 0.5 * weight * B * Ny * sy * iy
+    cohesion = c * Nc * s_c * i_c
+    surcharge = q * Nq * sq * iq
+    own_weight = 0.5 * weight * B * Ny * sy * iy
+    pressure = cohesion + surcharge + own_weight
     return BearingResistance(
         resistance=float(pressure * area),
         pressure=float(pressure),

@@ -272,21 +272,16 @@ def _body(stage: StageResult, name: str) -> tuple[ndarray, Mapping[str, ndarray]
             solids[key] = form
     if not solids or next(iter(solids.values())).coordinates != "plane":
         raise ValueError("checks of footings and walls need plane bodies")
-    elements: dict[str, ndarray] = {}
-    existing: dict[str, None] = dict.fromkeys(solids)
-    for key, form in solids.items():
-        own = np.arange(form.basis.nelems)
-        for region in form.regions:
-            existing[region.name] = None
-            if name in (key, region.name):
-                part = own[region.elements]
-                elements[key] = np.union1d(elements.get(key, part), part)
-        for tag, numbers in (form.basis.mesh.subdomains or {}).items():
-            existing[tag] = None
-            part = np.flatnonzero(np.isin(form.elements, numbers))
-            if tag == name and len(part) and key not in elements:
-                elements[key] = part
+    existing = dict.fromkeys(solids)
+    for form in solids.values():
+        existing |= dict.fromkeys(region.name for region in form.regions)
+        existing |= dict.fromkeys(form.basis.mesh.subdomains or {})
     look_up(name, existing, f"solid, region or subdomain in stage '{stage.name}'")
+    elements = {}
+    for key, form in solids.items():
+        part = _named_elements(form, key, name)
+        if len(part):
+            elements[key] = part
 
     # Refuse nodes in common with the rest.
     inside: list[ndarray] = []
@@ -302,6 +297,16 @@ def _body(stage: StageResult, name: str) -> tuple[ndarray, Mapping[str, ndarray]
             "ContactPair between them"
         )
     return dofs.reshape(-1, 2), elements
+
+
+def _named_elements(form: Any, key: str, name: str) -> ndarray:
+    """Return the elements of a solid, a region or a subdomain, as numbers in the solid."""
+    own = np.arange(form.basis.nelems)
+    parts = [own[region.elements] for region in form.regions if name in (key, region.name)]
+    if parts:
+        return np.unique(np.concatenate(parts))
+    numbers = (form.basis.mesh.subdomains or {}).get(name, ())
+    return np.flatnonzero(np.isin(form.elements, numbers))
 
 
 def _forces(stage: StageResult, dofs: ndarray, toe: ndarray, heel: ndarray) -> _Forces:

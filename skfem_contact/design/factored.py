@@ -128,16 +128,14 @@ def divided(material: Any, factors: PartialFactors) -> Any:
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
     changed: dict[str, Any] = {}
-    has_friction = "phi" in existing and _has_friction(existing["phi"])
+    of_cohesion = factors.undrained
+    if "phi" in existing and _has_friction(existing["phi"]):
+        of_cohesion = factors.cohesion
     for name, value in existing.items():
         if value is None:
             continue
         if name in ("c", "c_end"):
-            if has_friction:
-                by = factors.cohesion
-            else:
-                by = factors.undrained
-            changed[name] = _over(value, by)
+            changed[name] = _over(value, of_cohesion)
         elif name in ("phi", "phi_end"):
             changed[name] = _angle_over(value, factors.phi)
         elif name in _UNDRAINED:

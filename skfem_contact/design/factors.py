@@ -113,7 +113,8 @@ class PartialFactors:
 
     def friction_angle(self, phi: float) -> float:
         """Return the design value of a friction angle, in degrees."""
-        return float(np.degrees(np.arctan(np.tan(np.radians(phi)) / self.phi)))
+        tan_phi = np.tan(np.radians(phi)) / self.phi
+        return float(np.degrees(np.arctan(tan_phi)))
 
     def effect(self, value: float) -> float:
         """Return the design effect of a force or moment of the analysis."""

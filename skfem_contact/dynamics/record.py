@@ -263,7 +263,8 @@ class Record:
         # v ~ sum_k c_k t^(k+1) / (k+1), a - sum_k c_k t^k, with times as shares of the duration
         share = np.arange(len(self.values)) / (len(self.values) - 1.0)
         columns = [share ** (k + 1) / (k + 1) for k in range(order + 1)]
-        c = np.linalg.lstsq(np.column_stack(columns), self.velocity / self.duration, rcond=None)[0]
+        A = np.column_stack(columns)
+        c = np.linalg.lstsq(A, self.velocity / self.duration, rcond=None)[0]
         line = sum(each * share**k for k, each in enumerate(c))
         return replace(self, values=self.values - line)
 
@@ -419,7 +420,8 @@ def _columns(path: Path, lines: Sequence[str], scale: float) -> Record:
     if len(rows) < 2 or min(map(len, rows)) < 2:
         raise ValueError(f"{path.name} must have two columns, times and accelerations")
     # Check that times rise by equal steps.
-    time, values = _numbers(path, [word for row in rows for word in row]).reshape(-1, 2).T
+    words = [word for row in rows for word in row]
+    time, values = _numbers(path, words).reshape(-1, 2).T
     steps = np.diff(time)
     step = float(np.median(steps))
     wrong = np.flatnonzero(np.abs(steps - step) > _EQUAL * abs(step))

@@ -160,6 +160,11 @@ class Dynamic:
     tolerance: float | None = None
 
     def __post_init__(self) -> None:
+        self._check_step()
+        self._check_masses()
+
+    def _check_step(self) -> None:
+        """Raise an error if the scheme, its step or its tolerance is wrong."""
         if self.step is None and not self.explicit:
             raise ValueError("give the step in time; only explicit steps have a default")
         if self.step is not None and not is_number(self.step, 0.0, np.inf):
@@ -173,6 +178,9 @@ class Dynamic:
             )
         if self.tolerance is not None and self.explicit:
             raise ValueError("explicit steps have one length: give no tolerance")
+
+    def _check_masses(self) -> None:
+        """Raise an error if there are no such masses."""
         if self.mass not in ("lumped", "consistent"):
             raise ValueError(f"mass must be 'lumped' or 'consistent', not {self.mass!r}")
         if self.contact_mass not in (None, "moved", "kept"):

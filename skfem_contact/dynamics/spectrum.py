@@ -83,7 +83,12 @@ def response_spectrum(step: float, values: ndarray, periods: ndarray, ratio: flo
     for period in periods:
         # x'' + 2 z w x' + w^2 x = -a, by the response to linear pieces
         w = 2.0 * np.pi / period
-        A = np.array([[0.0, 1.0], [-(w**2), -2.0 * ratio * w]])
+        A = np.array(
+            [
+                [0.0, 1.0],
+                [-(w**2), -2.0 * ratio * w],
+            ]
+        )
         system = (A, np.array([[0.0], [-1.0]]), np.array([[1.0, 0.0]]), np.zeros((1, 1)))
         Ad, Bd, Cd, Dd, _ = cont2discrete(system, step, "foh")
         b, a = ss2tf(Ad, Bd, Cd, Dd)

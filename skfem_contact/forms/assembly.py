@@ -404,7 +404,8 @@ def damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
     arrays have the shape (n, ncomp, ncomp).
     """
     # Find the tangents that are not symmetric.
-    skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
+    difference = tangent - tangent.transpose(0, 2, 1)
+    skew = np.abs(difference).max(axis=(1, 2))
     size = np.abs(elasticity).max(axis=(1, 2))
     skewed = np.flatnonzero(skew > 1e-9 * size)
     D = tangent[skewed]

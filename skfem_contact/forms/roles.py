@@ -63,7 +63,8 @@ def having(forms: Mapping[str, Any], role: type) -> dict[str, Any]:
 
 def changed(forms: Mapping[str, Any], role: type, change: Callable[[Any], Any]) -> dict[str, Any]:
     """Return all forms, with a change of the forms that have a role."""
-    return {**forms, **{name: change(form) for name, form in having(forms, role).items()}}
+    changed = {name: change(form) for name, form in having(forms, role).items()}
+    return {**forms, **changed}
 
 
 class Stiff:

@@ -594,7 +594,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             at = mean[:, part]
             # Plastic strain: increment of strain without D_e^-1 times the change of stress.
             plastic = increment[:, part] - by_elasticity(law, change[:, part], at, internal)
-            lost += float((self.weight[part] * (at * plastic).sum(axis=0)).sum())
+            work = (at * plastic).sum(axis=0)
+            lost += float((self.weight[part] * work).sum())
         return lost
 
     def _summary(self, state: SolidState) -> str:

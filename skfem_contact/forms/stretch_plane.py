@@ -34,8 +34,10 @@ def _sandwich(V: tuple[ndarray, ndarray, ndarray], T: ndarray) -> ndarray:
     """Return ``V T V`` of symmetric tensors of components xx, yy, xy."""
     Vx, Vy, Vxy = V
     # (V T V)_ij = V_ik T_kl V_lj
-    xx = Vx * Vx * T[0] + Vxy * (2.0 * Vx * T[2] + Vxy * T[1])
-    yy = Vy * Vy * T[1] + Vxy * (2.0 * Vy * T[2] + Vxy * T[0])
+    by_x = 2.0 * Vx * T[2] + Vxy * T[1]
+    by_y = 2.0 * Vy * T[2] + Vxy * T[0]
+    xx = Vx * Vx * T[0] + Vxy * by_x
+    yy = Vy * Vy * T[1] + Vxy * by_y
     xy = Vxy * (Vx * T[0] + Vy * T[1]) + (Vx * Vy + Vxy * Vxy) * T[2]
     return np.stack((xx, yy, xy))
 

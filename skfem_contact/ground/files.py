@@ -82,33 +82,44 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
         for (hole,), rows in _by_location(tables.get("GEOL"), ("LOCA_ID",)).items():
             units = _units(tables["GEOL"])
             boreholes[hole] = _borehole(hole, rows, units, places, _units(tables["LOCA"]), soil)
-        soundings = {}
-        # Read the cone penetration tests.
-        tests = _by_location(tables.get("SCPT"), ("LOCA_ID", "SCPG_TESN"))
-        heads = _by_location(tables.get("SCPG"), ("LOCA_ID", "SCPG_TESN"))
-        for key, rows in tests.items():
-            if key[0] not in soundings:
-                name = key[0]
-            else:
-                name = " ".join(key)
-            head = heads.get(key, [{}])[0]
-            units = _units(tables["SCPT"]) | _units(tables.get("SCPG"))
-            soundings[name] = _sounding(
-                name,
-                key[0],
-                rows,
-                head,
-                units,
-                places,
-                _units(tables["LOCA"]),
-            )
         # Report what is missing.
+        soundings, tested = _soundings(tables, places)
         if not boreholes and not soundings:
             raise ValueError("it has no layers (GEOL) and no cone penetration tests (SCPT)")
         for name in places:
-            if name not in boreholes and name not in {key[0] for key in tests}:
+            if name not in boreholes and name not in tested:
                 remarks.append(f"'{name}' has no layers and no cone penetration test")
     return Site(boreholes, soundings, tuple(remarks))
+
+
+def _soundings(
+    tables: Mapping[str, Any],
+    places: Mapping[str, dict[str, str]],
+) -> tuple[dict[str, Sounding], set[str]]:
+    """Return the cone penetration tests, and the locations that have one.
+
+    The first test of a location has its name.
+    """
+    tests = _by_location(tables.get("SCPT"), ("LOCA_ID", "SCPG_TESN"))
+    heads = _by_location(tables.get("SCPG"), ("LOCA_ID", "SCPG_TESN"))
+    soundings: dict[str, Sounding] = {}
+    for key, rows in tests.items():
+        if key[0] not in soundings:
+            name = key[0]
+        else:
+            name = " ".join(key)
+        head = heads.get(key, [{}])[0]
+        units = _units(tables["SCPT"]) | _units(tables.get("SCPG"))
+        soundings[name] = _sounding(
+            name,
+            key[0],
+            rows,
+            head,
+            units,
+            places,
+            _units(tables["LOCA"]),
+        )
+    return soundings, {key[0] for key in tests}
 
 
 def read_cpt(file: str | Path) -> Sounding:

@@ -105,7 +105,8 @@ def _balanced(
 
 def _admitted(program: Program, stress: ndarray, round_off: float) -> float:
     """Return the largest factor that stresses at all points admit."""
-    return float(program.of_points(lambda s, points: s.factor(stress[points], round_off)).min())
+    factors = program.of_points(lambda s, points: s.factor(stress[points], round_off))
+    return float(factors.min())
 
 
 def _largest_share(program: Program, stress: ndarray, round_off: float) -> float:
@@ -201,7 +202,8 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
         return velocities
     # correct volumes and overlaps by forces, as a linear solid with the metric of the solution
     volume = program.volume
-    stiffness = np.einsum("ni,nij,nj->n", volume, found.metric, volume) / (volume**2).sum(1) ** 2
+    by_volume = np.einsum("ni,nij,nj->n", volume, found.metric, volume)
+    stiffness = by_volume / (volume**2).sum(1) ** 2
     inverse = program.factor(found.metric)
     shaped = []
     for velocity in velocities:

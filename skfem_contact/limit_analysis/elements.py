@@ -145,7 +145,9 @@ def velocity_elements(mesh: MeshTri) -> Elements:
     Jumps are given by Bernstein coefficients: a convex rule that the coefficients obey holds along
     the facet.
     """
-    basis = CellBasis(mesh, ElementVector(ElementTriP2()), quadrature=(_CORNERS, np.full(3, 1 / 6)))
+    element = ElementVector(ElementTriP2())
+    at_corners = (_CORNERS, np.full(3, 1 / 6))
+    basis = CellBasis(mesh, element, quadrature=at_corners)
     strain, weight = strain_operator(basis, "full", "plane")
     B = strain[:, :, [0, 1, 3]] * weight[:, :, None, None]  # (n_elements, 3 corners, 3, 12)
     dofs = basis.element_dofs.T

@@ -301,7 +301,8 @@ class _Path:
         y = self._solve(self.program.forces(r) + rp)
         s = r - _times(self.metric, self.program.strains(y))
         pull = (self._pull * s).sum()
-        theta = (-rt - self.e @ u[:, 0] - pull + self.f1 @ y) / self._pivot
+        missing = -rt - self.e @ u[:, 0] - pull + self.f1 @ y
+        theta = missing / self._pivot
         return s - theta * self._s2, y - theta * self._y2, theta
 
     def _direction(self, q: ndarray) -> _Direction:

@@ -49,7 +49,8 @@ def weight_matrix(body: Any, factors: ndarray, consistent: bool) -> csr_matrix:
         volume = volume * np.asarray(fine.global_coordinates())[0]
     shapes = []
     for (function,) in fine.basis[::dim]:
-        shapes.append(np.asarray(function)[0].reshape(-1, volume.shape[1])[0])
+        values = np.asarray(function)[0]
+        shapes.append(values.reshape(-1, volume.shape[1])[0])
     N = np.array(shapes)  # (n_nodes, n_points)
     nodes = basis.element_dofs[::dim]  # dofs of the first component
 

@@ -94,7 +94,8 @@ def falling_root(function: Callable[[Any], Array], start: Array) -> Array:
         low = np.where(above, t, low)
         high = np.where(above, high, t)
         new = t - value.real * t * IMAGINARY / value.imag
-        new = np.where((new >= low) & (new <= high), new, np.sqrt(low * high))
+        between = (new >= low) & (new <= high)
+        new = np.where(between, new, np.sqrt(low * high))
         step = np.abs(new - t)
         t = new
         solved = step <= _FOUND * t

@@ -102,7 +102,8 @@ class Isotropic(Material):
     @property
     def lame(self) -> tuple[Parameter, Parameter]:
         """Lamé's constants (lambda, mu)."""
-        lam = self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
+        confined = (1 + self.nu) * (1 - 2 * self.nu)
+        lam = self.E * self.nu / confined
         mu = self.E / (2 * (1 + self.nu))
         return lam, mu
 

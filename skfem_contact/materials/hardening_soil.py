@@ -197,7 +197,8 @@ class HardeningSoil(CohesiveFrictional):
         sheared = (1 - self.m) * gamma
         s = max((mobilised - sin_cv) / (1 - mobilised * sin_cv), 0.0)
         unloading = self.Eur_ref * scale
-        axial = 1 / self.Eoed_ref - (1 - 2 * nu * K0) / unloading - 0.5 * sheared * (1 - s)
+        elastic = (1 - 2 * nu * K0) / unloading
+        axial = 1 / self.Eoed_ref - elastic - 0.5 * sheared * (1 - s)
         lateral = -(K0 - nu * (1 + K0)) / unloading + 0.25 * sheared * (1 + s)
         volume = axial + 2 * lateral
         if volume <= 0 or axial <= lateral:

@@ -93,7 +93,8 @@ class Joint:
 
     def reduced(self, factor: float, associated: bool) -> Joint:
         """Return the joint with its strength over a factor."""
-        phi = float(np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor)))
+        tan_phi = np.tan(np.radians(self.phi)) / factor
+        phi = float(np.degrees(np.arctan(tan_phi)))
         if associated or self.psi == self.phi:
             psi = phi
         else:

@@ -285,7 +285,8 @@ def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:
         normals[:, element, np.argmax(mesh.t2f[:, element] == inner, axis=0)]
         for element in mesh.f2t[:, inner]
     )
-    return np.unique(mesh.f2t[:, inner[(first * second).sum(axis=0) > 0]])
+    same_way = (first * second).sum(axis=0) > 0
+    return np.unique(mesh.f2t[:, inner[same_way]])
 
 
 def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:

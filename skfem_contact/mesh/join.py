@@ -177,7 +177,8 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
 
     # Number the nodes of one mesh after those of another.
     counts = [part.nelements for part in meshes.values()]
-    mesh = renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
+    owner = np.repeat(np.arange(len(counts)), counts)
+    mesh = renumbered(list(meshes.values()), owner)
     subdomains: Tags = {}
     boundaries: Tags = {}
     first = 0

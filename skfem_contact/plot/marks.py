@@ -120,13 +120,7 @@ class Marks:
             if status in marked:
                 entries.append((label, _square(color)))
         if self.contact:
-            pairs = interfaces(self.stage).values()
-            present: set[int] = set()
-            for pair in pairs:
-                present.update(pair.tractions.status.tolist())
-            for kind, (label, color) in _STATUS.items():
-                if kind in present:
-                    entries.append((f"contact {label}", _square(color)))
+            entries += _legend_of_contact(self.stage)
         return entries
 
     def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
@@ -139,6 +133,16 @@ class Marks:
                 marked = of_points == status
                 if marked.any():
                     yield status, form, marked
+
+
+def _legend_of_contact(stage: StageResult) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield label and style of each status that contact points have."""
+    present: set[int] = set()
+    for pair in interfaces(stage).values():
+        present.update(pair.tractions.status.tolist())
+    for kind, (label, color) in _STATUS.items():
+        if kind in present:
+            yield f"contact {label}", _square(color)
 
 
 def _square(color: str) -> dict[str, Any]:
@@ -319,7 +323,8 @@ def _draw_vectors(plotter: Any, scene: Scene) -> None:
     size = np.linalg.norm(moves, axis=1)
     usual = np.sort(size)[-min(len(size), _FEW + 1)]
     if usual > 0.0:
-        moves = moves * np.minimum(usual / np.where(size > 0.0, size, usual), 1.0)[:, None]
+        lengths = np.where(size > 0.0, size, usual)
+        moves = moves * np.minimum(usual / lengths, 1.0)[:, None]
     seen, vectors = _scaled(moves, _LONG_ARROW * scene.pixel)
     tails = scene.moved[nodes][seen]
     _arrows(plotter, scene, tails, tails + vectors, _MOVED)

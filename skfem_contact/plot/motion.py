@@ -50,7 +50,10 @@ def motion(
         series = dict(parts)
     else:
         series = {"": parts}
-    kinds = {(type(part).__name__, getattr(part, "quantity", "")) for part in series.values()}
+    kinds = set()
+    for part in series.values():
+        quantity = getattr(part, "quantity", "")
+        kinds.add((type(part).__name__, quantity))
     if len(kinds) != 1:
         found = ", ".join(sorted(" ".join(kind).strip() for kind in kinds)) or "nothing"
         raise ValueError(f"motions of one picture are of one kind, not {found}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +42,25 @@ class Lines(NamedTuple):
 
 def structures(stage: StageResult) -> Iterator[Lines]:
     """Yield beams and reinforcement of a stage, then its bars, which move with nodes."""
-    # Collect beams; their nodes are start, end and middle.
+    beams, bars = _beams_and_bars(stage)
+    yield from beams
+    if not bars:
+        return
+
+    # Bars have the displacements of the nodes at their ends, fixed ends none.
+    nodes, moves = _nodes(stage, beams)
+    for name, points in bars.items():
+        displacement = np.zeros_like(points)
+        if len(nodes):
+            distance, nearest = scipy.spatial.cKDTree(nodes).query(points)
+            length = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
+            held = distance < _SAME * length[:, None]
+            displacement[held] = moves[np.asarray(nearest)[held]]
+        yield Lines(name, BAR, points, displacement)
+
+
+def _beams_and_bars(stage: StageResult) -> tuple[list[Lines], dict[str, ndarray]]:
+    """Return beams, whose nodes are start, end and middle, and ends of bars, (n, 2, dim)."""
     beams = []
     bars = {}
     for name in stage.states:
@@ -62,11 +80,11 @@ def structures(stage: StageResult) -> Iterator[Lines]:
             axes = [axis for axis in "xyz" if axis in members]
             ends = [np.column_stack([members[f"{end}{axis}"] for axis in axes]) for end in _ENDS]
             bars[name] = np.stack(ends, axis=1)
-    yield from beams
+    return beams, bars
 
-    # Bars have the displacements of the nodes at their ends, fixed ends none.
-    if not bars:
-        return
+
+def _nodes(stage: StageResult, beams: Sequence[Lines]) -> tuple[ndarray, ndarray]:
+    """Return nodes of beams and solids, and their displacements, (n, dim) each."""
     nodes = [line.points.reshape(-1, line.points.shape[2]) for line in beams]
     moves = [line.displacement.reshape(-1, line.points.shape[2]) for line in beams]
     if has_solids(stage):
@@ -74,13 +92,6 @@ def structures(stage: StageResult) -> Iterator[Lines]:
         dim = basis.mesh.dim()
         nodes.append(basis.doflocs[:, ::dim].T)
         moves.append(stage.x[: basis.N].reshape(-1, dim))
-    for name, points in bars.items():
-        displacement = np.zeros_like(points)
-        if nodes:
-            tree = scipy.spatial.cKDTree(np.concatenate(nodes))
-            distance, nearest = tree.query(points)
-            length = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
-            held = distance < _SAME * length[:, None]
-            node = np.asarray(nearest)[held]
-            displacement[held] = np.concatenate(moves)[node]
-        yield Lines(name, BAR, points, displacement)
+    if not nodes:
+        return np.zeros((0, 0)), np.zeros((0, 0))
+    return np.concatenate(nodes), np.concatenate(moves)

@@ -125,7 +125,7 @@ def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, nd
     corners = len(form.basis.mesh.t)
     element = linear_element(form.basis.mesh)
     linear = form.basis.with_element(element).basis
-    columns = [np.broadcast_to(linear[j][0], form.weight.shape) for j in range(corners)]
+    columns = [np.broadcast_to(shape, form.weight.shape) for (shape,) in linear]
     shapes = np.stack(columns, axis=2)  # (n_elements, n_points, corners)
 
     # Number the vertices region by region.
@@ -260,7 +260,8 @@ def _incidence(cells: ndarray, n: int) -> csr_matrix:
     rows = cells.ravel()
     columns = np.repeat(np.arange(len(cells)), cells.shape[1])
     shape = (n, len(cells))
-    return coo_matrix((np.ones(len(rows)), (rows, columns)), shape=shape).tocsr()
+    ones = np.ones(len(rows))
+    return coo_matrix((ones, (rows, columns)), shape=shape).tocsr()
 
 
 def _balance(

@@ -174,7 +174,8 @@ def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]
             where = "in space"
         raise ValueError(f"the undrained strength is that of plane strain; this solid is {where}")
     # Take means of the effective stress s' over the elements: water in the pores takes its part.
-    in_plane = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)
+    excess = form.variable(EXCESS_PRESSURE, state)
+    in_plane = -0.5 * (state.stress[0] + state.stress[1]) + excess
     mean = (in_plane * form.weight).sum(axis=1) / form.weight.sum(axis=1)
 
     # Ask the materials.

@@ -249,7 +249,8 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     # Sum up forces, status and mobilised friction.
     resultants = _resultants(pair, x, state)
     counts = np.bincount(state.status, minlength=3)
-    ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
+    none = np.zeros(len(normal))
+    ratio = np.divide(friction, -normal, out=none, where=normal < 0)
     return ContactReport(
         name=f"{pair.slave.name} on {pair.master.name}",
         normal=resultants[0],

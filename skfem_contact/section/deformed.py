@@ -416,7 +416,8 @@ def _loops(chains: list[Chain], new: list[_Resampled], part: int) -> list[list[t
         pieces = [new[k].vertices[::sign][:-1] for k, sign in loop]
         points = np.concatenate(pieces)
         loops.append(loop)
-        areas.append(0.5 * _cross(points, np.roll(points, -1, axis=0)).sum())
+        following = np.roll(points, -1, axis=0)
+        areas.append(0.5 * _cross(points, following).sum())
     return [loops[k] for k in np.argsort(areas)[::-1]]
 
 

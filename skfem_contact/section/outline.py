@@ -287,4 +287,5 @@ def _crossing(a: ndarray, b: ndarray, c: ndarray, d: ndarray) -> ndarray:
     cross = u[0] * v[1] - u[1] * v[0]
     if not cross:
         return c
-    return a + u * ((w[0] * v[1] - w[1] * v[0]) / cross)
+    share = (w[0] * v[1] - w[1] * v[0]) / cross
+    return a + u * share

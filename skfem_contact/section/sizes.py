@@ -172,7 +172,8 @@ class Sizes:
     ) -> float:
         """Return the size at a point of a curve."""
         away = self._curves.distances(x, y)
-        size = min(self._near(x, y), float((self._each + _GROWTH * away).min()))
+        grown = float((self._each + _GROWTH * away).min())
+        size = min(self._near(x, y), grown)
         if dim == 0:
             return size
         return min(size, _GAP * float(self._curves.gaps(tag, away)))

@@ -300,7 +300,8 @@ def _solve(
         K[:, :-1, -1] = -target
         right = np.column_stack((missing, ((known - z) * last).sum(axis=1)))
         newton = np.linalg.solve(K, right[:, :, None])[:, :, 0]
-        length = np.linalg.norm(newton[:, :-1], axis=1) / (_LONGEST * sizes[0])
+        longest = _LONGEST * sizes[0]
+        length = np.linalg.norm(newton[:, :-1], axis=1) / longest
         limited = newton / np.maximum(length, 1.0)[:, None]
         step = np.where(worse[:, None], 0.5 * step, limited)
         z = best + step

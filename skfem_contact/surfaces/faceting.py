@@ -48,7 +48,8 @@ def alike(slave: Surface, master: Surface) -> bool:
     # Round facets fit where the curvatures cancel.
     is_round = largest * slave.size > _FLAT
     fits = np.abs(own + other) < _ALIKE * largest
-    return bool(slave.area[fits & is_round].sum() > 0.5 * slave.area[is_round].sum())
+    fitting = slave.area[fits & is_round].sum()
+    return bool(fitting > 0.5 * slave.area[is_round].sum())
 
 
 def curvatures(surface: Surface) -> ndarray:
@@ -98,7 +99,8 @@ class Faceting:
     def at(self, points: MaterialPoints) -> ndarray:
         """Return the distances at points, (n,); or zero."""
         facet, xi = points
-        powers = np.polynomial.polynomial.polyvander(np.clip(xi[:, 0], -1.0, 1.0), _DEGREE)
+        inside = np.clip(xi[:, 0], -1.0, 1.0)
+        powers = np.polynomial.polynomial.polyvander(inside, _DEGREE)
         distance = np.einsum("np,np->n", powers, self.coefficients[facet])
         return np.where(facet >= 0, distance, 0.0)
 

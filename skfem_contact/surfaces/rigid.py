@@ -157,7 +157,9 @@ def level_set(
     from contourpy import contour_generator  # few surfaces are curves of functions
 
     # trace the zero line on a grid
-    X, Y = np.meshgrid(np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution))
+    x = np.linspace(xmin, xmax, resolution)
+    y = np.linspace(ymin, ymax, resolution)
+    X, Y = np.meshgrid(x, y)
     values = np.asarray(function(X, Y))
     if values.shape != X.shape or values.dtype.kind not in "biuf":
         raise ValueError(

@@ -130,7 +130,9 @@ def read_frd(file: str | Path) -> Frd:
     cells = {}
     for kind, rows in blocks.elements.items():
         cells[kind] = to_vtk(np.array(rows), _ORDER.get(kind))
-    return Frd(np.array(blocks.ids), np.array(blocks.points), cells, tuple(blocks.steps))
+    ids = np.array(blocks.ids)
+    points = np.array(blocks.points)
+    return Frd(ids, points, cells, tuple(blocks.steps))
 
 
 class _Blocks:

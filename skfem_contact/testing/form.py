@@ -98,7 +98,8 @@ def _checked_arrays(form: Form, x: ndarray, state: Any) -> tuple[ndarray, Any]:
         return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
     # Check the types, the shapes and the values.
-    force = np.asarray(same_twice(arrays, (x, *arrays_of(state).values()), "form.assemble")[0])
+    given = (x, *arrays_of(state).values())
+    force = np.asarray(same_twice(arrays, given, "form.assemble")[0])
     K: Any = _among_all(form, x, state).stiffness
     square = isinstance(K, csr_matrix) and K.shape == (len(x), len(x))
     require(square, "the stiffness is no csr_matrix (N, N)")

@@ -301,7 +301,8 @@ def screens_and_ties(
     screened = first != np.arange(n)
     screened[first[screened]] = True
     tie = tied_heads(basis, connected, held | screened)
-    to_first = csr_matrix((np.ones(n), (np.arange(n), first)), shape=tie.shape)
+    every = np.arange(n)
+    to_first = csr_matrix((np.ones(n), (every, first)), shape=tie.shape)
     return csr_matrix(tie @ to_first)
 
 

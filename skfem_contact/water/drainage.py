@@ -174,7 +174,8 @@ def pulled(
 
 def check_units(basis: CellBasis, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
     """Report a degree of consolidation that no analysis has; refuse one lost in round-off."""
-    used = basis.mesh.p[:, np.unique(basis.mesh.t[:, elements_of(basis)])]
+    nodes = np.unique(basis.mesh.t[:, elements_of(basis)])
+    used = basis.mesh.p[:, nodes]
     length = float(np.ptp(used, axis=1).max())
     fastest = float(diffusivity.max()) * duration / length**2
     slowest = float(diffusivity.min()) * duration / length**2

@@ -516,7 +516,8 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
 
     def _grown(self, x: ndarray) -> ndarray:
         """Return the mean volume strain of the elements by displacements, (n_elements,)."""
-        return np.asarray(np.einsum("eb,eb->e", self.porous.growth, x[self.ground.element_dofs.T]))
+        moves = x[self.ground.element_dofs.T]
+        return np.asarray(np.einsum("eb,eb->e", self.porous.growth, moves))
 
     def assemble(self, x: ndarray, state: PoreState) -> Response:
         """Return forces on the ground and the water that leaves the nodes.

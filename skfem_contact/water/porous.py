@@ -73,7 +73,8 @@ class Porous:
         N = np.stack([np.broadcast_to(np.asarray(shape), weight.shape) for shape in shapes])
         gradients = np.stack([np.asarray(shape.grad) for shape in shapes])  # (n_p, dim, n, n_q)
         # Volume strain by displacements times pressures; storage; its part that the mean leaves.
-        coupling = np.einsum("eqb,jeq,eq->ebj", B[:, :, :3].sum(axis=2), N, weight)
+        volumetric = B[:, :, :3].sum(axis=2)
+        coupling = np.einsum("eqb,jeq,eq->ebj", volumetric, N, weight)
         mass = np.einsum("ieq,jeq,eq->eij", N, N, weight, optimize=True)
         mean = np.einsum("ieq,eq->ei", N, weight)
         volume = weight.sum(axis=1)[:, None, None]

@@ -44,7 +44,8 @@ def slope(
     >>> sc.section.slope(10., 26.6, {"fill": 0., "clay": -5.}, size=2.)
     <Section areas: fill, clay>
     """
-    run = positive(height, "height") / np.tan(np.radians(number(angle, "angle", 0.0, 90.0)))
+    slope = np.tan(np.radians(number(angle, "angle", 0.0, 90.0)))
+    run = positive(height, "height") / slope
     left = -chosen(crest, "crest", 2.0 * height)
     right = run + chosen(toe, "toe", 2.0 * height)
     surface = [(left, height), (0.0, height), (run, 0.0), (right, 0.0)]
