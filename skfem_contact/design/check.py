@@ -302,7 +302,10 @@ def _body(stage: StageResult, name: str) -> tuple[ndarray, Mapping[str, ndarray]
 def _named_elements(form: Any, key: str, name: str) -> ndarray:
     """Return the elements of a solid, a region or a subdomain, as numbers in the solid."""
     own = np.arange(form.basis.nelems)
-    parts = [own[region.elements] for region in form.regions if name in (key, region.name)]
+    parts = []
+    for region in form.regions:
+        if name in (key, region.name):
+            parts.append(own[region.elements])
     if parts:
         return np.unique(np.concatenate(parts))
     numbers = (form.basis.mesh.subdomains or {}).get(name, ())

@@ -211,7 +211,10 @@ def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Sides
 
 
 def _add_node_groups(
-    boundaries: dict[str, Sides], content: Content, mesh: Mesh, node: Integers
+    boundaries: dict[str, Sides],
+    content: Content,
+    mesh: Mesh,
+    node: Integers,
 ) -> None:
     """Add the sides between the nodes of each group, unless it has all nodes."""
     for name, nodes in content.node_groups.items():

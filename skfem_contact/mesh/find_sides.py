@@ -147,9 +147,11 @@ def normals(x: Floats) -> Floats:
         along = x[:, :, 1] - x[:, :, 0]
         return np.array((along[1], -along[0]))
     # Diagonals of quadrilaterals, edges of triangles
-    first, second = (0, 2), (1, 3)
+    first = (0, 2)
+    second = (1, 3)
     if x.shape[2] == 3:
-        first, second = (0, 1), (0, 2)
+        first = (0, 1)
+        second = (0, 2)
     one = x[:, :, first[1]] - x[:, :, first[0]]
     other = x[:, :, second[1]] - x[:, :, second[0]]
     return np.cross(one, other, axis=0)

@@ -355,7 +355,10 @@ def contours(
     for stage in steps:
         values = region_field(stage, quantity, since, water)
         bodies_of_stage = scene(stage, deformed, since, values)
-        title = stage.name if since is None else f"{stage.name}, since {since.name}"
+        if since is None:
+            title = stage.name
+        else:
+            title = f"{stage.name}, since {since.name}"
         views.append(View(bodies_of_stage, title, Marks(stage, water, **marks)))
     factor = _common_factor(views)
 
@@ -414,7 +417,10 @@ def extremes_of(views: Sequence[View]) -> str:
     texts = []
     for word, sign in (("smallest", -1.0), ("largest", 1.0)):
         index, where = located(sign * values, points)
-        when = f" in {views[owner[index]].title}" if len(views) > 1 else ""
+        if len(views) > 1:
+            when = f" in {views[owner[index]].title}"
+        else:
+            when = ""
         texts.append(_with_minus(f"{word} {values[index]:.4g} at {where}") + when)
     return ", ".join(texts)
 
@@ -434,7 +440,10 @@ def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
         raise ValueError(
             "plot.cutaway is for bodies in space; plane ones are drawn by plot.contour"
         )
-    given = [name for name, value in marks.items() if value is not None and value is not False]
+    given = []
+    for name, value in marks.items():
+        if value is not None and value is not False:
+            given.append(name)
     if given:
         raise ValueError(
             f"plot.cutaway does not draw {', '.join(given)}: these are for plane bodies"

@@ -71,7 +71,10 @@ class Scene:
         finite = any(form.kinematics == "finite" for form in bodies)
         if finite and deformed in (None, "auto"):
             deformed = 1.0
-        self.factor = self._round_factor() if deformed == "auto" else float(deformed or 0.0)
+        if deformed == "auto":
+            self.factor = self._round_factor()
+        else:
+            self.factor = float(deformed or 0.0)
 
         # Give each node equal shares of the areas of its elements.
         areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
@@ -87,7 +90,10 @@ class Scene:
         size = np.ptp(self.coordinates[self.nodes], axis=0).max()
         wanted = _VISIBLE * size / largest
         power = 10.0 ** np.floor(np.log10(wanted))
-        steps = [step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)]
+        steps = []
+        for step in (1.0, 2.0, 5.0):
+            if step * power <= wanted * (1 + 1e-9):
+                steps.append(step)
         return float(power * max(steps))
 
     @property

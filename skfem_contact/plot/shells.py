@@ -123,7 +123,10 @@ def _parts(stage: StageResult, names: str | Iterable[str] | None) -> dict[str, _
     """Return the shells of a stage by their names."""
     found = {}
     for name in stage.states:
-        triangles = stage.outputs(name).triangles if name in stage.forms else None
+        if name in stage.forms:
+            triangles = stage.outputs(name).triangles
+        else:
+            triangles = None
         if triangles is not None:
             points, values = triangles
             found[name] = _Part(points, values["displacement"], values)
@@ -156,7 +159,10 @@ class _ShellScene(Scene):
             self.values = self.displacement[:, "xyz".index(quantity[1])]
         else:
             self.values = np.concatenate([part.values[quantity] for part in parts])
-        self.factor = self._round_factor() if deformed == "auto" else float(deformed or 0.0)
+        if deformed == "auto":
+            self.factor = self._round_factor()
+        else:
+            self.factor = float(deformed or 0.0)
         self.pixel = 1.0
 
         # A third of each triangle belongs to each of its corners
@@ -170,7 +176,9 @@ class _ShellScene(Scene):
 
         # Look at the middle of the shells and of the beams and bars that are drawn with them
         axes = axes_of_view(towards)
-        ends = [(line.points + self.factor * line.displacement).reshape(-1, 3) for line in lines]
+        ends = []
+        for line in lines:
+            ends.append((line.points + self.factor * line.displacement).reshape(-1, 3))
         self._in_view = np.concatenate([self.moved, *ends]) @ axes.T
         size = float(np.ptp(self._in_view, axis=0).max())
         self.view = (axes, float(self._in_view[:, 2].mean()), 4.0 * size)

@@ -275,7 +275,10 @@ def _write_points(group: Any, content: Content) -> None:
 
 
 def _write_cells(
-    parent: Any, content: Content, kind: str, families: dict[tuple[str, ...], int]
+    parent: Any,
+    content: Content,
+    kind: str,
+    families: dict[tuple[str, ...], int],
 ) -> None:
     """Write elements of one kind, bodies in the direction of the format."""
     # Bodies are numbered the other way round.
