@@ -177,7 +177,10 @@ class Table:
         columns = []
         for column, right in zip(zip(*texts, strict=True), self._right, strict=True):
             width = max(map(len, column))
-            columns.append([text.rjust(width) if right else text.ljust(width) for text in column])
+            if right:
+                columns.append([text.rjust(width) for text in column])
+            else:
+                columns.append([text.ljust(width) for text in column])
         lines = ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
         if self.caption:
             lines.insert(0, self.caption)

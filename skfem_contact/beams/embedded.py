@@ -356,10 +356,11 @@ class Embedded(Form, Couples, Staged, Regularised):
         mm = flows[:, None, None] * m[:, :, None] * m[:, None]
         turned = (limits.share * self._across)[:, None, None]
         pushed = (kept * self._across)[:, None, None]
-        skin = self._weight[:, None, None] * (
-            turned * (np.eye(t.shape[1]) - tt - mm) + pushed * mm + along[:, None, None] * tt
-        )
-        foot = self._at_foot * (1.0 if limits.stands else kept) * np.outer(t_foot, t_foot)
+        beside = np.eye(t.shape[1]) - tt - mm
+        skin = turned * beside + pushed * mm + along[:, None, None] * tt
+        skin = self._weight[:, None, None] * skin
+        at_foot = self._at_foot * (1.0 if limits.stands else kept)
+        foot = at_foot * np.outer(t_foot, t_foot)
         blocks = np.concatenate((skin, foot[None])) / self._spacing
 
         # K = J' D J with the jumps J

@@ -223,9 +223,9 @@ class BeamNodes(Nodes):
         """
         node = self.node(at)
         turn = self._rows[:, 3 * self.dim :: self.turns] - self.dim * len(self.points)
-        ends = turn[self.cells[:, 1] == node, 1]
-        begins = turn[self.cells[:, 0] == node, 0]
-        return np.unique(ends).tolist(), np.unique(begins).tolist()
+        ends = np.unique(turn[self.cells[:, 1] == node, 1])
+        begins = np.unique(turn[self.cells[:, 0] == node, 0])
+        return ends.tolist(), begins.tolist()
 
     def _distributed(self, forces: ndarray) -> ndarray:
         """Return the load vector of forces (n, 3, dim) on the nodes of all elements in turn."""

@@ -247,7 +247,8 @@ class Reinforcement(BeamNodes, Regularised):
         N = np.column_stack((state.force, state.force.mean(axis=1)))
         displacement = x[self._of_model()][self._rows].reshape(-1, self.dim)
         values = {"N": N.ravel(), "displacement": displacement}
-        return self.points[self.cells].reshape(-1, self.dim), values
+        points = self.points[self.cells].reshape(-1, self.dim)
+        return points, values
 
 
 def _check_rows(**values: float) -> None:

@@ -170,7 +170,8 @@ def _local(mesh: MeshTri1, element: ndarray, points: ndarray) -> ndarray:
     corners = mesh.p[:, mesh.t[:, element]]  # (2, 3, n)
     J = (corners[:, 1:] - corners[:, :1]).transpose(2, 0, 1)
     inverse = np.linalg.inv(J)
-    return np.einsum("nij,jnk->ink", inverse, points - corners[:, :1].transpose(0, 2, 1))
+    offset = points - corners[:, :1].transpose(0, 2, 1)
+    return np.einsum("nij,jnk->ink", inverse, offset)
 
 
 def _carried(old: Any, state: Any, new: Any, parent: ndarray) -> Any:

@@ -345,11 +345,11 @@ class Pattern:
         # repeat the columns of a node in its d rows
         length = np.repeat(d * degree, d)
         indptr = np.concatenate(([0], np.cumsum(length)))
-        dofs = (d * graph.indices[:, None] + i).ravel()
+        dofs = d * graph.indices[:, None] + i
         start = np.repeat(d * ptr[:-1], d)
         start_of_row = np.repeat(indptr[:-1], length)
         within = np.arange(indptr[-1]) - start_of_row
-        indices = dofs[np.repeat(start, length) + within]
+        indices = dofs.ravel()[np.repeat(start, length) + within]
         return cls(_frozen(indptr), _frozen(indices), slots, d)
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:

@@ -299,11 +299,14 @@ class _Path:
         flow = self.gathered(_by(self.G, u))
         r = _times(self.metric, -rd - flow)
         y = self._solve(self.program.forces(r) + rp)
-        s = r - _times(self.metric, self.program.strains(y))
+        strain = self.program.strains(y)
+        s = r - _times(self.metric, strain)
         pull = (self._pull * s).sum()
         missing = -rt - self.e @ u[:, 0] - pull + self.f1 @ y
         theta = missing / self._pivot
-        return s - theta * self._s2, y - theta * self._y2, theta
+        s = s - theta * self._s2
+        y = y - theta * self._y2
+        return s, y, theta
 
     def _direction(self, q: ndarray) -> _Direction:
         """Return Newton's direction to the scaled point plus q."""

@@ -200,7 +200,8 @@ class CamClay(Material):
         p, e, E = elastic_strain(stress.reshape(len(stress), -1), c)
         q = np.sqrt(6 * E) * c.g * p
         limit = critical(e, E, c)[0] * p
-        return q.reshape(stress.shape[1:]), limit.reshape(stress.shape[1:])
+        shape = stress.shape[1:]
+        return q.reshape(shape), limit.reshape(shape)
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:

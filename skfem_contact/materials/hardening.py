@@ -97,7 +97,9 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         given = self.c, self.c_end, *angles, self.strain_end
         c, c_end, phi, phi_end, end = (along_elements(value, internal.shape) for value in given)
         progress = np.minimum(internal[0] / end, 1.0)
-        return c + progress * (c_end - c), phi + progress * (phi_end - phi)
+        c_now = c + progress * (c_end - c)
+        phi_now = phi + progress * (phi_end - phi)
+        return c_now, phi_now
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:

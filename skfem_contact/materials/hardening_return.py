@@ -264,7 +264,8 @@ def _rows(slopes: _Slopes, r: _Residual) -> Array:
     shear = np.where(r.active[0], c1 - r.to_least * c3, 0.0)
     cap = r.to_q * slopes.q + r.to_p * slopes.p
     cap = np.where(r.active[1], cap, 0.0)
-    return np.array((shear, cap, r.to_minor * c3 - r.to_major * c1))
+    dilatancy = r.to_minor * c3 - r.to_major * c1
+    return np.array((shear, cap, dilatancy))
 
 
 def _matrix(state: _State, r: _Residual) -> Array:

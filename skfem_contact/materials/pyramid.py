@@ -185,7 +185,8 @@ def _step(weights: _Weights, k: PyramidConstants) -> tuple[Parameter, ...]:
     r = _normal(k.sin_psi, weights)
     product = n[0] * r[0] + n[1] * r[1] + n[2] * r[2]
     resistance = 2 * k.lam * k.sin_phi * k.sin_psi + k.mu * product
-    return tuple((k.lam * k.sin_psi + k.mu * flow) / resistance for flow in r)
+    volume = k.lam * k.sin_psi
+    return tuple((volume + k.mu * flow) / resistance for flow in r)
 
 
 def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:

@@ -218,6 +218,8 @@ def _components(parts: Indices, count: int) -> Indices:
     n_elements = parts.shape[1]
     size = n_elements + count
     element = np.tile(np.arange(n_elements), len(parts))
-    entries = (np.ones(parts.size, dtype=bool), (element, n_elements + parts.ravel()))
-    label = connected_components(coo_matrix(entries, shape=(size, size)), directed=False)[1]
+    node = n_elements + parts.ravel()
+    ones = np.ones(parts.size, dtype=bool)
+    links = coo_matrix((ones, (element, node)), shape=(size, size))
+    label = connected_components(links, directed=False)[1]
     return np.unique(label[:n_elements], return_inverse=True)[1]

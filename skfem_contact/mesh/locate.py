@@ -150,9 +150,10 @@ def _geometry(mesh: Mesh, elements: ndarray) -> _Elements:
     nodes = np.asarray(mesh.doflocs)[:, mesh.dofs.element_dofs[:, elements]]
     center = nodes.mean(axis=1).T
     radius = np.linalg.norm(nodes - center.T[:, None], axis=0).max(axis=0)
-    kind = mesh.elem()
     is_curved = nodes.shape[1] > len(mesh.t)
-    return _Elements(kind, nodes, center, radius * (_BULGE if is_curved else 1.0))
+    if is_curved:
+        radius = radius * _BULGE
+    return _Elements(mesh.elem(), nodes, center, radius)
 
 
 def _shapes(kind: object, local: ndarray) -> tuple[ndarray, ndarray]:

@@ -167,8 +167,9 @@ def _draw_structures(plotter: Any, scene: Scene, stage: StageResult) -> None:
     """Draw beams, reinforcement and bars as lines, displaced like the bodies."""
     for line in structures(stage):
         points = line.points + scene.factor * line.displacement
-        sides = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
-        lines = scene.lines(sides, points.reshape(-1, points.shape[2]), OUTLINE)
+        m, n, dim = points.shape
+        sides = np.arange(m * n).reshape(m, n)
+        lines = scene.lines(sides, points.reshape(-1, dim), OUTLINE)
         plotter.add_mesh(lines, color=line.color, line_width=_THICK, lighting=False)
 
 

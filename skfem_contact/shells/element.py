@@ -176,7 +176,9 @@ def _bending(strains: ndarray, gradients: ndarray, local: ndarray) -> None:
         length = np.linalg.norm(side, axis=1)
         s = side / length[:, None]
         n = np.stack((-s[:, 1], s[:, 0]), axis=1)
-        turn = 0.5 * n[:, :, None] * n[:, None] - 0.25 * s[:, :, None] * s[:, None]
+        across = n[:, :, None] * n[:, None]
+        along = s[:, :, None] * s[:, None]
+        turn = 0.5 * across - 0.25 * along
         both = (slopes[:, i] + slopes[:, j]).reshape(m, 2, -1)
         slopes[:, 3 + k] = (turn @ both).reshape(slopes[:, 0].shape)
         lean = 1.5 * s / length[:, None]
@@ -188,7 +190,9 @@ def _bending(strains: ndarray, gradients: ndarray, local: ndarray) -> None:
         L = np.zeros(3)
         L[list(ends)] = 0.5
         corners = (4.0 * L - 1.0) * gradients  # (m, 2, 3)
-        middles = [4.0 * (L[i] * gradients[..., j] + L[j] * gradients[..., i]) for i, j in _SIDES]
+        middles = []
+        for i, j in _SIDES:
+            middles.append(4.0 * (L[i] * gradients[..., j] + L[j] * gradients[..., i]))
         derivatives = np.concatenate((corners, np.stack(middles, axis=2)), axis=2)  # (m, 2, 6)
         # rates[a, b] = d beta_b / d axis a
         rates = np.einsum("man,mnbkij->mabkij", derivatives, slopes)

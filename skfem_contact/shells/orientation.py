@@ -23,11 +23,13 @@ def _neighbours(points: ndarray, cells: ndarray) -> tuple[ndarray, ndarray]:
     end = np.roll(cells[:, :n], -1, axis=1).ravel()
     edges = np.sort(np.stack((begin, end)), axis=0)
     _, number, count = np.unique(edges, axis=1, return_inverse=True, return_counts=True)
-    order = np.argsort(number.ravel(), kind="stable")
-    of_two = order[count[number.ravel()[order]] == 2].reshape(-1, 2)
+    number = number.ravel()
+    order = np.argsort(number, kind="stable")
+    of_two = order[count[number[order]] == 2].reshape(-1, 2)
 
     # Those without a fold
-    alike = (begin < end)[of_two[:, 0]] != (begin < end)[of_two[:, 1]]
+    rises = begin < end
+    alike = rises[of_two[:, 0]] != rises[of_two[:, 1]]
     facets = of_two // n
     normal = unit(normals(points[cells[:, :3]]))
     cosine = np.einsum("ij,ij->i", normal[facets[:, 0]], normal[facets[:, 1]])

@@ -490,7 +490,8 @@ def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any])
     for form in solids.values():
         elements.append(np.broadcast_to(form.elements[:, None], form.weight.shape).ravel())
     here = np.concatenate(elements)[nearest_points(points, solids)]
-    return np.asarray(stress(points.T[:, :, None], here[:, None]))[:, :, 0]
+    values = stress(points.T[:, :, None], here[:, None])
+    return np.asarray(values)[:, :, 0]
 
 
 def nearest_points(points: ndarray, solids: Mapping[str, Any]) -> ndarray:

@@ -120,7 +120,8 @@ def _continues(surface: Surface) -> ndarray:
     for end in (-1.0, 1.0):
         mapping = surface.at(np.arange(m), np.full((m, 1), end), surface.nodes)
         tangents.append(unit(mapping.x[1][:, 0]))
-    return np.asarray(dot(tangents[1], np.roll(tangents[0], -1, axis=0)) > _SMOOTH)
+    following = np.roll(tangents[0], -1, axis=0)
+    return np.asarray(dot(tangents[1], following) > _SMOOTH)
 
 
 def _stencils(surface: Surface) -> list[_Stencil]:

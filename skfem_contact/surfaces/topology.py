@@ -184,7 +184,8 @@ def numbers_of(given: Any, shape: tuple[int, ...], what: str) -> tuple[ndarray, 
 def arms_of(offset: ndarray) -> ndarray:
     """Return displacements by unit rotations of points at an offset, shape (n, dim, 1 or 3)."""
     if offset.shape[1] == 2:
-        return np.stack((-offset[:, 1], offset[:, 0]), axis=1)[:, :, None]
+        arms = np.stack((-offset[:, 1], offset[:, 0]), axis=1)
+        return arms[:, :, None]
     return np.stack([np.cross(axis, offset) for axis in np.eye(3)], axis=2)
 
 

@@ -603,7 +603,8 @@ def _behind(
     chosen = np.zeros(len(content.points), dtype=bool)
     chosen[sides[:, :corners]] = True
     near = np.flatnonzero(chosen[every].all(axis=1))
-    keys = _row_keys(np.concatenate((every[near], np.sort(sides[:, :corners], axis=1))))
+    ends = np.sort(sides[:, :corners], axis=1)
+    keys = _row_keys(np.concatenate((every[near], ends)))
     own = keys[: len(near)]
     wanted = keys[len(near) :]
     order = np.argsort(own, kind="stable")
