@@ -17,11 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numpy import ndarray
 
-#: Rows and columns of the components xx, yy, zz, xy, yz, zx.
-_I = np.array([0, 1, 2, 0, 1, 2])
-_J = np.array([0, 1, 2, 1, 2, 0])
-#: Component of each entry of a symmetric tensor.
-_AT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+from ..materials.spectral import COLUMN, ROW, TENSOR, rotation
+
 #: Relative difference of eigenvalues below which the slope of the logarithm is a series.
 _CLOSE = 1e-7
 _ONE = np.eye(3)
@@ -29,9 +26,9 @@ _ONE = np.eye(3)
 
 def _tensor(a: ndarray, shear: float = 1.0) -> ndarray:
     """Return tensors, (m, 3, 3), of components, (6, m)."""
-    T = a[_AT]
+    T = a[TENSOR]
     if shear != 1.0:
-        for i, j in zip(_I[3:], _J[3:]):
+        for i, j in zip(ROW[3:], COLUMN[3:]):
             T[i, j] *= shear
             T[j, i] *= shear
     return np.ascontiguousarray(T.transpose(2, 0, 1))
@@ -39,7 +36,7 @@ def _tensor(a: ndarray, shear: float = 1.0) -> ndarray:
 
 def _components(T: ndarray, shear: float = 1.0) -> ndarray:
     """Return components, (6, m), of tensors, (m, 3, 3)."""
-    a = T[:, _I, _J].T.copy()
+    a = T[:, ROW, COLUMN].T.copy()
     a[3:] *= shear
     return a
 
@@ -47,16 +44,6 @@ def _components(T: ndarray, shear: float = 1.0) -> ndarray:
 def _built(values: ndarray, vectors: ndarray) -> ndarray:
     """Return tensors of eigenvalues and eigenvectors."""
     return (vectors * values[:, None, :]) @ vectors.transpose(0, 2, 1)
-
-
-def _rotation(N: ndarray) -> ndarray:
-    """Return the maps of tensor components to the axes N, (m, 6, 6), of tensorial shears."""
-    # N^T T N: component (a, b) takes N_ia N_jb T_ij
-    first = N[:, :, _I].transpose(0, 2, 1)
-    second = N[:, :, _J].transpose(0, 2, 1)
-    R = first[:, :, _I] * second[:, :, _J]
-    R[:, :, 3:] += first[:, :, _J[3:]] * second[:, :, _I[3:]]
-    return R
 
 
 class SpaceStretch:
@@ -125,14 +112,14 @@ class SpaceStretch:
         """
         # dU by engineering strains
         lam = self._lambda
-        R = _rotation(self._N)
-        factors = 2.0 / (lam[:, _I] + lam[:, _J])
+        R = rotation(self._N)
+        factors = 2.0 / (lam[:, ROW] + lam[:, COLUMN])
         dU = _back(R) @ (factors[:, :, None] * R)
         dU[:, :, 3:] *= 0.5
 
         # dX = dU A + A^T dU, and de in the axes of X
         dX = _products(self._A) @ dU
-        R = _rotation(self._M)
+        R = rotation(self._M)
         theta = 0.5 * _slopes(self._x)
         de = _back(R) @ (theta[:, :, None] * (R @ dX))
         de[:, 3:] *= 2.0
@@ -154,8 +141,8 @@ def _back(R: ndarray) -> ndarray:
 
 def _slopes(x: ndarray) -> ndarray:
     """Return the slopes of the logarithm between eigenvalues ``1 + x_i`` and ``1 + x_j``."""
-    below = 1.0 + x[:, _J]
-    z = (x[:, _I] - x[:, _J]) / below
+    below = 1.0 + x[:, COLUMN]
+    z = (x[:, ROW] - x[:, COLUMN]) / below
     slope = 1.0 - 0.5 * z
     far = np.abs(z) > _CLOSE
     return np.divide(np.log1p(z), z, out=slope, where=far) / below
@@ -165,19 +152,19 @@ def _products(A: ndarray) -> ndarray:
     """Return the map of T to ``T A + A^T T``, (m, 6, 6)."""
     # component (i, j): sum_k T_ik A_kj + A_ki T_kj
     out = np.zeros((len(A), 6, 6))
-    for row, (i, j) in enumerate(zip(_I, _J)):
+    for row, (i, j) in enumerate(zip(ROW, COLUMN)):
         for k in range(3):
-            out[:, row, _AT[i, k]] += A[:, k, j]
-            out[:, row, _AT[k, j]] += A[:, k, i]
+            out[:, row, TENSOR[i, k]] += A[:, k, j]
+            out[:, row, TENSOR[k, j]] += A[:, k, i]
     return out
 
 
 def _both_sides(V: ndarray) -> ndarray:
     """Return the map of T to ``V T V``, (m, 6, 6), V symmetric."""
-    first = V[:, _I]
-    second = V[:, _J]
-    out = first[:, :, _I] * second[:, :, _J]
-    out[:, :, 3:] += first[:, :, _J[3:]] * second[:, :, _I[3:]]
+    first = V[:, ROW]
+    second = V[:, COLUMN]
+    out = first[:, :, ROW] * second[:, :, COLUMN]
+    out[:, :, 3:] += first[:, :, COLUMN[3:]] * second[:, :, ROW[3:]]
     return out
 
 
@@ -188,8 +175,8 @@ def _between(S: ndarray, V: ndarray) -> ndarray:
 
 def _polarised(V: ndarray, S: ndarray) -> ndarray:
     """Return the map of T to ``V T S``, (m, 6, 6), rows of its upper components."""
-    first = V[:, _I]
-    second = S[:, _J]
-    out = first[:, :, _I] * second[:, :, _J]
-    out[:, :, 3:] += first[:, :, _J[3:]] * second[:, :, _I[3:]]
+    first = V[:, ROW]
+    second = S[:, COLUMN]
+    out = first[:, :, ROW] * second[:, :, COLUMN]
+    out[:, :, 3:] += first[:, :, COLUMN[3:]] * second[:, :, ROW[3:]]
     return out

@@ -9,6 +9,7 @@ from typing_extensions import override
 
 from .base import Array, Parameter, Update, along_elements, check_shapes
 from .elastic import Isotropic
+from .spectral import COLUMN, ROW, rotation
 
 #: Newton's iterations for the volume of a stress, which converge monotonically; 6 are usual.
 _ITERATIONS = 60
@@ -16,9 +17,6 @@ _ITERATIONS = 60
 _LEAST = 1e-9
 #: Difference of logarithmic strains below which slopes between them are a series.
 _CLOSE = 1e-6
-#: Rows and columns of the components.
-_I = np.array([0, 1, 2, 0, 1, 2])
-_J = np.array([0, 1, 2, 1, 2, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,15 +132,15 @@ class NeoHooke(Isotropic):
         lam, mu = (np.broadcast_to(value, shape[1:]) for value in self._constants(shape))
         # moduli along the principal axes: mu (b_i - b_j) / (e_i - e_j), 2 mu b_i where they meet
         b = np.exp(2.0 * strain)
-        difference = strain[..., _I] - strain[..., _J]
+        difference = strain[..., ROW] - strain[..., COLUMN]
         close = np.abs(difference) < _CLOSE
-        mean = np.exp(strain[..., _I] + strain[..., _J])
+        mean = np.exp(strain[..., ROW] + strain[..., COLUMN])
         ratio = np.divide(
             np.sinh(difference), difference, out=np.ones_like(difference), where=~close
         )
         along = 2.0 * mu[..., None] * mean * ratio
         along[..., :3] = 2.0 * mu[..., None] * b
-        R = _rotation(vectors)[..., :ncomp]
+        R = rotation(vectors)[..., :ncomp]
         back = R.copy()
         back[..., 3:, :] *= 2.0  # shears count twice
         D = np.swapaxes(back, -1, -2) @ (along[..., None] * R)
@@ -155,7 +153,7 @@ class NeoHooke(Isotropic):
 def _principal(tensor: Array, shear: float) -> tuple[Array, Array]:
     """Return eigenvalues, (..., 3), and eigenvectors of tensors of components (4 or 6, ...)."""
     T = np.zeros((*tensor.shape[1:], 3, 3))
-    for values, i, j in zip(tensor, _I, _J):
+    for values, i, j in zip(tensor, ROW, COLUMN):
         T[..., i, j] = values if i == j else shear * values
         T[..., j, i] = T[..., i, j]
     return np.linalg.eigh(T)
@@ -164,16 +162,7 @@ def _principal(tensor: Array, shear: float) -> tuple[Array, Array]:
 def _components(values: Array, vectors: Array, ncomp: int, shear: float) -> Array:
     """Return components, (ncomp, ...), of eigenvalues and eigenvectors."""
     T = (vectors * values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    components = T[..., _I[:ncomp], _J[:ncomp]]
+    components = T[..., ROW[:ncomp], COLUMN[:ncomp]]
     result = np.moveaxis(components, -1, 0).copy()
     result[3:] *= shear
     return result
-
-
-def _rotation(vectors: Array) -> Array:
-    """Return the map of tensorial components to the principal axes, (..., 6, 6)."""
-    first = np.swapaxes(vectors[..., _I], -1, -2)
-    second = np.swapaxes(vectors[..., _J], -1, -2)
-    R = first[..., _I] * second[..., _J]
-    R[..., 3:] += first[..., _J[3:]] * second[..., _I[3:]]
-    return np.asarray(R)

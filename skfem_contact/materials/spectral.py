@@ -19,10 +19,20 @@ _COINCIDENT = 1e-8
 # Outward margin of the trigonometric formula for 6 components, whose error is the square root of
 # the machine precision where two principal stresses coincide.
 _MARGIN = 1e-7
-# Rows of the 6 components in the tensor.
-_TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-_ROW = np.array([0, 1, 2, 0, 1, 2])
-_COLUMN = np.array([0, 1, 2, 1, 2, 0])
+# Component of each entry of a symmetric tensor; rows and columns of the 6 components.
+TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+ROW = np.array([0, 1, 2, 0, 1, 2])
+COLUMN = np.array([0, 1, 2, 1, 2, 0])
+
+
+def rotation(vectors: Array) -> Array:
+    """Return the map of tensorial components to the principal axes, (..., 6, 6)."""
+    # N^T T N: component (a, b) takes N_ia N_jb T_ij
+    first = np.swapaxes(vectors[..., ROW], -1, -2)
+    second = np.swapaxes(vectors[..., COLUMN], -1, -2)
+    R = first[..., ROW] * second[..., COLUMN]
+    R[..., 3:] += first[..., COLUMN[3:]] * second[..., ROW[3:]]
+    return np.asarray(R)
 
 
 def extremes(stress: Array) -> tuple[Array, Array]:
@@ -250,12 +260,12 @@ class _SpaceFrame(NamedTuple):
 
     def stress(self, values: Array) -> Array:
         """Return the Cartesian components (ncomp, n) of principal stresses (3, n)."""
-        dyads = self._dyads(_ROW[:3], _ROW[:3])
+        dyads = self._dyads(ROW[:3], ROW[:3])
         return np.einsum("nci,in->cn", dyads, values)
 
     def along(self, tensor: Array) -> Array:
         """Return the normal components (3, n) of a symmetric tensor (ncomp, n)."""
-        return np.einsum("nik,ijn,njk->kn", self.directions, tensor[_TENSOR], self.directions)
+        return np.einsum("nik,ijn,njk->kn", self.directions, tensor[TENSOR], self.directions)
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         """Return the Cartesian tangent (n, ncomp, ncomp), see :meth:`_PlaneFrame.tangent`."""
@@ -263,18 +273,18 @@ class _SpaceFrame(NamedTuple):
         local = np.zeros((n, 6, 6))
         local[:, :3, :3] = moduli.transpose(2, 0, 1)
         for k in range(3, 6):
-            i = _ROW[k]
-            j = _COLUMN[k]
+            i = ROW[k]
+            j = COLUMN[k]
             local[:, k, k] = _shear_modulus(self.values, values, moduli, shear, i, j)
-        dyads = self._dyads(_ROW, _COLUMN)
+        dyads = self._dyads(ROW, COLUMN)
         return dyads @ local @ dyads.transpose(0, 2, 1)
 
     def _dyads(self, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
         """Return (n, 6, len(i)) components of n_i n_i, or of n_i n_j + n_j n_i if i is not j."""
         left = self.directions[:, :, i]
         right = self.directions[:, :, j]
-        dyads = left[:, _ROW] * right[:, _COLUMN]
-        return np.where(i == j, dyads, dyads + left[:, _COLUMN] * right[:, _ROW])
+        dyads = left[:, ROW] * right[:, COLUMN]
+        return np.where(i == j, dyads, dyads + left[:, COLUMN] * right[:, ROW])
 
 
 Frame = _PlaneFrame | _SpaceFrame
@@ -284,7 +294,7 @@ def principal(stress: Array) -> Frame:
     """Return principal values and directions of stresses (4, n) or (6, n)."""
     if stress.shape[0] == 4:
         return _plane_frame(stress)
-    values, directions = np.linalg.eigh(stress[_TENSOR].transpose(2, 0, 1))
+    values, directions = np.linalg.eigh(stress[TENSOR].transpose(2, 0, 1))
     falling = np.ascontiguousarray(values[:, ::-1].T)
     return _SpaceFrame(falling, directions[:, :, ::-1])
 
