@@ -188,7 +188,10 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         return new
 
     def with_penalty(
-        self, normal: float, tangential: float, stiffness: float | None = None
+        self,
+        normal: float,
+        tangential: float,
+        stiffness: float | None = None,
     ) -> Self:
         """Return a copy with other penalties, and the surfaces' traction per displacement, E/h."""
         for value in (normal, tangential):
@@ -524,7 +527,11 @@ def _check_law(law: Any, n_nodes: int) -> None:
 
 
 def initial_clearance(
-    gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: bool
+    gap: ndarray,
+    meshed: ndarray,
+    size: ndarray,
+    fit: Fit,
+    bonded: bool,
 ) -> ndarray:
     """Return the initial clearance of points, shape (n,), on slave segments of some size.
 

@@ -111,7 +111,10 @@ class DualMultipliers(Enforcement):
 
     @override
     def start_with(
-        self, pair: Any, state: ContactState, tractions: ndarray
+        self,
+        pair: Any,
+        state: ContactState,
+        tractions: ndarray,
     ) -> tuple[ContactState, ndarray]:
         raise ValueError(
             f"contact of '{pair.slave.name}' has DualMultipliers, and cannot start with given "
@@ -128,7 +131,10 @@ class DualMultipliers(Enforcement):
 
     @override
     def after_equilibrium(
-        self, pair: Any, accepted: ContactState, found: ContactState
+        self,
+        pair: Any,
+        accepted: ContactState,
+        found: ContactState,
     ) -> tuple[ContactState, dict[str, Any]]:
         # Let points take part that have come under a rim, where bodies slide far. In the iterations
         # they would go back and forth, and the areas of their nodes with them.
@@ -158,7 +164,11 @@ class DualMultipliers(Enforcement):
 
     @override
     def remarks(
-        self, pair: Any, x: ndarray, state: ContactState, meshed: ndarray
+        self,
+        pair: Any,
+        x: ndarray,
+        state: ContactState,
+        meshed: ndarray,
     ) -> Iterator[Remark]:
         return on_gaps_between_nodes(pair, x, state, meshed)
 
@@ -172,6 +182,11 @@ class DualMultipliers(Enforcement):
 
     @override
     def foreseen(
-        self, pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState
+        self,
+        pair: Any,
+        start: ndarray,
+        x: ndarray,
+        before: ndarray | None,
+        accepted: ContactState,
     ) -> ndarray:
         return foreseen(pair, start, x, before, accepted)

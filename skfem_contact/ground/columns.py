@@ -152,7 +152,9 @@ def section(
     names = _order_of_layers(columns)
     depths = _boundaries(columns, names, bottom)  # (1 + n_layers, n_columns)
     if width > 0.0:
-        x = np.concatenate(([x[0] - width], x, [x[-1] + width]))
+        left = [x[0] - width]
+        right = [x[-1] + width]
+        x = np.concatenate((left, x, right))
         depths = np.pad(depths, ((0, 0), (1, 1)), mode="edge")
     areas = {}
     for k, name in enumerate(names):

@@ -129,7 +129,8 @@ class ElementTest:
         }
 
         # choose pore pressure or volume strain for the third diagram
-        undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
+        least = 1e-3 * np.abs(self.strain).max()
+        undrained = np.abs(self.volume).max() < least
         third = "volume"
         if undrained:
             third = "pore_pressure"

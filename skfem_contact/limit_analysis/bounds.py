@@ -405,7 +405,8 @@ def _blocked(search: Search) -> str:
     # Contact must not end there.
     sides = [held[:0]]
     for contact in search.model.contacts:
-        sides += [facets[:, tags[side]].ravel() for side in (contact.slave, contact.master)]
+        for side in (contact.slave, contact.master):
+            sides.append(facets[:, tags[side]].ravel())
     blocked = np.intersect1d(held, np.concatenate(sides))
     if not len(blocked):
         return ""

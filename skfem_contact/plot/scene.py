@@ -77,7 +77,8 @@ class Scene:
             self.factor = float(deformed or 0.0)
 
         # Give each node equal shares of the areas of its elements.
-        areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
+        volumes = [np.asarray(form.basis.dx).sum(axis=1) for form in bodies]
+        areas = np.concatenate(volumes)
         repeated = np.repeat(areas, self.cells.shape[1])
         self.area = np.bincount(self.cells.ravel(), repeated)
         self.pixel = 1.0

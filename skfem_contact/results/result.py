@@ -255,7 +255,10 @@ def rows_of(result: Result) -> tuple[tuple[Any, ...], ...]:
     """Return the table of a result: name, figures and summary of each stage."""
     rows = []
     for stage in result:
-        summary = [f"{name}: {text}" for name, text in stage.summary.items() if text]
+        summary = []
+        for name, text in stage.summary.items():
+            if text:
+                summary.append(f"{name}: {text}")
         rows.append(
             (
                 stage.name,
@@ -303,7 +306,11 @@ def load_result(
 
 
 def of(
-    model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | None = None
+    model: Any,
+    x: ndarray,
+    states: Mapping[str, Any],
+    *,
+    load: ndarray | None = None,
 ) -> StageResult:
     """Return the result of an iteration of your own.
 
@@ -339,7 +346,10 @@ def of(
     forms = {name: look_up(name, given, "form") for name in states}
     # Check numbers, sizes and states.
     x = np.array(finite(x, "the displacements"))
-    load = np.zeros_like(x) if load is None else np.array(finite(load, "the load"))
+    if load is None:
+        load = np.zeros_like(x)
+    else:
+        load = np.array(finite(load, "the load"))
     for name, form in forms.items():
         if np.ndim(x) != 1 or len(x) < (form.size or 0):
             raise ValueError(

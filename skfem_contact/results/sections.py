@@ -83,7 +83,8 @@ def _at(form: SolidForm, state: SolidState, sections: Cuts) -> SectionForces:
     # Cut the stresses in the plane, equal ones, equal ones over r, and the hoop stresses.
     r = np.asarray(form.basis.global_coordinates())[0]
     hoop = state.stress[2]
-    plane = state.stress - hoop * np.eye(len(state.stress))[2][:, None, None]
+    zz = np.eye(len(state.stress))[2]
+    plane = state.stress - hoop * zz[:, None, None]
     equal = np.zeros_like(state.stress)
     equal[:2] = 1.0
     cut, parts = _cut(form, [plane, equal, equal / r, equal * hoop / r], sections)

@@ -229,7 +229,11 @@ class StageResult(files.StageData):
         return tables.of_form(self, name, sections)
 
     def field(
-        self, name: str, since: StageResult | None = None, *, water: fields.Shown | None = None
+        self,
+        name: str,
+        since: StageResult | None = None,
+        *,
+        water: fields.Shown | None = None,
     ) -> ndarray:
         """Return a field at the nodes, shape (N / dim,), the mesh's vertices first.
 
@@ -334,7 +338,15 @@ class StageResult(files.StageData):
         --------
         See :class:`PointValues`.
         """
-        return points_.along_line(self, line, quantity, n, since, water, of)
+        return points_.along_line(
+            self,
+            line,
+            quantity,
+            n,
+            since,
+            water,
+            of,
+        )
 
     def pore_pressure(self, solid: str) -> ndarray:
         """Return the excess pore pressure of :class:`Undrained` soil, (n_elements, n_points).
@@ -490,7 +502,15 @@ class StageResult(files.StageData):
                     f"mechanism has shape {mechanism.shape}; '{solid}' has {form.basis.N} dofs: "
                     "search the collapse on the same basis"
                 )
-        return strength.drawdown(form, state, later, region, (c, phi), (c_R, phi_R), mechanism)
+        return strength.drawdown(
+            form,
+            state,
+            later,
+            region,
+            (c, phi),
+            (c_R, phi_R),
+            mechanism,
+        )
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids, the contact and the beams to a ``.vtu`` file.
@@ -527,7 +547,10 @@ class StageResult(files.StageData):
 
     def _solid(self, name: str) -> tuple[Any, Any]:
         """Return a solid and its state."""
-        bodies = {key: form for key, form in solids_of(self.forms).items() if form.materials}
+        bodies = {}
+        for key, form in solids_of(self.forms).items():
+            if form.materials:
+                bodies[key] = form
         return self._of(name, "SolidForm", bodies)
 
     def _pair(self, name: str) -> tuple[Any, Any]:

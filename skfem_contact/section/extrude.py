@@ -90,7 +90,8 @@ def _faces(mesh: Mesh, solid: Mesh, facets: ndarray, rank: ndarray) -> ndarray:
     n = mesh.nvertices
     layers = solid.nvertices // n - 1
     base = n * np.arange(layers)[:, None]
-    i, j = _by_rank(mesh.facets[:, np.asarray(facets)], rank)[:, None] + base
+    ends = _by_rank(mesh.facets[:, np.asarray(facets)], rank)
+    i, j = ends[:, None] + base
     nodes = np.array([[i, j, j + n], [i, i + n, j + n]])  # (2, 3, layers, sides)
     found = _find(solid, nodes.transpose(1, 0, 2, 3).reshape(3, -1))
     if not isinstance(facets, OrientedBoundary):

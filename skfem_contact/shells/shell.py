@@ -276,7 +276,8 @@ class Shell(Nodes):
     def _on_nodes(self, values: ndarray) -> ndarray:
         """Return the load vector of forces per area, (m, 3), a third of which each corner takes."""
         dofs = self._of_model()
-        forces = np.repeat(values * self.areas[:, None] / 3.0, 3, axis=0).reshape(-1, 9)
+        thirds = values * self.areas[:, None] / 3.0
+        forces = np.repeat(thirds, 3, axis=0).reshape(-1, 9)
         return np.bincount(dofs[self._rows[:, :9]].ravel(), forces.ravel(), dofs.max() + 1)
 
     @override

@@ -31,17 +31,21 @@ HOLD = 1e-13  # relative stiffness that is added to find the dofs that move
 #: lead to residuals of 1e-14.  In the plane refinements take what factors save.
 SINGLE = 4000
 #: Stiffness from which they do, and the residual to which so many refinements must lead.
-FIRM, ROUND_OFF, REFINEMENTS = 1e-5, 1e-13, 4
+FIRM = 1e-5
+ROUND_OFF = 1e-13
+REFINEMENTS = 4
 #: Share of the residual asked for to which rough solutions are refined: one that is just as rough
 #: as asked for costs Newton's method iterations.
 FINER = 1e-3
 #: Rough solutions of large bodies in space that yield, of a relative residual between these, begin
 #: with the factor of an earlier tangent as preconditioner.  Far rougher ones are of matrices that
 #: serve for several.
-FINEST, ROUGHEST = 1e-4, 0.05
+FINEST = 1e-4
+ROUGHEST = 0.05
 #: Iterations that such a solution may take, and from which on the next matrix is factored: of a
 #: footing of 10,125 dofs one takes 4.5 ms, a factor 85 ms, and solutions take 3 to 12.
-MOST, MANY = 15, 11
+MOST = 15
+MANY = 11
 
 
 class SingularSystem(ValueError):
@@ -414,9 +418,11 @@ class _Factor:
         """Return the refined solution, and its relative residual."""
         x = self._solve(rhs)
         residual = rhs - self.A @ x
-        small, most = REFINE, 1
+        small = REFINE
+        most = 1
         if self._way == "single":
-            small, most = max(ROUND_OFF, enough), REFINEMENTS
+            small = max(ROUND_OFF, enough)
+            most = REFINEMENTS
         while np.linalg.norm(residual) > small * size and most > 0:
             x = x + self._solve(residual)
             most -= 1

@@ -16,7 +16,8 @@ RESTART = 100
 _LEFT = 0.7
 #: Directions that are kept for the next solution, and iterations of a solution from which on they
 #: are: their products with the matrix take as long as 3 iterations of multigrid.
-_KEPT, _FEW = 20, 20
+_KEPT = 20
+_FEW = 20
 #: Share of the largest length below which directions depend on each other.
 _DEPENDENT = 1e-12
 

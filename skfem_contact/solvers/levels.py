@@ -26,10 +26,13 @@ STRENGTH = ("symmetric", {"theta": 0.08})
 COARSEST = 300
 #: Degree of the smoother's polynomial, and the smallest eigenvalue that it reduces over the largest
 #: one.
-_DEGREE, _LOWEST = 3, 0.05
+_DEGREE = 3
+_LOWEST = 0.05
 #: Products for the largest eigenvalue from any vector and from that of the last matrix, and the
 #: factor by which they may miss it.
-_FIRST, _NEXT, _MISSED = 15, 4, 1.1
+_FIRST = 15
+_NEXT = 4
+_MISSED = 1.1
 
 
 class Levels:

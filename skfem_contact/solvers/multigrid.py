@@ -51,14 +51,16 @@ FEWEST = 20
 #: Relative residual from which on a solution is rough: it may leave a tenth after the largest
 #: number of iterations. With rough residuals of .1 a footing of 10,000 dofs takes 29 iterations of
 #: Newton's method for 28.
-_ROUGH, _ENOUGH = 1e-3, 0.1
+_ROUGH = 1e-3
+_ENOUGH = 0.1
 #: Residual from which on a solution is far from equilibrium, and iterations after which it ends
 #: with any residual. Mechanisms are about to form then, along which directions that are more
 #: accurate lead away.  After one that leaves more than a tenth the next may take twice as many.  A
 #: footing of 98,301 dofs takes 57 iterations of Newton's method and 524 of the linear solver; with
 #: 100 for each solution it takes 59 and 587. Newton's method asks for .03 far from equilibrium, and
 #: for .01 or less near it.
-_FAR, _EARLY = 0.02, 25
+_FAR = 0.02
+_EARLY = 25
 
 
 class AmgSolver:

@@ -203,7 +203,9 @@ class Condensed:
         inner = upper.row < n - m
         self._diagonal = abs(A[last]).max(axis=1).toarray().ravel()
         values = np.append(upper.data[inner], self._diagonal)
-        places = np.append(upper.row[inner], last), np.append(upper.col[inner], last)
+        row = np.append(upper.row[inner], last)
+        column = np.append(upper.col[inner], last)
+        places = row, column
         upper = csr_matrix((values, places), shape=A.shape)
         upper.sort_indices()
         self._m = m

@@ -230,7 +230,8 @@ def followed(
 
 def _sizes(values: Sequence[ndarray]) -> ndarray:
     """Return the sizes of the largest changes, (n,)."""
-    return np.linalg.norm(np.diff(values, axis=0), axis=1).max(axis=0)
+    steps = np.diff(values, axis=0)
+    return np.linalg.norm(steps, axis=1).max(axis=0)
 
 
 class _Part(NamedTuple):

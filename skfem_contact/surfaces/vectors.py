@@ -58,7 +58,8 @@ def frame(normal: ndarray, direction: ndarray) -> ndarray:
     The direction, shape (n, 3), counts in space only.
     """
     if normal.shape[1] == 2:
-        return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
+        tangent = normal[:, ::-1] * (1.0, -1.0)
+        return np.asarray(tangent[:, None])
     direction = askew(direction, normal)
     first = unit(direction - dot(direction, normal)[:, None] * normal)
     return np.stack((first, cross(normal, first)), axis=1)  # (n, 2, 3)
