@@ -193,9 +193,7 @@ class NgiAdp(Isotropic):
         rounding = 0.5 * (1 - np.cos(6 * angle))
 
         plastic = self.gamma_A is None
-        gammas = (self.gamma_A, self.gamma_DSS, self.gamma_P)
-        if plastic:
-            gammas = (1.0, 1.0, 1.0)
+        gammas = (1.0, 1.0, 1.0) if plastic else (self.gamma_A, self.gamma_DSS, self.gamma_P)
         values = (*self.lame, radius, shift, radius / D, rounding, *gammas)
         flat = []
         for value in values:
