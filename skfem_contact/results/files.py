@@ -298,7 +298,10 @@ def _grouped(increments: list[_Stage]) -> tuple[_Stage, ...]:
             # The stage failed, and began anew on this mesh.
             del stages[names.pop()]
         if name in stages:
-            advances = increment.fraction > stages[name][-1].fraction
+            # Along a path the load may fall, but the list of iterations grows.
+            last = stages[name][-1]
+            grows = len(increment.iterations) > len(last.iterations)
+            advances = grows or increment.fraction > last.fraction
             if name != names[-1] or not advances:
                 # The stage was run again: drop the older run and all stages behind it.
                 stages = {key: stages[key] for key in names[: names.index(name)]}

@@ -46,6 +46,7 @@ def along_path(
     last: StageResult,
     newton: Newton,
     accept: Accept,
+    onward: ndarray | None = None,
 ) -> Iterator[StageResult]:
     """Yield the accepted increments of a path, until it first reaches its whole load.
 
@@ -60,7 +61,20 @@ def along_path(
         Number of increments without limit points.
     last
         Start of the stage.
+    onward : ndarray, shape (N,), optional
+        Way of the last increment of a path that ended before its load, from which this one goes on.
+
+    Raises
+    ------
+    ValueError
+        Neither loads nor supports change.
+    NotConverged
+        The path ends, or does not come to its load.
     """
+    if all(np.array_equal(a, b) for a, b in zip(path(0.0), path(1.0), strict=True)):
+        raise ValueError(
+            f"{where} changes neither loads nor supports and has no path: leave out arc_length"
+        )
     largest = 1.0 / increments
     share = 0.0
     ahead: ndarray | None = None
@@ -73,6 +87,8 @@ def along_path(
         try:
             if ahead is None:
                 ahead = arc.tangent(largest)
+                if onward is not None and ahead[:-1] @ onward < 0.0:
+                    ahead = -ahead
             step = scale * ahead
             cosine = _STRAIGHT
             if touches and cuts in _KINK:

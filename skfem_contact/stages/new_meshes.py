@@ -17,7 +17,7 @@ from ..forms.solid import sharpened
 from ..results.result import Result
 from ..results.stage import StageResult
 from . import run as one_mesh
-from .remeshing import mesh_of, remeshed
+from .remeshing import mesh_of, remeshed, size_field
 from .run import Observer
 from .setup import Setup
 from .stage import Stage, checked
@@ -96,6 +96,7 @@ class Remeshing:
         whole = isinstance(self.every, (int, np.integer)) and self.every >= 1
         if self.every is not None and not whole:
             raise ValueError(f"every must be a whole number of stages, not {self.every!r}")
+        size_field(self.size)
 
     def due(self, last: StageResult, n_stages: int) -> bool:
         """Return True if the bodies need a new mesh, n_stages after the last one."""
@@ -214,6 +215,12 @@ class _Way:
                 self._n_meshes += 1
                 if number:
                     self._go_on(self._model_on(stage.new_mesh), done[number - 1])
+        if done and len(done[-1].x) != self.model.layout.size:
+            raise ValueError(
+                f"the start '{done[-1].name}' has {len(done[-1].x)} dofs, the model "
+                f"{self.model.layout.size}: give the whole result, whose stages hold the meshes, "
+                "and the model of the first one"
+            )
 
     def add(self, result: Result) -> None:
         """Take the stages that are done so far."""

@@ -152,7 +152,7 @@ def remeshed(
     True
     >>> rest = again.run([sc.Stage("rest")], start=start)["rest"]
     """
-    field = _size_field(size)
+    field = size_field(size)
     # Outline the deformed bodies, and fill the outline anew.
     solids = solids_of(stage.forms)
     mesh = mesh_of(solids, f"stage '{stage.name}'")
@@ -164,7 +164,7 @@ def remeshed(
     return Remeshed(new, stage, (before, _area_of(new)))
 
 
-def _size_field(size: Any) -> Callable[[ndarray], ndarray]:
+def size_field(size: Any) -> Callable[[ndarray], ndarray]:
     """Return the size as a function of coordinates (2, n)."""
     if callable(size):
 

@@ -175,6 +175,9 @@ class _Follower:
             system = self._assembled(phase, last, lost, first)
 
         # Release lost forces, but for the share that remains.
+        onward = None
+        if last.fraction < 1.0 and last.before is not None:
+            onward = last.x - last.before[0]
         last = self._begun(stage, phase, last, system.forms)
         unreleased = lost if last.unreleased is None else lost + last.unreleased
         remaining = (1.0 - stage.released) * (unreleased - phase.gone)
@@ -196,6 +199,7 @@ class _Follower:
                 duration=stage.duration,
                 pushed=pushed,
                 arc_length=stage.arc_length,
+                onward=onward,
             )
         ]
         if phase.jump is not None:
@@ -473,6 +477,8 @@ class _Way:
         True for a jump at the start of the stage.
     arc_length
         True for increments of given length along the path.
+    onward
+        Way of the last increment, (N,), of a path that ended before its load.
     """
 
     name: str
@@ -482,6 +488,7 @@ class _Way:
     pushed: float = 0.0
     at_start: bool = False
     arc_length: bool = False
+    onward: ndarray | None = None
 
     def __str__(self) -> str:
         jump = ""
@@ -587,7 +594,16 @@ def _along_path(
         predictor.accept(after.x, after.load, after.time)
         return after
 
-    yield from along_path(way, system, way.path, way.increments, last, newton, accept)
+    yield from along_path(
+        way,
+        system,
+        path=way.path,
+        increments=way.increments,
+        last=last,
+        newton=newton,
+        accept=accept,
+        onward=way.onward,
+    )
 
 
 def _accepted(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,43 @@ def test_truss_lands_and_leaves(method: Any) -> None:
         # it has passed its peak in the other direction as well
         assert -result["leave"].x[apex] < -0.05
         assert max(load) > 0.9 * limit
+
+
+def test_path_in_a_file(tmp_path: Path) -> None:
+    """[X] All increments are read though the load falls; a path that was stopped goes on onward."""
+    model, apex = truss()
+    load = np.zeros(model.layout.size)
+    load[apex] = -40.0
+    stage = sc.Stage("snap", load, increments=6, arc_length=True, keep="all")
+    append = sc.results.Append(tmp_path / "path.records")
+    whole = model.run([stage], on_increment=append, **QUIET)["snap"]
+    read = sc.load_result(append.file, model)["snap"]
+    assert [one.fraction for one in read.increments] == [one.fraction for one in whole.increments]
+    # once more from the start, stopped where the load falls
+    half = sc.results.Append(tmp_path / "half.records")
+
+    def stop(increment: Any) -> None:
+        half(increment)
+        if increment.x[apex] < -0.3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        model.run([stage], on_increment=stop, **QUIET)
+    start = sc.load_result(half.file, model)
+    last = start["snap"].increments
+    assert last[-1].fraction < last[-2].fraction
+    on = sc.Stage("on", load, increments=6, arc_length=True, keep="all")
+    with pytest.warns(sc.AnalysisWarning, match="from which the run continues"):
+        end = model.run([on], start=start, **QUIET)["on"]
+    assert end.increments[0].x[apex] < last[-1].x[apex]
+    assert end.x[apex] == pytest.approx(whole.x[apex], rel=1e-7)
+
+
+def test_no_change_has_no_path() -> None:
+    """[X] Neither loads nor supports change: the stage is refused."""
+    model, _ = truss()
+    with pytest.raises(ValueError, match="changes neither loads nor supports and has no path"):
+        model.run([sc.Stage("none", arc_length=True)], **QUIET)
 
 
 #: Half of a shallow arch, clamped at its foot and guided at its crown: radius, angle of opening,

@@ -189,6 +189,8 @@ def test_saved_runs_are_read_and_continue(tmp_path, n_done):
     same(whole, resumed)
     assert len(read.to_pvd(tmp_path / "half.pvd")) == 1 + len(read)
     if n_done > 1:
+        with pytest.raises(ValueError, match="give the whole result, whose stages hold the meshes"):
+            model.run(stages[n_done:], start=read[-1], remesh=remesh, progress=False)
         assert read[1].new_mesh.boundaries.keys() == half[1].new_mesh.boundaries.keys()
         with pytest.raises(ValueError, match="continued with new meshes: give model_of"):
             sc.load_result(tmp_path / "half", model)
@@ -268,6 +270,8 @@ def test_refusals():
         run([sc.Stage("more", activate="body")])
     with pytest.raises(ValueError, match="every must be a whole number of stages, not 0"):
         run([still], every=0)
+    with pytest.raises(ValueError, match="size must be a positive number or a function, not 0"):
+        sc.Remeshing(model_of, 0)
     with pytest.raises(ValueError, match="model_of must be a function, not 3"):
         run([still], build=3)
     with pytest.raises(ValueError, match="two stages are named"):
