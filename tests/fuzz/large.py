@@ -1,4 +1,4 @@
-"""Bodies of finite kinematics that are turned, pushed, drawn along, or squeezed and let go."""
+"""Bodies of finite kinematics that are turned, pushed, drawn, folded, or squeezed and let go."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ from .cases import Case, Check
 from .oracles import BALANCE
 
 E = 1e3
+#: Inner radius of a strip that is folded.
+INNER = 0.3
 KINDS = {"Q1": (MeshQuad, ElementQuad1), "Q2": (MeshQuad, ElementQuad2)}
 KINDS["P2"] = (MeshTri, ElementTriP2)
 LAWS = {
@@ -34,7 +36,7 @@ LAWS = {
     "clay": sc.Tresca(E, 0.45, c=20.0),
     "sand": sc.MohrCoulomb(E, 0.3, c=5.0, phi=30.0, psi=5.0),
 }
-TASKS = ("turn", "push", "draw", "squeeze")
+TASKS = ("turn", "push", "draw", "squeeze", "fold")
 
 
 @dataclass(frozen=True)
@@ -90,15 +92,19 @@ def large(seed: int, rng: np.random.Generator) -> Case:
         strain=float(rng.uniform(0.05, 0.3)),
         mu=float(rng.uniform(0.05, 0.4)),
     )
-    return Case(seed, str(body), partial({"turn": _turned}.get(body.task, _pressed), body))
+    tasks = {"turn": _turned, "fold": _folded}
+    return Case(seed, str(body), partial(tasks.get(body.task, _pressed), body))
 
 
-def _common(stage: StageResult, fixed: ndarray) -> Iterator[Check]:
-    """Forces that are assembled again balance, and no element has turned inside out."""
+def _common(stage: StageResult, fixed: ndarray, least: float = 0.0) -> Iterator[Check]:
+    """Forces that are assembled again balance, and no element has turned inside out.
+
+    They are compared to themselves, and to the least force that counts.
+    """
     answers = [form.assemble(stage.x, stage.states[name]) for name, form in stage.forms.items()]
     left = stage.load - sum(answer.force for answer in answers)
     left[fixed] = 0.0
-    largest = max(np.linalg.norm(answer.force) for answer in answers)
+    largest = max(least, *(np.linalg.norm(answer.force) for answer in answers))
     round_off = sum(np.linalg.norm(answer.round_off) for answer in answers)
     yield Check("large balance", np.linalg.norm(left) / largest, BALANCE + round_off / largest)
     basis = stage.forms["body"].basis
@@ -172,6 +178,57 @@ def _pressed(body: Body) -> Iterator[Check]:
         yield from _common(stage, top)
         yield from _on_ground(body, stage, top)
     yield from _energy(body, result, top)
+
+
+def _hairpin(body: Body) -> Mesh:
+    """Strip of two arms along x and a half circle between them; its chain is anticlockwise."""
+    bend, n_arm = 12, 4 + 2 * body.n
+    n = 2 * n_arm + bend
+    grid = MeshQuad.init_tensor(np.linspace(0.0, 1.0, n + 1), np.linspace(0.0, 1.0, 3))
+    k = np.rint(grid.p[0] * n)
+    radius = INNER + 0.2 * body.height * grid.p[1]
+    angle = 0.5 * np.pi + np.pi * np.clip((k - n_arm) / bend, 0.0, 1.0)
+    along = np.maximum(1.0 - k / n_arm, 0.0) + np.maximum((k - n + n_arm) / n_arm, 0.0)
+    x = radius * np.cos(angle) * (along == 0.0) + 1.5 * body.width * along
+    mesh = MeshQuad(np.stack((x, radius * np.sin(angle))), grid.t[[0, 3, 2, 1]])
+    if body.element == "P2":
+        mesh = mesh.to_meshtri()
+    outer = INNER + 0.2 * body.height - 1e-6
+    far = 1.2 * body.width
+    mesh = mesh.with_boundaries(
+        {
+            "upper": lambda x: (x[0] > far) & (x[1] > outer),
+            "lower": lambda x: (x[0] > far) & (x[1] < -outer),
+        }
+    )
+    return mesh.with_boundaries({"skin": mesh.boundary_facets()})
+
+
+def _folded(body: Body) -> Iterator[Check]:
+    """A hairpin is pinched until its arms touch each other, and opened again."""
+    basis = Basis(_hairpin(body), ElementVector(KINDS[body.element][1]()), intorder=4)
+    mu = body.mu if body.law in ("clay", "sand") else 0.0
+    forms = {
+        "body": sc.SolidForm(basis, LAWS[body.law], kinematics="finite"),
+        "fold": sc.ContactPair(basis, "skin", "skin", sc.Coulomb(mu)),
+    }
+    ends = np.concatenate([basis.get_dofs(name).all() for name in ("upper", "lower")])
+    up, down = (basis.get_dofs(name).all("u^2") for name in ("upper", "lower"))
+    stages = []
+    for gap in (0.3, 0.1, 0.01, -0.1 * body.strain, 0.02, 0.2, 2.0 * INNER):
+        u = basis.zeros()
+        u[up], u[down] = 0.5 * gap - INNER, INNER - 0.5 * gap
+        stages.append(sc.Stage(f"{gap:.3f}", prescribed=u, increments=2))
+    newton = sc.Newton(tolerance=1e-10, max_iterations=25)
+    result = sc.Model(forms, ends, newton=newton).run(stages, progress=False)
+    reactions = [stage.reactions()[ends] for stage in result]
+    largest = max(np.abs(reaction).max() for reaction in reactions)
+    for stage, reaction in zip(result, reactions, strict=True):
+        yield from _common(stage, ends, 1e-3 * largest)
+        left = np.abs(reaction.reshape(-1, 2).sum(axis=0)).max()
+        yield Check("large fold", left / largest, 1e-7)
+    if body.law in ("elastic", "rubber"):
+        yield Check("large unfolded", np.abs(reactions[-1]).max() / largest, 1e-7)
 
 
 def _on_ground(body: Body, stage: StageResult, top: ndarray) -> Iterator[Check]:
