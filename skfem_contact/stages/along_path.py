@@ -62,7 +62,7 @@ def along_path(
     last
         Start of the stage.
     onward : ndarray, shape (N,), optional
-        Way of the last increment of a path that ended before its load, from which this one goes on.
+        Way of the last increment of a path that ended before its load and continues here.
 
     Raises
     ------
@@ -86,16 +86,9 @@ def along_path(
         arc = Arc(system, path, last.x, last.states, share)
         try:
             if ahead is None:
-                ahead = arc.tangent(largest)
-                if onward is not None and ahead[:-1] @ onward < 0.0:
-                    ahead = -ahead
-            step = scale * ahead
-            cosine = _STRAIGHT
-            if touches and cuts in _KINK:
-                # Where contact has changed, the path has a kink: take the tangent again.
-                step = arc.tangent(_KINK[cuts] * largest)
-                cosine = -_STRAIGHT
-            step *= min(1.0, largest / max(abs(step[-1]), 1e-300))
+                ahead = _first(arc, largest, onward)
+            kink = _KINK.get(cuts) if touches else None
+            step, cosine = _expected(arc, scale * ahead, largest, kink)
             new, ends = _next(arc, step, newton, largest)
             _check_turn(arc, new, ahead, cosine)
         except NotConverged as error:
@@ -126,6 +119,28 @@ def along_path(
         f"{share:.2%}: give another load, or fewer and longer increments",
         last.x,
     )
+
+
+def _first(arc: Arc, largest: float, onward: ndarray | None) -> ndarray:
+    """Return the tangent at the start, (N + 1,), to more load, or onward along a path."""
+    ahead = arc.tangent(largest)
+    if onward is not None and ahead[:-1] @ onward < 0.0:
+        return -ahead
+    return ahead
+
+
+def _expected(
+    arc: Arc, ahead: ndarray, largest: float, kink: float | None
+) -> tuple[ndarray, float]:
+    """Return the expected change, (N + 1,), as far as the load allows, and the least cosine.
+
+    Where contact has changed, the path has a kink: there it is the tangent to more or less load.
+    """
+    least = _STRAIGHT
+    if kink is not None:
+        ahead = arc.tangent(kink * largest)
+        least = -_STRAIGHT
+    return ahead * min(1.0, largest / max(abs(ahead[-1]), 1e-300)), least
 
 
 def _next(arc: Arc, ahead: ndarray, newton: Newton, largest: float) -> tuple[OnPath, bool]:
