@@ -90,7 +90,7 @@ def peak(file):
 
 
 # %%
-# The best one of three readings each, one after the other:
+# Medians of fifteen readings, one program after the other, and of three with facets:
 programs = {
     "load_mesh": sc.load_mesh,
     "meshio.read": meshio.read,
@@ -100,12 +100,15 @@ programs = {
 rows = []
 for end, file in files.items():
     times = {program: [] for program in programs}
-    for program, read in 3 * list(programs.items()):
-        if end == ".mdpa" and program == "meshio, MeshTet":
-            continue  # meshio finds no elements there
-        begin = process_time()
-        read(file)
-        times[program].append(process_time() - begin)
+    for turn in range(15):
+        for program, read in programs.items():
+            if end == ".mdpa" and program == "meshio, MeshTet":
+                continue  # meshio finds no elements there
+            if turn > 2 and (read in (with_facets, topology) or sum(times[program]) > 3.0):
+                continue
+            begin = process_time()
+            read(file)
+            times[program].append(process_time() - begin)
     for program, seconds in times.items():
         if not seconds:
             continue
@@ -114,7 +117,7 @@ for end, file in files.items():
             "n": cube.nelements,
             "unknowns": int(cube.nvertices),
             "error": None,
-            "cpu_s": round(min(seconds), 3),
+            "cpu_s": round(float(np.median(seconds)), 3),
             "iterations": None,
         }
         if program == "load_mesh":
@@ -132,7 +135,7 @@ if full:
     for end in files:
         seconds = {row["method"]: row["cpu_s"] for row in rows}
         # meshio reads a file of MED by one copy of its numbers
-        most = 2.5 if end == ".med" else 1.5
+        most = 2.0 if end == ".med" else 1.5
         assert seconds[f"{end}, load_mesh"] < most * seconds[f"{end}, meshio.read"], end
         least = seconds.get(f"{end}, meshio, MeshTet", np.inf)
         assert seconds[f"{end}, load_mesh, facets"] < least, end
