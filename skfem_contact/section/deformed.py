@@ -106,12 +106,12 @@ def outline(mesh: Mesh, elements: ndarray, vertices: ndarray, middles: ndarray |
     kept = (sides[0] != sides[1]) | (named & inside)
     of_parts = (sides >= 0).any(axis=0)
     facets = np.flatnonzero(kept & of_parts)
-    ways = []
+    ways: list[tuple[int, ...]] = []
     labels = []
-    for k in facets:
-        start, end, left, right = _directed(mesh, int(k), sides[:, k])
-        ways.append((start, end, left, right))
-        labels.append((of_facets[k], left, right))
+    for facet in facets:
+        way = _directed(mesh, int(facet), sides[:, facet])
+        ways.append(way)
+        labels.append((of_facets[facet], way[2], way[3]))
 
     # Follow the runs of facets from vertex to vertex
     chains = []
