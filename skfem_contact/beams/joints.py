@@ -213,8 +213,8 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
     free = np.flatnonzero(~np.isin(dofs, stiff))
     if not len(free):
         return None
-    B = coo_matrix((blocks.ravel(), (row, column)), shape=(m * q, len(dofs)))
-    B = B.tocsc()[:, free]
+    whole = coo_matrix((blocks.ravel(), (row, column)), shape=(m * q, len(dofs)))
+    B = whole.tocsc()[:, free]
 
     # Find the motion with the smallest strain by inverse iteration
     K = csc_matrix(B.T @ B)
