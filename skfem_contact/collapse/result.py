@@ -261,8 +261,8 @@ class CollapseResult:
         n_points).
     added
         Estimated share of the value that the size of the elements adds, within proven bounds. The
-        true one is .5 to 1.9 times this share on slopes, vertical cuts with and without tensile
-        strength, and under even loads and rigid strips; up to 2.8 times on sand with a weight.
+        true one is .5 to 1.8 times this share on slopes, vertical cuts with and without tensile
+        strength, and under even loads and rigid strips; up to 2.5 times on meshes of few elements.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
