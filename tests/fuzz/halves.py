@@ -12,7 +12,6 @@ from skfem import (
     Basis,
     ElementHex1,
     ElementHex2,
-    ElementHexS2,
     ElementQuad1,
     ElementQuad2,
     ElementTetP1,
@@ -39,12 +38,11 @@ KINDS = {
     "P1": (MeshTri, ElementTriP1),
     "P2": (MeshTri, ElementTriP2),
     "Hex8": (MeshHex, ElementHex1),
-    "Hex20": (MeshHex, ElementHexS2),
     "Hex27": (MeshHex, ElementHex2),
     "Tet4": (MeshTet, ElementTetP1),
     "Tet10": (MeshTet, ElementTetP2),
 }
-SECOND_ORDER = ("Q2", "P2", "Hex20", "Hex27", "Tet10")
+SECOND_ORDER = ("Q2", "P2", "Hex27", "Tet10")
 METHODS = {
     "penalty": None,
     "augmented": sc.AugmentedLagrangian(),
@@ -137,8 +135,9 @@ class Pressed:
 
 def half(seed: int, rng: np.random.Generator) -> Case:
     """Draw a body that is pressed onto a block."""
-    element = str(rng.choice(list(KINDS), p=[0.25, 0.2, 0.2, 0.2, 0.15]))
-    most = {"Q1": 18, "P1": 18, "Q2": 9, "P2": 9, "Hex8": 5}[element]
+    most_elements = {"Q1": 18, "Q2": 9, "P1": 18, "P2": 9, "Hex8": 5}
+    element = str(rng.choice(list(most_elements), p=[0.25, 0.2, 0.2, 0.2, 0.15]))
+    most = most_elements[element]
     radius, width = float(rng.uniform(10.0, 60.0)), float(rng.uniform(1.2, 2.2))
     n, below = (int(rng.integers(most // 2 + 1, most + 1)) for _ in range(2))
     drawn = Pressed(
