@@ -34,8 +34,11 @@ from .joints import (
     taken_elsewhere,
     turning_ends,
 )
+from .joints import (
+    joined as joined_forms,
+)
 from .lines import nodes_of
-from .nodes import BeamNodes, Nodes, check_values, stiffest
+from .nodes import BeamNodes, check_values, stiffest
 from .thrust import counts, lost_stiffness
 
 #: Round-off of a displacement or a rotation, as a share of it.
@@ -230,7 +233,7 @@ class Beam(BeamNodes, Slender):
             raise ValueError(f"hinges of a beam must be points of its line, not {hinges!r}")
         pins = np.array([self.node(point) for point in given if given.size], int)
         moves, turned, joined = taken_by(
-            self.points, self.shared is not None, pins, _joined(joined_to)
+            self.points, self.shared is not None, pins, joined_forms(joined_to, self.kind)
         )
         self._lay_out(rotations_of(self.points, self.cells, pins, joined), moves, turned)
 
@@ -581,16 +584,6 @@ class Beam(BeamNodes, Slender):
             values = vector(force, self.dim, "force")
         of_elements = values * lengths[:, None]
         return self._distributed(shares[:, :, None] * of_elements[:, None])
-
-
-def _joined(given: Form | Sequence[Form]) -> tuple[Nodes, ...]:
-    """Return the beams and shells that a beam is joined to; refuse other forms."""
-    several = (given,) if isinstance(given, Form) else tuple(given)
-    joined = tuple(form for form in several if isinstance(form, Nodes) and form.turns)
-    for form in several:
-        if form not in joined:
-            raise ValueError(f"a beam may be joined_to beams and shells, not to {form!r}")
-    return joined
 
 
 def _elements_of(

@@ -14,9 +14,10 @@ from scipy.sparse.linalg import splu
 
 from ..checks import format_point
 from ..errors import Remark
+from ..forms.base import Form
 from ..forms.roles import Body, Touching, borrowed_by
 from ..layout import Field, FieldDofs
-from .nodes import AT
+from .nodes import AT, Nodes
 
 #: Squared strain of a motion without strain, relative to the largest one: a chain of n elements has
 #: about n**-4, a mechanism 1e-16.
@@ -49,15 +50,26 @@ def rotations_of(points: ndarray, cells: ndarray, hinges: ndarray, joined: ndarr
     return turn
 
 
+def joined(given: Form | Sequence[Form], kind: str) -> tuple[Nodes, ...]:
+    """Return the beams and shells that a structure is joined to; refuse other forms."""
+    several = (given,) if isinstance(given, Form) else tuple(given)
+    found = tuple(form for form in several if isinstance(form, Nodes) and form.turns)
+    for form in several:
+        if form not in found:
+            raise ValueError(f"a {kind} may be joined_to beams and shells, not to {form!r}")
+    return found
+
+
 def taken_by(
     points: ndarray,
     bonded: bool,
     hinges: ndarray,
     others: Sequence[Any],
+    kind: str = "beam",
 ) -> tuple[Taken, Taken, ndarray]:
-    """Return displacements and rotations that nodes take from other beams, and these nodes.
+    """Return displacements and rotations that nodes take from other structures, and these nodes.
 
-    Nodes at hinges keep their rotations, and nodes of a bonded beam their displacements.
+    Nodes at hinges keep their rotations, and nodes of a bonded structure their displacements.
     """
     dim = points.shape[1]
     owners: dict[int, Any] = {}
@@ -66,20 +78,22 @@ def taken_by(
     for other in others:
         if other.points.shape[1] != dim:
             raise ValueError(
-                f"a beam with {dim} coordinates is joined to beams with as many, not to {other!r}"
+                f"a {kind} with {dim} coordinates is joined to forms with as many, not to {other!r}"
             )
         if bonded and other.shared is None:
-            raise ValueError("a bonded beam moves with the ground: join the other beam to it")
+            raise ValueError(
+                f"a bonded {kind} moves with the ground: join the other {other.kind} to it"
+            )
 
         # Find the owners of common nodes, which other beams may have given before
-        here, nodes = _common(points, other.points)
+        here, nodes = _common(points, other.points, kind, other.kind)
         new = np.array([k not in owners for k in here.tolist()])
         for k, node in zip(here.tolist(), nodes.tolist(), strict=True):
             owner = _owner(other, node)
             if owners.setdefault(k, owner) != owner:
                 raise ValueError(
-                    f"beams in `joined_to` meet at {format_point(points[k])}, but are not joined "
-                    f"to each other"
+                    f"forms in `joined_to` meet at {format_point(points[k])}, but are not joined "
+                    "to each other"
                 )
 
         # Take the dofs of nodes without an owner before
@@ -98,7 +112,7 @@ def taken_by(
     return tuple(moves), tuple(turned), np.array(list(owners), int)
 
 
-def _common(points: ndarray, others: ndarray) -> tuple[ndarray, ndarray]:
+def _common(points: ndarray, others: ndarray, kind: str, other: str) -> tuple[ndarray, ndarray]:
     """Return the numbers of points that lie on other ones, and the numbers of these, (n,) each."""
     distance, nearest = map(np.asarray, scipy.spatial.cKDTree(others).query(points))
     size = max(np.ptp(points, axis=0).max(), np.ptp(others, axis=0).max())
@@ -106,8 +120,8 @@ def _common(points: ndarray, others: ndarray) -> tuple[ndarray, ndarray]:
     if not len(here):
         k = int(np.argmin(distance))
         raise ValueError(
-            "the beam has no node in common with a beam that it is joined to; the nearest ones are "
-            f"at {format_point(points[k])} and {format_point(others[nearest[k]])}"
+            f"the {kind} has no node in common with a {other} that it is joined to; the nearest "
+            f"ones are at {format_point(points[k])} and {format_point(others[nearest[k]])}"
         )
     return here, nearest[here]
 

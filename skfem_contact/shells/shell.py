@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,9 +15,10 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..beams.joints import joined, taken_by
 from ..beams.nodes import Nodes
 from ..checks import facets_of, finite, is_number, positive, vector
-from ..forms.base import Outputs, Response
+from ..forms.base import Form, Outputs, Response
 from ..forms.roles import with_force_kept
 from ..layout import Field
 from ..sparse import Gathering, constant
@@ -81,6 +82,9 @@ class Shell(Nodes):
         it. By default x, or the first of y and z that is nowhere nearly normal to the shell.
     unit_weight
         Weight per volume.
+    joined_to
+        Beams and shells whose nodes this shell shares where both have one, rigidly: a wall on its
+        slab. Shells on facets of one mesh that meet without it have a hinge there.
 
     Attributes
     ----------
@@ -91,7 +95,8 @@ class Shell(Nodes):
     ------
     ValueError
         A mesh in the plane, unknown facets, a stiffness that is not positive, an axis normal to
-        the shell, neighbouring cells whose normals point to opposite sides.
+        the shell, neighbouring cells whose normals point to opposite sides, no node in common with
+        a form that the shell is joined to.
 
     Notes
     -----
@@ -139,6 +144,7 @@ class Shell(Nodes):
         cells: ArrayLike | None = None,
         axis: ArrayLike | None = None,
         unit_weight: float = 0.0,
+        joined_to: Form | Sequence[Form] = (),
     ) -> None:
         positive(E, "E of a shell")
         positive(thickness, "thickness of a shell")
@@ -168,12 +174,23 @@ class Shell(Nodes):
             self._triangles = Triangles(points, shares, vector(axis, 3, "axis"))
         self.areas = self._triangles.areas
 
+        # Take dofs of beams and shells at common nodes
+        moved, turned_with, _ = taken_by(
+            self.points,
+            self.shared is not None,
+            hinges=np.zeros(0, int),
+            others=joined(joined_to, self.kind),
+            kind=self.kind,
+        )
+
         # Number the dofs: displacements of all nodes, then rotations
         n = len(self.points)
         places = np.repeat(self.points, 3, axis=0).T
         size = float(np.sqrt(np.median(self.areas)))
-        self.displacement = Field("displacement of a shell", places)
-        self.rotation = Field("rotation of a shell", places, kind="rotation", scale=1.0 / size)
+        self.displacement = Field("displacement of a shell", places, taken=moved)
+        self.rotation = Field(
+            "rotation of a shell", places, kind="rotation", scale=1.0 / size, taken=turned_with
+        )
         self.fields = (self.displacement, self.rotation)
         if self.shared is not None:
             self.fields = (self.rotation,)

@@ -335,7 +335,7 @@ LEG = sc.Beam(None, way((0, 0), (0, 3)), **STIFF)
             lambda: sc.Beam(None, way((1, 3), (6, 3)), **STIFF, joined_to=LEG),
         ),
         (
-            "joined to beams with as many",
+            "joined to forms with as many",
             lambda: sc.Beam(None, way((0, 3, 0), (6, 3, 0)), **STIFF, joined_to=LEG),
         ),
         (

@@ -425,3 +425,61 @@ def test_refusals(message, make):
 def own(**more):
     """Shell with nodes of its own."""
     return sc.Shell(None, POINTS, **{"E": E, "thickness": T, "cells": CELLS, **more})
+
+
+def strip(from_, to, thickness=0.3, **more):
+    """Shell of 8 by 2 squares between two points of the plane y = 0, 1 wide."""
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 3))
+    points = np.outer(1 - mesh.p[0], from_) + np.outer(mesh.p[0], to)
+    points[:, 1] = mesh.p[1]
+    return sc.Shell(None, points, cells=mesh.t.T, E=3e7, thickness=thickness, **more)
+
+
+def angle(bonded):
+    """A slab that is clamped at x = 0, and a wall of 3 m at its other end, x = 4."""
+    if not bonded:
+        slab = strip((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), thickness=0.4)
+        return {"slab": slab, "wall": strip((4.0, 0.0, 0.0), (4.0, 0.0, 3.0), joined_to=slab)}
+    lines = (np.linspace(0.0, size, n) for size, n in ((4.0, 9), (1.0, 3), (3.0, 9)))
+    mesh = MeshHex.init_tensor(*lines).with_boundaries(
+        {"slab": lambda x: x[2] < 1e-9, "wall": lambda x: x[0] > 4.0 - 1e-9}
+    )
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    slab = sc.Shell(basis, "slab", E=3e7, thickness=0.4)
+    wall = sc.Shell(basis, "wall", E=3e7, thickness=0.3, joined_to=slab)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=0.1, nu=0.0))
+    return {"soil": soil, "slab": slab, "wall": wall}
+
+
+@pytest.mark.parametrize("bonded", [False, True])
+def test_a_wall_on_a_slab(bonded, tmp_path):
+    """[X] The moment of a wall goes round the corner into the slab to which it is joined, as in
+    two beams: ``F h**3 / 3 EI + F h**2 L / EI``.
+    """
+    forms = angle(bonded)
+    slab = forms["slab"]
+    held = [dof for p in slab.points if p[0] < 1e-9 for dof in slab.dofs(p)]
+    model = sc.Model(forms, held)
+    wall = model.forms["wall"]
+    shares = {0.0: 0.25, 0.5: 0.5, 1.0: 0.25}
+    push = [wall.load((10.0 * part, 0.0, 0.0), at=(4.0, y, 3.0)) for y, part in shares.items()]
+    result = model.run([sc.Stage("push", push)], **QUIET)
+    stage = result["push"]
+    exact = 10.0 * 12 / 3e7 * (3.0**3 / 3 / 0.3**3 + 3.0**2 * 4.0 / 0.4**3)
+    assert stage.x[wall.numbers((4.0, 0.5, 3.0))[0]] == pytest.approx(exact, rel=2e-3)
+    moments = np.abs(stage.table("slab")["m_1"])
+    assert np.average(moments, weights=slab.areas) == pytest.approx(30.0, rel=2e-3)
+
+    # The file of the run has the same moments
+    result.save(tmp_path / "angle.npz")
+    again = sc.load_result(tmp_path / "angle.npz", model)["push"]
+    assert np.array_equal(again.table("wall")["m_2"], stage.table("wall")["m_2"])
+
+
+def test_shells_join_what_they_touch():
+    """[X] Shells without a common node, and forms without rotations, are refused."""
+    slab = strip((0.0, 0.0, 0.0), (4.0, 0.0, 0.0))
+    with pytest.raises(ValueError, match="the shell has no node in common with a shell"):
+        strip((5.0, 0.0, 0.0), (5.0, 0.0, 3.0), joined_to=slab)
+    with pytest.raises(ValueError, match="a shell may be joined_to beams and shells"):
+        strip((4.0, 0.0, 0.0), (4.0, 0.0, 3.0), joined_to=angle(True)["soil"])
