@@ -15,6 +15,8 @@ _KINDS = {
     "N": "line",
     "V": "line",
     "M": "moment",
+    **dict.fromkeys(("n_1", "n_2", "n_12"), "line"),
+    **dict.fromkeys(("m_1", "m_2", "m_12"), "moment"),
     "N_hoop": "line",
     "M_hoop": "moment",
     "pressure": "stress",

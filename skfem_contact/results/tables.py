@@ -25,6 +25,8 @@ from .tractions import tractions
 _CONTACT = ("arc", "x", "y", "z", "pressure", "shear", "gap", "slip", "status")
 #: Columns whose largest values the table of all stages has.
 _FORCES = ("N", "V", "M", "T", "N_hoop", "M_hoop", "pressure", "shear", "force", "skin")
+#: Forces and moments per length of shells, which are columns as well.
+_OF_SHELLS = ("n_1", "n_2", "n_12", "m_1", "m_2", "m_12")
 #: Magnitudes that differ by less than this share are equal: the first of them counts.
 _EQUAL = 1e-6
 #: Coordinates are zero below this share of the largest one.
@@ -193,7 +195,7 @@ def _row(
         if name not in stage.states:
             continue
         along = _along(stage, name, sections.get(name))
-        for key in _FORCES:
+        for key in (*_FORCES, *_OF_SHELLS):
             if key in along:
                 points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
                 title = f"{name} {key}".removesuffix(" force")
@@ -235,17 +237,18 @@ def _contact_columns(values: Mapping[str, ndarray]) -> dict[str, ndarray]:
 
 
 def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
-    """Return displacements and coordinates of the nodes of all solids, or else of the beams."""
+    """Return displacements and coordinates of all nodes of solids, or else of beams and shells."""
     if has_solids(stage):
         basis = basis_of(stage)
         return nodal_field(stage, "u"), basis.doflocs[:, :: basis.mesh.dim()].T
     values = []
     points = []
     for name in stage.states:
-        line = stage.outputs(name).points
-        if line is not None:
-            points.append(line[0])
-            values.append(line[1]["displacement"])
+        outputs = stage.outputs(name)
+        for nodes in (outputs.points, outputs.triangles):
+            if nodes is not None:
+                points.append(nodes[0])
+                values.append(nodes[1]["displacement"])
     if points:
         return (np.concatenate(values), np.concatenate(points))
     return None

@@ -483,3 +483,20 @@ def test_shells_join_what_they_touch():
         strip((5.0, 0.0, 0.0), (5.0, 0.0, 3.0), joined_to=slab)
     with pytest.raises(ValueError, match="a shell may be joined_to beams and shells"):
         strip((4.0, 0.0, 0.0), (4.0, 0.0, 3.0), joined_to=angle(True)["soil"])
+
+
+def test_shells_in_tables_of_results():
+    """[X] A cantilever plate under its own weight: the row of its stage has its moment at the foot,
+    q L**2 / 2 at the centre of the last triangles, and its displacement q L**4 / 8 EI.
+    """
+    form = strip((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), thickness=0.4, unit_weight=25.0)
+    foot = np.flatnonzero(form.points[:, 0] == 0.0)
+    model = sc.Model({"slab": form}, [dof for k in foot for dof in form.dofs(form.points[k])])
+    result = model.run([sc.Stage("weight")], **QUIET)
+    table = result.table()
+    rows = result["weight"].table("slab")
+    assert abs(table["slab m_1"][0]) == np.abs(rows["m_1"]).max()
+    assert abs(table["slab m_1"][0]) == pytest.approx(10.0 * (4.0 - 0.25) ** 2 / 2, rel=0.08)
+    EI = 3e7 * 0.4**3 / 12
+    assert table["displacement"][0] == pytest.approx(10.0 * 4.0**4 / 8 / EI, rel=0.02)
+    assert table["displacement at"][0].startswith("(4,")
