@@ -1,4 +1,4 @@
-"""Sides to which the normals of facets point: alike for neighbours, but beyond folds."""
+"""Sides to which the normals of facets point: alike for neighbours."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..surfaces.vectors import unit
 from .element import SMOOTH, normals
 
 
-def _neighbours(points: ndarray, cells: ndarray) -> tuple[ndarray, ndarray]:
-    """Return pairs of neighbours in about the same plane, (n, 2), and which go round alike, (n,).
+def _neighbours(points: ndarray, cells: ndarray, folds: bool) -> tuple[ndarray, ndarray]:
+    """Return pairs of neighbours, (n, 2), also beyond folds or not, and which go round alike, (n,).
 
     Neighbours that go round alike pass the edge between them in opposite directions.
     """
@@ -27,10 +27,12 @@ def _neighbours(points: ndarray, cells: ndarray) -> tuple[ndarray, ndarray]:
     order = np.argsort(number, kind="stable")
     of_two = order[count[number[order]] == 2].reshape(-1, 2)
 
-    # Those without a fold
+    # All of them, or those without a fold
     rises = begin < end
     alike = rises[of_two[:, 0]] != rises[of_two[:, 1]]
     facets = of_two // n
+    if folds:
+        return facets, alike
     normal = unit(normals(points[cells[:, :3]]))
     cosine = np.einsum("ij,ij->i", normal[facets[:, 0]], normal[facets[:, 1]])
     flat = np.where(alike, cosine, -cosine) > SMOOTH
@@ -39,7 +41,7 @@ def _neighbours(points: ndarray, cells: ndarray) -> tuple[ndarray, ndarray]:
 
 def check_alike(points: ndarray, cells: ndarray) -> None:
     """Refuse facets, (m, k), some of whose neighbours have their normals on the other side."""
-    pairs, alike = _neighbours(points, cells)
+    pairs, alike = _neighbours(points, cells, folds=False)
     if alike.all():
         return
     n = 3 if cells.shape[1] in (3, 6) else 4
@@ -54,15 +56,15 @@ def check_alike(points: ndarray, cells: ndarray) -> None:
 def turned(points: ndarray, cells: ndarray) -> ndarray:
     """Return which facets, (m, k), to turn so that the normals of neighbours agree, (m,).
 
-    Normals of connected facets point upwards in the mean, or where they are level along y or x;
-    those of a closed shell point away from its middle.
+    Normals of facets that are connected, also round corners, point upwards in the mean, or where
+    they are level along y or x; those of a closed shell point away from its middle.
     """
     m = len(cells)
     if m == 0:
         return np.zeros(0, bool)
 
     # A graph of all facets as they are and turned: linked are those that agree
-    pairs, alike = _neighbours(points, cells)
+    pairs, alike = _neighbours(points, cells, folds=True)
     first, second = pairs.T
     other = np.where(alike, second, second + m)
     mirrored = np.where(alike, second + m, second)

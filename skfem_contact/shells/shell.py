@@ -100,8 +100,9 @@ class Shell(Nodes):
 
     Notes
     -----
-    Normals of facets on a boundary point out of the body. Connected facets inside have theirs on
-    one side: upwards in the mean, or where they are level along y or x, or out of a ring.
+    Normals of facets on a boundary point out of the body. Connected facets inside, also
+    round corners, have theirs on one side: upwards in the mean, or where they are level along y or
+    x, or out of a ring or shaft. Where three facets meet in an edge, each side has its own.
 
     Facets with middle nodes are divided at them, quadrilaterals along both diagonals. Moments
     converge with the square of the elements' size.

@@ -500,3 +500,33 @@ def test_shells_in_tables_of_results():
     EI = 3e7 * 0.4**3 / 12
     assert table["displacement"][0] == pytest.approx(10.0 * 4.0**4 / 8 / EI, rel=0.02)
     assert table["displacement at"][0].startswith("(4,")
+
+
+def test_a_square_shaft_under_pressure():
+    """[X] Facets inside of a mesh that form a square shaft have their normals outside, round its
+    corners: a pressure within it loads a frame, M = p L**2 / 24 in the middle of its sides,
+    -p L**2 / 12 in the corners, and N = p L / 2, without a force on the whole.
+    """
+    line = np.linspace(-3.0, 3.0, 25)
+    mesh = MeshHex.init_tensor(line, line, [-1.0, -0.5, 0.0]).with_boundaries(
+        {"shaft": lambda x: np.abs(np.abs(x[:2]).max(axis=0) - 2.0) < 1e-9},
+        boundaries_only=False,
+    )
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    shaft = sc.Shell(basis, "shaft", E=3e7, thickness=0.15, axis=(0, 0, 1))
+    held = basis.get_dofs(lambda x: x[2] < -1.0 + 1e-9).all("u^3")
+    turns = [dof for p in ((2, 0, -1), (-2, 0, -1)) for dof in shaft.dofs(p, ["u^2"])] + shaft.dofs(
+        (0, 2, -1), ["u^1"]
+    )
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=0.1, nu=0.0))
+    model = sc.Model({"soil": soil, "shaft": shaft}, [held, *turns])
+    load = model.forms["shaft"].pressure_load(-10.0)
+    assert [abs(load[k : basis.N : 3].sum()) < 1e-9 for k in range(3)] == [True] * 3
+    table = model.run([sc.Stage("full", load)], **QUIET)["full"].table("shaft")
+    one = table["x"] > 1.99
+    for low, high in ((0.0, 0.3), (0.7, 1.3), (1.7, 2.0)):
+        here = one & (np.abs(table["y"]) > low) & (np.abs(table["y"]) < high)
+        exact = 10.0 * (4.0**2 / 24 - table["y"][here] ** 2 / 2).mean()
+        # 2 % of the moment in the corners, with 16 elements on a side
+        assert table["m_2"][here].mean() == pytest.approx(exact, abs=0.02 * 10.0 * 4.0**2 / 12)
+        assert table["n_2"][here].mean() == pytest.approx(20.0, rel=0.02)
