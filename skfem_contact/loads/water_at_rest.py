@@ -198,8 +198,8 @@ def one_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     pressure = as_pressure(water, mesh, unit_weight)
     if isinstance(pressure, Mapping):
         raise ValueError(
-            "bounds know water with one pressure, but it is by region: give one level, or "
-            "leave out `certify`"
+            "bounds beside a search know water with one pressure, but it is by region: leave out "
+            "`certify`, and take `model.bounds(water=...)`"
         )
     return getattr(pressure, "pressure", pressure)
 

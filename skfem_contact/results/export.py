@@ -13,7 +13,7 @@ from numpy import ndarray
 from ..forms.solid import SolidForm
 from ..mesh import bodies as joined_bodies
 from ..mesh.kinds import BY_NODES, HEXAHEDRON, oriented
-from .fields import basis_of, has_excess, nodal_field, quantities, solids
+from .fields import basis_of, has_excess, has_solids, nodal_field, quantities, solids
 from .files import StageData
 from .patch_recovery import RegionMesh, recovered_together, region_mesh, within_points
 from .strength import plastic_strain, total_stress
@@ -46,6 +46,9 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     """
     import meshio
 
+    if not has_solids(stage):
+        return _structures_alone(stage)
+
     # Add the solids with fields at nodes, and means over elements.
     bodies = solids(stage)
     basis = basis_of(stage)
@@ -70,6 +73,20 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     parts += [{}] * (len(blocks) - len(parts))
     sizes = [len(cells) for _, cells in blocks]
     return meshio.Mesh(points, blocks, point_data, _filled(parts, sizes))
+
+
+def _structures_alone(stage: StageData) -> meshio.Mesh:
+    """Return beams and shells of a stage without solids; refuse one that has neither."""
+    import meshio
+
+    blocks: list[tuple[str, ndarray]] = []
+    points, data = _with_structures(stage, np.zeros((0, 3)), {}, blocks)
+    if not blocks:
+        raise ValueError(
+            f"there are no solids, beams or shells in stage '{stage.name}', which holds "
+            f"{list(stage.states)}"
+        )
+    return meshio.Mesh(points, blocks, data)
 
 
 def _at_nodes(
@@ -160,7 +177,8 @@ def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
     # Write the meshes; regions have the same numbers in all of them.
     known: dict[str, SolidForm] = {}
     for stage in stages:
-        known |= solids(stage)
+        if has_solids(stage):
+            known |= solids(stage)
     paths = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(stages))]
     for path, stage in zip(paths, stages, strict=True):
         grid(stage, known).write(path, file_format="vtu")

@@ -530,3 +530,27 @@ def test_a_square_shaft_under_pressure():
         # 2 % of the moment in the corners, with 16 elements on a side
         assert table["m_2"][here].mean() == pytest.approx(exact, abs=0.02 * 10.0 * 4.0**2 / 12)
         assert table["n_2"][here].mean() == pytest.approx(20.0, rel=0.02)
+
+
+def test_files_of_structures_alone(tmp_path):
+    """[X] Files for ParaView of models without solids have the triangles of shells and their
+    displacements; a column on a shell is a line with gaps for the moments of shells.
+    """
+    slab = strip((0.0, 0.0, 0.0), (4.0, 0.0, 0.0), unit_weight=25.0)
+    column = sc.Beam(
+        None, [(2.0, 0.5, 0.0), (2.0, 0.5, 3.0)], EI=1e3, EA=1e5, unit_weight=1.0, joined_to=slab
+    )
+    held = [dof for p in slab.points if p[0] == 0.0 for dof in slab.dofs(p)]
+    model = sc.Model({"slab": slab, "column": column}, held)
+    result = model.run([sc.Stage("weight")], **QUIET)
+    stage = result["weight"]
+    stage.to_vtu(tmp_path / "slab.vtu")
+    result.to_pvd(tmp_path / "slab.pvd")
+    for name in ("slab.vtu", "slab_0.vtu"):
+        mesh = meshio.read(tmp_path / name)
+        kinds = {block.type: block.data for block in mesh.cells}
+        assert set(kinds) == {"triangle", "line3"}
+        moved = mesh.point_data["displacement"]
+        assert np.isclose(np.nanmin(moved[:, 2]), stage.x.min(), rtol=1e-6)
+        assert np.isnan(mesh.point_data["m_1"][kinds["line3"]]).all()
+        assert np.isfinite(mesh.point_data["m_1"][kinds["triangle"]]).all()
