@@ -85,7 +85,8 @@ def bounds(
     water_unit_weight
         Unit weight of water, for levels and lines.
     submerged
-        Boundaries on which the water presses from outside, see :func:`water_load`.
+        Boundaries on which the water presses from outside, see :func:`water_load`. On others it
+        does not, unlike water of a stage, which presses on all boundaries below its level.
     seismic
         Horizontal acceleration, towards positive x, over gravity.
     reduce, exclude
