@@ -154,7 +154,8 @@ class Nodes(Form, Couples, Loaded, Staged):
     def load(self, force: ArrayLike, at: ArrayLike, moment: ArrayLike = 0.0) -> ndarray:
         """Return the load vector of a force and a moment at a node in a model.
 
-        The moment is anticlockwise, in space a vector (3,).
+        The moment is anticlockwise, in space a vector (3,). With `spacing` both are those of one
+        member over it.
         """
         load = np.zeros(self._of_model().max() + 1)
         turn = finite(moment, "moment")
