@@ -86,7 +86,7 @@ class Model(Setup):
     initial_state = initial.initial_state
     k0_state = initial.k0_state
     gravity_state = single_threaded(initial.gravity_state)
-    run = single_threaded(new_meshes.run)
+    run = new_meshes.run
     modes = single_threaded(vibrations.modes)
     frequencies = single_threaded(vibrations.frequencies)
     buckling = single_threaded(buckles.buckling)

@@ -161,26 +161,13 @@ def run(
     _check(setup, stages)
     done = [start] if isinstance(start, StageResult) else list(start or ())
     checked(stages, [stage.name for stage in done])
-    way = _Way(remesh, setup, list(stages), done, on_increment)
-    while way.left:
-        if way.used and remesh.due(way.done[-1], way.used):
-            way.renew()
-        try:
-            before = Result(tuple(way.done))
-            way.add(
-                one_mesh.run(
-                    way.model,
-                    way.left[:1],
-                    start=before,
-                    on_increment=on_increment,
-                    progress=progress,
-                )
-            )
-        except NotConverged:
-            # Begin anew on a new mesh, if the elements have been deformed.
-            if not way.used:
-                raise
-            way.renew()
+    way = _Way(remesh, setup, list(stages), done, on_increment, progress)
+    try:
+        way.follow()
+    except BaseException as error:
+        if getattr(error, "result", None) is None:
+            error.result = Result(tuple(way.done))  # type: ignore[attr-defined]
+        raise
     return Result(tuple(way.done))
 
 
@@ -200,6 +187,7 @@ class _Way:
         stages: list[Stage],
         done: list[StageResult],
         on_increment: Observer | None,
+        progress: bool | None,
     ) -> None:
         self.model = model
         self.left = stages
@@ -207,6 +195,7 @@ class _Way:
         self.used = 0
         self._remesh = remesh
         self._on_increment = on_increment
+        self._progress = progress
         self._n_meshes = 0
         # Follow the new meshes of a run that continues: the model is on the mesh that it began with
         for number, stage in enumerate(done):
@@ -228,18 +217,34 @@ class _Way:
         self.left = self.left[1:]
         self.used += 1
 
+    def follow(self) -> None:
+        """Run the stages that are left."""
+        while self.left:
+            if self.used and self._remesh.due(self.done[-1], self.used):
+                self.renew()
+            try:
+                part = one_mesh.run(
+                    self.model,
+                    self.left[:1],
+                    start=Result(tuple(self.done)),
+                    on_increment=self._on_increment,
+                    progress=self._progress,
+                )
+                self.add(part)
+            except NotConverged:
+                # Begin anew on a new mesh, if the elements have been deformed.
+                if not self.used:
+                    raise
+                self.renew()
+
     def renew(self) -> None:
         """Continue on a new mesh of the deformed bodies."""
         last = self.done[-1]
         self._n_meshes += 1
-        try:
-            new = remeshed(last, self._remesh.size, order=self._remesh.order)
-            model = self._model_on(new.mesh)
-            start = new.start(model, name=f"mesh {self._n_meshes}")
-            self._go_on(model, last)
-        except ValueError as error:
-            error.result = Result(tuple(self.done))  # type: ignore[attr-defined]
-            raise
+        new = remeshed(last, self._remesh.size, order=self._remesh.order)
+        model = self._model_on(new.mesh)
+        start = new.start(model, name=f"mesh {self._n_meshes}")
+        self._go_on(model, last)
         self.done.extend(start)
         if self._on_increment is not None:
             self._on_increment(start[-1])

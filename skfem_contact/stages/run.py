@@ -24,6 +24,7 @@ from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult, undeformed
 from ..results.strength import undrained_friction
+from ..solvers import single_threaded
 from .accuracy import Parts
 from .activation import begin, check_start, state_changes
 from .along_path import along_path
@@ -92,7 +93,8 @@ def run(
     """Run stages one after the other on one mesh, see :meth:`Model.run`."""
     accepted = _Accepted([start] if isinstance(start, StageResult) else list(start or ()))
     try:
-        return _run(setup, stages, accepted, on_increment, progress)
+        with single_threaded:
+            return _run(setup, stages, accepted, on_increment, progress)
     except BaseException as error:
         if accepted.begun:
             error.result = accepted.result()  # type: ignore[attr-defined]

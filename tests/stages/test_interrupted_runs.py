@@ -9,6 +9,7 @@ import pytest
 from scipy.sparse import csr_matrix
 
 import skfem_contact as sc
+from skfem_contact.solvers import threads
 from tests.tools.scenes import block_on_base
 
 
@@ -90,6 +91,23 @@ def test_whatever_ends_a_run_leaves_the_accepted_stages(member, error):
     form.member = late.member = None  # the model is as it was
     end = model.run(stages[2:], start=sc.results.Result(result.stages[:2]), progress=False)["c"]
     assert float(end.x[0]) == pytest.approx(0.75)
+
+
+def test_a_run_that_is_stopped_at_its_end(monkeypatch):
+    """[X] A run that is stopped when its last stage is done, while BLAS gets its threads back."""
+    restored = threads.single_threaded.__exit__
+
+    def stopped(*error):
+        restored(*error)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(
+        type(threads.single_threaded), "__exit__", lambda self, *error: stopped(*error)
+    )
+    model = sc.Model({"spring": Failing()})
+    with pytest.raises(KeyboardInterrupt) as stop:
+        model.run([sc.Stage("a", np.array([1.0]))], progress=False)
+    assert float(stop.value.result["a"].x[0]) == pytest.approx(0.5)
 
 
 def test_stage_that_was_stopped_is_said_and_dropped_by_one_call():

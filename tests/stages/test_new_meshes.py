@@ -253,6 +253,31 @@ def test_appended_stages_that_began_anew(tmp_path):
     same(result, sc.load_result(append.file, model, build))
 
 
+@pytest.mark.parametrize("member", ["model_of", "observer"])
+def test_whatever_ends_a_new_mesh_leaves_the_stages_before(member):
+    """Errors of the function that builds models, and interrupts on a new mesh, lose no stage."""
+    model = model_of(block())
+    stages = [stage_of(model, name, lambda x: 0.0 * x) for name in ("still", "calm")]
+
+    def build(mesh):
+        if member == "model_of":
+            raise KeyError("soil")
+        return model_of(mesh)
+
+    def observe(increment):
+        if increment.name == "mesh 1" and member == "observer":
+            raise KeyboardInterrupt
+
+    with pytest.raises((KeyError, KeyboardInterrupt)) as caught:
+        model.run(
+            stages,
+            remesh=sc.Remeshing(build, 0.3, every=1),
+            on_increment=observe,
+            progress=False,
+        )
+    assert next(iter(caught.value.result)).name == "still"
+
+
 def test_refusals():
     """Each mistake has one sentence, before anything is computed."""
     model = model_of(block())
