@@ -49,7 +49,7 @@ class Symmetry:
     along : ndarray, shape (dim - 1, n_nodes)
         Mask of the directions of slip that are held.
     own, opposite : ndarray, shape (n_nodes, dim)
-        Dofs of these nodes, and dofs of the master beside them; -1 where they are not held.
+        Dofs of these nodes, and dofs of the master opposite them; -1 where they are not held.
     planes : tuple of Plane
         Planes at which the slave ends.
     """

@@ -180,7 +180,7 @@ class Dynamic:
             raise ValueError("explicit steps have one length: give no tolerance")
 
     def _check_masses(self) -> None:
-        """Raise an error if there are no such masses."""
+        """Raise an error if no such masses exist."""
         if self.mass not in ("lumped", "consistent"):
             raise ValueError(f"mass must be 'lumped' or 'consistent', not {self.mass!r}")
         if self.contact_mass not in (None, "moved", "kept"):

@@ -194,7 +194,7 @@ _MESHES = {kind.__name__: kind for kind in (MeshTri1, MeshTri2)}
 
 
 class _Models:
-    """Forms of the meshes of a file: of the given one, and of those that follow in the file."""
+    """Forms of the meshes of a file: of the given mesh, and of the meshes that follow in it."""
 
     def __init__(self, forms: Any, model_of: Callable[[Mesh], Any] | None) -> None:
         self._model_of = model_of
@@ -478,7 +478,7 @@ def _states(
 
 
 def _on_another_mesh(head: Mapping[str, Any], given: Mapping[str, Form]) -> list[str]:
-    """Return the forms of a stage whose mesh is another one than that of the given forms."""
+    """Return the forms of a stage whose mesh is not the one of the given forms."""
     others = []
     for name in head["forms"]:
         # Files of older versions identify no elements.

@@ -57,7 +57,7 @@ def turned(points: ndarray, cells: ndarray) -> ndarray:
     """Return which facets, (m, k), to turn so that the normals of neighbours agree, (m,).
 
     Normals of facets that are connected, also round corners, point upwards in the mean, or where
-    they are level along y or x; those of a closed shell point away from its middle.
+    they are level along y or x; normals of a closed shell point away from its middle.
     """
     m = len(cells)
     if m == 0:

@@ -84,7 +84,7 @@ class Shell(Nodes):
         Weight per volume.
     joined_to
         Beams and shells whose nodes this shell shares where both have one, rigidly: a wall on its
-        slab. Shells on facets of one mesh that meet without it have a hinge there.
+        slab. Without it, shells on facets of one mesh are hinged where they meet.
 
     Attributes
     ----------

@@ -134,7 +134,7 @@ def _expected(
 ) -> tuple[ndarray, float]:
     """Return the expected change, (N + 1,), as far as the load allows, and the least cosine.
 
-    Where contact has changed, the path has a kink: there it is the tangent to more or less load.
+    Where contact has changed, the path has a kink, and a tangent to more or less load.
     """
     least = _STRAIGHT
     if kink is not None:
