@@ -27,13 +27,14 @@ def test_random_scenes(part: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [52000507, 81000083, 91000027, 644000245, 645000872])
+@pytest.mark.parametrize("seed", [52000507, 81000083, 91000027, 644000245, 645000872, 8117000061])
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_scenes_that_failed(seed: int) -> None:
-    """[X] Two scenes with bars, a stack of blocks, and two wavy joints about an axis.
+    """[X] Two scenes with bars, two stacks of blocks, and two wavy joints about an axis.
 
     Bars whose limit load rises by 1.3 % over 340 lengths of a step; bars as soft as the springs of
-    a collapse; blocks whose lower bound needs three starts; clearances that follow.
+    a collapse; blocks whose lower bound needs three starts; clearances that follow; a bracket that
+    stays open where the systems of its interior points are not refined.
     """
     assert not details([trial(seed)])
 
