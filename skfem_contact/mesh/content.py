@@ -292,6 +292,13 @@ def read_text(path: str | PathLike[str]) -> bytes:
     return Path(path).read_bytes().removeprefix(codecs.BOM_UTF8)
 
 
+def read_included(path: Path) -> bytes:
+    """Return the text of a file that another one includes."""
+    if not path.is_file():
+        raise ValueError(f"it includes the file {path}, which does not exist")
+    return read_text(path)
+
+
 def decoded(text: bytes) -> str:
     """Return a text in UTF-8, or in the letters of Windows where it is none."""
     try:

@@ -20,7 +20,7 @@ from ..results.tables import located
 from ..units import labelled
 from .marks import Marks
 from .scene import Cut, Cutaway, Scene
-from .sheet import Frame, Scale, Window, can_draw, finish, make_scale
+from .sheet import Frame, Scale, Window, can_draw, capitalised, finish, make_scale
 
 #: Pictures a second, and width in pixels, of films.
 _FRAMES_A_SECOND = 12
@@ -470,7 +470,7 @@ def _headline(
     title = labelled(field.title, field.unit)
     if since is not None:
         return f"Change of {title}"
-    return title[0].upper() + title[1:]
+    return capitalised(title)
 
 
 def _between(first: View, last: View, n: int) -> list[View]:

@@ -81,11 +81,7 @@ class Marks:
         _draw_structures(plotter, scene, self.stage)
 
         # Draw water, supports, loads and displacements.
-        if self.water is True:
-            given = self.stage.water
-        else:
-            given = self.water
-        for (_, water), color in zip(named_waters(given), cycle(_WATERS), strict=False):
+        for (_, water), color in zip(self._waters, cycle(_WATERS), strict=False):
             _draw_water(plotter, scene, water, color)
         if self.supports is not None:
             _draw_supports(plotter, scene, np.asarray(self.supports))
@@ -108,11 +104,7 @@ class Marks:
         # List what is drawn: water, points that yield, contact by status.
         entries: list[tuple[str, dict[str, Any]]] = []
         if self.water is not None and self.water is not False:
-            if self.water is True:
-                given = self.stage.water
-            else:
-                given = self.water
-            names = [name for name, _ in named_waters(given)] or [_WATER_TABLE]
+            names = [name for name, _ in self._waters] or [_WATER_TABLE]
             for name, color in zip(names, cycle(_WATERS), strict=False):
                 entries.append((name, {"color": color, "linewidth": 3, "linestyle": "--"}))
         marked = {status for status, _, _ in self._points()}
@@ -122,6 +114,13 @@ class Marks:
         if self.contact:
             entries += _legend_of_contact(self.stage)
         return entries
+
+    @property
+    def _waters(self) -> list[tuple[str, Any]]:
+        """Pressures of the water that is drawn, with names."""
+        if self.water is True:
+            return named_waters(self.stage.water)
+        return named_waters(self.water)
 
     def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
         """Yield each status that is marked, a solid, and a mask of its points."""

@@ -25,7 +25,7 @@ from .contour import Contours, View, only
 from .diagram import saved, styles, tidy
 from .marks import Marks
 from .scene import Scene
-from .sheet import Window, make_scale, quantile
+from .sheet import Window, capitalised, make_scale, quantile
 
 #: Largest displacement of bodies that are drawn deformed, as a share of their size.
 _MOVED = 0.05
@@ -101,7 +101,7 @@ def mechanism(
 
 def _title(result: Any) -> str:
     """Return the name of a factor with its value and its bounds, as far as they are known."""
-    title = result.what[0].upper() + result.what[1:]
+    title = capitalised(result.what)
     bounds = result
     if not isinstance(result, Bounds):
         title += f" {result.value:.4g}"

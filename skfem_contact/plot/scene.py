@@ -27,7 +27,7 @@ FIELD, MESH, BORDER, OUTLINE, MARK = range(5)
 #: Share of the size by which lines in space lie in front of surfaces.
 _FRONT = 1e-3
 #: Angle between faces, in degrees, from which on an edge is drawn.
-_EDGE = 30.0
+EDGE = 30.0
 
 #: A plane: its normal, which points to the part that is cut away, and a point on it.
 Cut = tuple[Sequence[float], Sequence[float]]
@@ -71,10 +71,7 @@ class Scene:
         finite = any(form.kinematics == "finite" for form in bodies)
         if finite and deformed in (None, "auto"):
             deformed = 1.0
-        if deformed == "auto":
-            self.factor = self._round_factor()
-        else:
-            self.factor = float(deformed or 0.0)
+        self.factor = self._factor(deformed)
 
         # Give each node equal shares of the areas of its elements.
         volumes = [np.asarray(form.basis.dx).sum(axis=1) for form in bodies]
@@ -82,6 +79,12 @@ class Scene:
         repeated = np.repeat(areas, self.cells.shape[1])
         self.area = np.bincount(self.cells.ravel(), repeated)
         self.pixel = 1.0
+
+    def _factor(self, deformed: float | Literal["auto"] | None) -> float:
+        """Return the factor of the displacements."""
+        if deformed == "auto":
+            return self._round_factor()
+        return float(deformed or 0.0)
 
     def _round_factor(self) -> float:
         """Return a factor with which displacements are seen: 1, 2 or 5 times a power of ten."""
@@ -191,10 +194,31 @@ class _Plane(NamedTuple):
     origin: ndarray
 
 
-class Cutaway(Scene):
-    """Bodies of a stage in space, of which planes cut parts away; the last axis is upright."""
+class SpaceScene(Scene):
+    """Bodies in space, seen in a direction."""
 
     room = 0.03
+
+    def _look(self, towards: Sequence[float], points: ndarray) -> None:
+        """Look at the middle of displaced points, (n, 3)."""
+        axes = axes_of_view(towards)
+        self._in_view = points @ axes.T
+        size = float(np.ptp(self._in_view, axis=0).max())
+        self.view = (axes, float(self._in_view[:, 2].mean()), 4.0 * size)
+        self._front = _FRONT * size * axes[2]
+
+    @property
+    @override
+    def seen(self) -> ndarray:
+        return np.asarray(self._in_view[:, :2])
+
+    @override
+    def in_space(self, points: ndarray, level: int) -> ndarray:
+        return points + self._front
+
+
+class Cutaway(SpaceScene):
+    """Bodies of a stage in space, of which planes cut parts away; the last axis is upright."""
 
     def __init__(
         self,
@@ -223,17 +247,7 @@ class Cutaway(Scene):
         self.straight = grid_of(points, straight, cells[:, : self.corners], displacement)
         self.straight["region"] = self.region
 
-        # Look at the middle of the bodies.
-        axes = axes_of_view(towards)
-        self._in_view = (self.kept.points + self.factor * self.kept["displacement"]) @ axes.T
-        size = float(np.ptp(self._in_view, axis=0).max())
-        self.view = (axes, float(self._in_view[:, 2].mean()), 4.0 * size)
-        self._front = _FRONT * size * axes[2]
-
-    @property
-    @override
-    def seen(self) -> ndarray:
-        return np.asarray(self._in_view[:, :2])
+        self._look(towards, self.kept.points + self.factor * self.kept["displacement"])
 
     @property
     @override
@@ -258,10 +272,6 @@ class Cutaway(Scene):
         for lines, style in self.edges(mesh):
             plotter.add_mesh(lines.translate(self._front), lighting=False, **style)
 
-    @override
-    def in_space(self, points: ndarray, level: int) -> ndarray:
-        return points + self._front
-
     def edges(self, mesh: bool) -> Iterator[tuple[Any, dict[str, Any]]]:
         """Yield edges of regions and of elements, on the surface and on cuts, with their styles."""
         thin = {"color": "#1a1a1a", "opacity": 0.30, "line_width": 1.2}
@@ -275,7 +285,7 @@ class Cutaway(Scene):
 
         # Draw the surfaces where no plane cuts them away.
         for outside in outsides:
-            corners = outside.extract_feature_edges(_EDGE, boundary_edges=False)
+            corners = outside.extract_feature_edges(EDGE, boundary_edges=False)
             yield from self._kept_edges(corners, self.planes, thick)
         if mesh:
             for outside in outsides:

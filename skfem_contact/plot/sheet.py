@@ -224,6 +224,11 @@ def bar_figure(
     return figure
 
 
+def capitalised(text: str) -> str:
+    """Return a text with a capital at its begin; symbols within it stay as they are."""
+    return text[:1].upper() + text[1:]
+
+
 def fitting(text: str, width: float) -> float:
     """Return the size of letters, in points at 100 dots per inch, of a text within a width."""
     return min(_SMALL, width / (_BROAD * max(len(text), 1)))

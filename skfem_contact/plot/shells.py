@@ -12,11 +12,12 @@ from typing_extensions import override
 
 from ..checks import look_up, names_of
 from ..results.stage import StageResult
+from ..shells.element import normals
 from ..units import labelled
 from .contour import Contours, View, extremes_of
 from .marks import Marks
-from .scene import Scene, axes_of_view, banded, grid_of, surface_of
-from .sheet import Scale, make_scale
+from .scene import EDGE, SpaceScene, banded, grid_of, surface_of
+from .sheet import Scale, capitalised, make_scale
 from .structures import Lines, structures
 
 #: Titles of the quantities, and the kinds of their units.
@@ -32,8 +33,6 @@ _QUANTITIES = {
     "m_2": ("moment m_2", "moment"),
     "m_12": ("twisting moment m_12", "moment"),
 }
-#: Angle between triangles, in degrees, from which on the edge between them is drawn.
-_EDGE = 30.0
 #: Least share of the area that is seen from above, for a view from there; other views.
 _LEVEL = 0.9
 _ABOVE = (0.0, 0.0, -1.0)
@@ -106,7 +105,7 @@ def shells(
     if scene.factor != 0.0:
         note += f", displacements × {scene.factor:g}"
     view = View(scene, stage.name, Marks(stage))
-    headline = title[0].upper() + title[1:]
+    headline = capitalised(title)
     picture = Contours([view], scale, headline, note, extremes_of([view]))
     return picture.draw(None, False, file, show)
 
@@ -123,10 +122,7 @@ def _parts(stage: StageResult, names: str | Iterable[str] | None) -> dict[str, _
     """Return the shells of a stage by their names."""
     found = {}
     for name in stage.states:
-        if name in stage.forms:
-            triangles = stage.outputs(name).triangles
-        else:
-            triangles = None
+        triangles = stage.outputs(name).triangles if name in stage.forms else None
         if triangles is not None:
             points, values = triangles
             found[name] = _Part(points, values["displacement"], values)
@@ -137,10 +133,8 @@ def _parts(stage: StageResult, names: str | Iterable[str] | None) -> dict[str, _
     return {name: look_up(name, found, "shell") for name in names_of(names)}
 
 
-class _ShellScene(Scene):
+class _ShellScene(SpaceScene):
     """Shells of a stage, seen in a direction, with a field at the corners of their triangles."""
-
-    room = 0.03
 
     def __init__(
         self,
@@ -159,15 +153,11 @@ class _ShellScene(Scene):
             self.values = self.displacement[:, "xyz".index(quantity[1])]
         else:
             self.values = np.concatenate([part.values[quantity] for part in parts])
-        if deformed == "auto":
-            self.factor = self._round_factor()
-        else:
-            self.factor = float(deformed or 0.0)
+        self.factor = self._factor(deformed)
         self.pixel = 1.0
 
         # A third of each triangle belongs to each of its corners
-        a, b, c = self.coordinates.reshape(-1, 3, 3).transpose(1, 0, 2)
-        normal = np.cross(b - a, c - a)
+        normal = normals(self.coordinates.reshape(-1, 3, 3))
         area = 0.5 * np.linalg.norm(normal, axis=1)
         self.area = np.repeat(area / 3.0, 3)
         if towards is None:
@@ -175,23 +165,10 @@ class _ShellScene(Scene):
             towards = _ABOVE if from_above else _ASLANT
 
         # Look at the middle of the shells and of the beams and bars that are drawn with them
-        axes = axes_of_view(towards)
         ends = []
         for line in lines:
             ends.append((line.points + self.factor * line.displacement).reshape(-1, 3))
-        self._in_view = np.concatenate([self.moved, *ends]) @ axes.T
-        size = float(np.ptp(self._in_view, axis=0).max())
-        self.view = (axes, float(self._in_view[:, 2].mean()), 4.0 * size)
-        self._front = 1e-3 * size * axes[2]
-
-    @property
-    @override
-    def seen(self) -> ndarray:
-        return np.asarray(self._in_view[:, :2])
-
-    @override
-    def in_space(self, points: ndarray, level: int) -> ndarray:
-        return points + self._front
+        self._look(towards, np.concatenate([self.moved, *ends]))
 
     @override
     def draw(self, plotter: Any, scale: Scale, mesh: bool) -> None:
@@ -206,5 +183,5 @@ class _ShellScene(Scene):
             plotter.add_mesh(front, color="#333333", opacity=0.25, line_width=1, lighting=False)
 
         # Draw the ends of the shells and the folds between them
-        edges = surface.clean().extract_feature_edges(_EDGE)
+        edges = surface.clean().extract_feature_edges(EDGE)
         plotter.add_mesh(edges.translate(self._front), color="black", line_width=4, lighting=False)

@@ -13,26 +13,18 @@ from .element import BENDING, MEMBRANE, SMOOTH, Triangles
 _BY_MIDDLES = np.array([[1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, 1.0, 1.0]])
 
 
-def at_corners(force: ndarray, nodes: ndarray, triangles: Triangles) -> ndarray:
-    """Return forces and moments per length at the corners of triangles, (m, 3, 6).
+def averages(nodes: ndarray, triangles: Triangles) -> csr_matrix:
+    """Return the shares of the corners of triangles in the value at a corner, (3 m, 3 m).
 
-    Membrane forces are constant and moments linear in a triangle. A corner has the mean of the
-    triangles around its node, without those beyond a fold.
+    A corner has the mean, by areas, of the triangles around its node, without those beyond a fold.
 
     Parameters
     ----------
-    force
-        Forces of :class:`~.shell.ShellState`, (m, 15).
     nodes
         Numbers of the nodes of the triangles, (m, 3).
     triangles
         Geometry.
     """
-    # Values of each triangle; a point stands for a third of its moments
-    membrane = np.repeat(force[:, None, MEMBRANE], 3, axis=1)
-    bending = 3.0 * _BY_MIDDLES @ force[:, BENDING].reshape(-1, 3, 3)
-    values = np.concatenate((membrane, bending), axis=2)
-
     # Neighbours of a corner: corners of triangles at its node, in about the same plane
     corners = np.arange(nodes.size)
     at_node = csr_matrix((np.ones(nodes.size), (corners, nodes.ravel())))
@@ -41,8 +33,24 @@ def at_corners(force: ndarray, nodes: ndarray, triangles: Triangles) -> ndarray:
     cosine = np.einsum("ij,ij->i", normal[pairs.row], normal[pairs.col])
     weight = np.repeat(triangles.areas, 3)[pairs.col] * (cosine > SMOOTH)
     shares = csr_matrix((weight, (pairs.row, pairs.col)))
-
-    # Means by areas
     total = np.asarray(shares.sum(axis=1)).ravel()
-    mean = diags(1.0 / total) @ shares @ values.reshape(-1, 6)
-    return np.asarray(mean).reshape(-1, 3, 6)
+    return csr_matrix(diags(1.0 / total) @ shares)
+
+
+def at_corners(force: ndarray, shares: csr_matrix) -> ndarray:
+    """Return forces and moments per length at the corners of triangles, (m, 3, 6).
+
+    Membrane forces are constant and moments linear in a triangle.
+
+    Parameters
+    ----------
+    force
+        Forces of :class:`~.shell.ShellState`, (m, 15).
+    shares
+        Of :func:`averages`.
+    """
+    # A point stands for a third of the moments
+    membrane = np.repeat(force[:, None, MEMBRANE], 3, axis=1)
+    bending = 3.0 * _BY_MIDDLES @ force[:, BENDING].reshape(-1, 3, 3)
+    values = np.concatenate((membrane, bending), axis=2)
+    return np.asarray(shares @ values.reshape(-1, 6)).reshape(-1, 3, 6)

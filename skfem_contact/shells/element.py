@@ -76,6 +76,11 @@ def divided(cells: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     return cells[:, parts].reshape(-1, 3), np.tile(shares, n), np.tile(covering, n)
 
 
+def n_corners(cells: ndarray) -> int:
+    """Return the number of corners of facets, (m, k), whose corners come first."""
+    return 3 if cells.shape[1] in (3, 6) else 4
+
+
 def normals(corners: ndarray) -> ndarray:
     """Return normals of triangles, (m, 3), twice as long as their areas."""
     return across(corners[:, 1:] - corners[:, :1])

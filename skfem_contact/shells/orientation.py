@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..checks import format_point
 from ..surfaces.vectors import unit
-from .element import SMOOTH, normals
+from .element import SMOOTH, n_corners, normals
 
 
 def _neighbours(points: ndarray, cells: ndarray, folds: bool) -> tuple[ndarray, ndarray]:
@@ -18,7 +18,7 @@ def _neighbours(points: ndarray, cells: ndarray, folds: bool) -> tuple[ndarray, 
     Neighbours that go round alike pass the edge between them in opposite directions.
     """
     # Edges between two facets
-    n = 3 if cells.shape[1] in (3, 6) else 4
+    n = n_corners(cells)
     begin = cells[:, :n].ravel()
     end = np.roll(cells[:, :n], -1, axis=1).ravel()
     edges = np.sort(np.stack((begin, end)), axis=0)
@@ -44,7 +44,7 @@ def check_alike(points: ndarray, cells: ndarray) -> None:
     pairs, alike = _neighbours(points, cells, folds=False)
     if alike.all():
         return
-    n = 3 if cells.shape[1] in (3, 6) else 4
+    n = n_corners(cells)
     middle = points[cells[pairs[~alike][0, 0], :n]].mean(axis=0)
     raise ValueError(
         f"the normals of {(~alike).sum()} pairs of neighbouring cells of the shell point to "

@@ -24,8 +24,16 @@ from ..layout import Field
 from ..sparse import Gathering, constant
 from ..surfaces.topology import facets_and_dofs
 from ..surfaces.vectors import unit
-from .corners import at_corners
-from .element import BENDING, MEMBRANE, Triangles, divided, elasticity, normals
+from .corners import at_corners, averages
+from .element import (
+    BENDING,
+    MEMBRANE,
+    Triangles,
+    divided,
+    elasticity,
+    n_corners,
+    normals,
+)
 from .orientation import check_alike, turned
 
 #: Round-off of forces, as a share of the stiffness times the displacements.
@@ -253,6 +261,11 @@ class Shell(Nodes):
         """Stiffness among the dofs of the shell."""
         return constant(self._gathering.matrix(self._rows, self._matrices))
 
+    @cached_property
+    def _averages(self) -> csr_matrix:
+        """Shares of the corners of triangles in the value at a corner."""
+        return averages(self._corners, self._triangles)
+
     @override
     def inherits(self, old: Shell, state: ShellState) -> ShellState:
         # another stiffness alone changes no force
@@ -311,7 +324,7 @@ class Shell(Nodes):
 
         def triangles() -> tuple[ndarray, dict[str, ndarray]]:
             once = self._covering
-            found = at_corners(state.force, self._corners, self._triangles)[once].reshape(-1, 6)
+            found = at_corners(state.force, self._averages)[once].reshape(-1, 6)
             u = self._own(x)[self._rows[once, :9]].reshape(-1, 3)
             points = self._triangles.points[once].reshape(-1, 3)
             return points, dict(zip(_RESULTANTS, found.T, strict=True)) | {"displacement": u}
@@ -349,7 +362,7 @@ def _bonded(basis: CellBasis | None, name: str, cells: Any) -> tuple[ndarray, nd
 
 def _mirrored(cells: ndarray) -> ndarray:
     """Return facets whose corners go round the other way."""
-    n = 3 if cells.shape[1] in (3, 6) else 4
+    n = n_corners(cells)
     corners = cells[:, :n][:, ::-1]
     # the side behind corner k of n is now between corners n - 2 - k and n - 1 - k
     sides = np.roll(cells[:, n : 2 * n][:, ::-1], -1, axis=1)

@@ -216,13 +216,13 @@ class DirectSolver:
 
         if kept is not None and self._iterates and self._taken < MANY:
             return self._iterated(K, A, kept)
-        return self._factored(K, symmetric)
+        return self._factored(K, A, symmetric)
 
-    def _factored(self, K: csr_matrix, symmetric: bool) -> _Factor:
-        """Return the factor of K, in the first way that may hold."""
+    def _factored(self, K: csr_matrix, A: csr_matrix, symmetric: bool) -> _Factor:
+        """Return the factor of K with the free block A, in the first way that may hold."""
         if self._block is None or self._engine.outdated():
             self._block = self._ordered(K)
-        A = self._block.gather(K)
+            A = self._block.gather(K)
         ways = self._ways()
         self._taken = 0
         self._last = None  # its memory is free for the next one
@@ -252,7 +252,7 @@ class DirectSolver:
                     return x
             kept = None  # its memory is free for the own one
             if own is None:
-                own = self._factored(K, symmetric)
+                own = self._factored(K, A, symmetric)
             return own(b, rtol)
 
         return solve

@@ -190,15 +190,11 @@ def _base(
     """
     if stage.base is None:
         return ()
-    if isinstance(stage.base, Mapping):
-        given = stage.base
-    else:
-        given = {"x": stage.base}
     # Records act on rigid bases as inertia, on rock as the wave that arrives.
     of_rock = {k: form for k, form in having(forms, Absorbing).items() if form.of_rock}
     axes = "xyz"[: len(setup.layout.coordinates)]
     found = []
-    for name, record in given.items():
+    for name, record in _records(stage).items():
         if name not in tuple(axes):
             raise ValueError(f"the base moves along one of {', '.join(axes)}, not {name!r}")
         if name == "x" and setup.coordinates == "axisymmetric":
@@ -224,16 +220,19 @@ def _base(
     return tuple(found)
 
 
+def _records(stage: Stage) -> Mapping[str, Any]:
+    """Return the records of a base that moves, by their axes."""
+    if isinstance(stage.base, Mapping):
+        return stage.base
+    return {"x": stage.base}
+
+
 def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
     """Yield remarks on records in another unit, and on bases that move twice."""
     if stage.base is None or setup.gravity_acceleration is None:
         return
     # Report records in another unit.
-    if isinstance(stage.base, Mapping):
-        given = stage.base
-    else:
-        given = {"x": stage.base}
-    for record in given.values():
+    for record in _records(stage).values():
         times = record.peak / setup.gravity_acceleration
         if times > _STRONGEST:
             yield Remark(

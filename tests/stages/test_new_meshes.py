@@ -90,12 +90,12 @@ def test_new_meshes_where_elements_are_bad():
     assert not any(remark for stage in result for remark in stage.remarks)
 
 
-def test_a_failed_stage_begins_anew_on_a_new_mesh():
-    """A stage whose elements turn over on a used mesh passes on a new one; else its error stays."""
+def fragile():
+    """Model, stages, function that builds models, and its calls: the first mesh fails when far."""
     calls = []
 
     class Fragile(sc.LinearElastic):
-        """Material that fails at the third stage on the first mesh."""
+        """Material that fails far on the first mesh."""
 
         def update(self, strain, stress, internal):
             if len(calls) == 0 and np.abs(stress).max() > 20.0:
@@ -113,6 +113,12 @@ def test_a_failed_stage_begins_anew_on_a_new_mesh():
     for way in (0.1, 0.3):
         stretched = lambda x, way=way: np.stack((way * x[0], 0 * x[1]))  # noqa: E731
         stages.append(stage_of(model, f"{way}", stretched, increments=4))
+    return model, stages, build, calls
+
+
+def test_a_failed_stage_begins_anew_on_a_new_mesh():
+    """A stage whose elements turn over on a used mesh passes on a new one; else its error stays."""
+    model, stages, build, calls = fragile()
     result = model.run(stages, remesh=sc.Remeshing(build, 0.5, every=9), progress=False)
     assert [stage.name for stage in result] == ["0.1", "mesh 1", "0.3"]
     with pytest.raises(sc.errors.NotConverged) as caught:
@@ -225,27 +231,7 @@ def test_appended_runs_are_read_and_continue(tmp_path):
 
 def test_appended_stages_that_began_anew(tmp_path):
     """Increments of a stage that failed on the mesh before are left out."""
-    calls = []
-
-    class Fragile(sc.LinearElastic):
-        """Material that fails far on the first mesh."""
-
-        def update(self, strain, stress, internal):
-            if len(calls) == 0 and np.abs(stress).max() > 20.0:
-                raise sc.errors.NotConverged("too much")
-            return super().update(strain, stress, internal)
-
-    material = Fragile(E=100.0, nu=0.3)
-
-    def build(mesh):
-        calls.append(mesh)
-        return model_of(mesh, material)
-
-    model = model_of(block(1), material)
-    stages = []
-    for way in (0.1, 0.3):
-        stretched = lambda x, way=way: np.stack((way * x[0], 0 * x[1]))  # noqa: E731
-        stages.append(stage_of(model, f"{way}", stretched, increments=4))
+    model, stages, build, _ = fragile()
     append = sc.results.Append(tmp_path / "run.records")
     remesh = sc.Remeshing(build, 0.5, every=9)
     result = model.run(stages, remesh=remesh, on_increment=append, progress=False)

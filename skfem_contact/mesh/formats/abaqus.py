@@ -16,6 +16,7 @@ from ..content import (
     numbers_of,
     parsed,
     point_text,
+    read_included,
     read_text,
     rows,
     to_vtk,
@@ -137,7 +138,7 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
     if depth > _DEEPEST:
         raise ValueError(f"its *INCLUDE are nested more than {_DEEPEST} times")
     # Find the cards; lines of comments begin with two stars.
-    text = re.sub(rb"^\*\*.*\n?", b"", text.replace(b"\r", b""), flags=re.MULTILINE)
+    text = _without_comments(text)
     marks = list(re.finditer(rb"^[ \t]*\*(?=[A-Za-z])", text, flags=re.MULTILINE))
     ends = [*(mark.start() for mark in marks[1:]), len(text)]
     for mark, end in zip(marks, ends):
@@ -159,9 +160,10 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
         keyword = " ".join(keyword.upper().split())
         # Follow other files, of cards or of the lines of one.
         if keyword == "INCLUDE":
-            yield from _cards(_other(folder, options), folder, depth + 1)
+            yield from _cards(_included(folder, options), folder, depth + 1)
         elif keyword in _LISTS and "INPUT" in options:
-            yield _Card(keyword, options, _other(folder, options) + b"\n" + data)
+            lines = _without_comments(_included(folder, options))
+            yield _Card(keyword, options, lines + b"\n" + data)
         elif keyword in _MAKERS:
             raise ValueError(
                 f"it makes nodes or elements by *{keyword}, which is not read: write the nodes and "
@@ -171,12 +173,14 @@ def _cards(text: bytes, folder: Path, depth: int) -> Iterator[_Card]:
             yield _Card(keyword, options, data)
 
 
-def _other(folder: Path, options: Mapping[str, str]) -> bytes:
-    """Return the text of the file that a card names, without comments."""
-    other = folder / options.get("INPUT", "").strip('"')
-    if not other.is_file():
-        raise ValueError(f"it includes the file {other}, which does not exist")
-    return re.sub(rb"^\*\*.*\n?|\r", b"", read_text(other), flags=re.MULTILINE)
+def _included(folder: Path, options: Mapping[str, str]) -> bytes:
+    """Return the text of the file that a card names."""
+    return read_included(folder / options.get("INPUT", "").strip('"'))
+
+
+def _without_comments(text: bytes) -> bytes:
+    """Return the lines of a text that are no comments, with ends as of Unix."""
+    return re.sub(rb"^\*\*.*\n?", b"", text.replace(b"\r", b""), flags=re.MULTILINE)
 
 
 def _assembled(cards: Iterator[_Card]) -> _Part:

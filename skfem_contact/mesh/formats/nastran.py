@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..content import Content, decoded, members_by_tag, numbers_of, read_text, to_vtk
+from ..content import Content, decoded, members_by_tag, numbers_of, read_included, read_text, to_vtk
 
 #: Kinds of elements by card and number of nodes.
 _CARDS = {
@@ -47,7 +47,7 @@ _ORDER = {
 
 def read(path: str) -> Content:
     """Read grid points and elements; properties are groups."""
-    text = _text(Path(path), 0)
+    text = _text(read_text(path), Path(path), 0)
     ids = []
     points = []
     cells: dict[str, list[list[int]]] = {}
@@ -81,19 +81,16 @@ def read(path: str) -> Content:
     return content
 
 
-def _text(path: Path, depth: int) -> str:
-    """Return the text of a file with the files that it includes."""
+def _text(text: bytes, path: Path, depth: int) -> str:
+    """Return the text of a file with the texts of the files that it includes."""
     if depth > _DEEPEST:
         raise ValueError(f"its INCLUDE are nested more than {_DEEPEST} times")
 
     def included(match: re.Match[str]) -> str:
         other = path.parent / match[1].strip()
-        if not other.is_file():
-            raise ValueError(f"it includes the file {other}, which does not exist")
-        return _text(other, depth + 1)
+        return _text(read_included(other), other, depth + 1)
 
-    text = decoded(read_text(path)).replace("\r\n", "\n")
-    return _INCLUDE.sub(included, text)
+    return _INCLUDE.sub(included, decoded(text).replace("\r\n", "\n"))
 
 
 def _names(text: str) -> dict[int, str]:
