@@ -1,6 +1,7 @@
 """One-token mutations of the package, drawn at random: tests must fail for nearly all of them.
 
     python -m tests.mutate --sample 300 --seed 1 [--room contact] [--jobs 2] [--resume FILE]
+    python -m tests.mutate --sample 300 --seed 1 --first 101 --last 200    # a part of the sample
 
 A mutation changes one token of a copy of the package: a sign, a factor, a comparison, an index, a
 tolerance.  The tests named after its file run first, then the tests of its room, then tests of
@@ -558,6 +559,8 @@ def main(arguments: list[str] | None = None, root: Path = ROOT) -> int:
     parser = argparse.ArgumentParser(prog="tests.mutate", description=__doc__.splitlines()[0])
     parser.add_argument("--sample", type=int, default=300, help="number of mutations")
     parser.add_argument("--seed", type=int, default=1, help="seed of the sample")
+    parser.add_argument("--first", type=int, default=1, help="number of the first one to try")
+    parser.add_argument("--last", type=int, help="number of the last one to try")
     parser.add_argument("--room", action="append", help="a room; several by repeating the option")
     parser.add_argument("--jobs", type=int, default=1, help="number of processes")
     parser.add_argument(
@@ -565,7 +568,8 @@ def main(arguments: list[str] | None = None, root: Path = ROOT) -> int:
     )
     parser.add_argument("--again", action="store_true", help="try survivors of the file again")
     given = parser.parse_args(arguments)
-    chosen = drawn(root, tuple(given.room or ROOMS), given.sample, given.seed)
+    sample = drawn(root, tuple(given.room or ROOMS), given.sample, given.seed)
+    chosen = sample[given.first - 1 : given.last]
     outcomes = tried(root, chosen, given.jobs, given.resume, given.again)
     survivors = sorted(mutation for mutation, test in outcomes.items() if test is None)
     print("\nSurvivors:" if survivors else "\nNo survivors.")

@@ -74,6 +74,18 @@ def test_samples_repeat(project: Path) -> None:
     assert mutate.drawn(project, ("other",), 5, seed=1) == []
 
 
+def test_parts_of_a_sample(project: Path, monkeypatch, capsys) -> None:
+    """Parts are counted from one, with both ends, and join to the sample."""
+    monkeypatch.setattr(mutate, "ROOMS", ("room",))
+    monkeypatch.setattr(mutate, "tried", lambda root, chosen, *more: dict.fromkeys(chosen, "test"))
+    size = len(mutate.drawn(project, ("room",), 99, seed=2))
+    sizes = []
+    for part in (["--last", "4"], ["--first", "5"], []):
+        assert mutate.main(["--seed", "2", *part], project) == 0
+        sizes.append(int(capsys.readouterr().out.splitlines()[-1].split()[2]))
+    assert sizes == [4, size - 4, size]
+
+
 @pytest.mark.slow
 def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
     """A default that no test uses survives until there is a test; a changed factor is caught, and
