@@ -226,6 +226,11 @@ class Shell(Nodes):
         new.changing = np.zeros(0, int)
         return new
 
+    @property
+    def rotations(self) -> ndarray:
+        """Rotations of the nodes of a model's shell, (n, 3)."""
+        return self._of_model()[3 * len(self.points) :].reshape(-1, 3)
+
     def _strains(self, x: ndarray) -> ndarray:
         """Return the strains of the triangles, (m, 15)."""
         u = self._own(x)[self._rows]

@@ -17,6 +17,7 @@ from ..forms.roles import Couples, Slender, Staged, Wet, having, joined_by
 from ..layout import nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
+from ..shells.hinges import hinged
 from .in_time import InTime, inertia_of, remarks_on_base
 from .setup import Setup
 from .stage import Stage
@@ -152,6 +153,7 @@ class Planner:
         remarks = (
             *_of_idle_input(stage, same_load, same_supports, self._unreleased or moved),
             *self._of_forms(stage),
+            *hinged(self._active, self._supports),
             *self._of_water(stage),
             *self._of_pressures(stage, load, prescribed),
             *_of_jump(stage, load, jump),

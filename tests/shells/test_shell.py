@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import meshio
 import numpy as np
 import pytest
@@ -474,6 +476,35 @@ def test_a_wall_on_a_slab(bonded, tmp_path):
     result.save(tmp_path / "angle.npz")
     again = sc.load_result(tmp_path / "angle.npz", model)["push"]
     assert np.array_equal(again.table("wall")["m_2"], stage.table("wall")["m_2"])
+
+
+def test_hinges_between_bonded_shells_are_told():
+    """[X] The corner of two shells on facets of one mesh is a hinge of three nodes unless one is
+    joined to the other, one is away, or supports hold its rotations.
+    """
+    forms = angle(True)
+    slab = forms["slab"]
+    wall = sc.Shell(forms["soil"].basis, "wall", E=3e7, thickness=0.3)
+    foot = [dof for p in slab.points if p[0] < 1e-9 for dof in slab.dofs(p)]
+    corner = [p for p in slab.points if p[0] > 4.0 - 1e-9]
+    assert len(corner) == 3
+
+    def told(forms, held, *stages):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            sc.Model(forms, held).run(stages, **QUIET)
+        return [str(warning.message) for warning in caught]
+
+    open_ = {**forms, "wall": wall}
+    texts = told(open_, foot, sc.Stage("rest"))
+    assert len(texts) == 1 and "'slab' and 'wall' are hinged at 3 nodes" in texts[0]
+    assert not told(forms, foot, sc.Stage("rest"))
+    assert not told(open_, foot, sc.Stage("rest", deactivate="wall"))
+    turns = ["theta^1", "theta^2", "theta^3"]
+    both = [dof for form in (slab, wall) for p in corner for dof in form.dofs(p, turns)]
+    assert not told(open_, foot + both, sc.Stage("rest"))
+    one = [dof for p in corner for dof in slab.dofs(p, turns)]
+    assert "hinged at 3 nodes" in told(open_, foot + one, sc.Stage("rest"))[0]
 
 
 def test_shells_join_what_they_touch():
