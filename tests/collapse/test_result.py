@@ -4,6 +4,8 @@ not.
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from skfem import (
@@ -209,3 +211,25 @@ def test_result_is_that_of_the_last_equilibrium() -> None:
     settled = -found.x[basis.get_dofs("top").all("u^2")]
     np.testing.assert_allclose(settled, 2.0 * c * (1.0 - nu**2) / E, rtol=1e-6)
     assert min(step.iterations for step in found.steps if step.outcome != "equilibrium") == 0
+
+
+def test_a_value_that_needs_large_displacements_is_told():
+    """[X] A bar flows at 20 beside a spring of 10: the value at a displacement u is 20 + 10 u, 21
+    at u = 0.1.
+    """
+    bar = sc.Reinforcement(None, [[0.0, 0.0], [1.0, 0.0]], EA=1e4, Np=20.0)
+    spring = sc.Bar(None, bar.at((0.0, 0.0)), bar.at((1.0, 0.0)), EA=10.0)
+    held = [*bar.dofs((0.0, 0.0)), *bar.dofs((1.0, 0.0), ["u^2"]), *bar.dofs((0.5, 0.0), ["u^2"])]
+    model = sc.Model({"bar": bar, "spring": spring}, held)
+    pull = model.forms["bar"].load((1.0, 0.0), at=(1.0, 0.0))
+    with pytest.warns(sc.AnalysisWarning) as told:
+        found = model.limit_load(
+            pull, step=5.0, min_displacement=0.8, max_value=30.0, progress=False
+        )
+    text = next(str(w.message) for w in told if "belongs to displacements" in str(w.message))
+    moved, near, reached = (float(x) for x in re.findall(r"\d[\d.]*\d", text)[1:4])
+    assert moved > 0.8 and found.multiplier == pytest.approx(20.0 + 10.0 * moved, rel=5e-3)
+    assert (near, reached) == (
+        0.1,
+        pytest.approx(21.0, rel=5e-3),
+    )  # the search's tolerance and the printed digits

@@ -49,10 +49,15 @@ AGS = """"GROUP","PROJ"
 """
 
 
+#: Units of pressure and length, as they are in one kPa and one m.
+PRESSURES = {"Pa": 1e3, "kPa": 1.0, "kN/m2": 1.0, "MPa": 1e-3, "MN/m2": 1e-3, "bar": 0.01}
+LENGTHS = {"m": 1.0, "mm": 1e3, "cm": 100.0, "ft": 1 / 0.3048, "in": 1 / 0.0254}
+
+
 def ags(path, unit="kPa", rows=None):
     """Write a file with a sand of 8 MPa over a clay of 0.6 MPa."""
     if rows is None:
-        factor = {"kPa": 1.0, "MPa": 1e-3}.get(unit, 1.0)
+        factor = PRESSURES.get(unit, 1.0)
         rows = []
         for depth in np.arange(0.1, 10.05, 0.1):
             sand = depth <= 4.0
@@ -64,7 +69,7 @@ def ags(path, unit="kPa", rows=None):
     return path
 
 
-@pytest.mark.parametrize("unit", ["kPa", "MPa"])
+@pytest.mark.parametrize("unit", PRESSURES)
 def test_ags_with_the_units_of_its_headings(tmp_path, unit):
     """[X] Layers, coordinates and readings in kPa, whatever unit a heading has."""
     site = sc.ground.read_ags(ags(tmp_path / "site.ags", unit))
@@ -81,6 +86,15 @@ def test_ags_with_the_units_of_its_headings(tmp_path, unit):
     np.testing.assert_allclose(test.sleeve[[0, -1]], [48.0, 24.0])
     np.testing.assert_allclose(test.resistance[-1], 600.0 + 0.2 * 100.0)
     assert site.remarks == ("'TP' has no layers and no cone penetration test",)
+
+
+@pytest.mark.parametrize("unit", LENGTHS)
+def test_lengths_with_the_units_of_their_headings(tmp_path, unit):
+    """[X] Depths in m."""
+    file = ags(tmp_path / "site.ags", rows=[f'"DATA","C1","1","{2.0 * LENGTHS[unit]}","8","40",""'])
+    file.write_text(file.read_text().replace('"m","MPa"', f'"{unit}","MPa"'))
+    depth = sc.ground.read_ags(file).soundings["C1"].depth
+    np.testing.assert_allclose(depth, [2.0], rtol=1e-12)
 
 
 def test_thin_gaps_between_layers_are_told(tmp_path):
@@ -164,7 +178,7 @@ def gef(path, unit="MPa", incline=None):
     """Write a sounding without readings from 4 to 6 m."""
     more = "" if incline is None else "#COLUMNINFO = 4, degrees, inclination, 8\n"
     text = GEF.format(unit=unit, more=more, columns=3 if incline is None else 4)
-    factor = {"MPa": 1.0, "kPa": 1e3}.get(unit, 1.0)
+    factor = 1e3 * PRESSURES.get(unit, 1.0)
     for step in range(101):
         cone, sleeve = (10.0, 0.05) if step <= 40 else (0.5, 0.02)
         values = "-9999;-9999;" if 40 < step < 60 else f"{cone * factor:g};{sleeve * factor:g};"

@@ -93,3 +93,4 @@ def test_extremes_of_stresses_of_any_size(size: float) -> None:
     largest, smallest = extremes(size * np.array([xx, yy, zz, xy, yz, zx])[:, None])
     found = [smallest.item() / size, largest.item() / size]
     np.testing.assert_allclose(found, right[[0, 2]], rtol=2e-7)  # bounds are 1e-7 outside
+    assert found[0] < right[0] and right[2] < found[1]
