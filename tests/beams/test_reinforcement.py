@@ -76,6 +76,28 @@ def test_tangent_and_reset():
     assert np.abs(again.x).max() < 1e-9 and again.states["grid"].force == pytest.approx(2.0)
 
 
+def test_a_new_stiffness_changes_no_force():
+    """[X] Forces of 2 and 3 with EA = 100 and then 50: u = 2 / 100, and 1 / 50 more."""
+
+    def bar(EA):
+        return sc.Reinforcement(None, [[0.0, 0.0], [1.0, 0.0]], EA=EA)
+
+    first = bar(100.0)
+    held = [*first.dofs((0.0, 0.0)), *first.dofs((0.5, 0.0), ["u^2"])]
+    held += first.dofs((1.0, 0.0), ["u^2"])
+    model = sc.Model({"bar": first}, held)
+    pull = model.forms["bar"].load((1.0, 0.0), at=(1.0, 0.0))
+    stages = [
+        sc.Stage("pull", 2 * pull),
+        sc.Stage("softer", 2 * pull, change={"bar": bar(50.0)}),
+        sc.Stage("more", 3 * pull),
+    ]
+    result = model.run(stages, **QUIET)
+    moved = [float(pull @ stage.x) for stage in result]
+    assert moved == pytest.approx([0.02, 0.02, 0.04], rel=1e-9)
+    assert result["more"].section_forces("bar").N == pytest.approx(3.0, rel=1e-9)
+
+
 def in_rigid_ground(beam, **skin):
     """Model of reinforcement or a beam in ground that does not move."""
     mesh = MeshTri.init_tensor(np.linspace(-1, 7, 9), np.linspace(-2, 1, 4)).with_defaults()
