@@ -311,7 +311,8 @@ class Search:
                 owner = self.triangles.mesh.f2t[0, facets]
                 tractions = _tractions(self.triangles, joint, facets, stress)
                 values = _gap_of_facets(spent_there, tractions, jump)
-                gap[owner] += np.where(np.isin(owner, soft), values, 0.0)
+                at_soft = np.isin(owner, soft)
+                gap[owner[at_soft]] += values[at_soft]
         return gap
 
 

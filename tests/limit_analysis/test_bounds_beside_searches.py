@@ -32,6 +32,7 @@ import skfem_contact as sc
 import skfem_contact.plot as plot
 from skfem_contact import limit_analysis
 from skfem_contact.collapse.mechanism import within_bounds
+from skfem_contact.limit_analysis import search
 from skfem_contact.limit_analysis.model import Site, vector_loads
 from tests.tools.helpers import analysis
 
@@ -600,11 +601,15 @@ def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
 
 
 def test_rigid_parts_are_named() -> None:
-    """[X] Prandtl: a strip on clay, both of one form; what is rigid is the strip."""
+    """[X] Prandtl: a strip on clay, both of one form; what is rigid is the strip, and triangles fan
+    out from its edge.
+    """
     model, _ = strip_footing(sc.Tresca(E=1e4, nu=0.3, c=1.0), 1)
     found = model.bounds(tractions={"top": (0.0, -1.0)}, live="top", gap=0.1, progress=False)
     assert found.lower < 2 + np.pi < found.upper
     assert found.remarks == ("elastic bodies have no limit and count as rigid: strip",)
+    at_edge = np.isclose(found.mesh.p, [[1.0], [0.0]]).all(axis=0)
+    assert at_edge[found.mesh.t].sum() >= search._FAN
 
 
 def test_bounds_take_water_as_every_search_does() -> None:
