@@ -151,8 +151,6 @@ def elastic_scale(t: Points, k: Constants) -> Array:
     the cap.
     """
     start = t.factor * t.scale
-    if k.m == 0.0:
-        return start
 
     # x = (factor / 2) (scale + scale at the reached stress), solved for x.
     def missing(x: Array, t: Points) -> tuple[Array, Array, Array]:

@@ -39,8 +39,7 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
         _lay_flat(content, plane)
     elif plane != "xy":
         raise ValueError(f"the mesh is solid: plane='{plane}' is for sections")
-    if factor != 1.0:
-        content.points = content.points * factor
+    content.points = content.points * factor
     for kind, complete in _INCOMPLETE.items():
         if kind in content.cells and KINDS[kind].dim == content.dim:
             _complete(content, kind, complete)

@@ -543,3 +543,5 @@ def test_stiffness_with_a_factor():
     form = sc.MatrixForm(K)
     assert np.array_equal(form.scaled_stiffness({"spring": 2.0}).toarray(), 2.0 * K)
     assert not form.scaled_stiffness({}).toarray().any()
+    with pytest.raises(NotImplementedError, match="have one factor"):
+        form.scaled_stiffness({"spring": 2.0, "other": 3.0})

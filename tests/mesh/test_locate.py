@@ -58,9 +58,12 @@ def test_elements_of_very_different_sizes():
     assert (found.elements >= 0).all() and inside.all()
 
 
-def test_points_between_groups_belong_to_the_first():
-    """[X] On the line between two groups the smaller number is taken, whatever the order."""
-    mesh = MeshQuad().refined(3)
+@pytest.mark.parametrize("rows", [1, 8])
+def test_points_between_groups_belong_to_the_first(rows):
+    """[X] On the line between two groups, of one element each or of many, the smaller number is
+    taken, whatever the order.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 2 * rows + 1), np.linspace(0, 1, rows + 1))
     left = mesh.p[0, mesh.t].mean(axis=0) < 0.5
     points = np.array([np.full(20, 0.5), np.linspace(0.0, 1.0, 20)])
     for groups in (left.astype(int), 1 - left.astype(int)):
