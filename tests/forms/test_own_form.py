@@ -537,6 +537,22 @@ def test_reset_of_an_own_form():
         result.reset()
 
 
+class Stressed(sc.Form):
+    """A force of 100 that grows by 1e-8 with a displacement of one."""
+
+    size = 1
+
+    def assemble(self, x, state):
+        return sc.Response(100.0 + 1e-8 * x, lambda: state, lambda: csr_matrix([[1e-8]]))
+
+
+def test_reset_of_a_force_that_does_not_depend_on_displacements():
+    """[X] A change by 1e-10 of the form's own force is none, without a load as well."""
+    stage = sc.Stage("move", prescribed=np.array([1.0]))
+    result = sc.Model({"stressed": Stressed()}, [0]).run([stage], **QUIET)
+    assert result["move"].x == [1.0] and result.reset()["move"].x == [0.0]
+
+
 def test_stiffness_with_a_factor():
     """[X] A form of one region takes one factor; without any its stiffness is zero."""
     K = np.array([[2.0, -1.0], [-1.0, 3.0]])
