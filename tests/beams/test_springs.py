@@ -143,6 +143,11 @@ def test_curves_of_the_api():
     curve = sc.curves.sand_p_y(4.0, 1.0, phi=35.0, unit_weight=10.0, k=2e4)
     chord = np.tanh(0.15) / 0.15  # of the first step
     assert np.isclose(curve[1, 1] / curve[1, 0], chord * 2e4 * 4.0, rtol=1e-9)
+    y = np.linspace(0.0, curve[-1, 0], 200)
+    largest = curve[-1, 1]
+    formula = largest * np.tanh(2e4 * 4.0 * y / largest)
+    between = np.interp(y, *curve.T)
+    assert np.abs(between - formula).max() < 0.005 * largest  # lines between the points
     assert np.isclose(sc.curves.sand_t_z(50.0, 0.5)[-1, 1], 50.0 * np.pi * 0.5)
     for known in (curve, sc.curves.clay_t_z(40.0, 1.0), sc.curves.q_z(500.0, 1.0)):
         checked(known, 1.0, "curve")

@@ -129,16 +129,17 @@ def test_bad_input(call, text):
 
 
 def test_integrals_are_exact_for_linear_accelerations():
-    """[X] a = t gives v = t^2 / 2, u = t^3 / 6, also between the values."""
-    record = sc.Record(0.1, 0.1 * np.arange(11))
+    """[X] a = 2 + 3 t gives v = 2 t + 3 t^2 / 2, u = t^2 + t^3 / 2, also between the values."""
+    record = sc.Record(0.1, 2.0 + 0.3 * np.arange(11))
     t = record.time
-    np.testing.assert_allclose(record.velocity, t**2 / 2.0, atol=1e-15)
-    np.testing.assert_allclose(record.displacement, t**3 / 6.0, atol=1e-15)
-    u, v, a = record.motion(0.537)
-    assert (u, v, a) == pytest.approx((0.537**3 / 6.0, 0.537**2 / 2.0, 0.537))
+    np.testing.assert_allclose(record.velocity, 2.0 * t + 1.5 * t**2, atol=1e-14)
+    np.testing.assert_allclose(record.displacement, t**2 + 0.5 * t**3, atol=1e-14)
+    t = 0.537
+    u, v, a = record.motion(t)
+    assert (u, v, a) == pytest.approx((t**2 + 0.5 * t**3, 2.0 * t + 1.5 * t**2, 2.0 + 3.0 * t))
     # after the end the velocity stays
     u, v, a = record.motion(1.5)
-    assert (u, v, a) == pytest.approx((1.0 / 6.0 + 0.25, 0.5, 0.0))
+    assert (u, v, a) == pytest.approx((1.5 + 3.5 * 0.5, 3.5, 0.0))
     assert record.at(-0.1) == 0.0
 
 
