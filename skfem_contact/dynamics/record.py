@@ -180,7 +180,7 @@ class Record:
         envelope = np.clip(share / _RISE, 0.0, 1.0) ** 2
         envelope *= np.exp(-5.0 * np.maximum(share - _FALL, 0.0))
         record = cls(step, shaken * envelope, f"synthetic {seed}")
-        record = record.filtered(low=0.2 if duration > 10.0 else 2.0 / duration).corrected()
+        record = record.filtered(low=max(0.2, 2.0 / duration)).corrected()
         return record.scaled(peak / record.peak)
 
     @property

@@ -233,10 +233,9 @@ def read(
     given = _Models(forms, model_of)
     try:
         with open(path, "rb") as stream:
-            appended = stream.read(len(_MAGIC)) == _MAGIC
-            records, _, damaged = _records(stream) if appended else ([], 0, False)
-        if not appended:
-            return tuple(_read_arrays(path, given, make))
+            if stream.read(len(_MAGIC)) != _MAGIC:
+                return tuple(_read_arrays(path, given, make))
+            records, _, damaged = _records(stream)
         if damaged:
             warn(_damage(path, records))
         increments: list[_Stage] = []

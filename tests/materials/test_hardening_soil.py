@@ -274,6 +274,17 @@ def test_preconsolidation() -> None:
     assert cap["POP"] == pytest.approx(cap["OCR"], rel=1e-12)
 
 
+def test_preconsolidation_in_extension() -> None:
+    """[X] With two equal largest compressions the cap's measure of shear is delta (s1 - s3), where
+    delta = (3 + sin(phi)) / (3 - sin(phi)) (Schanz, Vermeer and Bonnier 1999).
+    """
+    stress = -np.array([300.0, 300.0, 100.0, 0.0])[:, None, None]
+    sin = np.sin(np.radians(41.0))
+    q = (3 + sin) / (3 - sin) * 200.0
+    exact = np.sqrt(q**2 / sand().constants.cap_slope + (700.0 / 3.0) ** 2)
+    assert sand().initial_internal(stress)[2].item() == pytest.approx(exact, rel=1e-12)
+
+
 def body(increments: int) -> tuple[sc.Model, Any, list[sc.Stage]]:
     """A pit beside a smooth wall."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 12, 13), np.linspace(0, 8, 9)).with_defaults()

@@ -1065,6 +1065,8 @@ LEGACY = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET {}\n"
         ("a.f3grid", "\1\2\0\0" * 99, "a binary grid: export it from FLAC3D as text"),
         ("a.inp", "$MeshFormat\n", "not an input file of Abaqus or CalculiX: it has no"),
         ("a.bdf", "hello\n", "not bulk data of Nastran"),
+        # Parts that are missing
+        ("a.msh", HEAD.format("4.1", 0, "") + "$Nodes\n$EndNodes\n", "no nodes or no elements"),
         # Numbers that are too large, or not whole
         ("a.vtk", LEGACY.format("UNSTRUCTURED_GRID") + "POINTS 100000000000000 double\n", "memory"),
         ("a.mdpa", "Begin Nodes\n1e30 0 0 0\nEnd Nodes\n", "a node has a number that is too large"),
@@ -1118,15 +1120,27 @@ def test_files_of_scikit_fem_keep_names_with_colons(tmp_path):
     assert len(lengths) == 8
 
 
-def test_numbers_of_cells_name_groups(tmp_path):
-    """Every number of a cell from zero on is a group of its own; cells below zero have none."""
+@pytest.mark.parametrize(
+    ("key", "numbers", "expected"),
+    [
+        ("layer", [2, -1, 5], {"layer 2": 1, "layer 5": 1}),
+        ("layer", [0, -1, 0], {"layer 0": 2}),
+        ("sand-clay", [1, -1, 0], {"sand": 1, "clay": 1}),
+        ("back-fill", [1, -1, 5], {"back-fill 1": 1, "back-fill 5": 1}),
+    ],
+)
+def test_numbers_of_cells_name_groups(tmp_path, key, numbers, expected):
+    """Every number of a cell from zero on is a group of its own; cells below zero have none.
+
+    The names of sets that meshio joins are those of the numbers, if there are no others.
+    """
     mesh = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 1, 2))
     file = tmp_path / "numbered.vtu"
     points = np.vstack((mesh.p, np.zeros(8))).T
-    data = {"layer": [np.array([2, -1, 5])]}
+    data = {key: [np.array(numbers)]}
     meshio.Mesh(points, [("quad", mesh.t.T)], cell_data=data).write(file)
     parts = {name: len(part) for name, part in sc.load_mesh(file).subdomains.items()}
-    assert parts == {"layer 2": 1, "layer 5": 1}
+    assert parts == expected
 
 
 @pytest.mark.parametrize(

@@ -15,17 +15,18 @@ from tests.tools.helpers import body_along, facing, grid, rough_pair, vector_bas
 LAW = sc.Coulomb(mu=0.3, adhesion=0.2)
 
 
-def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, ContactState]:
-    """A block on a base, pressed down by 1e-3 and moved sideways."""
+def sliding_block(
+    shift: float, down: float = 1e-3, adhesion: float = 0.0
+) -> tuple[sc.ContactPair, np.ndarray, ContactState]:
+    """A block on a base, pressed down and moved sideways."""
     base, block = grid("Q1", np.linspace(0, 4, 9), [0, 1]), grid("Q1", np.linspace(1, 2, 4), [1, 2])
     mesh = sc.join_bodies({"base": base, "block": block})
     basis = vector_basis(mesh, "Q1")
-    pair = sc.ContactPair(
-        basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature="nodal", penalty=1e4
-    )
+    law = sc.Coulomb(mu=0.3, adhesion=adhesion)
+    pair = sc.ContactPair(basis, "block:bottom", "base:top", law, quadrature="nodal", penalty=1e4)
     x = basis.zeros()
     nodes = basis.nodal_dofs[:, np.unique(mesh.t[:, mesh.subdomains["block"]])]
-    x[nodes[0]], x[nodes[1]] = shift, -1e-3
+    x[nodes[0]], x[nodes[1]] = shift, -down
     return pair, x, pair.assemble(x, pair.initial_state()).state
 
 
@@ -55,6 +56,14 @@ def test_signs_of_a_sliding_block(shift):
     assert report.mobilised == pytest.approx(0.3)
     assert report.penetration == pytest.approx(3e-3)  # of a third
     assert "0 stick, 4 slip, 0 open" in str(report)
+
+
+def test_friction_of_a_joint_without_pressure() -> None:
+    """[X] Adhesion alone holds a joint: it has friction, and no ratio of it to the pressure."""
+    pair, x, state = sliding_block(1e-6, down=0.0, adhesion=0.2)
+    report = contact_report(pair, x, state)
+    assert report.friction == pytest.approx(0.01)
+    assert (report.stick, report.pressure, report.mobilised) == (4, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])

@@ -117,6 +117,26 @@ def test_well_that_falls_dry_is_told():
         )
 
 
+def test_well_that_falls_dry_in_time_is_told():
+    """The level at the end counts, and the height of the screen in space, not its width."""
+    lengths = np.linspace(0, 2, 5), np.linspace(0, 0.5, 2), np.linspace(0, 1, 4)
+    mesh = MeshHex.init_tensor(*lengths).with_boundaries(
+        {"screen": lambda x: x[0] == 0.0, "right": lambda x: x[0] == 2.0}
+    )
+    loam = sc.water.VanGenuchten(alpha=3.35, n=2.0, least=1e-14, content=(0.102, 0.368))
+    flow = sc.water.Flow(heads(mesh), K, unit_weight=WATER, retention=loam)
+
+    def pumped(rate):
+        conditions = sc.water.Conditions(head={"right": 1.3}, wells={"screen": rate})
+        return flow.in_time(conditions, times=[0.0, 100.0], start=1.3)
+
+    at = mesh.p[0] == 0.0
+    level = 1.3 - 5e-7 * 2.0 / (0.5 * K)
+    np.testing.assert_allclose(pumped(5e-7)[-1].head[at], level, rtol=1e-9)
+    with pytest.warns(sc.AnalysisWarning, match="well 'screen' falls dry: its level, 0.97"):
+        pumped(1e-6)
+
+
 @pytest.mark.parametrize("coordinates", ["plane", "axisymmetric"])
 def test_drain_with_a_resistance(coordinates):
     """[X] The resistances of ground and filter add up, and rain raises the head above the level by
