@@ -47,18 +47,14 @@ class Moisture:
         no_storage = np.zeros(pressures.nelems)
         tensors = mobility * unit_weight
         self._flow = StoringFlow(pressures, tensors, laws, no_storage, axisymmetric, datum)
-        least = np.zeros((pressures.nelems, 1))
-        most = np.zeros((pressures.nelems, 1))
-        for part, law in laws:
-            least[part], most[part] = law.content or (0.0, 0.0)
-        self._least = least
-        self._most = most
+        self._least = self._flow.least
+        self._most = self._flow.most
         #: (n_elements, n_p): volume of ground that belongs to each corner
         self.corners = self._flow.corners
         #: Filling at the start.
         self.before = self.filling(np.zeros(pressures.N))
         content = self.before.content
-        if not ((content >= 0.0) & (content <= most)).all():
+        if not ((content >= 0.0) & (content <= self._most)).all():
             raise ValueError(
                 f"the contents of water at the start, from {content.min():.3g} to "
                 f"{content.max():.3g}, are not between 0 and the saturated one"

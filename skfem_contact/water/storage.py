@@ -35,12 +35,13 @@ class StoringFlow(DarcyFlow):
         super().__init__(basis, tensors, axisymmetric, datum)
         self._laws = laws
         self._storage = storage[:, None]
-        self._least = np.zeros((basis.nelems, 1))
-        self._range = np.zeros((basis.nelems, 1))
+        #: residual and saturated content of water, (n_elements, 1)
+        self.least = np.zeros((basis.nelems, 1))
+        self.most = np.zeros((basis.nelems, 1))
         for part, law in laws:
-            least, most = law.content or (0.0, 0.0)
-            self._least[part] = least
-            self._range[part] = most - least
+            assert law.content is not None
+            self.least[part], self.most[part] = law.content
+        self._range = self.most - self.least
         self._duration = np.inf
         self._before = np.zeros((2, basis.N))
         #: volume of ground that belongs to each node, (N,), 1 where there is none
@@ -58,7 +59,7 @@ class StoringFlow(DarcyFlow):
         """Return the volume of water at the nodes, by saturation and by compression, (2, N)."""
         filled = self.filled(head, self._laws)[0]
         pressed = np.maximum(head - self.elevation, 0.0)[self.dofs]
-        by_saturation = self.gathered(self._least + self._range * filled)
+        by_saturation = self.gathered(self.least + self._range * filled)
         return np.stack((by_saturation, self.gathered(self._storage * pressed)))
 
     def span(self, change: float) -> ndarray:
@@ -67,7 +68,7 @@ class StoringFlow(DarcyFlow):
 
     def beyond(self, stored: ndarray, span: ndarray) -> float:
         """Return how far stored volumes, (2, N), exceed the possible ones, over the span."""
-        least = self.gathered(self._least)
+        least = self.gathered(self.least)
         off = np.maximum(least - stored[0], stored[0] - least - span[0])
         none = np.zeros_like(off)
         share = np.divide(off, span[0], out=none, where=span[0] > 0.0)

@@ -51,6 +51,11 @@ def test_level_beside_suction():
         load = model.run(
             [sc.Stage("rest", sc.water_load(basis, initial), duration=1e3)], progress=False
         )[-1]
+        # Full pores have no suction.
+        full = sc.PoreWater(basis, 1e-3, unit_weight=9.81)
+        held = [sc.box_supports(basis, base="rollers"), full.dofs("bottom")]
+        saturated = sc.Model({"clay": clay, "water": full}, held, water_unit_weight=9.81)
+        saturated.run([sc.Stage("rest", water=-1.0, duration=1e3)], progress=False)
     np.testing.assert_allclose(given.x, load.x, atol=1e-12)
     with pytest.warns(
         sc.AnalysisWarning,
