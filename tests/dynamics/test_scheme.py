@@ -42,6 +42,7 @@ def test_trapezoidal_rule_keeps_the_energy():
     energy = result["swing"].energy
     largest = np.abs(energy["work"]).max()
     assert np.abs(energy["missing"]).max() < 1e-12 * largest
+    assert " 0.00% of the energy missing" in result["swing"].summary["motion"]
     # at rest at the top of the swing all of the work is elastic, with that of the weight
     assert energy["kinetic"][20] < 1e-4 * largest
 

@@ -1152,6 +1152,27 @@ def test_types_of_bars_and_beams(name, kind):
     assert _kind_of(name)[0] == kind
 
 
+@pytest.mark.parametrize(
+    ("word", "name", "n_nodes", "kind"),
+    [
+        ("Geometries", "Line3D2", 2, "line"),
+        ("Geometries", "Triangle3D3", 3, "triangle"),
+        ("Geometries", "Quadrilateral2D4", 4, "quad"),
+        ("Geometries", "Tetrahedra3D4", 4, "tetra"),
+        ("Elements", "SmallDisplacementElement2D4N", 4, "quad"),
+        ("Elements", "SmallDisplacementElement3D4N", 4, "tetra"),
+        ("Elements", "ShellThinElement3D3N", 3, "triangle"),
+        ("Elements", "TrussLinearElement3D2N", 2, "line"),
+        ("Conditions", "LineLoadCondition2D2N", 2, "line"),
+        ("Conditions", "SurfaceLoadCondition3D4N", 4, "quad"),
+        ("Elements", "UPwInterfaceElement2D4N", 4, ""),
+    ],
+)
+def test_kinds_of_kratos_by_name_and_space(word, name, n_nodes, kind):
+    """[X] Geometries have the dimension of their shape, conditions one less than the space."""
+    assert kratos._kind_of(word, name, n_nodes) == kind
+
+
 def test_zones_of_flac_count_from_one(tmp_path):
     """Zones and faces have numbers of their own."""
     file = tmp_path / "block.f3grid"
