@@ -20,7 +20,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.limit_analysis import Bounds, certify, search
+from skfem_contact.limit_analysis import Bounds, certify, interior_point, search
 from skfem_contact.limit_analysis.model import named_loads
 from skfem_contact.limit_analysis.reading import read
 from skfem_contact.limit_analysis.search import Search
@@ -367,6 +367,17 @@ def test_equilibrium_that_is_not_reached_proves_nothing() -> None:
     )
     program.dead = program.dead + 1e9  # more than the metric can balance within its repetitions
     assert certify.prove_lower(program, found.solution, False).value < found.proof.value
+
+
+def test_a_point_on_the_surface_of_its_cone_ends_an_iteration() -> None:
+    """[X] A curvature without a value is found before any matrix has a factor."""
+    _, program = lower_of_a_slope()
+    path = interior_point._Path(program, interior_point.Goal(1.0, 0.0, True, 1e-6), 1e-3)
+    path.residuals()
+    path.step()
+    path.scaled.squared[0] = np.nan
+    with pytest.raises(ArithmeticError, match="surface of its cone"):
+        path._factor()
 
 
 class _Silent:
