@@ -167,12 +167,14 @@ def elastic_scale(t: Points, k: Constants) -> Array:
     return bracketed_root(missing, start, 0.5 * start, _LARGEST * start, (t,), _ITERATIONS)[0]
 
 
-def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return modes by one step of shear and then of the cap, and the multipliers of both.
+def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array]:
+    """Return modes by one step of shear and then of the cap, and the variables after it, (4, n).
 
     0 is the face, 1 the edge c2 = c3 and 2 the edge c1 = c2: an edge is likely where the step
     exceeds the distance of the trial stresses. The step has no dilatancy and the scale of the
-    accepted stresses, by which the multipliers are multiplied.
+    accepted stresses, by which the multipliers are multiplied. The variables are the multipliers of
+    shear and cap, the sine of the dilatancy, which is zero, and the scale after the shear: with the
+    accepted one a point near a free surface takes twelve iterations, or has no solution.
     """
     # take one step of Newton's method of the shear
     scale = t.factor * t.scale
@@ -207,7 +209,11 @@ def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array, Arra
     minor = c[1] - c[2] <= to_minor
     major = c[0] - c[1] <= to_major
     mode = np.where(minor, 1, np.where(major, 2, 0))
-    return mode, shear / k.mu, multiplier
+
+    # find the scale of the least stress after the shear, of which an edge has half
+    least = c[2] + np.where(minor, 0.5 * shear, shear)
+    scale = 0.5 * t.factor * (t.scale + k.scale(least))
+    return mode, np.array((shear / k.mu, multiplier, 0.0 * shear, scale))
 
 
 def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:
