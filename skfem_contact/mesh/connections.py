@@ -201,9 +201,6 @@ def doubled_elements(mesh: Mesh) -> Indices:
 def loose_links(mesh: Mesh) -> Indices:
     """Return nodes by which alone parts of the mesh are connected, which share no side at them."""
     by_side = _components(mesh.t2f, mesh.nfacets)
-    by_node = _components(mesh.t, mesh.nvertices)
-    if by_side.max() == by_node.max():
-        return np.zeros(0, int)
     # A node between parts has elements of at least two of them
     lowest = np.full(mesh.nvertices, by_side.max() + 1)
     highest = np.full(mesh.nvertices, -1)

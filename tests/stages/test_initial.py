@@ -16,6 +16,7 @@ from skfem import (
     ElementVector,
     FacetBasis,
     LinearForm,
+    MeshHex,
     MeshQuad,
     MeshTri,
 )
@@ -65,6 +66,23 @@ def test_k0_procedure(element):
     null = sc.Model(forms, fixed).run([sc.Stage("null", load)], start=start, **QUIET)["null"]
     assert start[0].residual < 1e-12 and null.iterations == (0,) and not null.x.any()
     assert start[0].summary == {"ground": ""}
+
+
+def test_k0_procedure_in_space():
+    """[X] The weight above counts along the last axis, whatever the width of the ground."""
+    lengths = np.linspace(0, 1, 2), np.linspace(0, 9, 4), np.linspace(0, 6, 4)
+    tags = {"lower": lambda x: x[2] < 4, "upper": lambda x: x[2] > 4}
+    basis = vector_basis(MeshHex.init_tensor(*lengths).with_defaults().with_subdomains(tags), "Q1")
+    gamma = {"lower": 20.0, "upper": 16.0}
+    forms = {"ground": sc.SolidForm(basis, {"lower": SOIL, "upper": SOIL})}
+    model = sc.Model(forms, sc.box_supports(basis))
+    start = model.k0_state(sc.weight(basis, gamma), unit_weights=gamma, K0=0.5)[0]
+    z = np.asarray(basis.global_coordinates())[2]
+    vertical = -np.where(z > 4, 16 * (6 - z), 32 + 20 * (4 - z))
+    stress = start.states["ground"].stress
+    np.testing.assert_allclose(stress[2], vertical, rtol=1e-12)
+    np.testing.assert_allclose(stress[:2], np.array([0.5 * vertical] * 2), rtol=1e-12)
+    assert start.residual < 1e-12
 
 
 @pytest.mark.parametrize("K0", [0.02, 0.5])
