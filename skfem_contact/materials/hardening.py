@@ -191,9 +191,10 @@ def _end_strain(trial: Array, k: _Constants) -> Array:
     It is the root of: accepted strain + growth in the return to the surface at this strain - this
     strain. Newton's method is safeguarded by bisection between bounds: the growth is never
     negative, and never more than the strain that relaxes the whole deviator of the trial stress.
+    The upper bound is twice as far, so that the step to the apex, which ends there, is between.
     """
     lower = np.broadcast_to(k.accepted, trial.shape[1:]).copy()
-    upper = lower + equivalent_shear_strain(trial, k.mu)
+    upper = lower + 2.0 * equivalent_shear_strain(trial, k.mu)
     tolerance = ROUND_OFF / 10 * np.maximum(trial[0], -trial[2]) / k.mu
     result = lower.copy()
     points = np.arange(result.size)

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skfem_contact.materials import HardeningMohrCoulomb, MohrCoulomb
+from skfem_contact.materials import HardeningMohrCoulomb, MohrCoulomb, hardening
 from tests.tools.material_points import (
     assert_history,
     assert_tangent,
@@ -66,6 +66,22 @@ def test_end_of_increment_is_perfectly_plastic(law: tuple[float, ...], ncomp: in
     assert result.plastic.size > 5000
     progress = result.internal[0, result.plastic] / material.strain_end
     assert (progress < 1).any() and (progress > 1).any()
+
+
+@ALL_LAWS
+def test_steps_of_newtons_method_suffice(
+    law: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """[X] The bounds of the plastic strain are halved only where no step stays between them."""
+    material = soil(law)
+    rng = np.random.default_rng(1)
+    strain, stress = random_points(2_000, 4, rng), np.zeros((4, 2_000))
+    accepted = rng.uniform(0, 1.5 * material.strain_end, (1, 2_000))
+    exact = material.update(strain, stress, accepted).internal
+    monkeypatch.setattr(hardening, "_HALVINGS", 0)
+    np.testing.assert_allclose(
+        material.update(strain, stress, accepted).internal, exact, rtol=1e-12, atol=1e-14
+    )
 
 
 @COMPONENTS

@@ -131,6 +131,16 @@ def test_last_tangent_touches_beyond_the_bearing_capacity():
     assert lines[-1, 1, 0] == pytest.approx(sine / np.sqrt(1.0 - sine**2), rel=1e-9)
 
 
+def test_tangents_of_a_reduced_strength():
+    """[X] Both the shear stress and tan(phi) of the whole strength are divided by the factor, at
+    the same normal stress.
+    """
+    whole, reduced = (
+        law.lines(0.0, inner=False)[0][:, :, 0] for law in (rock(), rock().reduced(2.0))
+    )
+    np.testing.assert_allclose(reduced, whole / 2.0, rtol=1e-9)
+
+
 def test_dilatancy_of_a_reduced_strength():
     """[X] The given one stays; with the associated flow it is as large as the friction."""
     law = rock(psi=5.0)
