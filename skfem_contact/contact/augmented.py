@@ -347,7 +347,8 @@ def _improved(
     change = np.stack(excess)
     force = np.stack(forces)
     mass = _mass(points)
-    indifferent = np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())
+    diagonal = mass.diagonal()
+    indifferent = np.full_like(diagonal, _INDIFFERENT * diagonal.max())
     mass = csc_matrix(mass + diags_array(indifferent))
 
     # Factor once for all directions with the same closed nodes, mostly all of them

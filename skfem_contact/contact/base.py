@@ -19,7 +19,7 @@ from ..forms.roles import Dissipating, Reducible, Regularised, Staged, Stiff, To
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import dot, unit
+from ..surfaces.vectors import dot
 from .augmented import AugmentedLagrangian
 from .dual import DualMultipliers
 from .enforcement import Enforcement
@@ -490,8 +490,9 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
 def _check_fold(surface: Surface) -> None:
     """Refuse a surface that faces one way, given as slave and master by mistake."""
     normal = surface.centres.normal
-    cosine = normal @ unit(surface.area @ normal)
-    if len(normal) > 1 and (cosine > _SAME_WAY).all():
+    mean = surface.area @ normal
+    same_way = normal @ mean > _SAME_WAY * np.linalg.norm(mean)  # none on closed surfaces
+    if len(normal) > 1 and same_way.all():
         raise ValueError(
             f"all facets of '{surface.name}' face the same way: it cannot touch itself; take "
             "another master, or a boundary with both sides of the fold"

@@ -76,9 +76,10 @@ def on_peaks(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on peaks of the pressure, beside which points are open or nearly so.
 
     The slave is stiffer or finer than the master, and has more multipliers than motions. Beams and
-    rigid masters are left out, which do not deform beside a peak.
+    rigid masters are left out, which do not deform beside a peak, and surfaces that touch
+    themselves.
     """
-    if pair.facets.rigid or not pair.facets.meshed:
+    if pair.folds or pair.facets.rigid or not pair.facets.meshed:
         return
     points = pair.points(state)
     pressure = consistent(pair, state, np.maximum(-state.traction[0], 0.0))

@@ -78,8 +78,9 @@ class Symmetry:
             opposite[on_plane, i] = master.dofs[beside[on_plane], i]
         held = (own >= 0) & (opposite >= 0)
 
-        # Normals of the whole surface lie in the plane
+        # Normals of the whole surface lie in the plane, but at corners that are wholly held
         crosses = held & (slave.normals**2 < _ACROSS)
+        crosses[crosses.all(axis=1)] = False
         normals = unit(np.where(crosses, 0.0, slave.normals))
         directions = frame(normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
         along = (directions**2 * held[:, None]).sum(axis=2) > _ALONG

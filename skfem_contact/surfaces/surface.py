@@ -26,6 +26,8 @@ from .vectors import across, unit
 EXTENSION = 0.05
 #: Square of the cosine of the angle between an axis and a normal, above which it is no tangent.
 _NORMAL = 0.8
+#: Sum of the normals at a node, over that of parallel ones, below which facets lie back to back.
+_OPPOSED = 1e-9
 
 
 class FacetMapping(NamedTuple):
@@ -311,15 +313,22 @@ class Surface:
 
     @cached_property
     def normals(self) -> ndarray:
-        """Unit normals at the nodes: means over their facets, by area, shape (n_nodes, dim)."""
+        """Unit normals at the nodes: means over their facets, by area, shape (n_nodes, dim).
+
+        At the tip of a slit, whose facets lie back to back, it is the normal of one of them.
+        """
         m, k = self.facets.shape
+        node = self.facets.ravel()
         facet = np.repeat(np.arange(m), k)
         xi = np.tile(self.shape.nodes, (m, 1))
         normal = self.at(facet, xi, self.nodes).normal
         area = np.repeat(self.area, k)
         # Sum normals by area, then normalise.
         total = np.zeros(self.nodes.shape)
-        np.add.at(total, self.facets.ravel(), normal * area[:, None])
+        np.add.at(total, node, normal * area[:, None])
+        around = np.bincount(node, area, minlength=len(total))
+        opposed = (np.linalg.norm(total, axis=1) <= _OPPOSED * around)[node]
+        total[node[opposed]] = normal[opposed]
         return unit(total)
 
     @cached_property

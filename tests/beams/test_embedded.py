@@ -445,7 +445,8 @@ def test_lateral_limit_of_a_rigid_pile(ground_moves):
 
 def test_tangent_of_lateral_limits():
     """[N] The tangent is the derivative where ground flows around a pile, in the plane and, with a
-    direction that turns, in space; unloading begins with the first stiffness.
+    direction that turns, in space; unloading begins with the first stiffness. In the plane the same
+    points at their limits have one matrix.
     """
     rng = np.random.default_rng(0)
     for dim in (2, 3):
@@ -463,6 +464,8 @@ def test_tangent_of_lateral_limits():
         for size in (1e-5, 3e-2):
             x = size * rng.standard_normal(model.layout.size)
             sc.testing.check_form(form, x, form.initial_state(), tolerance=1e-4)
+        known = [form.assemble(x, form.initial_state()).stiffness for _ in range(3)]
+        assert (known[1] is known[2]) is (dim == 2)
         after = form.assemble(x, form.initial_state()).state
         used = np.linalg.norm(form._lateral(x, after), axis=1) / form.p_max
         assert used.max() == pytest.approx(1.0) and (used <= 1.0 + 1e-9).all()
