@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from typing import Any, NamedTuple
 
@@ -41,30 +41,33 @@ class Sides(NamedTuple):
         return OrientedBoundary(facets, second.astype(int))
 
 
+#: Function that returns the sides of all boundaries by name.
+_Find = Callable[[], Mapping[str, Sides]]
+
+
 class Boundaries(dict[str, Any]):
     """Dict of the facets of boundaries, which are numbered when one of them is first used.
 
     The numbering of all facets takes longer than the reading of a file, and a mesh that is only
-    looked at or refined needs none. Keys are known from the beginning. Copies and pickles are
-    plain dicts.
+    looked at needs none. Keys are known from the beginning. Copies and pickles are plain dicts.
     """
 
-    _pending: tuple[Mapping[str, Sides], Mesh, Callable[[], Mesh | None]] | None = None
+    _pending: tuple[_Find, Mesh, Callable[[], Mesh | None]] | None = None
 
     @classmethod
-    def of(cls, mesh: Mesh, sides: Mapping[str, Sides]) -> Boundaries:
-        """Return boundaries of a mesh that has no tags yet."""
-        boundaries = cls(dict.fromkeys(sides))
+    def of(cls, mesh: Mesh, names: Iterable[str], find: _Find) -> Boundaries:
+        """Return boundaries of a mesh without tags, the sides of which a function finds."""
+        boundaries = cls(dict.fromkeys(names))
         # A second mesh of the same arrays outlives the first one, to which a cycle would lead
-        boundaries._pending = (sides, copy(mesh), weakref.ref(mesh))
+        boundaries._pending = (find, copy(mesh), weakref.ref(mesh))
         return boundaries
 
     def number(self) -> None:
         """Look up the facets of all boundaries, unless this is done."""
         if self._pending is None:
             return
-        sides, bare, owner = self._pending
-        dict.update(self, _facets_of(owner() or bare, sides))
+        find, bare, owner = self._pending
+        dict.update(self, _facets_of(owner() or bare, find()))
         self._pending = None
 
     def __iter__(self) -> Any:
@@ -75,8 +78,8 @@ class Boundaries(dict[str, Any]):
         if self._pending is None:
             return dict, (dict(self),)
         # A mesh that is being copied or pickled must not get facets meanwhile
-        sides, bare, owner = self._pending
-        return dict, (_facets_of(copy(owner() or bare), sides),)
+        find, bare, owner = self._pending
+        return dict, (_facets_of(copy(owner() or bare), find()),)
 
 
 def _facets_of(mesh: Mesh, sides: Mapping[str, Sides]) -> dict[str, Integers]:

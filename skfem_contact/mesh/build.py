@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -20,17 +21,24 @@ from .split import split as split_elements
 _FLAT = 1e-9
 #: Coordinates of the file that become x and y, by the plane of a section.
 _AXES = {"xy": [0, 1], "xz": [0, 2], "yz": [1, 2]}
-#: Corners that are marked at once.
+#: Corners that are marked at once, and number of points that are looked up instead.
 _PIECE = 1 << 20
+_FEW = 4
 #: Kinds whose middle nodes are added, and the complete kinds.
 _INCOMPLETE = {"quad8": "quad9", "hexahedron20": "hexahedron27"}
 
 
-def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: bool = False) -> Mesh:
+def mesh_of(
+    content: Content,
+    plane: str = "xy",
+    factor: float = 1.0,
+    split: bool = False,
+    file: str = "",
+) -> Mesh:
     """Return the mesh of a content.
 
     Plane meshes lie in a plane of the coordinates, which are multiplied by a factor. Elements of
-    several kinds are divided on request.
+    several kinds are divided on request. Errors of sides, which are found later, name the file.
     """
     content.check()
     if content.dim < 2:
@@ -48,15 +56,26 @@ def mesh_of(content: Content, plane: str = "xy", factor: float = 1.0, split: boo
     content.cells[kind] = np.asfortranarray(content.cells[kind], dtype=np.int32)
     without_doubles(content, kind)
 
-    # Number the nodes by scikit-fem, and tag elements and sides
-    mesh, node = _bare_mesh(content, kind)
+    # Number the nodes by scikit-fem, and tag elements and sides.
+    straight = _straight_mesh(content, kind)
+    mesh, node = _bare_mesh(content, kind, straight)
     content.cells[kind] = content.cells[kind][:1].copy()  # one for its kind: the mesh has them all
-    sides = _boundaries(content, mesh, node)
+    names = _names_of_sides(content)
+    of_nodes = _sides_of_nodes(content, mesh, node, names)
     _tell_left_out(content)
     # No tags are None
     mesh._subdomains = _subdomains(content, kind) or None
-    if sides:
-        mesh._boundaries = Boundaries.of(mesh, sides)
+    if names or of_nodes:
+        bare = copy(straight)
+
+        def find() -> dict[str, Sides]:
+            """Return the sides of all names, which are the same by the nodes of the file."""
+            try:
+                return {**_sides_of_elements(content, bare, names), **of_nodes}
+            except ValueError as error:
+                raise ValueError(f"{file}: {error}") from error
+
+        mesh._boundaries = Boundaries.of(mesh, [*names, *of_nodes], find)
     return mesh
 
 
@@ -144,84 +163,108 @@ def _supported() -> str:
     return f"supported is one type out of {', '.join(names)}"
 
 
-def _bare_mesh(content: Content, kind: str) -> tuple[Mesh, Integers]:
-    """Return the mesh without tags, and the new numbers of the nodes of the file, -1 for others."""
-    shape = KINDS[kind]
+def _in_order(content: Content, kind: str) -> Integers:
+    """Return the nodes of elements, (n, n_nodes), in the order of scikit-fem."""
     cells = content.cells[kind]
     if kind.startswith("hexahedron"):
-        cells = cells[:, from_vtk(cells.shape[1])]
-    # Number the corners of elements in the order of the file; mostly these are all its nodes.
-    corners = cells[:, : shape.corners].T
-    used = _used(corners, len(content.points))
-    node = np.cumsum(used, dtype=np.int32) - 1
-    if used.all():
-        t = np.ascontiguousarray(corners)
-        points = np.ascontiguousarray(content.points[:, : shape.dim].T)
-    else:
-        node[~used] = -1
-        t = np.ascontiguousarray(node[corners])
-        points = np.ascontiguousarray(content.points[used, : shape.dim].T)
+        return cells[:, from_vtk(cells.shape[1])]
+    return cells
+
+
+def _straight_mesh(content: Content, kind: str) -> Mesh:
+    """Return the mesh of the corners of elements, with all nodes of the file."""
+    shape = KINDS[kind]
+    cells = _in_order(content, kind)
+    t = np.ascontiguousarray(cells[:, : shape.corners].T)
+    points = np.ascontiguousarray(content.points[:, : shape.dim].T)
     kind_of_mesh = shape.mesh
     assert kind_of_mesh is not None
-    if shape.order == 1:
-        return kind_of_mesh(points, t), node
-
-    # Put the nodes between corners where scikit-fem numbers them, and let go of their numbers.
-    t = t.copy()
-    template = kind_of_mesh()
-    straight = replace(
-        template, doflocs=np.zeros((shape.dim, points.shape[1])), t=t, validate=False
-    )
-    numbers = straight.dofs.element_dofs
-    doflocs = np.zeros((shape.dim, straight.dofs.N))
-    doflocs[:, numbers] = content.points[cells.T, : shape.dim].transpose(2, 0, 1)
-    return replace(straight, doflocs=doflocs, validate=True), node
+    if shape.order > 1:
+        t = t.copy()  # without the nodes between corners
+    return kind_of_mesh(points, t)
 
 
-def _used(corners: Integers, n_points: int) -> NDArray[np.bool_]:
-    """Return True for points that are corners of elements, (n_corners, n).
+def _used(t: Integers, n_points: int) -> NDArray[np.bool_]:
+    """Return True for points that are corners of elements, t of (n_corners, n_elements).
 
     A sparse matrix marks them in half of the time of an assignment.
     """
-    nodes = corners.ravel(order="K").astype(np.int32, copy=False)
+    # Mark a corner of each element after the other. Inner ones of their order come first: in
+    # regular meshes each of them has nearly all points. The last few points are looked up.
     used = np.zeros(n_points, dtype=bool)
-    ones = np.ones(min(len(nodes), _PIECE), dtype=bool)
-    for start in range(0, len(nodes), _PIECE):
-        piece = nodes[start : start + _PIECE]
-        ends = np.array([0, len(piece)], dtype=np.int32)
-        used |= csc_array((ones[: len(piece)], piece, ends), shape=(n_points, 1)) @ ones[:1]
+    ones = np.ones(min(t.shape[1], _PIECE), dtype=bool)
+    order = [*range(1, len(t)), 0]
+    for done, corner in enumerate(order):
+        others = np.flatnonzero(~used)
+        if len(others) <= _FEW:
+            for point in others:
+                used[point] = any((t[left] == point).any() for left in order[done:])
+            break
+        for start in range(0, t.shape[1], _PIECE):
+            nodes = t[corner, start : start + _PIECE]
+            ends = np.array([0, len(nodes)], dtype=np.int32)
+            used |= csc_array((ones[: len(nodes)], nodes, ends), shape=(n_points, 1)) @ ones[:1]
     return used
 
 
-def _boundaries(content: Content, mesh: Mesh, node: Integers) -> dict[str, Sides]:
-    """Return the sides of elements of all groups of sides and of nodes."""
+def _bare_mesh(content: Content, kind: str, straight: Mesh) -> tuple[Mesh, Integers]:
+    """Return the mesh of used nodes, and their numbers by the nodes of the file, -1 for others."""
+    # Number the corners in the order of the file; mostly these are all its nodes.
+    used = _used(straight.t, len(content.points))
+    node = np.arange(len(used), dtype=np.int32)
+    if not used.all():
+        node = np.cumsum(used, dtype=np.int32) - 1
+        node[~used] = -1
+        points = np.ascontiguousarray(straight.p[:, used])
+        straight = replace(straight, doflocs=points, t=node[straight.t])
+    if KINDS[kind].order == 1:
+        return straight, node
+
+    # Put the nodes between corners where scikit-fem numbers them.
+    numbers = straight.dofs.element_dofs
+    doflocs = np.zeros((len(straight.p), straight.dofs.N))
+    cells = _in_order(content, kind)
+    doflocs[:, numbers] = content.points[cells.T, : len(doflocs)].transpose(2, 0, 1)
+    return replace(straight, doflocs=doflocs), node
+
+
+def _names_of_sides(content: Content) -> list[str]:
+    """Return the names of groups of sides, in the order of the file."""
+    names = []
+    for name, group in content.groups.items():
+        if any(KINDS[kind].dim == content.dim - 1 for kind in group):
+            names.append(name)
+    return names
+
+
+def _sides_of_elements(content: Content, mesh: Mesh, names: list[str]) -> dict[str, Sides]:
+    """Return the sides of the elements behind those of groups."""
     named: dict[str, list[Sides]] = {}
-    # Find the elements behind the elements of sides.
     for kind, cells in content.cells.items():
         groups = {name: group[kind] for name, group in content.groups.items() if kind in group}
         if KINDS[kind].dim == content.dim - 1 and groups:
-            corners = node[cells[:, : KINDS[kind].corners]]
+            corners = cells[:, : KINDS[kind].corners]
             for name, part in named_sides(mesh, corners, groups).items():
                 named.setdefault(name, []).append(part)
-    # Keep the order of the file.
-    boundaries = {name: _joined(named[name]) for name in content.groups if name in named}
-    _add_node_groups(boundaries, content, mesh, node)
-    return boundaries
+    return {name: _joined(named[name]) for name in names}
 
 
-def _add_node_groups(
-    boundaries: dict[str, Sides],
+def _sides_of_nodes(
     content: Content,
     mesh: Mesh,
     node: Integers,
-) -> None:
-    """Add the sides between the nodes of each group, unless it has all nodes."""
+    names: list[str],
+) -> dict[str, Sides]:
+    """Return the sides between the nodes of each group, unless it has all nodes or a known name."""
+    sides: dict[str, Sides] = {}
     for name, nodes in content.node_groups.items():
         found = sides_between(mesh, node[nodes])
-        if len(found.elements):
-            boundaries.setdefault(name, found)
-        elif len(nodes) < len(content.points):
-            content.left_out.append(f"node set '{name}', between which there is no side")
+        if len(found.elements) == 0:
+            if len(nodes) < len(content.points):
+                content.left_out.append(f"node set '{name}', between which there is no side")
+        elif name not in names:
+            sides[name] = found
+    return sides
 
 
 def _joined(parts: list[Sides]) -> Sides:

@@ -10,16 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .kinds import KINDS, Floats, Integers
 
-#: Random odd numbers of 64 and of 32 bits, which are added to nodes in the key of an element.
+#: Random odd number of 64 bits, which is added to nodes in the key of an element.
 _ODD = np.uint64(0x9E3779B97F4A7C15)
-_SHORT_ODD = np.uint32(0x9E3779B9)
 #: Lower half of a short key.
 _HALF = np.uint32(16)
 #: Elements of a piece, the temporary arrays of which stay in the cache.
 _ROWS = 1 << 15
+#: Runs of equal numbers that are copied at once.
+_RUNS = 256
 #: Distance of a node in the middle from its regular position, over the size of the element, up to
 #: which the shape is the same: round-off of coordinates.
 _SAME = 1e-9
@@ -57,6 +59,9 @@ class Content:
         Numbers of the nodes of each group, by name.
     left_out
         Parts of the file that are not read, in words.
+    keys
+        Short keys of elements whose nodes the reader has checked, twice, (2, n); see
+        :func:`short_keys`.
     """
 
     points: Floats
@@ -64,6 +69,7 @@ class Content:
     groups: dict[str, dict[str, Integers]] = field(default_factory=dict)
     node_groups: dict[str, Integers] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
+    keys: dict[str, NDArray[np.uint32]] = field(default_factory=dict)
 
     def add(self, name: str, kind: str, members: Integers) -> None:
         """Add elements to a group."""
@@ -79,6 +85,7 @@ class Content:
             first = len(known)
             cells = np.concatenate((known, cells))
         self.cells[kind] = cells
+        self.keys.pop(kind, None)
         return np.arange(first, len(cells))
 
     def add_sides(self, name: str, kind: str, sides: Integers) -> None:
@@ -95,11 +102,8 @@ class Content:
     def check(self) -> None:
         """Refuse coordinates that are not finite, and nodes that do not exist."""
         for kind, cells in self.cells.items():
-            if len(cells) and unsigned(cells).max() >= len(self.points):
-                raise ValueError(
-                    f"a {kind} has the node {cells.max() + 1} of {len(self.points)}: the number is "
-                    "out of bounds"
-                )
+            if kind not in self.keys:
+                check_nodes(cells, len(self.points), kind)
         # Points of no element do no harm.
         if np.isfinite(self.points.sum()) or np.isfinite(self.points).all():
             return
@@ -120,6 +124,14 @@ def side_kind(corners: int, dim: int) -> str:
 def unsigned(numbers: Integers) -> Integers:
     """Return a view of whole numbers in which negative ones are the largest."""
     return numbers.view(f"{numbers.dtype.byteorder}u{numbers.itemsize}")
+
+
+def check_nodes(cells: Integers, count: int, kind: str) -> None:
+    """Refuse nodes that are not among so many."""
+    if cells.size == 0 or unsigned(cells).max() < count:
+        return
+    wrong = cells[unsigned(cells) >= count].item(0)
+    raise ValueError(f"a {kind} has the node {wrong + 1} of {count}: the number is out of bounds")
 
 
 def cached(count: int) -> Iterator[slice]:
@@ -146,10 +158,26 @@ def node_keys(cells: Integers) -> Any:
     return keys
 
 
+def short_keys(cells: Integers, out: NDArray[np.uint32]) -> None:
+    """Compute keys of a few elements twice, (2, n): sums of cubes of their nodes, modulo 2**32.
+
+    They are computed and sorted in less than half of the time of long keys. In meshes of 1e6
+    elements a few hundred have the key of another one, in regular ones up to a few per cent.
+    """
+    nodes = unsigned(cells).T
+    np.einsum("ij,ij,ij->j", nodes, nodes, nodes, out=out[0], casting="unsafe")
+    out[1] = out[0]
+
+
 def without_doubles(content: Content, kind: str) -> None:
     """Leave out elements of a kind that are repeated with the same nodes, as in Gmsh's 2.2."""
     cells = content.cells[kind]
-    keys = node_keys(_maybe_repeated(cells))
+    short = content.keys.pop(kind, None)
+    if short is None:
+        short = np.empty((2, len(cells)), dtype=np.uint32)
+        for piece in cached(len(cells)):
+            short_keys(cells[piece], short[:, piece])
+    keys = node_keys(cells.T.take(_maybe_repeated(*short), axis=1).T)
     keys.sort()
     if not (keys[1:] == keys[:-1]).any():
         return
@@ -163,34 +191,23 @@ def without_doubles(content: Content, kind: str) -> None:
             group[kind] = np.unique(number[group[kind]])
 
 
-def _maybe_repeated(cells: Integers) -> Integers:
-    """Return a few elements, among which all are that occur twice.
+def _maybe_repeated(keys: NDArray[np.uint32], ordered: NDArray[np.uint32]) -> Integers:
+    """Return the numbers of a few elements, among which all are whose short keys occur twice.
 
-    Short keys are computed and sorted in less than half of the time of long ones. In meshes of 1e6
-    elements up to 1 % of them have the short key of another one.
+    The second array has the keys as well, and is sorted.
     """
-    # Add nodes twice, so that all factors are odd, and products do not end with zeros.
-    keys, ordered = np.empty((2, len(cells)), dtype=np.uint32)
-    factors = np.empty(_ROWS, dtype=np.uint32)
-    for piece in cached(len(cells)):
-        product = keys[piece]
-        product[:] = 1
-        own = factors[: len(product)]
-        for nodes in unsigned(cells[piece]).T:
-            np.add(nodes, nodes, out=own, casting="unsafe")
-            own += _SHORT_ODD
-            product *= own
-    # Mark the upper halves of keys that occur twice, and find the elements that have them.
-    ordered[:] = keys
+    # Mark the upper halves of such keys, and find the elements that have them.
     ordered.sort()
-    twice = ordered[1:][ordered[1:] == ordered[:-1]]
     marked = np.zeros(1 << 16, dtype=bool)
-    marked[twice >> _HALF] = True
-    found = np.empty(len(cells), dtype=bool)
-    for piece in cached(len(cells)):
+    for piece in cached(len(keys)):
+        part = ordered[piece.start : piece.stop + 1]
+        twice = part[np.flatnonzero(part[1:] == part[:-1])]
+        marked[twice >> _HALF] = True
+    found = [np.zeros(0, dtype=np.intp)]
+    for piece in cached(len(keys)):
         upper = (keys[piece] >> _HALF).astype(np.intp)
-        found[piece] = marked[upper]
-    return cells.T.take(np.flatnonzero(found), axis=1).T
+        found.append(piece.start + np.flatnonzero(marked[upper]))
+    return np.concatenate(found)
 
 
 def numbers_of(ids: Integers, wanted: Integers, what: str) -> Integers:
@@ -341,21 +358,28 @@ def members_by_tag(tags: Integers) -> dict[int, Integers]:
     order = np.argsort(small, kind="stable")
     # Put the positions of the runs behind each other.
     count = np.diff(first, append=len(tags))[order]
-    begin = np.cumsum(count) - count
-    positions = np.repeat((first[order] - begin).astype(np.int32), count)
-    for piece in cached(len(tags)):
-        stop = min(piece.stop, len(tags))
-        positions[piece] += np.arange(piece.start, stop, dtype=np.int32)
+    ends = np.append(0, np.cumsum(count))
+    shift = (first[order] - ends[:-1]).astype(np.int32)
+    positions = np.empty(len(tags), dtype=np.int32)
+    for start in range(0, len(order), _RUNS):
+        stop = min(start + _RUNS, len(order))
+        part = slice(ends[start], ends[stop])
+        positions[part] = np.repeat(shift[start:stop], count[start:stop])
+        positions[part] += np.arange(ends[start], ends[stop], dtype=np.int32)
     # Cut them where the next number begins.
     ordered = small[order]
     begins = _begins(ordered)
-    parts = np.split(positions, begin[begins[1:]])
+    parts = np.split(positions, ends[begins[1:]])
     return {int(ordered[start]) + low: part for start, part in zip(begins, parts)}
 
 
 def _begins(numbers: Integers) -> Integers:
     """Return the positions at which runs of the same number begin."""
-    return np.append(0, np.flatnonzero(numbers[1:] != numbers[:-1]) + 1)
+    found = [np.zeros(1, dtype=np.intp)]
+    for piece in cached(len(numbers)):
+        part = numbers[piece.start : piece.stop + 1]
+        found.append(piece.start + 1 + np.flatnonzero(part[1:] != part[:-1]))
+    return np.concatenate(found)
 
 
 def middles_of(x: Floats, kind: str) -> Floats:

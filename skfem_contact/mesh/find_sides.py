@@ -25,7 +25,7 @@ def named_sides(mesh: Mesh, corners: Integers, groups: dict[str, Integers]) -> d
     mesh
         Mesh without tags.
     corners
-        Corners of the elements of sides, (n, corners), -1 for nodes of no element.
+        Corners of the elements of sides, (n, corners).
     groups
         Numbers of the elements of sides by names.
     """
@@ -71,12 +71,7 @@ def _behind(mesh: Mesh, corners: Integers) -> tuple[Integers, Integers]:
     """Return the elements behind sides and the numbers of their sides, (n,), -1 where none is."""
     elements = np.full(len(corners), -1, dtype=np.int32)
     local = elements.copy()
-    known = np.arange(len(corners))
-    wanted = corners
-    if corners.min(initial=0) < 0:
-        known = np.flatnonzero((corners >= 0).all(axis=1))
-        wanted = corners[known]
-    if corners.shape[1] != len(mesh.elem.refdom.facets[0]) or len(known) == 0:
+    if corners.shape[1] != len(mesh.elem.refdom.facets[0]) or len(corners) == 0:
         return elements, local
     # Look up the keys among the ones of element sides, all of whose corners occur.
     near, number, nodes = _sides_among(mesh, _mask(mesh.doflocs.shape[1], corners))
@@ -84,12 +79,12 @@ def _behind(mesh: Mesh, corners: Integers) -> tuple[Integers, Integers]:
     order = np.argsort(keys)
     keys = np.append(keys[order], np.zeros(2, keys.dtype))
     # Ascending keys are found several times faster.
-    wanted = node_keys(wanted)
+    wanted = node_keys(corners)
     ascending = np.argsort(wanted)
     wanted = wanted[ascending]
     place = np.searchsorted(keys[:-2], wanted)
     exists = keys[place] == wanted
-    known = known[ascending[exists]]
+    known = ascending[exists]
     place = place[exists]
     first = order[place]
     elements[known] = near[first]
@@ -113,7 +108,7 @@ def _behind(mesh: Mesh, corners: Integers) -> tuple[Integers, Integers]:
 def _mask(count: int, nodes: Integers) -> NDArray[np.bool_]:
     """Return True for the numbers below a count that are among nodes; -1 is none."""
     chosen = np.zeros(count + 1, dtype=bool)
-    chosen[nodes.ravel().astype(np.intp)] = True
+    chosen[nodes.ravel(order="K")] = True
     return chosen[:-1]
 
 
@@ -121,12 +116,13 @@ def _sides_among(mesh: Mesh, chosen: NDArray[np.bool_]) -> tuple[Integers, Integ
     """Return elements, numbers and corners of all sides whose corners are chosen nodes."""
     # Leave out most elements: one of so many corners must be chosen, as a side has the others.
     sides = mesh.elem.refdom.facets
-    may_be = np.zeros(mesh.t.shape[1], dtype=bool)
     first = mesh.t[: len(mesh.t) - len(sides[0]) + 1]
-    for piece in cached(len(may_be)):
+    parts = [np.zeros(0, dtype=np.intp)]
+    for piece in cached(mesh.t.shape[1]):
         nodes = first[:, piece].astype(np.intp)
-        np.logical_or.reduce(chosen[nodes], axis=0, out=may_be[piece])
-    near = np.flatnonzero(may_be).astype(np.int32)
+        may_be = np.logical_or.reduce(chosen[nodes], axis=0)
+        parts.append(piece.start + np.flatnonzero(may_be))
+    near = np.concatenate(parts)
     t = mesh.t.take(near, axis=1)
     is_chosen = chosen.take(t)
     # Take each side of the others.
@@ -135,7 +131,7 @@ def _sides_among(mesh: Mesh, chosen: NDArray[np.bool_]) -> tuple[Integers, Integ
     corners = []
     for number, side in enumerate(sides):
         found = np.flatnonzero(np.logical_and.reduce([is_chosen[corner] for corner in side]))
-        elements.append(near[found])
+        elements.append(near.take(found).astype(np.int32))
         local.append(np.full(len(found), number, dtype=np.int32))
         corners.append(np.array([t[corner].take(found) for corner in side]).T)
     return np.concatenate(elements), np.concatenate(local), np.concatenate(corners)

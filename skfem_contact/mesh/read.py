@@ -68,8 +68,9 @@ def load_mesh(
     Raises
     ------
     ValueError
-        If the file is of no such format, damaged, of another version, or empty, has elements of
-        several or unsupported kinds, or names sides that no element has.
+        If the file is of no such format, damaged, of another version, or empty, or has elements of
+        several or unsupported kinds; at the first use of a boundary, if one has sides that no
+        element has.
     ImportError
         If h5py is missing for a file of Salome.
 
@@ -90,8 +91,9 @@ def load_mesh(
     **Nastran**: properties, by number or by the names of HyperMesh.
     **Sets of nodes** name the outer sides between their nodes, or inner ones where no outer side is
     among them. A set of all nodes is no boundary.
-    **Facets** of boundaries are numbered when one of them is first used, which takes longer than
-    the reading of a binary file. All names are checked at once.
+    **Boundaries** are known by name at once. When one of them is first used, the sides of all are
+    found and facets are numbered, which takes longer than the reading of a binary file. Sides that
+    no element has are refused then.
 
     See Also
     --------
@@ -125,7 +127,7 @@ def load_mesh(
             content = reader(file)
         else:
             content = med.read(file, name)
-        return mesh_of(content, plane, scale, split)
+        return mesh_of(content, plane, scale, split, file)
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from error
     except (KeyError, IndexError, UnicodeError, OverflowError) as error:  # a damaged file

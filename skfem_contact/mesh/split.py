@@ -56,6 +56,7 @@ def _replace(content: Content, kinds: list[str], result: str) -> None:
     # Put the parts together.
     if cells:
         content.cells[result] = np.concatenate(cells)
+        content.keys.pop(result, None)
         for name, members_of in groups.items():
             content.add(name, result, np.concatenate(members_of))
         without_doubles(content, result)

@@ -193,6 +193,8 @@ def test_sides_without_direction():
     mesh = MeshTri(mesh.p, mesh.t)
     elements = mesh.f2t[0, mesh.boundary_facets()][::-1]
     local = np.argmax(mesh.t2f[:, elements] == mesh.boundary_facets()[::-1], axis=0)
-    found = Boundaries.of(mesh, {"all": Sides(elements, local, oriented=False)})["all"]
+    found = Boundaries.of(mesh, ["all"], lambda: {"all": Sides(elements, local, oriented=False)})[
+        "all"
+    ]
     assert not isinstance(found, OrientedBoundary)
     np.testing.assert_array_equal(found, mesh.boundary_facets())

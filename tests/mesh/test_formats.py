@@ -692,8 +692,8 @@ def test_med_files_store_numbers_in_several_ways(tmp_path, dtype, compression):
     ("values", "message"),
     [
         (np.full(4, 9), "tetra has the node 9 of 4: the number is out of bounds"),
-        (np.array([1, 2, 3, 0]), "out of bounds"),
-        (np.array([1, 2, 3, 2**40]), "tetra has a node whose number is out of bounds"),
+        (np.array([1, 2, 3, 0]), "tetra has the node 0 of 4: the number is out of bounds"),
+        (np.array([1, 2, 3, 2**40]), "tetra has the node 1099511627776 of 4: the number is out"),
         (np.array([1.0, 2.0, 3.0, 4.0]), "the nodes of a tetra are no whole numbers"),
         (np.array([1, 2, 3]), "3 numbers of nodes for 1 tetra, which have 4 each"),
         (np.array([1, 2, 3, 4, 1]), "5 numbers of nodes for 1 tetra, which have 4 each"),

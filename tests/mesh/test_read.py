@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from skfem import Basis, FacetBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
@@ -91,13 +93,25 @@ def test_mesh_load_loses_the_curve_between_two_surfaces(write):
     assert "middle" not in Mesh.load(write(TWO_SQUARES)).boundaries
 
 
-def test_curve_that_is_no_side(write):
-    with pytest.raises(
-        ValueError, match="1 of 1 lines of curve 'middle' are not sides of elements"
-    ):
-        load_mesh(write(TWO_SQUARES.replace("1 1 2 1 1 3 6", "1 1 2 1 1 3 5")))
-    with pytest.raises(ValueError, match="1 of 2 lines of curve 'top' are not sides of elements"):
-        load_mesh(write(TWO_SQUARES.replace("2 1 2 2 2 5 6", "2 1 2 2 2 1 6")))
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("1 1 2 1 1 3 6", "1 1 2 1 1 3 5", "1 of 1 lines of curve 'middle'"),
+        ("2 1 2 2 2 5 6", "2 1 2 2 2 1 6", "1 of 2 lines of curve 'top'"),
+    ],
+)
+def test_curve_that_is_no_side(write, old, new, message):
+    """The first use of any boundary refuses it, by the name of the file, and so do all others."""
+    path = write(TWO_SQUARES.replace(old, new))
+    mesh = load_mesh(path)
+    assert sorted(mesh.boundaries) == ["middle", "top"]
+    for name in ("top", "middle", "top"):
+        with pytest.raises(
+            ValueError, match=f"^{re.escape(str(path))}: {message} are not sides of elements"
+        ):
+            mesh.boundaries[name]
+    with pytest.raises(ValueError, match="are not sides of elements"):
+        mesh.refined()
 
 
 @pytest.mark.parametrize(

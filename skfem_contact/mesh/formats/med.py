@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from ...checks import look_up
 from ..content import (
     Content,
+    cached,
     check_names,
+    check_nodes,
     combinations,
     decoded,
     from_vtk,
     members_by_tag,
+    short_keys,
     to_vtk,
-    unsigned,
 )
 from ..kinds import KINDS, N_NODES, Integers
 
@@ -60,9 +62,6 @@ _SHAPES = {
 }
 #: Steps of a mesh that does not move in time, and length of names.
 _NO_STEP = -1
-#: Numbers of a piece that stays in the cache, and the largest number of a node.
-_PIECE = 1 << 16
-_MOST = 2**31 - 1
 _LENGTH = 80
 
 
@@ -143,9 +142,8 @@ def _add_elements(
     if word not in _KINDS:
         raise ValueError(f"it has elements of type {word}, which are not read")
     kind = _KINDS[word]
-    count = int(block["NOD"].attrs["NBR"])
-    nodes = _nodes(_values(block["NOD"].id, octets), kind, count)
-    content.cells[kind] = to_vtk(nodes, _ORDER.get(kind))
+    nodes = block["NOD"]
+    _add_nodes(content, kind, _values(nodes.id, octets), int(nodes.attrs["NBR"]))
     if "FAM" in block:
         for number, members in members_by_tag(_values(block["FAM"].id, octets)).items():
             for name in names.get(number, ()):
@@ -179,8 +177,8 @@ def _values(data: Any, octets: NDArray[np.uint8]) -> Any:
     return np.ndarray(shape, dtype, octets, offset)
 
 
-def _nodes(numbers: Integers, kind: str, count: int) -> Integers:
-    """Return the nodes of elements, (count, n_nodes), from zero on, with four bytes each."""
+def _add_nodes(content: Content, kind: str, numbers: Integers, count: int) -> None:
+    """Add the nodes of elements, (count, n_nodes), from zero on, with four bytes each."""
     # Refuse other numbers than nodes of so many elements.
     if numbers.dtype.kind not in "iu":
         raise ValueError(f"the nodes of a {kind} are no whole numbers")
@@ -190,15 +188,16 @@ def _nodes(numbers: Integers, kind: str, count: int) -> Integers:
             f"{N_NODES[kind]} each"
         )
     # The file has the first nodes of all elements, then the second ones, and so on.
-    nodes = np.empty(len(numbers), dtype=np.int32)
-    for start in range(0, len(numbers), _PIECE):
-        piece = numbers[start : start + _PIECE]
-        if unsigned(piece).max() > _MOST:
-            raise ValueError(f"a {kind} has a node whose number is out of bounds")
-        part = nodes[start : start + _PIECE]
-        part[:] = piece
-        part -= 1
-    return nodes.reshape(N_NODES[kind], count).T
+    numbers = numbers.reshape(N_NODES[kind], count)
+    nodes = np.empty(numbers.shape, dtype=np.int32)
+    keys = np.empty((2, count), dtype=np.uint32)
+    for piece in cached(count):
+        part = numbers[:, piece] - 1
+        check_nodes(part, len(content.points), kind)
+        nodes[:, piece] = part
+        short_keys(nodes[:, piece].T, keys[:, piece])
+    content.cells[kind] = to_vtk(nodes.T, _ORDER.get(kind))
+    content.keys[kind] = keys
 
 
 def _names(families: Any, octets: NDArray[np.uint8]) -> dict[int, list[str]]:
