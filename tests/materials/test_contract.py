@@ -24,7 +24,9 @@ from skfem import (
 import skfem_contact as sc
 from skfem_contact import plot
 from skfem_contact.materials import Update
+from tests.materials.test_laws_in_scenes import LAWS
 from tests.tools.helpers import PlainLaw, grid, vector_basis
+from tests.tools.material_points import components, principal_stresses, random_strains, rotations
 
 QUIET = {"progress": False}
 
@@ -424,3 +426,40 @@ def test_gravity_with_an_own_material():
     )
     stress = model.gravity_state(K0=0.5)["initial"].states["ground"].stress
     np.testing.assert_allclose((stress[0] / stress[1]).mean(), 0.5, rtol=1e-6)
+
+
+ISOTROPIC = {name: law for name, law in LAWS.items() if name != "NgiAdp"} | {
+    "Tresca": sc.Tresca(2e4, 0.3, c=40.0),
+    "VonMises": sc.VonMises(2e4, 0.3, strength=60.0),
+    "DruckerPrager": sc.DruckerPrager(2e4, 0.3, k=5.0, alpha=0.2, beta=0.1),
+    "no tension": sc.MohrCoulomb(2e4, 0.3, c=5.0, phi=30.0, psi=5.0, tension=0.0),
+    "HardeningMohrCoulomb": sc.HardeningMohrCoulomb(
+        2e4, 0.3, c=20.0, c_end=5.0, phi=30.0, phi_end=25.0, strain_end=0.01
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ISOTROPIC)
+def test_laws_do_not_depend_on_the_axes(name: str) -> None:
+    """[X] Two increments along turned axes, which differ, give the same principal stresses and
+    memory as along the first axes.
+    """
+    law, n = ISOTROPIC[name], 40
+    rng = np.random.default_rng(5)
+    strains = [random_strains(n, rng, size=1e-3) for _ in range(2)]
+    tilts = [rotations(n, 6, rng) for _ in range(2)]
+    duration = {"dt": 1.0} if law.time_dependent else {}
+    found = []
+    for turn in (np.broadcast_to(np.eye(3), (n, 3, 3)), rotations(n, 6, rng)):
+        stress = np.zeros((6, n))
+        stress[:3] = -100.0
+        memory = law.initial_internal(stress)
+        for strain, tilt in zip(strains, tilts):
+            increment = components(strain, turn @ tilt, 6, shear=2.0)
+            update = law.update(increment, stress, memory, **duration)
+            stress, memory = update.stress, update.internal
+        found.append((principal_stresses(stress), memory[:3]))  # a tensor follows
+    (stress, memory), (turned, same) = found
+    # iterations of the laws end at 1e-9 of the stresses or better
+    np.testing.assert_allclose(turned, stress, rtol=1e-7, atol=1e-6)
+    np.testing.assert_allclose(same, memory, rtol=1e-7, atol=1e-9)
