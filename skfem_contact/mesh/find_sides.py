@@ -46,7 +46,8 @@ def named_sides(mesh: Mesh, corners: Integers, groups: dict[str, Integers]) -> d
             words = _WORDS[mesh.dim()]
             raise ValueError(
                 f"{stray} of {len(members)} {words[0]} of {words[1]} '{name}' are not "
-                f"{words[2]} of elements"
+                f"{words[2]} of elements: make them such in the mesh, or leave '{name}' out of the "
+                "file"
             )
         found[name] = Sides(elements[own], local[own], oriented=True)
     return found

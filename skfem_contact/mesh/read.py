@@ -88,7 +88,7 @@ def load_mesh(
     **VTK**: data of cells with whole numbers: ones among zeros are the group of that name, other
     values are ``"MaterialIDs 3"``.
     **FLAC3D**: groups of zones and faces; slots with names precede theirs, ``"slot:name"``.
-    **Nastran**: properties, by number or by the names of HyperMesh.
+    **Nastran**: properties, by number or by the names of HyperMesh, ANSA, Femap, Patran, Simcenter.
     **Sets of nodes** name the outer sides between their nodes, or inner ones where no outer side is
     among them. A set of all nodes is no boundary.
     **Boundaries** are known by name at once. When one of them is first used, the sides of all are
@@ -114,7 +114,8 @@ def load_mesh(
     reader = _READERS.get(Path(file).suffix.lower())
     if reader is None:
         raise ValueError(
-            f"path must be the name of a file that ends with {', '.join(_READERS)}, not {file!r}"
+            f"path must be the name of a file that ends with {', '.join(_READERS)}, not {file!r}: "
+            "export one of these, or convert the file by Gmsh"
         )
     if not Path(file).is_file():
         raise FileNotFoundError(f"there is no file {file}")

@@ -544,6 +544,41 @@ def test_instances_of_a_deck(tmp_path):
     np.testing.assert_allclose(np.sort(middles, axis=1), [[0.5, 2.0], [0.5, 1.0]], atol=1e-12)
 
 
+def test_numbers_of_instances_and_unions_of_surfaces(tmp_path):
+    """[X] "Instance.number" names nodes and elements of an assembly; a surface joins others."""
+    file = tmp_path / "deck.inp"
+    more = (
+        "*Nset, nset=Foot of both\nLeft.1, left.2, RIGHT.1, RIGHT.2\n"
+        "*Surface, name=One\nRight.7, S1\n*Surface, name=Two\nLeft.7, S1\nLeft.7, S2\n"
+        "*Surface, name=Three, combine=union\nOne, Two\n*End Assembly"
+    )
+    file.write_text(DECK.replace("*End Assembly", more, 1))
+    mesh = load_mesh(file)
+    for name, length in (("Foot of both", 2.0), ("One", 1.0), ("Two", 2.0), ("Three", 3.0)):
+        assert side_of(mesh, name) == pytest.approx(length)
+    middles = mesh.p[:, mesh.facets[:, mesh.boundaries["One"]]].mean(axis=1)
+    np.testing.assert_allclose(middles.ravel(), [3.0, 0.5], atol=1e-12)
+    # Other combinations are refused, and so are parts that are not placed.
+    file.write_text(DECK.replace("*End Assembly", more.replace("=union", "=difference"), 1))
+    with pytest.raises(ValueError, match="'Three' is made by COMBINE=DIFFERENCE, which is not"):
+        load_mesh(file)
+    file.write_text(DECK.split("*Assembly", 1)[0])
+    with pytest.raises(ValueError, match=r"its parts BLOCK have no \*INSTANCE: add one"):
+        load_mesh(file)
+
+
+def test_elements_of_a_deck_that_are_not_in_the_mesh(tmp_path):
+    """[X] Springs, masses and connectors are told with their sets; cohesive ones are refused."""
+    file = tmp_path / "deck.inp"
+    more = "*ELEMENT, TYPE=SPRINGA, ELSET=anchors\n8, 1, 5\n*ELEMENT, TYPE=CONN3D2\n9, 1, 5\n"
+    file.write_text(PIECES + more)
+    with pytest.warns(sc.AnalysisWarning, match="elements CONN3D2, elements SPRINGA of 'anchors'"):
+        assert load_mesh(file).nelements == 2
+    file.write_text(PIECES + "*ELEMENT, TYPE=COH3D6, ELSET=joint\n8, 1, 2, 3, 1, 2, 3\n")
+    with pytest.raises(ValueError, match="type COH3D6 are not read: delete their lines, or export"):
+        load_mesh(file)
+
+
 def test_internal_sets_of_surfaces_are_no_names(tmp_path):
     """[X] Abaqus/CAE writes the elements of a surface as a set that nobody named."""
     file = tmp_path / "deck.inp"
@@ -634,6 +669,34 @@ def test_bulk_data_of_nastran(tmp_path):
     file.write_text(BULK.replace("GRID,2,,", "GRID,2,5,"))
     with pytest.raises(ValueError, match="coordinates of the system 5"):
         load_mesh(file)
+
+
+@pytest.mark.parametrize(
+    ("comments", "names"),
+    [
+        ("$ Femap with NX Nastran Property 2 : stiff clay \nPSOLID,2,1\n", ["stiff clay"]),
+        ("$ FEMAP Property 2 : clay\n$ FEMAP Property 3 : sand\n", ["clay", "sand"]),
+        ("$ Femap Property 2 : Untitled\n$ Femap Property 3 : Untitled\n", ["Untitled 2"]),
+        ("$ANSA_NAME_COMMENT;2;MAT1;other;;NO;\n$ANSA_NAME_COMMENT;2;PSOLID;clay;;NO;\n", ["clay"]),
+        (
+            "$ Elements and Element Properties for region : clay\nPSOLID   2       1\n"
+            "$ Elements and Element Properties for region : sand\n$ more\nPSOLID*  3\n",
+            ["clay", "sand"],
+        ),
+        ("$*  Property: clay\nPSOLID   2       1\n", ["clay", "property 3"]),
+        ('$HMNAME PROP 2"solid"\n$HMNAME COMP 2"clay"\n', ["clay"]),
+    ],
+)
+def test_names_of_properties_of_nastran(tmp_path, comments, names):
+    """[X] Names in the comments of preprocessors; the same name of two is never one group."""
+    file = tmp_path / "one.bdf"
+    points = "".join(f"GRID,{i},,{x},0.,0.\n" for i, x in enumerate((0.0, 1.0, 2.0), start=1))
+    points += "".join(f"GRID,{i},,{x},1.,0.\n" for i, x in enumerate((0.0, 1.0, 2.0), start=4))
+    cells = "CQUAD4,1,2,1,2,5,4\nCQUAD4,2,3,2,3,6,5\n"
+    file.write_text(f"BEGIN BULK\n{comments}{points}{cells}ENDDATA\n")
+    mesh = load_mesh(file)
+    assert len(mesh.subdomains) == 2
+    assert set(names) <= set(mesh.subdomains)
 
 
 def test_second_order_of_gmsh_in_bulk_data(tmp_path, model):

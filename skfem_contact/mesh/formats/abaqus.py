@@ -95,6 +95,7 @@ class _Part:
     element_sets: dict[str, list[Integers]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
     internal: set[str] = field(default_factory=set)
+    left_out: set[str] = field(default_factory=set)
     spelled: dict[str, str] = field(default_factory=dict)
 
     def key(self, name: str) -> str:
@@ -115,6 +116,10 @@ class _Part:
         if not self.ids:
             return np.zeros(0, int), np.zeros((0, 3))
         return np.concatenate(self.ids), np.concatenate(self.points)
+
+
+#: Instances by name in capitals: shift of their numbers, and nodes and elements.
+_Instances = Mapping[str, tuple[int, _Part]]
 
 
 def read(path: str) -> Content:
@@ -207,6 +212,8 @@ def _assembled(cards: Iterator[_Card]) -> _Part:
             shift += _span(moved)
         else:
             _read_card(target, card, instances)
+    if parts and not instances and not whole.elements:
+        raise ValueError(f"its parts {', '.join(parts)} have no *INSTANCE: add one to an *ASSEMBLY")
     return whole
 
 
@@ -267,6 +274,7 @@ def _append(whole: _Part, part: _Part, name: str, shift: int) -> int:
             moved = [numbers + shift for numbers in members]
             known.setdefault(whole.key(part.spelled[key]), []).extend(moved)
             known.setdefault(whole.key(f"{name}.{part.spelled[key]}"), []).extend(moved)
+    whole.left_out |= part.left_out
     whole.internal |= part.internal | {f"{name}.{key}".upper() for key in part.internal}
     # Surfaces refer to moved elements, or to sets of the instance.
     for key, lines in part.surfaces.items():
@@ -282,7 +290,7 @@ def _moved_entry(entry: str, name: str, shift: int) -> str:
     return f"{name}.{entry}"
 
 
-def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Part]]) -> None:
+def _read_card(part: _Part, card: _Card, instances: _Instances) -> None:
     """Read a card with nodes, elements, a set or a surface; others say nothing of the mesh."""
     options = card.options
     if card.keyword == "NODE":
@@ -297,14 +305,14 @@ def _read_card(part: _Part, card: _Card, instances: Mapping[str, tuple[int, _Par
         if card.keyword == "NSET" and card.options.get("ELSET"):
             members = _nodes_of(part, card.options["ELSET"])
         else:
-            members = _members(sets, part, card, shift)
+            members = _members(sets, part, card, shift, instances)
         key = part.key(options.get(card.keyword, ""))
         sets.setdefault(key, []).append(members)
         # Sets that Abaqus makes for its surfaces have no name of their own.
         if card.flag("INTERNAL"):
             part.internal.add(key)
     elif card.keyword == "SURFACE":
-        _read_surface(part, card)
+        _read_surface(part, card, instances)
 
 
 def _read_nodes(part: _Part, card: _Card) -> None:
@@ -355,6 +363,8 @@ def _read_elements(part: _Part, card: _Card) -> None:
         return
     kind, n_nodes = _kind_of(name)
     if not kind:
+        label = card.options.get("ELSET", "")
+        part.left_out.add(f"elements {name}" + (f" of '{label}'" if label else ""))
         return
     table = rows(numbers, 1 + n_nodes, f"*ELEMENT, TYPE={name}")
     ids = table[:, 0]
@@ -368,7 +378,7 @@ def _read_elements(part: _Part, card: _Card) -> None:
 
 
 def _kind_of(name: str) -> tuple[str, int]:
-    """Return kind and number of nodes of a type such as "CPE8R"; none of springs and masses."""
+    """Return kind and number of nodes of a type such as "CPE8R"; none of springs, masses."""
     digits = re.findall(r"\d+", re.sub(r"(2D|3D)(?=\d)|^B(?=\d{2})", "", name))
     for pattern, kinds in _FAMILIES:
         if re.match(pattern, name) and digits:
@@ -377,13 +387,34 @@ def _kind_of(name: str) -> tuple[str, int]:
                 n_nodes = 2 + (n_nodes % 10 == 2)
             if n_nodes in kinds:
                 return kinds[n_nodes], n_nodes
-            raise ValueError(f"elements of type {name} are not read")
-    if re.match(r"C|S\d|M\d", name):
-        raise ValueError(f"elements of type {name} are not read")
+            raise _not_read(name)
+    if re.match(r"C(?!ONN)|S\d|M\d", name):
+        raise _not_read(name)
     return "", 0
 
 
-def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift: int) -> Integers:
+def _not_read(name: str) -> ValueError:
+    return ValueError(
+        f"elements of type {name} are not read: delete their lines, or export without them"
+    )
+
+
+def _of_instance(word: str, instances: _Instances) -> int | None:
+    """Return the number in the file of "instance.number", None for other words."""
+    name, _, number = word.strip().strip('"').rpartition(".")
+    name = name.strip('"').upper()
+    if name in instances and number.isdigit():
+        return int(number) + instances[name][0]
+    return None
+
+
+def _members(
+    sets: Mapping[str, list[Integers]],
+    part: _Part,
+    card: _Card,
+    shift: int,
+    instances: _Instances,
+) -> Integers:
     """Return the numbers of a set, which may name other sets, or steps of a sequence."""
     if card.flag("GENERATE"):
         return shift + _generated(card.data)
@@ -396,6 +427,10 @@ def _members(sets: Mapping[str, list[Integers]], part: _Part, card: _Card, shift
     for word in words:
         if word.lstrip(b"-").isdigit():
             parts.append(np.array([int(word) + shift]))
+            continue
+        number = _of_instance(decoded(word), instances)
+        if number is not None:
+            parts.append(np.array([number]))
             continue
         other = part.key(decoded(word))
         if other not in sets:
@@ -428,14 +463,29 @@ def _generated(data: bytes) -> Integers:
     return np.concatenate(found)
 
 
-def _read_surface(part: _Part, card: _Card) -> None:
-    """Read the lines "set or element, face" of a surface, or the nodes of one."""
+def _read_surface(part: _Part, card: _Card, instances: _Instances) -> None:
+    """Read the lines "set or element, face" of a surface, the nodes of one, or a union."""
     key = part.key(card.options.get("NAME", ""))
+    union = card.options.get("COMBINE", "").upper()
+    if union not in ("", "UNION"):
+        raise ValueError(
+            f"surface '{part.spelled[key]}' is made by COMBINE={union}, which is not read: write "
+            "its elements and faces"
+        )
     by_nodes = card.options.get("TYPE", "ELEMENT").upper() == "NODE"
     for line in decoded(card.data).split("\n"):
         words = [word.strip().strip('"') for word in line.split(",")]
         if not words[0]:
             continue
+        if union:
+            for other in filter(None, words):
+                if other.upper() not in part.surfaces:
+                    raise ValueError(f"the surface '{other}' does not exist")
+                part.surfaces.setdefault(key, []).extend(part.surfaces[other.upper()])
+            continue
+        number = _of_instance(words[0], instances)
+        if number is not None:
+            words[0] = str(number)
         face = ""
         if by_nodes:
             face = "NODE"
@@ -447,7 +497,7 @@ def _read_surface(part: _Part, card: _Card) -> None:
 def _content(whole: _Part) -> Content:
     """Return the content of the whole file with its groups."""
     ids, points = whole.coordinates()
-    content = Content(points, {})
+    content = Content(points, {}, left_out=sorted(whole.left_out))
     cells: dict[str, list[Integers]] = {}
     place: dict[str, list[Integers]] = {}
     # Join the elements of each kind.

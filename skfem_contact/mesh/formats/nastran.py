@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -36,6 +37,19 @@ _STARTS = ("CTRI", "CTRAX", "CPLST", "CQUAD", "CTETRA", "CPYR", "CPENTA", "CHEX"
 #: Files that are included, in quotation marks or without, and how deep.
 _INCLUDE = re.compile(r"""^[ \t]*INCLUDE[ \t]+['"]?([^'"\n]+)['"]?[ \t]*$""", re.M | re.I)
 _DEEPEST = 8
+#: Names of properties in comments: of HyperMesh, whose components precede properties, of ANSA, of
+#: Femap, and of Patran and Simcenter, which write the name before the card.
+_NAMES = tuple(
+    re.compile(pattern, re.M | re.I)
+    for pattern in (
+        r'^\$HMNAME\s+COMP\s+(?P<number>\d+)\s*"(?P<name>[^"]+)"',
+        r'^\$HMNAME\s+PROP\s+(?P<number>\d+)\s*"(?P<name>[^"]+)"',
+        r"^\$ANSA_NAME_COMMENT;(?P<number>\d+);P\w+;(?P<name>[^;\n]+)",
+        r"^\$ *FEMAP\b[^:\n]*\bProperty +(?P<number>\d+) *: *(?P<name>.*\S)",
+        r"^\$(?: Elements and Element Properties for region|\* +Property) *: *(?P<name>.*\S)\s*\n"
+        r"(?:\$.*\n)*P\w+\*?[ ,]+(?P<number>\d+)",
+    )
+)
 #: Numbers of corners of bodies.
 _CORNERS = {"CTETRA": 4, "CPYRAM": 5, "CPENTA": 6, "CHEXA": 8}
 #: Nodes in the order of VTK, where the two differ: upright edges come before upper ones.
@@ -94,14 +108,16 @@ def _text(text: bytes, path: Path, depth: int) -> str:
 
 
 def _names(text: str) -> dict[int, str]:
-    """Return the names of components and properties in the comments of HyperMesh."""
+    """Return the names of properties, which preprocessors write into comments."""
     names: dict[int, str] = {}
-    for kind, number, name in re.findall(
-        r'^\$HMNAME\s+(COMP|PROP)\s+(\d+)\s*"([^"]+)"', text, re.M
-    ):
-        # A component precedes a property.
-        if kind == "COMP" or int(number) not in names:
-            names[int(number)] = name
+    for pattern in _NAMES:
+        for match in pattern.finditer(text):
+            names.setdefault(int(match["number"]), match["name"].strip())
+    # A name of several properties, as "Untitled", has their numbers behind it.
+    count = Counter(names.values())
+    for number, name in names.items():
+        if count[name] > 1:
+            names[number] = f"{name} {number}"
     return names
 
 
@@ -115,7 +131,8 @@ def _point(card: list[str]) -> list[float]:
 def _check_system(card: list[str], subject: str) -> None:
     if card[2] not in ("", "0"):
         raise ValueError(
-            f"{subject} coordinates of the system {card[2]}; only the basic system is read"
+            f"{subject} coordinates of the system {card[2]}; only the basic system is read: "
+            "write the grid points in it"
         )
 
 
