@@ -262,12 +262,14 @@ class AugmentedLagrangian(Penalty):
         limit = self.tolerance * np.abs(found.traction[0]).max(initial=0.0)
         unfinished = (error > limit) & ~kept
         if progress.error == np.inf:
-            # Take up again multipliers left to the penalty before, where they have changed
-            _, before, error_before = self._corrected(
+            # Take up again multipliers left to the penalty before, where they have changed: errors
+            # of nodes that slid before and stick now as well
+            before = self._corrected(
                 accepted, accepted.multiplier, points, penalties, stiffness, moves
-            )
+            )[1]
+            left = stiffness * np.abs(before) > limit
             changed = stiffness * np.abs(correction - before) > limit
-            unfinished &= (error_before <= limit) | changed
+            unfinished &= ~left | changed
         if not (unfinished & moves).any():
             return accepted, progress
 

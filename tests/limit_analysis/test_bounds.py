@@ -380,6 +380,36 @@ def test_a_point_on_the_surface_of_its_cone_ends_an_iteration() -> None:
         path._factor()
 
 
+def test_singular_points() -> None:
+    """[X] The ends of a load, also at a corner, and of a rigid foot; not the ends of supports at
+    corners, nor nodes within a load.
+    """
+    lines = np.linspace(0, 8, 9), np.linspace(0, 3, 4)
+    mesh = MeshTri.init_tensor(*lines).with_subdomains(
+        {"clay": lambda x: x[1] < 2, "foot": lambda x: (x[1] > 2) & (abs(x[0] - 5) < 1)}
+    )
+    kept = np.concatenate(list(mesh.subdomains.values()))
+    mesh = mesh.restrict(kept).with_boundaries(
+        {"base": lambda x: x[1] == 0, "load": lambda x: (x[1] == 2) & (x[0] < 2)}
+    )
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    materials = {"clay": sc.Tresca(E=1e4, nu=0.3, c=10.0), "foot": sc.LinearElastic(1e6, 0.2)}
+    problem = read(
+        {"soil": sc.SolidForm(basis, materials)},
+        basis.get_dofs("base").all(),
+        lambda site: named_loads(site, 0.0, {"load": (0.0, -1.0)}, None, (), 0.0, ("load",)),
+        True,
+        None,
+        (),
+        False,
+    )
+    points = search._singular_points(problem.model, problem.model.triangles)
+    # The model has its middle at zero and the length one.
+    x, y = 8.0 * points + np.array([[4.0], [1.5]])
+    np.testing.assert_allclose(np.sort(x), [0.0, 2.0, 4.0, 6.0], atol=1e-12)
+    np.testing.assert_allclose(y, 2.0)
+
+
 class _Silent:
     def set_postfix_str(self, text: str) -> None:
         """Nothing is shown."""
