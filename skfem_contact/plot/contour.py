@@ -258,9 +258,12 @@ def animate(
     for first, last in zip([picture.views[0], *picture.views], picture.views):
         moving = _between(first, last, frames // 2)
         for view in moving:
+            plotter.suppress_rendering = True  # of every part that is added
             plotter.renderer.clear_actors()
             view.paint(plotter, frame, 0, picture.scale, mesh)
+            plotter.suppress_rendering = False
             plotter.write_frame()
+        plotter.suppress_rendering = True  # the picture stays
         for _ in range(frames - len(moving)):
             plotter.write_frame()
     plotter.close()
