@@ -336,6 +336,7 @@ def test_closed_line_goes_clockwise_from_its_top():
     )
 
 
+@pytest.mark.slow
 def test_saved_and_resumed(tmp_path):
     """A portal beyond its elastic limit is saved, loaded, and goes on as if nothing had happened;
     and mirrored.

@@ -258,6 +258,7 @@ def pile_on_a_line(h):
     return stage.x[sc.dofs_at(basis, (0.0, 0.0, 0.0))[0, 2]]
 
 
+@pytest.mark.slow
 def test_a_line_in_space_has_no_stiffness():
     """[N] The warning tells how much more the next mesh gives, to a third of it: the foot's share
     is not counted.

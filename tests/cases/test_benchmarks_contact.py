@@ -163,6 +163,7 @@ def test_problem_is_the_peers() -> None:
 # -- augmented Lagrangian
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
 def test_the_start_penalty_does_not_matter(quadrature: str | int) -> None:
     """[N] Penalties of 0.01 and 10,000 E/h: the same answer, with nearly the same effort."""

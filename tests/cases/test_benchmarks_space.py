@@ -181,6 +181,7 @@ def test_cone():
     )
 
 
+@pytest.mark.slow
 def test_torsion_with_slip():
     """[X] Lubkin's torque where half of the radius sticks; friction comes after the pressing."""
     block, radius, mu = round_block(6, turned=True), 100.0, 0.3

@@ -83,6 +83,7 @@ ORDERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_order_of_convergence(element):
     """[X] B2: a Signorini problem with an exact solution, 4 to 16 elements in the half-width of the
@@ -245,6 +246,7 @@ def test_two_bodies():
     assert np.sqrt(joint.weight @ (joint.pressure - exact) ** 2 / (joint.weight @ exact**2)) < 0.03
 
 
+@pytest.mark.slow
 def test_cylinder_that_the_load_alone_holds():
     """[X] B1 (i), S10: pressed by the load from the start, which nothing but the contact to come
     can bear.

@@ -244,6 +244,7 @@ def test_augmented_shear_does_not_depend_on_the_penalty() -> None:
 # -- S24 and S25: the same again
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
 def test_the_same_again(quadrature, tmp_path) -> None:
     """[X] S24, S25: two runs agree bit by bit; so do two continuations of the middle of the way

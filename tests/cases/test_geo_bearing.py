@@ -103,6 +103,7 @@ def test_large_friction_angles(phi, c):
     assert c * bearing_capacity(phi) < result.multiplier < 1.06 * c * bearing_capacity(phi)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:no collapse was shown")
 def test_large_friction_angle_without_dilatancy():
     """[X] Case S5: phi = 50 and psi = 0 has no plateau that can be relied upon: less than the

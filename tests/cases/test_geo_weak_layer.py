@@ -93,6 +93,7 @@ def test_the_layer_is_meshed_exactly():
     assert area.sum() == pytest.approx(900.0, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", CASES)
 @pytest.mark.filterwarnings("ignore:the structure is unstable")
 def test_thin_weak_layer(ratio):

@@ -128,6 +128,7 @@ def test_footing_locks_with_full_integration_only():
     assert locked.stop.kind == "max_value"
 
 
+@pytest.mark.slow
 def test_curve_is_followed_beyond_its_plateau():
     """[X] Tresca: the load stays what it is while the footing sinks, and from there no more can be
     carried.

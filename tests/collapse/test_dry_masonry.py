@@ -95,6 +95,7 @@ def pushed_block(quadrature, width=0.6, height=2.0, mu=0.8):
     return model, model.traction("block:left", (1.0 / height, 0.0))
 
 
+@pytest.mark.slow
 def test_joint_that_turns_inside_of_its_end_is_told(recwarn):
     """[X] A block topples at W b / h = 7.2; about a Gauss point .113 of a facet from its end at
     6.79, which is told.

@@ -134,6 +134,7 @@ def test_factor_lies_between_the_bounds():
     assert found.end.forms["ground"].basis.nelems == found.meshes[-1][0]
 
 
+@pytest.mark.slow
 def test_water_and_a_start():
     """[N] A start with water gives the same as the model with its water, but for its stresses.
 

@@ -24,6 +24,7 @@ def slope(material):
     return {"slope": sc.SolidForm(basis, material)}, sc.box_supports(basis), sc.weight(basis, 20.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "material",
     [

@@ -224,6 +224,7 @@ def wall(stiffness, law):
 FRICTION = sc.Coulomb(mu=0.3)
 
 
+@pytest.mark.slow
 def test_factor_with_contact_does_not_depend_on_stiffness():
     """[X] Collapse loads are rigid-plastic: one factor over 2,500-fold moduli and penalties, to
     within `tol`.

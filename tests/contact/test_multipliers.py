@@ -54,6 +54,7 @@ def test_patch_in_space(element: str, bound: float) -> None:
         assert stress.mean() == pytest.approx(-1.0, abs=2e-6)  # nothing penetrates in the mean
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [5, 10])
 def test_hertz(n: int) -> None:
     """[X] A quarter of the augmented method's iterations, 11 and 12, and smaller errors: .83 and
@@ -136,6 +137,7 @@ def test_cattaneo_and_mindlin() -> None:
     assert dual[1] <= augmented[1] and dual[2] <= 1.05 * augmented[2]
 
 
+@pytest.mark.slow
 def test_friction_beside_a_plane_of_symmetry() -> None:
     """[N] Half of a paraboloid, pressed and sheared: 15 iterations, and the forces of the penalty
     method to 3 %.

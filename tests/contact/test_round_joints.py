@@ -146,6 +146,7 @@ def half_ring(r: np.ndarray, n: int) -> MeshQuad:
     return replace(flat, doflocs=np.array([radius * np.cos(phi), radius * np.sin(phi)]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("enforcement", METHODS[:2], ids=IDS[:2])
 def test_pin_of_straight_facets_in_a_hole(enforcement) -> None:
     """[X] Persson: the peak is .7117 Q / R where 60 degrees to each side touch. The pin moves by

@@ -28,8 +28,8 @@ def python_code(page: Path) -> str:
     return "\n".join(CODE.findall(page.read_text(encoding="utf-8")))
 
 
-#: Pages whose code takes more than 5 s.
-SLOW = ("collapse", "many_runs", "options", "soil_tests", "water")
+#: Pages whose code takes more than 1.5 s.
+SLOW = ("collapse", "many_runs", "options", "results", "soil_tests", "water")
 CASES = [
     pytest.param(page, id=page.stem, marks=[pytest.mark.slow] if page.stem in SLOW else [])
     for page in PAGES

@@ -18,11 +18,8 @@ METHODS = [Penalty(), sc.AugmentedLagrangian(), sc.DualMultipliers()]
 NAMES = ["penalty", "augmented", "multipliers"]
 
 
-@pytest.mark.parametrize(
-    "enforcement",
-    [METHODS[0], pytest.param(METHODS[1], marks=pytest.mark.slow), METHODS[2]],
-    ids=NAMES,
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("enforcement", METHODS, ids=NAMES)
 def test_impact_of_two_bars(enforcement):
     """[X] Equal bars touch for 2 L / c with the force rho c v / 2 and exchange their velocities."""
     # two bars of length 1, wave velocity 10, of which one moves with .1
@@ -114,9 +111,10 @@ def slid(acceleration, step, slope, mu):
     return moved
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "enforcement",
-    [METHODS[0], pytest.param(METHODS[2], marks=pytest.mark.slow)],
+    [METHODS[0], METHODS[2]],
     ids=["penalty", "multipliers"],
 )
 def test_block_on_a_plane_that_shakes(enforcement):

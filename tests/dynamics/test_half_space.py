@@ -107,6 +107,7 @@ def half_plane(x, y):
     return model, basis, middle
 
 
+@pytest.mark.slow
 def test_lambs_problem():
     """[X] Vertical displacements of the surface under a pulse of a line load: within 3 %."""
     h, size, step, width = 0.05, 4.0, 0.02, 0.4
@@ -152,6 +153,7 @@ def graded(n, growth, largest, far):
 IMPEDANCE = {0.5: 1.4363 + 1.7738j, 1.0: 1.3294 + 3.3038j, 2.0: 1.1151 + 6.9311j}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a0", [0.5, 1.0, 2.0])
 def test_impedance_of_a_strip(a0):
     """[N] Force over displacement of a rigid smooth strip that vibrates: within 2 %."""

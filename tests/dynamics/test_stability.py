@@ -117,6 +117,7 @@ def pushed_block(model, push, time=1.0, **more):
     return model.run([sc.Stage("weight"), stage], **QUIET, **more)["push"]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_mirrored_and_in_other_units():
     """[X] A mirrored block moves the other way, and units change nothing but the numbers."""

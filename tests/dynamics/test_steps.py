@@ -105,6 +105,7 @@ def test_linear_steps_are_those_of_newtons_method():
     np.testing.assert_allclose(one[1], other[1], atol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_flight_and_impact():
     """[X] Long steps in flight, short ones in contact: contact ends after 2 L / c, once."""

@@ -112,6 +112,7 @@ def test_beam_touches_soil_on_both_sides(tmp_path):
     bent.to_vtu(tmp_path / "wall.vtu")
 
 
+@pytest.mark.slow
 def test_beam_in_a_search():
     """[X] A load that the soil bears by 2 c: the factor with the beam between the blocks is that of
     the soil alone.

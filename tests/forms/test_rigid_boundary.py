@@ -75,6 +75,7 @@ def test_it_stays_rigid_and_in_balance(elastic):
         assert moment == pytest.approx(FORCE * LEVER, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_collapse_under_a_load_with_a_lever():
     """[X] (2 + pi) c in the middle; [B] above Meyerhof's effective width; [X] a circle's 0.69 c
     B^2.

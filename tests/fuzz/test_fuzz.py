@@ -61,6 +61,7 @@ def test_scenes_differ() -> None:
         assert all(values.count(value) >= 4 for value in set(values)), name
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_half_models_and_held_ends(monkeypatch) -> None:
     """A half is like the whole only if supports along the joint count as a plane of symmetry."""
@@ -76,6 +77,7 @@ def test_half_models_and_held_ends(monkeypatch) -> None:
     assert "half shear" in violated(drawn)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_large_bodies(monkeypatch) -> None:
     """Bodies that turn, slide and come back hold; stresses that do not turn are found."""
@@ -95,6 +97,7 @@ def test_large_bodies(monkeypatch) -> None:
     assert "large turn" in violated(tasks["turn"])
 
 
+@pytest.mark.slow
 def test_wrong_calls(tmp_path, monkeypatch) -> None:
     """Some 300 of the 17,800 wrong calls of public functions: no silence, hardly an error from
     deep inside, and no sound call that fails.

@@ -418,6 +418,7 @@ class _Silent:
 # -- flow, elastic moduli, results
 
 
+@pytest.mark.slow
 def test_less_dilation() -> None:
     """[X] The upper bound is that of associated flow, the lower one an estimate that is named
     so.
@@ -542,6 +543,7 @@ def test_no_bound_is_computed_once_the_gap_is_closed() -> None:
     assert found.gap <= gap < search.relative_gap(lower, upper)
 
 
+@pytest.mark.slow
 def test_clean_sand() -> None:
     """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, which a
     warning says with the meshes that were tried; they are not refined for nothing.

@@ -511,6 +511,7 @@ def test_shares_of_meshes_that_shrink_towards_an_edge(element) -> None:
     assert added > 0.01 and 0.5 * added < found.added < 2.0 * added
 
 
+@pytest.mark.slow
 def test_share_of_a_mesh_below_a_vertical_cut_without_tensile_strength() -> None:
     """[B] Drucker (1953): 2 c / (gamma H) = 0.5; one element at the toe moves most."""
     mesh = MeshTri.init_tensor(np.linspace(0, 8, 21), np.linspace(0, 4, 11))
@@ -523,6 +524,7 @@ def test_share_of_a_mesh_below_a_vertical_cut_without_tensile_strength() -> None
     assert 0.04 < added < 0.15 and 0.5 * added < found.added < 2.0 * added
 
 
+@pytest.mark.slow
 def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
     """[X] Prandtl and Reissner: N_q = 9.2 at tan(30) / F, for the even load and the rigid strip."""
 
@@ -600,6 +602,7 @@ def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
     assert found.added < 1e-3 and not recwarn.list
 
 
+@pytest.mark.slow
 def test_rigid_parts_are_named() -> None:
     """[X] Prandtl: a strip on clay, both of one form; what is rigid is the strip, and triangles fan
     out from its edge.

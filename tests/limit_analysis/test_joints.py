@@ -187,6 +187,7 @@ def test_joints_without_adhesion_have_no_safe_bound():
     )
 
 
+@pytest.mark.slow
 def test_a_wall_that_is_much_stronger_than_clay() -> None:
     """[B] A wall of concrete as Tresca, 500 times as strong: nearly the bounds of a rigid one, and
     what would help.

@@ -120,6 +120,7 @@ def test_fast_reversal(dim, quadrature):
         assert dissipation(forms, result).min() >= -1e-12
 
 
+@pytest.mark.slow
 def test_random_walk():
     """[X] Case S14: 1,000 random steps of one contact: never outside the cone, never a gain of
     energy.
@@ -325,6 +326,7 @@ def test_equilibria_of_regularised_forms_alone_are_refused():
         check(system, replace(step, system=system.with_forms(harder)), found, sc.Newton())
 
 
+@pytest.mark.slow
 def test_point_that_changes_its_facet():
     """[X] A wave of quadratic facets slid over another: increments in which points change between
     facets.

@@ -263,6 +263,7 @@ def test_initial_stress_is_refused_with_its_place_and_figure():
         )
 
 
+@pytest.mark.slow
 def test_extension_beyond_the_pressure_is_told():
     """A pull on soil without cohesion stops, with the increments before; none of its stresses is in
     tension.

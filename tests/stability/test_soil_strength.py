@@ -219,6 +219,7 @@ def block(element: str, heights, phi: float):
     return forms, fixed, traction(basis, "top", (0.0, -1.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_all_points_flow_at_once(share):
     """[X] A block under 2 c, or half of that: beyond its factor the stiffness is singular:

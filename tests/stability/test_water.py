@@ -59,6 +59,7 @@ def test_core_of_another_permeability(core, kind):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
 def test_tight_core_between_drained_shells(kind):
     """[X] Nearly all shells are dry and stay in the mesh: the discharge is that of Charny, without

@@ -192,6 +192,7 @@ def test_creep_under_a_load_that_is_held_takes_few_steps() -> None:
     np.testing.assert_allclose(found[0], found[1], rtol=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("increments", "error"), [(1, 0.04), (2, 0.03), (10, 0.035)])
 def test_clay_unloaded_for_longer_than_it_has_aged(increments: int, error: float) -> None:
     """[N] A layer that creeps on after unloading, beside 40 increments: one without control of the

@@ -35,6 +35,7 @@ def test_rain_that_the_ground_does_not_take(rate, face, ponds):
         )  # a tenth of the allowed error in time
 
 
+@pytest.mark.slow
 def test_level_beside_suction():
     """[X] The pressure at the start as `water=` is that of `water_load`; a level lacks its suction,
     which is told.

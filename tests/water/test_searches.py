@@ -147,6 +147,7 @@ def test_bad_input(cut):
         dry.is_stable(start=cut.start, undrained=True)
 
 
+@pytest.mark.slow
 def test_bounds_beside_seepage():
     """[B] Bounds of a bank with seepage, its pressures linear in every triangle, and the search on
     a coarse mesh.
