@@ -13,12 +13,19 @@ from scipy.sparse.csgraph import connected_components
 
 from ..checks import format_point
 
-#: Largest distance of the chords of ellipses and splines from the curve, as a share of the drawing.
+#: Largest distance of the arcs of ellipses and splines, and of the chords of curves in space, from
+#: the curve, as a share of the drawing; share of it that the chords have through which arcs go.
 _FLAT = 2e-5
+_FINE = 0.1
+#: Largest half of the angle of an arc, and the one below which it is a segment.
+_HALF = 0.25 * np.pi
+_STRAIGHT = 1e-9
 #: Types of entities that are curves.
 _CURVES = {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"}
 #: Types of plane curves that keep their arcs.
 _ROUND = {"LWPOLYLINE", "ARC", "CIRCLE"}
+#: Types of smooth curves, which become arcs.
+_SMOOTH = {"ELLIPSE", "SPLINE"}
 #: Types of entities that are texts; they name curves.
 TEXTS = {"TEXT", "MTEXT"}
 #: Decimals of coordinates and bulges by which doubles are known.
@@ -97,11 +104,87 @@ def chain_of(entity: Any, size: float) -> Chain | None:
             return Chain(chain.points * (-1.0, 1.0), -chain.bulges, chain.closed)
         return chain
 
-    # Replace the others by chords
+    # Replace smooth curves by arcs, and the others by chords
+    if kind in _SMOOTH:
+        fine = [plane(point) for point in entity.flattening(_FINE * _FLAT * size)]
+        return _through(np.array(fine), _FLAT * size)
     from ezdxf.path import make_path
 
     points = np.array([plane(point) for point in make_path(entity).flattening(_FLAT * size)])
     return Chain(points, np.zeros(len(points) - 1), False)
+
+
+def _through(points: ndarray, tolerance: float) -> Chain | None:
+    """Return arcs through some of the points of a smooth curve, as near to it as allowed."""
+    length = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    points = points[np.append(True, length > 0.0)]
+    last = len(points) - 1
+    if last < 1:
+        return None
+    corners = [0]
+    bulges = []
+    while corners[-1] < last:
+        end, bulge = _longest(points[corners[-1] :], tolerance)
+        corners.append(corners[-1] + end)
+        bulges.append(bulge)
+    return Chain(points[corners], np.array(bulges), False)
+
+
+def _longest(points: ndarray, tolerance: float) -> tuple[int, float]:
+    """Return the last point of the longest arc from the first one, and its bulge."""
+    end = 1
+    bulge = 0.0
+    step = 1
+    growing = True
+    # Double the steps while arcs are near enough, then halve them.
+    while step:
+        fitting = None
+        if end + step < len(points):
+            fitting = _arc_between(points[: end + step + 1], tolerance)
+        if fitting is not None:
+            end += step
+            bulge = fitting
+        growing = growing and fitting is not None
+        step = 2 * step if growing else step // 2
+    return end, bulge
+
+
+def _arc_between(points: ndarray, tolerance: float) -> float | None:
+    """Return the bulge of the arc from the first to the last of some points, None if it is far.
+
+    At every point of an arc the chords to its ends turn by half of its angle. The arc also must be
+    near the middles of the chords between points, so that it cuts no corners.
+    """
+    # Turn at the point in the middle: half of the angle.
+    start, end = points[[0, -1]]
+    inner = points[len(points) // 2]
+    half = _turn(inner - start, end - inner)
+    chord = float(np.linalg.norm(end - start))
+    if abs(half) > _HALF or chord == 0.0:
+        return None
+    # Compare the heights of points and middles over the chord with the ones of the arc, whose
+    # circle has the centre at the height chord / 2 / tan(half).
+    probes = np.vstack((points[1:-1], 0.5 * (points[1:] + points[:-1])))
+    along = (probes - start) @ (end - start) / chord - 0.5 * chord
+    across = _cross(end - start, probes - start) / chord
+    height = np.zeros(len(probes))
+    if abs(half) > _STRAIGHT:
+        radius = 0.5 * chord / np.sin(half)
+        below = np.sqrt(np.maximum(radius**2 - along**2, 0.0))
+        height = radius * np.cos(half) - np.sign(radius) * below
+    if np.abs(across - height).max() > tolerance:
+        return None
+    return float(np.tan(0.5 * half))
+
+
+def _turn(first: ndarray, second: ndarray) -> float:
+    """Return the angle by which the second of two vectors is turned, anticlockwise."""
+    return float(np.arctan2(_cross(first, second), first @ second))
+
+
+def _cross(first: ndarray, second: ndarray) -> Any:
+    """Return the cross product of vectors in the plane."""
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 def _with_arcs(entity: Any) -> Chain | None:

@@ -84,7 +84,7 @@ def from_dxf(
 
     Lines, polylines, arcs, circles, ellipses, splines and inserted blocks are read. Ends that meet
     are joined, gaps up to 1e-5 of the drawing are closed, doubles are left out. Ellipses and
-    splines become chords.
+    splines become arcs within 2e-5 of the size of the drawing.
 
     Parameters
     ----------
@@ -260,6 +260,8 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
     if not result:
         raise ValueError(
             f"no curve of the drawing has a rule; its layers are {sorted(skipped) or 'empty'}"
+            + "".join(f"; {remark}" for remark in remarks if remark.endswith("not understood"))
+            + ": draw outlines by lines, polylines, arcs, circles, ellipses or splines"
         )
     return result
 

@@ -390,3 +390,42 @@ def test_mirrored_arcs_stay_arcs(tmp_path) -> None:
     assert np.allclose(arc.points[[0, -1]], [(-7, 0), (-6, 1)])
     assert np.allclose(arc.centres, (-6, 0)) and arc.length == pytest.approx(0.5 * np.pi)
     assert abs(bore.area) == pytest.approx(0.25 * np.pi) and np.allclose(bore.centres, (-9, 0))
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_ellipses_become_few_arcs(mirrored, tmp_path) -> None:
+    """[X] An ellipse has the area pi a b within 2e-5 of its size, and refines no mesh by itself."""
+    document = ezdxf.new(units=ezdxf.units.M)
+    block = document.blocks.new("tunnel")
+    block.add_ellipse((1, 0), (4, 0), 0.5, dxfattribs={"layer": "clay"})
+    scale = -1.0 if mirrored else 1.0
+    document.modelspace().add_blockref("tunnel", (7, 0), {"xscale": scale, "rotation": 30.0})
+    document.saveas(file := tmp_path / "ellipse.dxf")
+    mesh = sc.section.from_dxf(file, {"clay": "area"}, size=1.0).section.mesh()
+    assert Basis(mesh, mesh.elem()).dx.sum() == pytest.approx(8.0 * np.pi, rel=1e-5)
+    assert mesh.nelements < 1500
+
+
+def test_hatches_alone_are_refused_with_a_remedy(tmp_path) -> None:
+    document = ezdxf.new(units=ezdxf.units.M)
+    hatch = document.modelspace().add_hatch(dxfattribs={"layer": "clay"})
+    hatch.paths.add_polyline_path([(0, 0), (1, 0), (1, 1)], is_closed=True)
+    document.saveas(file := tmp_path / "hatch.dxf")
+    with pytest.raises(ValueError, match="'clay': 1 HATCH not understood: draw outlines by lines,"):
+        sc.section.from_dxf(file, {"clay": "area"}, size=1.0)
+
+
+def test_splines_become_arcs_but_at_corners(tmp_path) -> None:
+    """[X] A parabola as a spline of degree 2, and a rectangle as one of degree 1."""
+    document = ezdxf.new(units=ezdxf.units.M)
+    space = document.modelspace()
+    curve = space.add_open_spline([(0, 0), (2, 4), (4, 0)], 2, dxfattribs={"layer": "hill"})
+    assert curve.dxf.degree == 2
+    space.add_line((0, 0), (4, 0), dxfattribs={"layer": "hill"})
+    space.add_open_spline([(5, 0), (7, 0), (7, 1), (5, 1), (5, 0)], 1, dxfattribs={"layer": "box"})
+    document.saveas(file := tmp_path / "spline.dxf")
+    mesh = sc.section.from_dxf(file, {"hill": "area", "box": "area"}, size=0.5).section.mesh()
+    for name, area in (("hill", 16.0 / 3.0), ("box", 2.0)):
+        part = Basis(mesh, mesh.elem(), elements=name)
+        assert part.dx.sum() == pytest.approx(area, rel=1e-5)
+    assert mesh.nelements < 2000
