@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import scipy
 from numpy import ndarray
+from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import Self, override
 
@@ -30,6 +31,7 @@ from .multipliers import Nodes
 from .penalty import Penalty, chosen
 from .quadrature import SlavePoints
 from .stretch import Stretch
+from .symmetry import mirrored
 
 #: Initial fit of bodies; a number: they touch exactly, and interfere by that much.
 NamedFit = Literal["as meshed", "adjusted", "ramped"]
@@ -59,6 +61,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     # families in force.
     clearance: ndarray | None = None
     _nodes: tuple[Any, Any] = (None, None)
+    # The penalty that was given, and True until supports show planes of symmetry.
+    given_penalty: tuple[float, float] | None = None
+    awaits_supports: bool = False
     softness: float = 1.0
     slip_shift: ndarray | None = None
     debonded: ndarray | None = None
@@ -231,11 +236,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
     def completed(self, forms: Mapping[str, Form]) -> Self:
         if self.complete:
             return self
-        # Ask the other forms for symmetry, kinematics and stiffness.
-        stiff = []
-        for f in having(forms, Stiff).values():
-            if f.elastic_stiffness is not None:
-                stiff.append(f)
+        # Ask the other forms for symmetry and kinematics.
         axisymmetric = any(form.coordinates == "axisymmetric" for form in forms.values())
         finite = any(form.kinematics == "finite" for form in forms.values())
         if finite and self.law.per_area and self.saddle:
@@ -250,11 +251,31 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         penalty, stiffness = chosen(
             new.slave,
             new.facets,
-            bodies=[form.elastic_stiffness for form in stiff],
+            bodies=_stiffnesses(forms),
             penalty=new.penalty,
             warns=new.enforcement.keeps_penalty,
         )
+        new.given_penalty = new.penalty
+        new.awaits_supports = stiffness is not None
         new.fields = tuple(replace(field, scale=stiffness or penalty[0]) for field in new.fields)
+        return new.with_penalty(*penalty, stiffness=stiffness)
+
+    @override
+    def mirrored(self, forms: Mapping[str, Form], fixed: ndarray) -> Self:
+        if not self.awaits_supports:
+            return self
+        new = self.with_(awaits_supports=False)
+        sides = [side for side in (self.slave, self.facets) if side.meshed]
+        if not any(any(mirrored(side, fixed, self.axisymmetric)) for side in sides):
+            return new
+        penalty, stiffness = chosen(
+            self.slave,
+            self.facets,
+            bodies=_stiffnesses(forms),
+            penalty=self.given_penalty,
+            warns=False,
+            fixed=fixed,
+        )
         return new.with_penalty(*penalty, stiffness=stiffness)
 
     @property
@@ -459,6 +480,12 @@ def _surface(basis: CellBasis | None, side: str | Surface) -> Surface:
     if isinstance(side, Surface):
         return side
     return Surface.from_boundary(basis, side)
+
+
+def _stiffnesses(forms: Mapping[str, Form]) -> list[csr_matrix]:
+    """Return the elastic stiffness of all forms that have one, (N, N) each."""
+    known = [form.elastic_stiffness for form in having(forms, Stiff).values()]
+    return [stiffness for stiffness in known if stiffness is not None]
 
 
 def _check_surfaces(slave: Surface, master: Surface) -> None:

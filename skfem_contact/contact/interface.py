@@ -37,6 +37,9 @@ RECUTS = 8
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when
 #: they move.
 ROUND_OFF = 8 * np.finfo(float).eps
+#: Weight of a point in space, over the largest one on its facet, below which new points inherit
+#: nothing from it.
+_SLIVER = 0.01
 
 
 @dataclass(frozen=True)
@@ -512,7 +515,8 @@ class Interface:
     def transferred(self, state: ContactState, cuts: ndarray, x: ndarray | None) -> ContactState:
         """Return the state at points between other cuts, at displacements x.
 
-        Positions on the master and fields that are not smooth come from the nearest old point.
+        Positions on the master and fields that are not smooth come from the nearest old point that
+        is no sliver's.
         """
         # Interpolate tractions and slips between the points of both cuts.
         old = self.points(state.cuts)
@@ -553,8 +557,12 @@ class Interface:
             before = along_chain(self.slave, old.facet, old.xi)
             after = along_chain(self.slave, new.facet, new.xi)
             return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
-        tree = scipy.spatial.cKDTree(self._positions_and_normals(old))
-        return np.asarray(tree.query(self._positions_and_normals(new))[1])
+        # Slivers face facets beyond an edge, and know little about the points beside them
+        largest = np.zeros(len(self.slave.facets))
+        np.maximum.at(largest, old.facet, old.weight)
+        known = np.flatnonzero(old.weight >= _SLIVER * largest[old.facet])
+        tree = scipy.spatial.cKDTree(self._positions_and_normals(old.take(known)))
+        return known[tree.query(self._positions_and_normals(new))[1]]
 
     def _positions_and_normals(self, points: SlavePoints) -> ndarray:
         """Return coordinates in which points on facets of other directions are far away."""

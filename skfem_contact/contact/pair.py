@@ -68,7 +68,8 @@ class ContactPair(ContactBase):
         in each direction in space.
     penalty : float or tuple, optional
         Traction per penetration: one number for both directions, or (normal, tangential); by
-        default chosen from the stiffness and the size of the elements on both sides.
+        default chosen from the stiffness and the size of the elements on both sides, to which the
+        mirror images at planes of symmetry among the supports of the model belong.
     smoothing : float, optional
         Share alpha of the facets that Hermite curves round off at the master's joints (0 < alpha <=
         1/2); joints of more than 45 degrees stay sharp.  ``None``: a node that faces a joint

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ from .enforcement import Enforcement
 from .interface import ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, LawUpdate, Status, resisting
+from .symmetry import mirrored
 
 #: Penalty over the stiffness of the layers of elements beside the surfaces.  On the average over
 #: many loads the nodal forces of a Hertz contact are closest to the exact ones at 6 to 12
@@ -56,8 +57,11 @@ def chosen(
     bodies: Sequence[csr_matrix],
     penalty: tuple[float, float] | None,
     warns: bool,
+    fixed: Collection[int] = (),
 ) -> tuple[tuple[float, float], float | None]:
     """Return penalties, chosen where none are given, and the stiffness of surfaces in series.
+
+    At planes of symmetry, where `fixed` dofs hold the bodies, their mirror images count.
 
     Warns
     -----
@@ -65,7 +69,7 @@ def chosen(
         A given penalty is so hard that round-off hides the penetration.
     """
     # Surfaces without elements need a penalty of the user.
-    stiffness = _in_series(slave, master, bodies)
+    stiffness = _in_series(slave, master, bodies, np.asarray(fixed, int))
     if stiffness is None:
         if penalty is None:
             raise ValueError(
@@ -90,7 +94,12 @@ def chosen(
     return penalty, stiffness
 
 
-def _in_series(slave: Surface, master: Surface, bodies: Sequence[csr_matrix]) -> float | None:
+def _in_series(
+    slave: Surface,
+    master: Surface,
+    bodies: Sequence[csr_matrix],
+    fixed: ndarray,
+) -> float | None:
     """Return the stiffness of surfaces in series; rigid ones and some others have none.
 
     It is one value for the whole surface: a uniform pressure stays uniform, whatever the sizes of
@@ -100,7 +109,7 @@ def _in_series(slave: Surface, master: Surface, bodies: Sequence[csr_matrix]) ->
     moving = [surface for surface in (slave, master) if not surface.rigid]
     known = []
     for surface in moving:
-        stiffness = _per_area(surface, bodies, slave.axisymmetric)
+        stiffness = _per_area(surface, bodies, slave.axisymmetric, fixed)
         if stiffness is not None:
             known.append(stiffness)
     # Two surfaces in series: 1 / k = 1 / k_1 + 1 / k_2.
@@ -115,7 +124,12 @@ def _in_series(slave: Surface, master: Surface, bodies: Sequence[csr_matrix]) ->
     return None
 
 
-def _per_area(surface: Surface, bodies: Sequence[csr_matrix], axisymmetric: bool) -> float | None:
+def _per_area(
+    surface: Surface,
+    bodies: Sequence[csr_matrix],
+    axisymmetric: bool,
+    fixed: ndarray,
+) -> float | None:
     """Return the largest stiffness of a facet against pressure per area, about E/h, if known.
 
     The stiffness along the surface does not count: in thin elements it is larger by the square of
@@ -130,6 +144,13 @@ def _per_area(surface: Surface, bodies: Sequence[csr_matrix], axisymmetric: bool
     for i in range(dim):
         for j in range(dim):
             blocks[i, j] = sum(K[surface.dofs[:, i], surface.dofs[:, j]] for K in bodies)
+
+    # Add the mirror images of bodies: R K R with the reflection R
+    for i, nodes in mirrored(surface, fixed, axisymmetric):
+        reflection = np.ones(dim)
+        reflection[i] = -1.0
+        image = reflection[:, None] * reflection
+        blocks[:, :, nodes] *= 1.0 + image[:, :, None]
     normal = surface.centres.normal
     at_nodes = np.einsum("si,ijsk,sj->sk", normal, blocks[:, :, surface.facets], normal)
 

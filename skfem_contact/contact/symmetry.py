@@ -98,12 +98,33 @@ class Symmetry:
         return np.asarray((np.abs(apart) > round_off).any(axis=1))
 
 
+def mirrored(surface: Surface, fixed: ndarray, axisymmetric: bool) -> Iterator[tuple[int, ndarray]]:
+    """Yield axes and nodes of planes of symmetry at which a surface of a body ends.
+
+    Supports hold all nodes across the plane, and let them move along it.
+    """
+    held = np.isin(surface.dofs, fixed)
+    clamped = np.asarray(held.all(axis=1))
+    for i, _, nodes in _ends(surface):
+        on_axis = axisymmetric and i == 0
+        if on_axis or clamped[nodes].any() or not held[nodes, i].all():
+            continue
+        beside = np.isin(surface.facets, nodes).any(axis=1)
+        if (surface.centres.normal[beside, i] ** 2 < _ACROSS).all():
+            yield i, nodes
+
+
 def _planes(slave: Surface, held: ndarray, directions: ndarray) -> Iterator[Plane]:
     """Yield the planes on which all nodes are held, (n_nodes, dim), across one direction."""
-    near = ON_PLANE * slave.spacing
-    for i, coordinates in enumerate(slave.nodes.T):
+    for i, end, nodes in _ends(slave):
+        across = (directions[nodes, :, i] ** 2 > _ALONG).all(axis=0)
+        if across.any() and held[nodes, i].all():
+            yield Plane(i, end, np.append(False, across), nodes)
+
+
+def _ends(surface: Surface) -> Iterator[tuple[int, float, ndarray]]:
+    """Yield axis, coordinate and nodes of the ends of a surface along each axis."""
+    near = ON_PLANE * surface.spacing
+    for i, coordinates in enumerate(surface.nodes.T):
         for end in (coordinates.min(), coordinates.max()):
-            nodes = np.flatnonzero(np.abs(coordinates - end) <= near)
-            across = (directions[nodes, :, i] ** 2 > _ALONG).all(axis=0)
-            if across.any() and held[nodes, i].all():
-                yield Plane(i, float(end), np.append(False, across), nodes)
+            yield i, float(end), np.flatnonzero(np.abs(coordinates - end) <= near)

@@ -187,6 +187,13 @@ class Couples:
     borrowed: tuple[Field, ...] = ()
     nodes: tuple[ndarray, ndarray] | None = None
 
+    def mirrored(self: Self, forms: Mapping[str, Any], fixed: ndarray) -> Self:
+        """Return the form as it is in the whole model of which supports leave a half.
+
+        Its penalty then is the same in both.
+        """
+        return self
+
 
 def borrowed_by(form: Any) -> tuple[Field, ...]:
     """Return the fields of other forms that a form acts on."""

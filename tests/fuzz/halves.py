@@ -91,8 +91,10 @@ class Pressed:
             {name: lambda x, z=z: np.abs(x[-1] - z) < 1e-9 for name, z in ends.items()}
         )
 
-    def stages(self, whole: bool) -> tuple[Basis, list[StageResult]]:
-        """Press the body down, and take back a third."""
+    def model(self, whole: bool) -> tuple[Basis, dict[str, sc.Form], np.ndarray]:
+        """Basis, forms and supports: the top of the body and the bottom of the block, and planes of
+        symmetry; the whole model is held across at the ends of its middle alone.
+        """
         body = self.grid(BODY, self.elements[0], 0.0, 2, whole)
         share = 1.0 - body.p[-1] / HEIGHT
         round_one = body.p.copy()
@@ -113,11 +115,8 @@ class Pressed:
             ),
         }
 
-        # Hold the planes of symmetry; the whole model at the ends of its middle alone
-        top, bottom = (
-            basis.get_dofs(side).all(f"u^{self.dim}") for side in ("body:top", "block:bottom")
-        )
-        fixed = [top, bottom]
+        up = f"u^{self.dim}"
+        fixed = [basis.get_dofs(side).all(up) for side in ("body:top", "block:bottom")]
         for k in range(self.dim - 1):
             dofs = basis.get_dofs(elements=True).all(f"u^{k + 1}")
             places = basis.doflocs[:, dofs]
@@ -125,10 +124,14 @@ class Pressed:
             if whole and k == 0:
                 held &= np.abs(places[-1]) > HEIGHT - 1e-9
             fixed.append(dofs[held])
-        model = sc.Model(forms, np.unique(np.concatenate(fixed)))
+        return basis, forms, np.unique(np.concatenate(fixed))
 
+    def stages(self, whole: bool) -> tuple[Basis, list[StageResult]]:
+        """Press the body down, and take back a third."""
+        basis, forms, fixed = self.model(whole)
+        model = sc.Model(forms, fixed)
         x = basis.zeros()
-        x[top] = -self.depth
+        x[basis.get_dofs("body:top").all(f"u^{self.dim}")] = -self.depth
         path = [sc.Stage("press", prescribed=x, increments=2), sc.Stage("back", prescribed=x / 1.5)]
         return basis, list(model.run(path, progress=False))
 
