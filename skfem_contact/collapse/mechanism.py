@@ -76,7 +76,7 @@ _OF_WHOLE = 0.005
 #: without this limit is up to 7 times the true share.
 _VARIED = 3.5
 #: Least and largest true share over its estimate, see above.
-_DOUBT = (0.5, 2.5)
+_DOUBT = (0.5, 2.6)
 #: Largest variation of strains in an element over the largest strain that is round-off.
 _UNIFORM = 1e-9
 #: Share of the way from the lower to the upper bound on a mesh at which the exact value lies: .24

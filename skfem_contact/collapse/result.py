@@ -262,7 +262,7 @@ class CollapseResult:
     added
         Estimated share of the value that the size of the elements adds, within proven bounds. The
         true one is .5 to 1.8 times this share on slopes, vertical cuts with and without tensile
-        strength, and under even loads and rigid strips; up to 2.5 times on meshes of few elements.
+        strength, and under even loads and rigid strips; up to 2.6 times on meshes of few elements.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
