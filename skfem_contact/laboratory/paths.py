@@ -74,6 +74,12 @@ class PathStep:
         if self.total is not None:
             look_up(self.total, dict.fromkeys(COMPONENTS[:3]), "normal stress")
 
+    @property
+    def keeps_total(self) -> bool:
+        """True where a total normal stress stays, as a cell pressure, and water of steps before."""
+        normal = [name for name in COMPONENTS[:3] if name in self.stress]
+        return self.total is not None or any(self.stress[name] is None for name in normal)
+
     def conditions(self, ncomp: int) -> tuple[ndarray, ndarray]:
         """Return the rows of stresses and of strains, (n, ncomp) each, ncomp in all."""
         # keep shear strains without a condition

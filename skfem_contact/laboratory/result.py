@@ -26,7 +26,9 @@ class ElementTest:
     internal : ndarray, shape (n_states, n_internal, n_samples)
         Internal variables.
     pore_pressure : ndarray, shape (n_states, n_samples)
-        Excess pore pressure, compression positive.
+        Excess pore pressure, compression positive. Undrained steps add to that before them. Drained
+        steps that keep a stress drain against it, as against a back pressure; in other drained
+        steps, such as :func:`laboratory.isotropic`, it is zero.
     step : ndarray of int, shape (n_states,)
         Number of the step, -1 for the initial state.
     iterations : ndarray of int, shape (n_states,)

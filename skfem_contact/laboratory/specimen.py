@@ -88,14 +88,16 @@ def element_test(
     state = _State(np.zeros_like(start), start, internal)
     _check_start(law, state)
 
-    no_pressure = np.zeros(start.shape[1])
-    history = [(*state, no_pressure, -1, 0)]
+    pressure = np.zeros(start.shape[1])
+    history = [(*state, pressure, -1, 0)]
     for number, step in enumerate([path] if isinstance(path, PathStep) else path):
         # Go from the values of the conditions at the start of the step to their targets.
         S, E = step.conditions(len(start))
         origin = S @ state.stress, E @ state.strain
         targets = step.targets(state.stress, state.strain)
         before = state.stress
+        # Water of earlier steps stays where a total stress stays, and has drained otherwise.
+        held = np.where(step.keeps_total, pressure, 0.0)
         for k in range(step.increments):
             share = (k + 1) / step.increments
             stresses, strains = (a + share * (b - a) for a, b in zip(origin, targets))
@@ -111,11 +113,11 @@ def element_test(
                 failure.result = _result(law, history)
                 raise failure from error
 
-            # The total stress stays: the change of the effective stress is the pore pressure.
-            pressure = no_pressure
+            # The total stress stays: the change of the effective stress is that of the pressure.
+            pressure = held
             if step.total is not None:
                 row = COMPONENTS.index(step.total)
-                pressure = state.stress[row] - before[row]
+                pressure = held + state.stress[row] - before[row]
             history.append((*state, pressure, number, count))
     return _result(law, history)
 

@@ -104,6 +104,34 @@ def test_pore_pressure_of_constant_volume_and_of_water():
     np.testing.assert_allclose(total.p, 100.0, rtol=3 * share)
 
 
+def test_pore_pressure_goes_on_in_later_steps():
+    """[X] Two undrained steps are one; drained ones keep the total cell pressure, 100 in all.
+
+    An elastic sample has u = q / 3, and its drained strength at the effective cell pressure p' is
+    that of Mohr-Coulomb.
+    """
+    soil = sc.MohrCoulomb(E, NU, C, PHI)
+    shear, again = triaxial(-0.001, drained=False), triaxial(-0.001, drained=False)
+    once = sc.element_test(soil, -100.0, triaxial(-0.002, drained=False))
+    twice = sc.element_test(soil, -100.0, [shear, again])
+    back = sc.element_test(soil, -100.0, [shear, triaxial(0.001, drained=False)])
+    assert once.pore_pressure[-1] == pytest.approx(once.q[-1] / 3, rel=1e-9)
+    assert twice.pore_pressure[-1] == pytest.approx(once.pore_pressure[-1], rel=1e-9)
+    assert back.pore_pressure[-1] == pytest.approx(0.0, abs=1e-9)
+    # Drained afterwards, the sample shears against the pressure as against a back pressure.
+    opened = sc.element_test(soil, -100.0, [again, triaxial(-0.05)])
+    np.testing.assert_allclose(opened.pore_pressure - opened.stress[:, 0], 100.0, rtol=1e-9)
+    cell = 100.0 - opened.pore_pressure[-1]
+    passive = (1 + SINE) / (1 - SINE)
+    strength = (passive - 1) * cell + 2 * C * np.sqrt(passive)
+    assert opened.q[-1] == pytest.approx(strength, rel=1e-9)
+    # Consolidated again, it begins without an excess.
+    path = [again, isotropic(-150.0), triaxial(-0.001, drained=False)]
+    consolidated = sc.element_test(soil, -100.0, path)
+    assert consolidated.pore_pressure[200] == 0.0
+    assert consolidated.pore_pressure[-1] == pytest.approx(consolidated.q[-1] / 3, rel=1e-9)
+
+
 def test_many_samples_are_single_ones():
     """[X] Samples with stresses and strengths of their own: each as it would be alone."""
     stresses, angles = np.array([-50.0, -100.0, -400.0]), np.array([25.0, 30.0, 35.0])
