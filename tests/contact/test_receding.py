@@ -9,6 +9,7 @@ import skfem_contact as sc
 from tests.tools.helpers import grid, traction, vector_basis
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("element", "n"), [("Q1", 16), ("Q2", 10)])
 @pytest.mark.parametrize("quadrature", [4, "segments"])
 def test_receding_contact(quadrature, element: str, n: int) -> None:

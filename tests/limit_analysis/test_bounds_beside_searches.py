@@ -356,6 +356,7 @@ def test_bracket_ends_at_a_proven_bound() -> None:
         assert found.beside(below, 0.01).bracket == (low, low + 0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2()])
 def test_linear_triangles_are_told(element) -> None:
     """[X] A slope of c = 3, phi = 20 degrees, 26.6 degrees steep, F <= 1.0169 by bounds: 1.22 with

@@ -154,6 +154,7 @@ def test_interrupted(tmp_path):
     )  # round-off of new factors
 
 
+@pytest.mark.slow
 def test_limit_of_the_pull(tmp_path):
     """The pile slides along both of its sides: one limit in metres, in millimetres, mirrored, and
     from a file.

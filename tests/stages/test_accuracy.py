@@ -136,6 +136,7 @@ def test_accurate_stages_have_no_warning(law: Any, increments: int, load: dict[s
         assert estimate(compressed(law, increments, **load)) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("space", [False, True])
 @pytest.mark.parametrize(("increments", "error"), [(1, 0.045), (2, 0.027), (4, 0.018)])
 def test_clay_that_is_sheared_in_a_day(increments: int, error: float, space: bool) -> None:

@@ -185,6 +185,7 @@ def test_bounds_beside_seepage():
     assert 1.2 < found.lower < found.upper < 1.05 * found.lower
 
 
+@pytest.mark.slow
 def test_bounds_with_suction_beside_air():
     """[X] Suction on the surface that is named as submerged presses nowhere: the bounds without
     it.
