@@ -5,7 +5,7 @@
 #     `nodeDisp(node, 3)` is its value, and `sp(node, 3, 20.0)` holds it at 20 kPa.
 # Seen: a column of clay of 1 m under 100 kPa, hardly drained.  At its base `nodeDisp` is 50 kPa after 1 s,
 #     149 after 2 s and 1938 after 20 s; `nodeVel` is 99 kPa throughout, which is right.  With 20 kPa
-#     prescribed at the top of a pervious column, the pressure there is 40 and -38 kPa in two steps
+#     prescribed at the top of a permeable column, the pressure there is 40 and -38 kPa in two steps
 #     and 0 after a minute (Lagrange); with the Transformation method it is 0 from the start.  A
 #     linear series of 20 kPa a second ends at 20 kPa (Lagrange), or at 0 (Transformation).  No message.
 # Meaning: the dof is the integral of the pressure over time.  After a first step of 1 s the value has
