@@ -1023,6 +1023,26 @@ def test_settings_of_gmsh(tmp_path, model, kind, version):
         assert side_of(mesh, "bottom") == pytest.approx(3.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("binary", [0, 1])
+def test_files_of_single_partitions_are_refused(tmp_path, model, binary):
+    """[X] One file of all partitions has the whole area, files of one partition a part of it."""
+    gmsh.model.occ.addRectangle(0.0, 0.0, 0.0, 2.0, 1.0)
+    gmsh.model.occ.synchronize()
+    gmsh.model.addPhysicalGroup(2, [1], name="plate")
+    gmsh.model.mesh.generate(2)
+    gmsh.model.mesh.partition(2)
+    gmsh.option.setNumber("Mesh.Binary", binary)
+    gmsh.write(str(tmp_path / "all.msh"))
+    assert size_of(load_mesh(tmp_path / "all.msh"), "plate") == pytest.approx(2.0, rel=1e-12)
+    gmsh.option.setNumber("Mesh.PartitionSplitMeshFiles", 1)
+    gmsh.write(str(tmp_path / "part.msh"))
+    gmsh.option.setNumber("Mesh.PartitionSplitMeshFiles", 0)
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    for number in (1, 2):
+        with pytest.raises(ValueError, match=f"it has partition {number} of 2 alone: in Gmsh, set"):
+            load_mesh(tmp_path / f"part_{number}.msh")
+
+
 def test_a_curve_and_a_surface_of_one_name(tmp_path, model):
     """[X] Both are kept: subdomains and boundaries have names of their own."""
     boxes(2, 1, "unnamed")

@@ -115,9 +115,10 @@ def _read(file: BinaryIO, data: mmap.mmap) -> Content:
         blocks = _elements_22(reader("Elements"), data)
     else:
         groups = _groups_of_entities(reader("Entities"))
-        groups |= _groups_of_partitions(reader("PartitionedEntities"))
+        parts, partitions = _groups_of_partitions(reader("PartitionedEntities"))
+        groups |= parts
         ids, points = _nodes_41(reader("Nodes"))
-        blocks = _elements_41(reader("Elements"), groups)
+        blocks = _elements_41(reader("Elements"), groups, partitions)
     content = _content(ids, points, blocks, names)
     if "ElementData" in sections:
         add_encoded(content, _element_data(data, is_text))
@@ -146,6 +147,10 @@ def _names(section: bytes) -> dict[tuple[int, int], str]:
     """Return the names of physical groups by dimension and number."""
     found = re.findall(rb'^\s*(\d+)\s+(\d+)\s+"(.*)"\s*$', section, flags=re.MULTILINE)
     return {(int(dim), int(tag)): decoded(name) for dim, tag, name in found}
+
+
+#: Numbers of the groups or partitions of entities, by dimension and number.
+_Tags = dict[tuple[int, int], Integers]
 
 
 class _Numbers:
@@ -284,10 +289,11 @@ def _nodes_41(section: _Numbers) -> tuple[Integers, Floats]:
     return np.concatenate(ids), np.concatenate(points)
 
 
-def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) -> list[_Blocks]:
+def _elements_41(section: _Numbers, groups: _Tags, partitions: _Tags) -> list[_Blocks]:
     n_blocks = section.size_of("blocks")
     section.sizes(3)
     blocks = []
+    found = set()
     for _ in range(n_blocks):
         dim, entity, number = section.ints(3).tolist()
         many = section.size_of("elements")
@@ -295,12 +301,14 @@ def _elements_41(section: _Numbers, groups: Mapping[tuple[int, int], Integers]) 
         table = section.sizes(many * (1 + N_NODES[kind])).reshape(many, -1)
         tags = groups.get((dim, entity), np.zeros(0, int))
         blocks.append(_Blocks(kind, compact(table)[:, 1:], tuple(tags.tolist())))
+        found.add((dim, entity))
+    _check_partitions(partitions, groups, found)
     return blocks
 
 
-def _groups_of_entities(section: _Numbers) -> dict[tuple[int, int], Integers]:
+def _groups_of_entities(section: _Numbers) -> _Tags:
     """Return the numbers of the physical groups of every entity, by dimension and number."""
-    groups: dict[tuple[int, int], Integers] = {}
+    groups: _Tags = {}
     if section.size:
         for dim, count in enumerate(section.sizes(4)):
             for _ in range(check_count(int(count), section.size, "entities")):
@@ -309,18 +317,34 @@ def _groups_of_entities(section: _Numbers) -> dict[tuple[int, int], Integers]:
     return groups
 
 
-def _groups_of_partitions(section: _Numbers) -> dict[tuple[int, int], Integers]:
-    """Return the numbers of the physical groups of the parts of entities."""
-    groups: dict[tuple[int, int], Integers] = {}
+def _groups_of_partitions(section: _Numbers) -> tuple[_Tags, _Tags]:
+    """Return the numbers of the physical groups, and of the partitions, of parts of entities."""
+    groups: _Tags = {}
+    partitions: _Tags = {}
     if section.size:
         section.sizes(1)
         section.ints(2 * section.size_of("ghosts"))
         for dim, count in enumerate(section.sizes(4)):
             for _ in range(check_count(int(count), section.size, "entities")):
                 tag = int(section.ints(3)[0])
-                section.ints(section.size_of("partitions"))
+                partitions[dim, tag] = section.ints(section.size_of("partitions"))
                 groups[dim, tag] = _groups_of_entity(section, dim)
-    return groups
+    return groups, partitions
+
+
+def _check_partitions(partitions: _Tags, groups: _Tags, found: set[tuple[int, int]]) -> None:
+    """Refuse a file with the elements of some partitions alone, found by their entities."""
+    dim = max((dim for dim, _ in found), default=0)
+    every = [key for key in partitions if key[0] == dim]
+    # Entities without a group have no elements where others have groups.
+    named = [key for key in every if len(groups[key])] or every
+    wanted = {int(part) for key in named for part in partitions[key]}
+    there = {int(part) for key in found & set(every) for part in partitions[key]}
+    if wanted - there:
+        raise ValueError(
+            f"it has partition {', '.join(map(str, sorted(there)))} of {len(wanted)} alone: in "
+            "Gmsh, set Mesh.PartitionSplitMeshFiles = 0, or merge all files"
+        )
 
 
 def _groups_of_entity(section: _Numbers, dim: int) -> Integers:

@@ -85,7 +85,9 @@ def _meshio(path: str) -> Any:
         except (FileNotFoundError, MemoryError):
             raise
         except SystemExit as error:
-            raise ValueError("it is not a file of VTK that can be read") from error
+            raise ValueError(
+                "it is not a file of VTK that can be read: save it as .vtu, in Gmsh as .msh"
+            ) from error
         except Exception as error:  # meshio passes errors of its parsers on
             text = " ".join(str(error).split()) or type(error).__name__
             raise ValueError(
