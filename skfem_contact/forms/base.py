@@ -16,6 +16,7 @@ from ..checks import names_of
 from ..errors import Remark
 from ..layout import Field
 from ..sparse import Scattering
+from .law_calls import together
 from .roles import Body, Reducible, having, materials_of, missing_roles
 
 Self = TypeVar("Self")
@@ -129,6 +130,19 @@ class Response:
             active=self.active,
             measure=force if self.measure is self.force else spread(self.measure),
         )
+
+
+class Later(Response):
+    """Response that is computed when something of it is first asked for."""
+
+    def __init__(self, response: Callable[[], Response]) -> None:
+        self._find = response
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_found":
+            self._found = self._find()
+            return self._found
+        return getattr(self._found, name)
 
 
 Value = TypeVar("Value")
@@ -375,11 +389,12 @@ def responses_of(
     """Return the responses of the forms among all dofs, with the slots of their matrices."""
     if slots is None:
         slots = defaultdict(Scattering)
+    # The laws of all forms are called together, before a response is asked for anything.
     responses = {}
-    for name, form in forms.items():
-        response = form.assemble(x[: form.size], states[name])
-        responses[name] = response.padded(len(x), slots[name])
-    return responses
+    with together():
+        for name, form in forms.items():
+            responses[name] = form.assemble(x[: form.size], states[name])
+    return {name: each.padded(len(x), slots[name]) for name, each in responses.items()}
 
 
 def summaries(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, str]:

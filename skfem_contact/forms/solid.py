@@ -26,7 +26,7 @@ from ..checks import (
 from ..errors import Remark, warn
 from ..loads import by_element, weight, weight_matrix, weightless
 from ..materials import Material, Update
-from ..materials.base import PLASTIC_STRAIN, Flow, updated
+from ..materials.base import PLASTIC_STRAIN, Flow
 from ..materials.spectral import largest_shear
 from .assembly import (
     Measure,
@@ -37,8 +37,9 @@ from .assembly import (
     strain_of,
     strain_operator,
 )
-from .base import Coordinates, Form, Kinematics, Outputs, Response
+from .base import Coordinates, Form, Kinematics, Later, Outputs, Response
 from .finite import Deformation, FiniteKinematics
+from .law_calls import LawCall
 from .regions import (
     Region,
     by_elasticity,
@@ -418,10 +419,24 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         check_size(x, self.basis.N)
         if isinstance(state, FiniteState):
             return self._assemble_finite(x, state)
-        # update the stresses region by region
         strain = self.strains(x)
         given = self.at_regions(state)
-        updates, stress = self._updates(given, strain - state.strain)
+        calls = self._calls(given, strain - state.strain)
+        if any(call.waits for call in calls):
+            return Later(lambda: self._response(x, state, strain, given, calls))
+        return self._response(x, state, strain, given, calls)
+
+    def _response(
+        self,
+        x: ndarray,
+        state: SolidState,
+        strain: ndarray,
+        given: _Given,
+        calls: list[LawCall],
+    ) -> Response:
+        """Return the response at displacements x with their strains."""
+        # update the stresses region by region
+        updates, stress = _updates(calls)
         force = self._force_matrix @ stress.ravel()
 
         # estimate round-off; stresses that vanish are differences of the last ones
@@ -436,16 +451,13 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             round_off=_ROUND_OFF * summed,
         )
 
-    def _updates(self, given: _Given, increment: ndarray) -> tuple[list[Update], ndarray]:
-        """Return the responses of the materials to an increment of strain, and the stresses."""
-        updates = []
+    def _calls(self, given: _Given, increment: ndarray) -> list[LawCall]:
+        """Return the calls of the materials for an increment of strain."""
+        calls = []
         for region, old, internal in given:
             part = increment[:, region.elements]
-            updates.append(updated(region.material, part, old, internal, self._duration))
-        stress = updates[0].stress  # the stress of a single region is not copied
-        if len(updates) > 1:
-            stress = np.concatenate([update.stress for update in updates], axis=1)
-        return updates, stress
+            calls.append(LawCall(region.material, part, old, internal, self._duration))
+        return calls
 
     def _assemble_finite(self, x: ndarray, state: FiniteState) -> Response:
         """Return the response of finite kinematics, see :mod:`skfem_contact.forms.finite`."""
@@ -455,7 +467,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         deformation = self._finite.at(x)
         increment = deformation.strain(plastic) - elastic
         given = self.at_regions(state)
-        updates, stress = self._updates(given, increment)
+        updates, stress = _updates(self._calls(given, increment))
         force = deformation.force(stress)
 
         # estimate round-off as for small strains
@@ -789,6 +801,15 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
+
+
+def _updates(calls: list[LawCall]) -> tuple[list[Update], ndarray]:
+    """Return the responses of the materials of a body, and its stresses."""
+    updates = [call.update for call in calls]
+    stress = updates[0].stress  # the stress of a single region is not copied
+    if len(updates) > 1:
+        stress = np.concatenate([update.stress for update in updates], axis=1)
+    return updates, stress
 
 
 def sharpened(form: SolidForm, x: ndarray) -> ndarray:
