@@ -329,11 +329,12 @@ def _from_pygef(name: str, data: Any) -> Sounding:
     place = data.delivered_location
     position = (float(place.x), float(place.y))
     # Depths are corrected for inclination where the file has them.
-    length = _column(table, "penetrationLength", None)
+    metres = _factor_of(headers, 1, _LENGTHS, 1.0)
+    length = metres * _column(table, "penetrationLength", None)
     depth = length
     remarks = []
     if "depth" in table.columns:
-        depth = _column(table, "depth", None)
+        depth = _factor_of(headers, 11, _LENGTHS, metres) * _column(table, "depth", None)
         off = np.nanmax(np.abs(depth - length), initial=0.0)
         if off > _STRAIGHT * np.nanmax(length, initial=1.0):
             remarks.append(
@@ -348,7 +349,7 @@ def _from_pygef(name: str, data: Any) -> Sounding:
     for key, quantity in (("coneResistance", 2), ("localFriction", 3), ("porePressureU2", 6)):
         values = np.full(len(length), np.nan)
         if key in table.columns:
-            factor = _factor_of(headers, quantity)
+            factor = _factor_of(headers, quantity, _PRESSURES, 1e3)
             values = factor * _column(table, key, voids.get(key))
         readings.append(values)
     # Keep water table and area ratio where they are known.
@@ -379,15 +380,23 @@ def _check_complete(headers: Mapping[str, Any], count: int) -> None:
             )
 
 
-def _factor_of(headers: Mapping[str, Any], quantity: int) -> float:
-    """Return kPa of the unit of a quantity in the head of a GEF file; BRO files have MPa."""
+def _factor_of(
+    headers: Mapping[str, Any],
+    quantity: int,
+    units: Mapping[str, float],
+    otherwise: float,
+) -> float:
+    """Return kPa or metres of the unit of a quantity in the head of a GEF file.
+
+    BRO files have MPa and metres.
+    """
     for words in headers.get("COLUMNINFO", []):
         if str(words[-1]).strip() == str(quantity):
             unit = str(words[1]).strip()
-            if unit.upper() not in _PRESSURES:
-                raise ValueError(f"'{words[2]}' has the unit '{unit}', not {', '.join(_PRESSURES)}")
-            return _PRESSURES[unit.upper()]
-    return 1e3
+            if unit.upper() not in units:
+                raise ValueError(f"'{words[2]}' has the unit '{unit}', not {', '.join(units)}")
+            return units[unit.upper()]
+    return otherwise
 
 
 def _column(table: Any, key: str, void: float | None) -> ndarray:

@@ -199,6 +199,17 @@ def test_gef_without_interpolation_over_voids(tmp_path, unit):
     assert any("no readings at 19 of 101 depths, from 4.1 to 5.9 m" in t for t in test.remarks)
 
 
+def test_gef_with_depths_in_other_units(tmp_path):
+    """[X] pygef reads 10 cm as 10 m; units that are no lengths are refused."""
+    text = gef(tmp_path / "one.gef", incline=10.0).read_text()
+    (tmp_path / "cm.gef").write_text(text.replace("1, m, penetration", "1, cm, penetration"))
+    test = sc.ground.read_cpt(tmp_path / "cm.gef")
+    assert test.depth[-1] == pytest.approx(0.1 * np.cos(np.deg2rad(10.0)), rel=1e-5)
+    (tmp_path / "s.gef").write_text(text.replace("1, m, penetration", "1, s, penetration"))
+    with pytest.raises(ValueError, match="'penetration length' has the unit 's', not M, MM, CM"):
+        sc.ground.read_cpt(tmp_path / "s.gef")
+
+
 def test_gef_with_an_inclination_tells_the_correction(tmp_path):
     """[X] 10 m along rods at 10 degrees reach a depth of 9.848 m."""
     test = sc.ground.read_cpt(gef(tmp_path / "one.gef", incline=10.0))
