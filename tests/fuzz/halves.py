@@ -158,25 +158,24 @@ def half(seed: int, rng: np.random.Generator) -> Case:
 def same(drawn: Pressed) -> Iterator[Check]:
     """Twice the forces, the same displacements and pressures, and no more shear at the plane.
 
-    The augmented method leaves displacements to its tolerance; measured 4e-3.  Its pressures belong
-    to nodes, of which the last one is shown over half of a facet.
+    Both have the same penalties and cuts, so that tolerances are left: measured 5e-6 of the
+    displacements, 3e-5 of the friction and 8e-6 of the shear in 60 scenes.
     """
     (part, halves), (whole, wholes) = (drawn.stages(k) for k in (False, True))
     image = half_of(part, whole)
     for one, both in zip(halves, wholes, strict=True):
         size = np.abs(both.x[: whole.N]).max()
-        yield Check("half", np.abs(one.x[: part.N] - both.x[image]).max() / size, 1e-2)
+        yield Check("half", np.abs(one.x[: part.N] - both.x[image]).max() / size, 1e-3)
         found, right = one.contact("joint"), both.contact("joint")
         force = right.force[-1]
-        yield Check("half force", apart(2.0 * found.force[-1], force), 1e-2)
+        yield Check("half force", apart(2.0 * found.force[-1], force), 1e-3)
         friction = abs(2.0 * found.friction - right.friction)
-        yield Check("half friction", friction / (drawn.mu * force), 5e-2)
+        yield Check("half friction", friction / (drawn.mu * force), 5e-3)
         joint, beside = one.tractions("joint"), both.tractions("joint")
         largest = beside.pressure.max()
-        within = 0.5 if drawn.method == "augmented" else 0.05
-        yield Check("half pressure", apart(joint.pressure.max(), largest), within)
+        yield Check("half pressure", apart(joint.pressure.max(), largest), 1e-2)
         more = _shear_on_plane(joint) - _shear_on_plane(beside)
-        yield Check("half shear", more / (drawn.mu * largest), 0.15)
+        yield Check("half shear", more / (drawn.mu * largest), 1e-2)
 
 
 def _shear_on_plane(joint: Tractions) -> float:
