@@ -12,7 +12,7 @@ and F is moved until none remains.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -32,8 +32,8 @@ _CENTRED = 0.1
 _STEP = 0.98
 #: Distance from the aim, as a share of the accuracy, at which the factor is right.
 _HIT = 0.1
-#: Residuals of the normalisation and of the strength, also as a share of each, below which
-#: certificates do the rest.
+#: Residuals of the normalisation (and share of all first residuals) and of the strength (also as a
+#: share of it), below which certificates do the rest.
 _FEASIBLE = (1e-4, 1e-5)
 #: Round-off of stresses, as a share of the largest, by which points of no strength may exceed it.
 _ROUND_OFF = 1e-13
@@ -53,6 +53,28 @@ _STRONG = 10.0
 _DEEP = 0.5
 #: Steps without progress after which round-off is said to rule.
 _STALLED = 2
+#: The next mesh begins from the first iterate after some whose gap is less than so many times the
+#: objective, with residuals and a share of the first ones below the second number, mixed with a
+#: share of the usual first iterate: later ones are too near to the surface of the cones. Slopes and
+#: footings take .58 of the work (iterations times dofs to the 1.2); .60 without the mixture, .64
+#: from the last iterate.
+_EARLY = 2.0
+_BALANCED = 0.2
+_PASSED = 2
+_MIXED = 0.1
+#: Distance from convergence, in terms of the accuracy, at which an iteration that began from such
+#: an iterate has failed and is repeated from the beginning.
+_FAILED = 10.0
+
+
+class Iterate(NamedTuple):
+    """Iterate that the iteration on another mesh may begin from."""
+
+    theta: float  # objective
+    factor: float
+    stress: ndarray  # (n_points, 3)
+    s: ndarray  # slack of the strength, within the cones, (n_cones, 3)
+    z: ndarray  # its multipliers, within the cones, (n_cones, 3)
 
 
 @dataclass(frozen=True)
@@ -66,6 +88,7 @@ class Solution:
     metric: ndarray  # inverse Hessian at the points, (n_points, 3, 3): compliance of the stresses
     inner: list[ndarray]  # velocities of earlier iterates, farther inside of the flow rule
     iterations: int  # number of systems that were factored
+    early: Iterate | None = None  # from which the next mesh may begin
 
 
 @dataclass(frozen=True)
@@ -82,15 +105,24 @@ class Goal:
     far: bool = True  # stresses begin at the size that the fixed loads need
 
 
-def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
+def solve(
+    program: Program,
+    goal: Goal,
+    accuracy: float,
+    start: Iterate | None = None,
+) -> Solution:
     """Iterate until the gap is this share of the objective, or round-off rules."""
     path = _Path(program, goal, accuracy)
-    while path.iterations < MOST and path.F <= HIGHEST and not path.arrived():
-        try:
-            path.step()
-        except (ArithmeticError, np.linalg.LinAlgError):  # no more accuracy to be had
-            break
-    return path.solution()
+    if start is None:
+        path.run()
+        return path.solution()
+    # Begin from a given iterate; repeat from the beginning where that fails.
+    path.begin(start)
+    path.run()
+    if path.remaining <= _FAILED * accuracy:
+        return path.solution()
+    again = solve(program, goal, accuracy)
+    return replace(again, iterations=path.iterations + again.iterations)
 
 
 class _Path:
@@ -127,6 +159,10 @@ class _Path:
         self.iterations = 0
         self._stalled = 0
         self._best = np.inf
+        self._early: Iterate | None = None
+        self._began_near = False
+        self.unmoved = 1.0  # share of the first residuals that steps have left
+        self.remaining = np.inf
 
         # points where z follows from the strains alone: all of it, or all but its first component
         single = np.ones(n, bool)
@@ -134,6 +170,32 @@ class _Path:
         self.steep = np.abs(self.cones.k[:n]).max(axis=1) * 2 >= FLAT
         self.flat_second = ~self.steep[self.second]
         self.soft = single & ~self.steep
+
+    def run(self) -> None:
+        """Step until the end, or until round-off rules."""
+        while self.iterations < MOST and self.F <= HIGHEST and not self.arrived():
+            try:
+                self.step()
+            except (ArithmeticError, np.linalg.LinAlgError):  # no more accuracy to be had
+                break
+
+    def begin(self, start: Iterate) -> None:
+        """Begin from an iterate, with the velocities whose strains fit its multipliers best.
+
+        A share of the usual first iterate keeps it away from the surface of the cones (A. Skajaa,
+        E. D. Andersen, Y. Ye, Mathematical Programming Computation 5 (2013) 1-25).
+        """
+        self._began_near = True
+        self._set_factor(start.factor)
+        self.theta = start.theta
+        self.sigma = start.stress
+        self.s = _MIXED * self.s + (1 - _MIXED) * start.s
+        self.z = _MIXED * self.size * self.z + (1 - _MIXED) * start.z
+
+        # A A^T y = -A G^T z
+        whole = np.broadcast_to(np.eye(3), (self.program.n_points, 3, 3))
+        flow = self.gathered(_by(self.G, self.z))
+        self.y = -self.program.factor(whole)(self.program.forces(flow))
 
     def _carried(self) -> float:
         """Return the largest elastic stress under fixed loads.
@@ -158,6 +220,11 @@ class _Path:
         total = x[:n].copy()
         np.add.at(total, self.second, x[n:])
         return total
+
+    @property
+    def size(self) -> float:
+        """Objective that the gap is compared with."""
+        return 1.0 if self.moving else max(self.theta, 1e-9)
 
     @property
     def away(self) -> float:
@@ -190,25 +257,35 @@ class _Path:
         """Return True if the gap is small, or no progress is made any more."""
         # compare the residuals with their tolerances
         self.residuals()
-        size = 1.0 if self.moving else max(self.theta, 1e-9)
+        size = self.size
         round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
         normal, strong = _FEASIBLE
         slack = -strong * np.minimum(self.h, 1.0) - round_off
         within = _depth(self.s - self.rc) > slack
-        feasible = abs(self.rt) < normal and np.abs(self.rc).max() < strong and within.all()
+        balanced = max(abs(self.rt), self.unmoved) < normal
+        feasible = balanced and np.abs(self.rc).max() < strong and within.all()
         if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
             return True
 
         # count iterations without progress
-        worth = self.gap / size + self.away + abs(self.rt)
+        worth = self.gap / size + self.away + abs(self.rt) + self.unmoved
+        self.remaining = float(worth)
         if worth < 0.9 * self._best or worth > 1e-2:
             self._stalled = 0
         else:
             self._stalled += 1
-        self._best = min(self._best, float(worth))
+        self._best = min(self._best, self.remaining)
         if self.gap < size:
             self.inner.append(self.y)
+        self._keep_early()
         return self._stalled > _STALLED
+
+    def _keep_early(self) -> None:
+        """Keep the first iterate from which the next mesh may begin."""
+        far = max(abs(self.rt), self.unmoved, self.away)
+        passed = self._early is not None or self.iterations <= _PASSED
+        if not passed and far < _BALANCED and self.gap < _EARLY * self.size:
+            self._early = Iterate(self.theta, self.F, self.sigma, self.s, self.z)
 
     def step(self) -> None:
         """Take a predictor and a corrector."""
@@ -234,6 +311,7 @@ class _Path:
         # step, then restore the flow rule
         longest = min(_longest_step(self.s, d.s), _longest_step(self.z, d.z))
         a = min(1.0, _STEP * longest)
+        self.unmoved *= 1.0 - a
         self.sigma = self.sigma + a * d.sigma
         self.y = self.y + a * d.y
         self.theta = self.theta + a * d.theta
@@ -281,7 +359,8 @@ class _Path:
 
         # response to the factor
         self._by_factor = None
-        if self.moving and self.iterations > 4 and self.gap < 1.0:
+        settled = self._began_near or self.iterations > 4
+        if self.moving and settled and self.gap < 1.0:
             sigma = self.sigma[self.cones.at]
             mean = (self.cones.k * sigma).sum(1)
             growth = self.dq * mean - self.dh
@@ -397,6 +476,7 @@ class _Path:
             metric=self.metric,
             inner=self.inner,
             iterations=self.iterations,
+            early=self._early,
         )
 
 

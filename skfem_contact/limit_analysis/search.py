@@ -11,13 +11,14 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from .carried import carried
 from .certify import UNBALANCED, Proof, dissipation, prove_lower, prove_upper
 from .elements import Joint, Program, stress_elements, velocity_elements
-from .interior_point import HIGHEST, MOST, Goal, Solution, solve
+from .interior_point import HIGHEST, MOST, Goal, Iterate, Solution, solve
 from .model import LimitModel, discretise
 from .reading import Problem
 from .result import Certificate, relative_gap
-from .triangles import Triangles, check_closed, gradients, matched, outward_normals, pairs
+from .triangles import Triangles, check_closed, matched, outward_normals, pairs
 
 logger = logging.getLogger("skfem_contact")
 
@@ -29,7 +30,7 @@ _RESERVES = (1e-6, 2e-5, 2e-4, 2e-3)
 _AIM = -1.2
 #: The solver stops at this share of the gap between the bounds of the last mesh, but not above or
 #: below these.
-_ACCURACY = 0.003
+_ACCURACY = 0.01
 _COARSE = 3e-4
 _FINE = 3e-6
 #: Compliance to the mean stress of soil without friction, for the lower bound, whose stresses it
@@ -98,6 +99,10 @@ class Search:
         self._factor = 1.0
         self._gain = np.inf
         self._accuracy = _COARSE
+        #: Last bounds by kind before the present mesh, and the triangles of their meshes that its
+        #: triangles are parts of.
+        self._parents: dict[str, ndarray] = {}
+        self._before: dict[str, Bound] = {}
         self.lower = self._first_lower()
         self.upper = self._solve_upper()
         if problem.stiff is not None:
@@ -126,11 +131,14 @@ class Search:
         """Refine until the gap is small."""
         while self.gap > gap and not self.overloaded:
             # Refine where the gap arises, within the limits of elements and time.
-            finer = self.triangles.refined(_marked(self._gap_of_elements()))
+            whole = self.triangles.rooted()
+            finer = whole.refined(_marked(self._gap_of_elements()))
             finer = self._fanned(matched(self.model.contacts, finer))
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
                 break
             self.triangles = finer
+            self._before = dict(zip(("lower", "upper"), self.last))
+            self._parents = {kind: of[finer.parent] for kind, of in self._parents.items()}
             # The upper bound is cheap, and follows every mesh.
             known = self.upper.proof.value
             self._note(upper=self._solve_upper())
@@ -187,9 +195,11 @@ class Search:
         return lower
 
     def _solve_lower(self, model: LimitModel) -> Bound:
-        """Return the lower bound on the present triangles, the parents of later ones."""
-        self.triangles = replace(self.triangles, parent=np.arange(len(self.triangles.origin)))
+        """Return the lower bound on the present triangles."""
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
+        start = None
+        if model is self.model:
+            start = self._start("lower", program)
         factor = self._factor
         if self.live:
             factor = 1.0
@@ -202,7 +212,8 @@ class Search:
             goal = Goal(
                 factor, aim=0.0, moving=not self.live, volume=_VOLUME[0], fixed=1.0 + reserve
             )
-            solution = solve(program, goal, self._accuracy)
+            solution = solve(program, goal, self._accuracy, start)
+            start = None
             proof = prove_lower(program, solution, self.live)
             if solution.factor > HIGHEST:
                 _refuse_highest(proof)
@@ -214,14 +225,33 @@ class Search:
     def _solve_upper(self) -> Bound:
         """Return the upper bound on the present triangles."""
         program = discretise(self._moving, self.triangles, velocity_elements(self.triangles.mesh))
-        return self._found("upper", program, *self._refuted(program, self.live))
+        start = self._start("upper", program)
+        return self._found("upper", program, *self._refuted(program, self.live, start))
 
-    def _refuted(self, program: Program, live: bool) -> tuple[Solution, Proof]:
+    def _start(self, kind: str, program: Program) -> Iterate | None:
+        """Return an iterate of the last bound of a kind on the points of a program; None: none."""
+        before = self._before.get(kind)
+        if before is None or before.solution.early is None:
+            return None
+        return carried(
+            before.solution.early,
+            (before.triangles, before.program),
+            (self.triangles, program),
+            self._parents[kind],
+        )
+
+    def _refuted(
+        self,
+        program: Program,
+        live: bool,
+        start: Iterate | None = None,
+    ) -> tuple[Solution, Proof]:
         """Solve a program of the upper bound and prove it."""
         factor = 1.0 if self.live else self._factor * _ABOVE
         goal = Goal(factor, aim=_AIM * self._accuracy, moving=not live, volume=_VOLUME[1])
         for far in (True, False):  # sand obeys its flow rule to round-off from a near start only
-            solution = solve(program, replace(goal, far=far), self._accuracy)
+            solution = solve(program, replace(goal, far=far), self._accuracy, start)
+            start = None
             proof = prove_upper(program, solution, live)
             if np.isfinite(proof.value) or not live or not program.dead.any():
                 break
@@ -256,6 +286,7 @@ class Search:
             cpu=process_time() - self._began,
         )
         self.history.append(certificate)
+        self._parents[kind] = np.arange(n)
         self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
         return Bound(self.triangles, program, solution, proof)
 
@@ -291,7 +322,7 @@ class Search:
                 factor = proof.value
         strain = program.strains(proof.field)
         spent = dissipation(program, strain, factor)
-        stress = _interpolated(below, self.triangles)
+        stress = _interpolated(below, self.triangles, self._parents["lower"])
 
         # gap of the triangles that can yield
         soft = program.soft
@@ -351,18 +382,12 @@ def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndar
     return np.stack([along_normal, along_tangent], axis=2)
 
 
-def _interpolated(below: Bound, triangles: Triangles) -> ndarray:
+def _interpolated(below: Bound, triangles: Triangles, parent: ndarray) -> ndarray:
     """Return stresses of a coarser mesh at corners of the triangles, (n_elements, 3 corners, 3)."""
     coarse = below.triangles.mesh
-    parent = triangles.parent
     stress = np.zeros((coarse.nelements, 3, 3))
     stress[below.program.soft] = below.program.of_triangles(below.proof.field)
-    gradient = gradients(coarse)[0][parent]  # (n, 3 corners, 2)
-    corners = triangles.mesh.p[:, triangles.mesh.t]  # (2, 3 corners, n)
-    first = coarse.p[:, coarse.t[0, parent]]
-    away = corners - first[:, None]
-    shares = np.einsum("eic,cve->evi", gradient, away)
-    shares[..., 0] += 1.0
+    shares = triangles.within(coarse, parent)
     return np.einsum("evi,eis->evs", shares, stress[parent])
 
 

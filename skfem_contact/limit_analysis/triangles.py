@@ -37,7 +37,7 @@ class Triangles:
     # corners of every triangle are sorted, as in scikit-fem: its facets are (0, 1), (1, 2), (0, 2)
     mesh: MeshTri
     origin: ndarray  # element of the first mesh, (n_elements,)
-    parent: ndarray  # triangle of the mesh that was rooted last, (n_elements,)
+    parent: ndarray  # triangle of the mesh before, (n_elements,)
     tags: Mapping[Tag, ndarray]  # facets by name
 
     @classmethod
@@ -64,6 +64,10 @@ class Triangles:
         for name, pair in ends.items():
             tags[name] = np.flatnonzero(np.isin(known, number(pair)))
         return cls(mesh, origin, parent, tags)
+
+    def rooted(self) -> Triangles:
+        """Return the same triangles, which are the parents of later ones."""
+        return replace(self, parent=np.arange(len(self.origin)))
 
     def refined(self, elements: ndarray) -> Triangles:
         """Cut some triangles in four, and neighbours so that no angle becomes small.
@@ -110,6 +114,19 @@ class Triangles:
             second = np.stack([middle, b])[:, cut]
             ends[name] = np.hstack([whole, first, second])
         return Triangles.of(p, children, self.origin[parents], ends, self.parent[parents])
+
+    def within(self, coarse: MeshTri, parent: ndarray) -> ndarray:
+        """Return the linear functions of parents in a mesh at all corners, (n_elements, 3, 3).
+
+        The last axis has the corners of the parent.
+        """
+        gradient = gradients(coarse)[0][parent]  # (n_elements, 3 corners, 2)
+        corners = self.mesh.p[:, self.mesh.t]  # (2, 3 corners, n_elements)
+        first = coarse.p[:, coarse.t[0, parent]]
+        away = corners - first[:, None]
+        shares = np.einsum("eic,cve->evi", gradient, away)
+        shares[..., 0] += 1.0
+        return shares
 
 
 def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]:
@@ -325,7 +342,7 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     facets = triangles.tags[contact.slave]
     slave = np.unique(mesh.facets[:, facets])
     master = np.unique(mesh.facets[:, triangles.tags[contact.master]])
-    distance, nearest = _nearest(mesh.p[:, master], mesh.p[:, slave])
+    distance, nearest = closest(mesh.p[:, master], mesh.p[:, slave])
     size = facet_lengths(mesh)[facets].min(initial=np.inf)
     near = (distance > 0) & (distance <= 2 * _SAME * size)
     if not near.any():
@@ -335,7 +352,7 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     return replace(triangles, mesh=MeshTri(p, mesh.t, validate=False))
 
 
-def _nearest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
+def closest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
     """Return distances and indices of the nearest of some points, (2, n), to others."""
     distance, nearest = scipy.spatial.cKDTree(among.T).query(points.T)
     return np.asarray(distance), np.asarray(nearest)
@@ -350,7 +367,7 @@ def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, nda
         return np.zeros(0, int), np.zeros(0, int), np.zeros(0, bool)
     middle = mesh.p[:, mesh.facets].mean(axis=1)
     length = facet_lengths(mesh)[slave]
-    distance, nearest = _nearest(middle[:, master], middle[:, slave])
+    distance, nearest = closest(middle[:, master], middle[:, slave])
     same = distance <= 1e-9 * length
     slave = slave[same]
     master = master[nearest[same]]
