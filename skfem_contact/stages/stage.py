@@ -70,8 +70,9 @@ class Stage:
         time, too.
     water
         Water at rest from this stage on: its level, points of it (x, height), levels by region, a
-        seepage, pressures at the vertices, or a function of the coordinates. It acts in the pores
-        of all active bodies and presses on all of their boundaries, both sides of contacts
+        seepage, pressures at the vertices, or a function of the coordinates. Below a level or a
+        line the pressure is hydrostatic, the unit weight times the vertical depth. It acts in the
+        pores of all active bodies and presses on all of their boundaries, both sides of contacts
         included. By default that of the stage before; ``False``: none.
     release
         Share of the forces of deactivated bodies and lost supports that is released in this stage,
