@@ -447,7 +447,7 @@ class _Factor:
 
         SuperLU needs a copy of its factors for the ratio of the pivots.
         """
-        motion = _any_motion(len(self._scale))
+        motion = any_motion(len(self._scale))
         for _ in range(2):
             motion = self._solve(self._scale * motion)
             stiffness = 1.0 / float(np.abs(motion).max())
@@ -463,7 +463,7 @@ class _Factor:
         # scaled as an earlier matrix the first factors may give no numbers
         for careful in (False, True):
             solve = self._engine.factor(stiffened, self.symmetric, careful)
-            motion = _any_motion(len(self._scale))
+            motion = any_motion(len(self._scale))
             for _ in range(2):
                 motion = solve(self._scale * motion)
                 motion /= np.abs(motion).max()
@@ -488,7 +488,7 @@ def _in_single(engine: Engine, A: csr_matrix, symmetric: bool) -> Callable[[ndar
 
 
 @lru_cache(1)
-def _any_motion(n: int) -> ndarray:
+def any_motion(n: int) -> ndarray:
     """Return the start of the inverse iteration: random numbers, the same in every run."""
     motion = np.random.default_rng(0).standard_normal(n)
     motion.flags.writeable = False

@@ -22,7 +22,7 @@ from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
 from ..sparse import FreeBlock, same_pattern, widened
-from .direct import REFINE, SOFT, Condensed, Engine, LinearSolver, Solve, as_engine
+from .direct import REFINE, SOFT, Condensed, Engine, LinearSolver, Solve, any_motion, as_engine
 
 logger = logging.getLogger("skfem_contact")
 
@@ -172,8 +172,7 @@ class _Base:
         """Prepare solutions with the condensed tangent; `other` where a motion has no stiffness."""
         solve = self.updated(self.K, csr_matrix(self.K.shape), other)
         scale = np.abs(self.K.diagonal())
-        motion = np.random.default_rng(0).standard_normal(len(scale))
-        if np.abs(solve(scale * motion)).max() < 1.0 / SOFT:
+        if np.abs(solve(scale * any_motion(len(scale)))).max() < 1.0 / SOFT:
             return solve
         return other()
 
@@ -197,10 +196,15 @@ class _Base:
         alone = np.flatnonzero(single)
         total = delta[np.ix_(live, live)]
         total[:m, :m] += self._condensed.schur
+        scale = np.abs(total).max(axis=1)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", LinAlgWarning)
             dense = lu_factor(total, overwrite_a=True, check_finite=False)
         if not np.diagonal(dense[0]).all():  # an exact zero among the pivots
+            return other()
+        # leave tangents with a motion that hardly anything resists to the other solver
+        motion = lu_solve(dense, scale * any_motion(len(scale)))
+        if not np.abs(motion).max(initial=0.0) < 1.0 / SOFT:
             return other()
 
         # eliminate the interior, solve on the interface, and insert

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.sparse import block_diag
+from scipy.sparse import block_diag, diags
 
 import skfem_contact as sc
 from skfem_contact.contact import interface, neighbours
@@ -18,6 +18,7 @@ from skfem_contact.nonlinear.stepping import Predictor
 from skfem_contact.results import Result
 from skfem_contact.solvers import direct, schur, superlu
 from skfem_contact.solvers.choice import as_solver
+from skfem_contact.solvers.direct import SingularSystem
 from skfem_contact.solvers.schur import SchurSolver
 from skfem_contact.sparse import Gathering
 from skfem_contact.stages import setup
@@ -198,6 +199,32 @@ def test_interface_solver_solves_as_a_new_factor_does(engine: str) -> None:
         residual = (K @ solver.factor(K)(b) - b)[free]
         assert np.linalg.norm(residual) < 1e-9 * np.linalg.norm(b)  # refined from 1e-10 on
     assert solver._base is not None
+
+
+@pytest.mark.parametrize("engine", ["superlu", "pardiso"])
+def test_interface_that_lets_a_body_slide_is_left_to_the_other_solver(engine: str) -> None:
+    """[X] A body that only the interface holds moves freely once it loses its shear stiffness."""
+    if engine == "pardiso":
+        pytest.importorskip("pypardiso")
+    forms, _, fixed = pressed(rock)
+    basis, joint = forms["block"].basis, choose_penalties(forms)["joint"]
+    bodies = forms["layer"].elastic_stiffness + forms["block"].elastic_stiffness
+    # nothing but the joint holds the block
+    held = np.setdiff1d(fixed, basis.get_dofs(elements="block").all())
+    free = np.setdiff1d(np.arange(basis.N), held)
+    own = np.intersect1d(joint.changing, basis.get_dofs(elements="block").all())
+    upwards = np.intersect1d(own, basis.get_dofs(elements="block").all("u^2"))
+    inner = as_solver(engine, basis.doflocs, free)
+    solver = SchurSolver(inner, basis.doflocs, free, joint.changing, engine)
+    springs = np.zeros(basis.N)
+    springs[own] = 1e3
+    down = basis.zeros()
+    down[basis.get_dofs(elements="block").all("u^2")] = -1.0  # nothing pushes it sideways
+    solver.factor(bodies + diags(springs, format="csr"))(down)
+    assert solver._base is not None
+    springs[np.setdiff1d(own, upwards)] = 0.0
+    with pytest.raises(SingularSystem):
+        solver.factor(bodies + diags(springs, format="csr"))(down)
 
 
 def test_interface_without_stiffness_is_left_to_the_other_solver() -> None:
