@@ -139,6 +139,7 @@ class Later(Response):
         self._find = response
 
     def __getattr__(self, name: str) -> Any:
+        # An AttributeError of a law would make a cached property ask for itself again
         if name == "_found":
             self._found = self._find()
             return self._found
