@@ -8,7 +8,6 @@ import numpy as np
 from skfem import Basis
 
 import skfem_contact as sc
-from skfem_contact.contact.penalty import choose_penalties
 from tests.tools import space
 from tests.tools.helpers import grid, run_stages, traction, unknowns_of, vector_basis
 
@@ -96,9 +95,8 @@ def guided(basis: Basis, *boundaries: str) -> np.ndarray:
 
 def force_on(forms: dict, stage, body: str = "upper") -> np.ndarray:
     """Resultant of the contact forces on a body, (dim,)."""
-    forms = choose_penalties(forms)
     basis = forms["blocks"].basis
-    force = forms["joint"].assemble(stage.x, stage.states["joint"]).force
+    force = stage.forms["joint"].assemble(stage.x, stage.states["joint"]).force
     return -force[unknowns_of(basis, body)].sum(axis=0)
 
 

@@ -51,7 +51,7 @@ def test_plane_case_as_a_slice(case, given, monkeypatch):
     seen = []
 
     def again(forms, stages, fixed, options, result):
-        twin = space.Slice(forms)
+        twin = space.Slice(result[-1].forms)  # with the penalties of the model
         twin.compare(result, twin.run(stages, fixed, **options), 1e-8)
         seen.append(len(result))
 
