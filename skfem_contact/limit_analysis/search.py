@@ -29,10 +29,12 @@ _RESERVES = (1e-6, 2e-5, 2e-4, 2e-3)
 #: dissipation, which exceeds the objective by the gap.
 _AIM = -1.2
 #: The solver stops at this share of the gap between the bounds of the last mesh, but not above or
-#: below these.
-_ACCURACY = 0.01
-_COARSE = 3e-4
+#: below these, for the lower bound, whose last iterations gain little, and for the upper one.
+_ACCURACY = (0.1, 0.02)
+_COARSE = (1e-2, 3e-3)
 _FINE = 3e-6
+#: Accuracy on the first mesh, which may be the last one, and while there is no gap.
+_FIRST = 3e-4
 #: Compliance to the mean stress of soil without friction, for the lower bound, whose stresses it
 #: blurs, and for the upper one, whose velocities must be isochoric.
 _VOLUME = (1e-6, 1e-10)
@@ -40,7 +42,7 @@ _VOLUME = (1e-6, 1e-10)
 _FANS = 2
 #: The lower bound is computed on a finer mesh when its last gain was more than this share of the
 #: gap.
-_GAIN = 0.2
+_GAIN = 0.4
 #: ... or when the mesh has so many times the triangles: after a poor one the gain is no measure.
 _GROWN = 3.0
 #: Factors from which the solver starts, in turn: from 5 times the factor of a bank it does not come
@@ -98,7 +100,7 @@ class Search:
         self._began = process_time()
         self._factor = 1.0
         self._gain = np.inf
-        self._accuracy = _COARSE
+        self._accuracy = np.full(2, _FIRST)  # of the lower and of the upper bound
         #: Last bounds by kind before the present mesh, and the triangles of their meshes that its
         #: triangles are parts of.
         self._parents: dict[str, ndarray] = {}
@@ -183,7 +185,8 @@ class Search:
                 self.lower = lower
         if upper is not None and upper.proof.value < self.upper.proof.value:
             self.upper = upper
-        self._accuracy = float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE))
+        if np.isfinite(self.gap):
+            self._accuracy = np.clip(np.multiply(_ACCURACY, self.gap), _FINE, _COARSE)
 
     def _first_lower(self) -> Bound:
         """Return the first lower bound, from smaller factors where the iteration does not end."""
@@ -212,7 +215,7 @@ class Search:
             goal = Goal(
                 factor, aim=0.0, moving=not self.live, volume=_VOLUME[0], fixed=1.0 + reserve
             )
-            solution = solve(program, goal, self._accuracy, start)
+            solution = solve(program, goal, float(self._accuracy[0]), start)
             start = None
             proof = prove_lower(program, solution, self.live)
             if solution.factor > HIGHEST:
@@ -248,9 +251,10 @@ class Search:
     ) -> tuple[Solution, Proof]:
         """Solve a program of the upper bound and prove it."""
         factor = 1.0 if self.live else self._factor * _ABOVE
-        goal = Goal(factor, aim=_AIM * self._accuracy, moving=not live, volume=_VOLUME[1])
+        accuracy = float(self._accuracy[1])
+        goal = Goal(factor, aim=_AIM * accuracy, moving=not live, volume=_VOLUME[1])
         for far in (True, False):  # sand obeys its flow rule to round-off from a near start only
-            solution = solve(program, replace(goal, far=far), self._accuracy, start)
+            solution = solve(program, replace(goal, far=far), accuracy, start)
             start = None
             proof = prove_upper(program, solution, live)
             if np.isfinite(proof.value) or not live or not program.dead.any():
