@@ -202,7 +202,8 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
-        return self.with_(penalty=(float(normal), float(tangential)), stiffness=stiffness)
+        penalty = (float(normal), float(tangential))
+        return self.with_(penalty=penalty, stiffness=stiffness, awaits_supports=False)
 
     def with_law(self, law: InterfaceLaw) -> Self:
         """Return a copy with another interface law."""
@@ -256,18 +257,18 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
             warns=new.enforcement.keeps_penalty,
         )
         new.given_penalty = new.penalty
-        new.awaits_supports = stiffness is not None
         new.fields = tuple(replace(field, scale=stiffness or penalty[0]) for field in new.fields)
-        return new.with_penalty(*penalty, stiffness=stiffness)
+        new = new.with_penalty(*penalty, stiffness=stiffness)
+        new.awaits_supports = stiffness is not None
+        return new
 
     @override
     def mirrored(self, forms: Mapping[str, Form], fixed: ndarray) -> Self:
         if not self.awaits_supports:
             return self
-        new = self.with_(awaits_supports=False)
         sides = [side for side in (self.slave, self.facets) if side.meshed]
         if not any(any(mirrored(side, fixed, self.axisymmetric)) for side in sides):
-            return new
+            return self.with_(awaits_supports=False)
         penalty, stiffness = chosen(
             self.slave,
             self.facets,
@@ -276,7 +277,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
             warns=False,
             fixed=fixed,
         )
-        return new.with_penalty(*penalty, stiffness=stiffness)
+        return self.with_penalty(*penalty, stiffness=stiffness)
 
     @property
     def axisymmetric(self) -> bool:

@@ -11,6 +11,7 @@ import pytest
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 from tests.fuzz.halves import SECOND_ORDER, Pressed, half_of
 
 
@@ -133,6 +134,10 @@ def test_default_penalties_of_half_models_are_those_of_whole_ones(
     half, whole = pairs
     assert half.stiffness == pytest.approx(whole.stiffness, rel=1e-12)
     assert half.penalty == pytest.approx(whole.penalty, rel=1e-12)
+    # a penalty that is given to a completed pair stays as well
+    _, forms, fixed = pressed.model(False)
+    forms["joint"] = choose_penalties(forms)["joint"].with_penalty(5e4, 6e4)
+    assert sc.Model(forms, fixed).forms["joint"].penalty == (5e4, 6e4)
     # without supports the plane is an end
     _, forms, _ = pressed.model(False)
     assert sc.Model(forms).forms["joint"].stiffness < 0.99 * whole.stiffness
