@@ -10,11 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from skfem import MeshTri
 
 from .elements import Program
 from .interior_point import Iterate
-from .triangles import Triangles, closest, facet_lengths, gradients
+from .triangles import Triangles, closest, facet_lengths, gradients, middles
 
 
 def carried(
@@ -94,7 +93,7 @@ def _in_joints(
     for before, after in zip(coarse[1].joints, fine[1].joints):
         old = coarse[0].mesh
         new = fine[0].mesh
-        near = closest(_middles(old, before.slave), _middles(new, after.slave))[1]
+        near = closest(middles(old, before.slave), middles(new, after.slave))[1]
         n_at_each = after.B.shape[1]
         numbers = first + n_at_each * near[:, None] + np.arange(n_at_each)
         points = np.repeat(numbers.reshape(-1, 1), 3, axis=1)
@@ -104,8 +103,3 @@ def _in_joints(
         )
         first += before.B.shape[1] * len(before.slave)
     return averages
-
-
-def _middles(mesh: MeshTri, facets: ndarray) -> ndarray:
-    """Return the middles of facets, (2, n)."""
-    return mesh.p[:, mesh.facets[:, facets]].mean(axis=1)

@@ -133,14 +133,11 @@ class Search:
         """Refine until the gap is small."""
         while self.gap > gap and not self.overloaded:
             # Refine where the gap arises, within the limits of elements and time.
-            whole = self.triangles.rooted()
-            finer = whole.refined(_marked(self._gap_of_elements()))
+            finer = self.triangles.rooted().refined(_marked(self._gap_of_elements()))
             finer = self._fanned(matched(self.model.contacts, finer))
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
                 break
-            self.triangles = finer
-            self._before = dict(zip(("lower", "upper"), self.last))
-            self._parents = {kind: of[finer.parent] for kind, of in self._parents.items()}
+            self._take(finer)
             # The upper bound is cheap, and follows every mesh.
             known = self.upper.proof.value
             self._note(upper=self._solve_upper())
@@ -154,6 +151,12 @@ class Search:
         # Close the gap on the last mesh.
         if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
             self._note(lower=self._solve_lower(self.model))
+
+    def _take(self, finer: Triangles) -> None:
+        """Continue on a refined mesh, whose bounds begin from the last ones."""
+        self.triangles = finer
+        self._before = dict(zip(("lower", "upper"), self.last))
+        self._parents = {kind: of[finer.parent] for kind, of in self._parents.items()}
 
     @property
     def has_lower(self) -> bool:

@@ -95,7 +95,7 @@ class Triangles:
         """Cut facets in two, at their middles or at points (2, n), and triangles in two to four."""
         mesh = self.mesh
         if points is None:
-            points = mesh.p[:, mesh.facets[:, facets]].mean(axis=1)
+            points = middles(mesh, facets)
 
         # number the new nodes, and cut the triangles
         new = np.full(mesh.nfacets, -1)
@@ -352,6 +352,11 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     return replace(triangles, mesh=MeshTri(p, mesh.t, validate=False))
 
 
+def middles(mesh: MeshTri, facets: ndarray) -> ndarray:
+    """Return the middles of facets, (2, n)."""
+    return np.asarray(mesh.p[:, mesh.facets[:, facets]].mean(axis=1))
+
+
 def closest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
     """Return distances and indices of the nearest of some points, (2, n), to others."""
     distance, nearest = scipy.spatial.cKDTree(among.T).query(points.T)
@@ -365,9 +370,8 @@ def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, nda
     master = triangles.tags[contact.master]
     if not len(slave) or not len(master):
         return np.zeros(0, int), np.zeros(0, int), np.zeros(0, bool)
-    middle = mesh.p[:, mesh.facets].mean(axis=1)
     length = facet_lengths(mesh)[slave]
-    distance, nearest = closest(middle[:, master], middle[:, slave])
+    distance, nearest = closest(middles(mesh, master), middles(mesh, slave))
     same = distance <= 1e-9 * length
     slave = slave[same]
     master = master[nearest[same]]
@@ -390,8 +394,7 @@ def check_closed(contacts: tuple[Contact, ...], triangles: Triangles) -> None:
         # middles of the slave's facets, along and off the master's, (n_master, n_slave)
         a, b = mesh.p[:, mesh.facets[:, master]].transpose(1, 0, 2)
         d = b - a
-        middles = mesh.p[:, mesh.facets[:, slave]].mean(axis=1)
-        x = middles[:, None] - a[:, :, None]  # (2, n_master, n_slave)
+        x = middles(mesh, slave)[:, None] - a[:, :, None]  # (2, n_master, n_slave)
         square = (d**2).sum(axis=0)
         along = (x * d[:, :, None]).sum(axis=0) / square[:, None]
         off = (x * normal[:, :, None]).sum(axis=0)

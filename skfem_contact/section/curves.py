@@ -12,6 +12,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..checks import format_point
+from .outline import cross, turn
 
 #: Largest distance of the arcs of ellipses and splines, and of the chords of curves in space, from
 #: the curve, as a share of the drawing; share of it that the chords have through which arcs go.
@@ -104,13 +105,17 @@ def chain_of(entity: Any, size: float) -> Chain | None:
             return Chain(chain.points * (-1.0, 1.0), -chain.bulges, chain.closed)
         return chain
 
-    # Replace smooth curves by arcs, and the others by chords
     if kind in _SMOOTH:
         fine = [plane(point) for point in entity.flattening(_FINE * _FLAT * size)]
         return _through(np.array(fine), _FLAT * size)
+    return _chords(entity, _FLAT * size)
+
+
+def _chords(entity: Any, tolerance: float) -> Chain:
+    """Return chords of a curve, as near to it as allowed."""
     from ezdxf.path import make_path
 
-    points = np.array([plane(point) for point in make_path(entity).flattening(_FLAT * size)])
+    points = np.array([plane(point) for point in make_path(entity).flattening(tolerance)])
     return Chain(points, np.zeros(len(points) - 1), False)
 
 
@@ -158,7 +163,7 @@ def _arc_between(points: ndarray, tolerance: float) -> float | None:
     # Turn at the point in the middle: half of the angle.
     start, end = points[[0, -1]]
     inner = points[len(points) // 2]
-    half = _turn(inner - start, end - inner)
+    half = turn(inner - start, end - inner)
     chord = float(np.linalg.norm(end - start))
     if abs(half) > _HALF or chord == 0.0:
         return None
@@ -166,7 +171,7 @@ def _arc_between(points: ndarray, tolerance: float) -> float | None:
     # circle has the centre at the height chord / 2 / tan(half).
     probes = np.vstack((points[1:-1], 0.5 * (points[1:] + points[:-1])))
     along = (probes - start) @ (end - start) / chord - 0.5 * chord
-    across = _cross(end - start, probes - start) / chord
+    across = cross(end - start, probes - start) / chord
     height = np.zeros(len(probes))
     if abs(half) > _STRAIGHT:
         radius = 0.5 * chord / np.sin(half)
@@ -175,16 +180,6 @@ def _arc_between(points: ndarray, tolerance: float) -> float | None:
     if np.abs(across - height).max() > tolerance:
         return None
     return float(np.tan(0.5 * half))
-
-
-def _turn(first: ndarray, second: ndarray) -> float:
-    """Return the angle by which the second of two vectors is turned, anticlockwise."""
-    return float(np.arctan2(_cross(first, second), first @ second))
-
-
-def _cross(first: ndarray, second: ndarray) -> Any:
-    """Return the cross product of vectors in the plane."""
-    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 def _with_arcs(entity: Any) -> Chain | None:

@@ -16,6 +16,7 @@ from skfem import Mesh, MeshTri, MeshTri2
 
 from ..checks import format_point
 from .kernel import gmsh_model
+from .outline import cross, turn
 
 #: Size of elements at coordinates (2, n): (n,).
 SizeField = Callable[[ndarray], ndarray]
@@ -195,8 +196,8 @@ def _followers(
         # It ends at corners.
         first = vertices[:, node] - vertices[:, way[0]]
         second = vertices[:, ways[next_ones[0]][1]] - vertices[:, node]
-        turn = np.degrees(np.arctan2(_cross(first, second), first @ second))
-        if abs(turn) < _CORNER:
+        angle = np.degrees(turn(first, second))
+        if abs(angle) < _CORNER:
             result[-1] = next_ones[0]
     return result
 
@@ -288,10 +289,10 @@ def _check_crossings(chains: list[_Resampled]) -> None:
         b = chain.vertices[1:]
         along = b - a
         offset = a[None] - a[:, None]  # from segment i to segment j, (n, n, 2)
-        bent = _cross(along[:, None], along[None])
+        bent = cross(along[:, None], along[None])
         with np.errstate(divide="ignore", invalid="ignore"):
-            own = _cross(offset, along[None]) / bent
-            other = _cross(offset, along[:, None]) / bent
+            own = cross(offset, along[None]) / bent
+            other = cross(offset, along[:, None]) / bent
         inside = (own > 0.0) & (own < 1.0) & (other > 0.0) & (other < 1.0)
         n = len(a)
         apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
@@ -302,11 +303,6 @@ def _check_crossings(chains: list[_Resampled]) -> None:
                 f"the outline of the deformed bodies crosses itself near {format_point(a[i])}: it "
                 "has no mesh; take contact of the boundary with itself, or stop before"
             )
-
-
-def _cross(a: ndarray, b: ndarray) -> ndarray:
-    """Return the cross product of vectors of the plane."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def _numbered(shape: Outline, new: list[_Resampled]) -> tuple[ndarray, list[ndarray]]:
@@ -417,7 +413,7 @@ def _loops(chains: list[Chain], new: list[_Resampled], part: int) -> list[list[t
         points = np.concatenate(pieces)
         loops.append(loop)
         following = np.roll(points, -1, axis=0)
-        areas.append(0.5 * _cross(points, following).sum())
+        areas.append(0.5 * cross(points, following).sum())
     return [loops[k] for k in np.argsort(areas)[::-1]]
 
 

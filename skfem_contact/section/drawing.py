@@ -216,16 +216,13 @@ def _unit_of(document: Any, unit: str | None) -> float:
     raise ValueError(f"unit must be one of {known}, not {unit!r}")
 
 
-def _tell_skipped(
-    skipped: Mapping[str, Counter[str]], layers: Mapping[str, _Layer], remarks: list[str]
-) -> None:
-    """Say which entities were left out."""
-    for name, kinds in skipped.items():
-        listed = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        why = "without a rule"
-        if layers[name].kind:
-            why = "not understood"
-        remarks.append(f"layer '{name}': {listed} {why}")
+def _left_out(layer: _Layer, name: str, kinds: Mapping[str, int]) -> str:
+    """Return the remark on entities of a layer that are left out, by their kinds."""
+    listed = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    why = "without a rule"
+    if layer.kind:
+        why = "not understood"
+    return f"layer '{name}': {listed} {why}"
 
 
 def _stages_of(names: Iterable[str]) -> dict[int, tuple[str, ...]]:
@@ -240,12 +237,29 @@ def _stages_of(names: Iterable[str]) -> dict[int, tuple[str, ...]]:
 
 
 def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_Layer]:
-    """Return the layers of a drawing that have a rule."""
+    """Return the layers of a drawing that have a rule and curves."""
+    layers, skipped = _by_layer(document, rules)
+    told = {name: _left_out(layers[name], name, kinds) for name, kinds in skipped.items()}
+    remarks.extend(told.values())
+    result = [layer for layer in layers.values() if layer.chains]
+    if not result:
+        not_understood = [text for name, text in told.items() if layers[name].kind]
+        reasons = [f"its layers are {sorted(told) or 'empty'}", *not_understood]
+        raise ValueError(
+            f"no curve of the drawing has a rule; {'; '.join(reasons)}: draw outlines by lines, "
+            "polylines, arcs, circles, ellipses or splines"
+        )
+    return result
+
+
+def _by_layer(
+    document: Any, rules: Mapping[str, str]
+) -> tuple[dict[str, _Layer], dict[str, Counter[str]]]:
+    """Return layers with their curves and texts, and the kinds of the entities left out."""
     drawn = list(entities(document.modelspace()))
     size = _size_of([entity for entity, _ in drawn])
     layers: dict[str, _Layer] = {}
     skipped: dict[str, Counter[str]] = {}
-    # Sort curves and texts by layer.
     for entity, name in drawn:
         rule = _rule_of(name, rules)
         if rule == "ignore":
@@ -253,17 +267,7 @@ def _read(document: Any, rules: Mapping[str, str], remarks: list[str]) -> list[_
         layer = layers.setdefault(name, _Layer(_name_of(name), rule or "", [], []))
         if not rule or not _add(layer, entity, size):
             skipped.setdefault(name, Counter())[entity.dxftype()] += 1
-
-    _tell_skipped(skipped, layers, remarks)
-    # Keep the layers that have curves.
-    result = [layer for layer in layers.values() if layer.chains]
-    if not result:
-        raise ValueError(
-            f"no curve of the drawing has a rule; its layers are {sorted(skipped) or 'empty'}"
-            + "".join(f"; {remark}" for remark in remarks if remark.endswith("not understood"))
-            + ": draw outlines by lines, polylines, arcs, circles, ellipses or splines"
-        )
-    return result
+    return layers, skipped
 
 
 def _add(layer: _Layer, entity: Any, size: float) -> bool:

@@ -182,7 +182,7 @@ class Outline:
         u = (b - a)[before]
         v = (b - a)[(before + 1) % n]
         scale = _SAME * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-        parallel = np.abs(_cross(u, v)) <= scale
+        parallel = np.abs(cross(u, v)) <= scale
         opposite = (u * v).sum(axis=1) < 0.0
         back = parallel & opposite
         if n > 2 and back.any():
@@ -254,9 +254,14 @@ def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
     return tuple(outlines)
 
 
-def _cross(u: ndarray, v: ndarray) -> ndarray:
-    """Return the cross products of vectors, (n, 2) each."""
-    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+def cross(u: ndarray, v: ndarray) -> ndarray:
+    """Return the cross products of vectors in the plane, (..., 2) each."""
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+
+def turn(u: ndarray, v: ndarray) -> float:
+    """Return the angle by which the second of two vectors is turned, anticlockwise."""
+    return float(np.arctan2(cross(u, v), u @ v))
 
 
 def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
@@ -265,7 +270,7 @@ def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
     v = c - a
     length = np.linalg.norm(u, axis=1)
     scale = length * np.maximum(np.linalg.norm(v, axis=1), length)
-    value = _cross(u, v)
+    value = cross(u, v)
     return np.where(np.abs(value) <= _SAME * scale, 0.0, np.sign(value))
 
 

@@ -487,7 +487,7 @@ def _in_single(engine: Engine, A: csr_matrix, symmetric: bool) -> Callable[[ndar
     return solution
 
 
-@lru_cache(1)
+@lru_cache(4)
 def any_motion(n: int) -> ndarray:
     """Return the start of the inverse iteration: random numbers, the same in every run."""
     motion = np.random.default_rng(0).standard_normal(n)

@@ -76,20 +76,25 @@ def test_quarter_of_a_punch_with_friction(enforcement) -> None:
     assert across < across_half + 0.05
 
 
+def round_body(element: str, method: str, stiffer: float, elements: tuple[int, int]) -> Pressed:
+    """A round body that is pressed on a block, with friction."""
+    return Pressed(
+        element=element,
+        method=method,
+        mu=0.3,
+        radius=30.0,
+        stiffer=stiffer,
+        depth=0.1,
+        elements=elements,
+    )
+
+
 @pytest.mark.parametrize("element", ["Q1", "P2", "Q2"])
 def test_half_models_have_the_tractions_of_whole_ones(element: str) -> None:
     """[N] A round body on a block, with friction and multipliers: a plane of symmetry is no edge,
     and tractions balance with their mirror images.
     """
-    pressed = Pressed(
-        element=element,
-        method="multipliers",
-        mu=0.3,
-        radius=30.0,
-        stiffer=10.0,
-        depth=0.1,
-        elements=(6, 5),
-    )
+    pressed = round_body(element, "multipliers", 10.0, (6, 5))
     tractions = []
     for is_whole in (False, True):
         _, stages = pressed.stages(is_whole)
@@ -116,15 +121,7 @@ def test_default_penalties_of_half_models_are_those_of_whole_ones(
 
     Two elements are too few for a facet without such nodes.  A given penalty stays, for either.
     """
-    pressed = Pressed(
-        element=element,
-        method="penalty",
-        mu=0.3,
-        radius=30.0,
-        stiffer=2.0,
-        depth=0.1,
-        elements=(2, 1),
-    )
+    pressed = round_body(element, "penalty", 2.0, (2, 1))
     pairs = []
     for is_whole in (False, True):
         _, forms, fixed = pressed.model(is_whole)
@@ -167,15 +164,7 @@ def test_half_models_in_space_are_halves_of_whole_ones(
     plane, where inclined facets face a part of the mirror image; these slivers leave nothing to
     points of later cuts, of which a release has many.
     """
-    pressed = Pressed(
-        element=element,
-        method=method,
-        mu=0.3,
-        radius=30.0,
-        stiffer=stiffer,
-        depth=0.1,
-        elements=(3, 2) if element in SECOND_ORDER else (4, 3),
-    )
+    pressed = round_body(element, method, stiffer, (3, 2) if element in SECOND_ORDER else (4, 3))
     (part, halves), (whole, wholes) = (pressed.stages(is_whole) for is_whole in (False, True))
     image = half_of(part, whole)
 
