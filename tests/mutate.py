@@ -4,17 +4,20 @@
     python -m tests.mutate --sample 300 --seed 1 --first 101 --last 200    # a part of the sample
 
 A mutation changes one token of a copy of the package: a sign, a factor, a comparison, an index, a
-tolerance.  The tests named after its file run first, then the tests of its room, then tests of
-other rooms that import the file or name what it defines, then slow tests.  Each run is for the
-mutations that pass the one before.  A mutation that passes all of them survives.  A survivor is
-either caught by a new test or has no effect; ``--again`` tries the survivors again after tests have
-been added.
+tolerance.  The sample is stable: the rank of a mutation follows from its statement and function, so
+that an edit elsewhere leaves it as it is.
+
+The tests named after its file run first, then the tests of its room, then tests of other rooms that
+import the file or name what it defines, then slow tests.  Each run is for the mutations that pass
+the one before.  A mutation that passes all of them survives.  A survivor is either caught by a new
+test or has no effect; ``--again`` tries the survivors again after tests have been added.  Mutations
+without effect are listed in ``mutations_without_effect.jsonl``, each with a reason, and not tried.
 
 The first run needs about a second for a mutation: the package is imported once, and the code of its
 functions changed (:mod:`tests.tools.forked`).  Later runs are of those tests alone that reach the
 token, the quickest ones before others.  What tests reach is found once, without a mutation
 (:mod:`tests.tools.reached`).  It is kept beside the file of ``--resume``, to which outcomes are
-appended: a run with the same file, seed and sources of the package leaves out what is in it.
+appended: a run with the same file and seed leaves out what is in it.
 Process times and memory are limited by Unix.
 """
 
@@ -22,16 +25,17 @@ from __future__ import annotations
 
 import argparse
 import ast
+import bisect
 import collections
 import contextlib
 import functools
+import hashlib
 import importlib.util
 import itertools
 import json
 import keyword
 import os
 import queue
-import random
 import re
 import shutil
 import signal
@@ -40,7 +44,7 @@ import sys
 import tempfile
 import threading
 import tokenize
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
@@ -67,6 +71,8 @@ ROOMS = (
 )
 #: Test of the defaults of all public names.
 DEFAULTS = "tests/test_defaults.py"
+#: Mutations without effect: a place and a reason in a line.
+WITHOUT_EFFECT = Path("tests/mutations_without_effect.jsonl")
 #: Process time of tests with a mutation: ``LEAST + SLOWER * (time without)`` seconds.
 LEAST, SLOWER = 30.0, 3.0
 #: Process time of the tests of a mutation that run first, in seconds.
@@ -82,11 +88,31 @@ FUNCTIONS |= {new: old for old, new in FUNCTIONS.items()}
 #: Parts that compute nothing.
 COMPUTE_NOTHING = (ast.Raise, ast.Import, ast.ImportFrom, ast.JoinedStr)
 #: Keywords that change no result.
-WITHOUT_EFFECT = ("strict", "stacklevel", "check_finite", "repr")
+NO_RESULT = ("strict", "stacklevel", "check_finite", "repr")
 #: Lines of a summary of pytest with the name of a test that fails.
 FAILED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", re.MULTILINE)
 #: Floats below are tolerances.
 TOLERANCE = 1e-3
+
+
+#: Line and column of a token.
+Position = tuple[int, int]
+
+
+class Place(NamedTuple):
+    """Where a token is, whatever is around its statement.
+
+    The number of the token counts on through equal statements of the function.
+    """
+
+    file: str
+    name: str  # qualified name of the function or class
+    statement: str
+    number: int
+
+    def rank(self, seed: int) -> bytes:
+        """Return a random number that follows from the place."""
+        return hashlib.sha256(repr((seed, *self)).encode()).digest()
 
 
 class Mutation(NamedTuple):
@@ -97,6 +123,7 @@ class Mutation(NamedTuple):
     column: int
     old: str
     new: str
+    place: Place
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}: {self.old} -> {self.new or '(nothing)'}"
@@ -168,7 +195,7 @@ def left_out(tree: ast.Module) -> Iterator[ast.AST]:
     for node in ast.walk(tree):
         if isinstance(node, COMPUTE_NOTHING) or is_warning(node):
             yield node
-        elif isinstance(node, ast.keyword) and node.arg in WITHOUT_EFFECT:
+        elif isinstance(node, ast.keyword) and node.arg in NO_RESULT:
             yield node.value
         elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("reshape"):
             yield from (n.operand for n in ast.walk(node) if is_negative(n))
@@ -180,32 +207,73 @@ def left_out(tree: ast.Module) -> Iterator[ast.AST]:
                 yield node.returns
 
 
+def statements(node: ast.AST, name: str = "") -> Iterator[tuple[str, ast.stmt]]:
+    """Yield the statements with the names of their functions and classes, outer ones first."""
+    for child in ast.iter_child_nodes(node):
+        inner = name
+        if isinstance(child, ast.FunctionDef | ast.ClassDef):
+            inner = f"{name}.{child.name}".lstrip(".")
+        if isinstance(child, ast.stmt):
+            yield inner, child
+        yield from statements(child, inner)
+
+
+def places(
+    file: str, tokens: list[tokenize.TokenInfo], spans: list[tuple[str, Position, Position]]
+) -> list[Place]:
+    """Return the places of tokens; ``spans``: names, starts and ends of the statements."""
+    # Find the innermost statement of each token
+    starts = [token.start for token in tokens]
+    owners = [-1] * len(tokens)
+    for k, (_, start, end) in enumerate(spans):
+        first, last = bisect.bisect_left(starts, start), bisect.bisect_left(starts, end)
+        owners[first:last] = [k] * (last - first)
+    # Join the tokens of each statement
+    words = collections.defaultdict(list)
+    for owner, token in zip(owners, tokens, strict=True):
+        words[owner].append(token.string)
+    texts = {owner: " ".join(some) for owner, some in words.items()}
+    # Number them
+    numbers: dict[tuple[str, str], int] = collections.Counter()
+    found = []
+    for owner in owners:
+        key = spans[owner][0] if owner >= 0 else "", texts[owner]
+        found.append(Place(file, *key, numbers[key]))
+        numbers[key] += 1
+    return found
+
+
 def mutations(root: Path, file: str) -> list[Mutation]:
     """Collect all mutations of a file of the package."""
     path = root / "skfem_contact" / file
     source = path.read_text(encoding="utf-8")
     lines = source.splitlines()
 
-    def place(line: int, column: int) -> tuple[int, int]:
-        """Convert a position that counts bytes."""
-        return line, len(lines[line - 1].encode()[:column].decode())
+    def span(node: ast.AST) -> tuple[Position, Position]:
+        """Return the start and the end of a node; those of the tree count bytes."""
+        ends = (node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset)
+        start, end = ((k, len(lines[k - 1].encode()[:n].decode())) for k, n in ends)
+        return start, end
 
-    spans = [
-        (place(node.lineno, node.col_offset), place(node.end_lineno, node.end_col_offset))
-        for node in left_out(ast.parse(source))
-    ]
+    # Find what computes nothing, and the statements
+    tree = ast.parse(source)
+    nothing = [span(node) for node in left_out(tree)]
+    spans = [(name, *span(node)) for name, node in statements(tree)]
     with path.open("rb") as stream:
         tokens = [
             token
             for token in tokenize.tokenize(stream.readline)
             if token.type in (tokenize.NAME, tokenize.NUMBER, tokenize.OP, tokenize.STRING)
         ]
+    # Change the other tokens
     found = []
-    for before, token, after in zip(tokens, tokens[1:], [*tokens[2:], *tokens[-1:]], strict=False):
+    following = [*tokens[2:], *tokens[-1:]]
+    of_tokens = places(file, tokens, spans)[1:]
+    for before, token, after, place in zip(tokens, tokens[1:], following, of_tokens):
         new = changed(before.string, token.string, after.string)
-        if new is None or any(start <= token.start < end for start, end in spans):
+        if new is None or any(start <= token.start < end for start, end in nothing):
             continue
-        found.append(Mutation(file, *token.start, token.string, new))
+        found.append(Mutation(file, *token.start, token.string, new, place))
     return found
 
 
@@ -220,7 +288,7 @@ def is_read(root: Path, mutation: Mutation) -> bool:
 
 
 def drawn(root: Path, rooms: tuple[str, ...], sample: int, seed: int) -> list[Mutation]:
-    """Draw mutations of some rooms, every token with the same probability."""
+    """Draw mutations of some rooms, every token with the same probability: the first by rank."""
     package = root / "skfem_contact"
     files = sorted(path.relative_to(package).as_posix() for path in package.rglob("*.py"))
     pool = [
@@ -229,8 +297,24 @@ def drawn(root: Path, rooms: tuple[str, ...], sample: int, seed: int) -> list[Mu
         if Path(file).parts[0].removesuffix(".py") in rooms
         for mutation in mutations(root, file)
     ]
-    random.Random(seed).shuffle(pool)
+    pool.sort(key=lambda mutation: mutation.place.rank(seed))
     return list(itertools.islice(filter(functools.partial(is_read, root), pool), sample))
+
+
+def without_effect(root: Path) -> dict[Place, str]:
+    """Read the mutations without effect, with their reasons."""
+    file = root / WITHOUT_EFFECT
+    if not file.exists():
+        return {}
+    rows = map(json.loads, file.read_text(encoding="utf-8").splitlines())
+    return {Place(*row[:4]): row[4] for row in rows}
+
+
+def stale(root: Path, known: Iterable[Place]) -> list[Place]:
+    """Return the places that the package does not have."""
+    files = {place.file for place in known if (root / "skfem_contact" / place.file).exists()}
+    present = {mutation.place for file in files for mutation in mutations(root, file)}
+    return [place for place in known if place not in present]
 
 
 # -- tests of a mutation
@@ -505,12 +589,12 @@ class Records:
 # -- command line
 
 
-def recorded(file: Path, run: Run) -> dict[Mutation, str | None]:
+def recorded(file: Path, run: Run) -> dict[Place, str | None]:
     """Read the outcomes of a run."""
     if not file.exists():
         return {}
     rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
-    return {Mutation(*row["mutation"]): row["caught_by"] for row in rows if row["run"] == str(run)}
+    return {Place(*row["place"]): row["caught_by"] for row in rows if row["run"] == str(run)}
 
 
 def tried(
@@ -538,16 +622,16 @@ def tried(
         pool = opened.enter_context(ThreadPoolExecutor(jobs))
         for run in RUNS:
             known = recorded(file, run)
-            outcomes |= {key: test for key, test in known.items() if test and key in outcomes}
+            outcomes |= {key: known[key.place] for key in chosen if known.get(key.place)}
             remaining = [
                 mutation
                 for mutation in chosen
-                if outcomes[mutation] is None and (again or mutation not in known)
+                if outcomes[mutation] is None and (again or mutation.place not in known)
             ]
             for mutation, test in pool.map(functools.partial(outcome, run=run), remaining):
                 outcomes[mutation] = test
                 print(f"{test or f'PASSES ({run})'}: {mutation}", flush=True)
-                row = {"mutation": mutation, "run": str(run), "caught_by": test}
+                row = {"place": mutation.place, "run": str(run), "caught_by": test}
                 with file.open("a", encoding="utf-8") as stream:
                     stream.write(json.dumps(row) + "\n")
         prove_nothing = copy.failing({test for test in outcomes.values() if test and "::" in test})
@@ -569,13 +653,20 @@ def main(arguments: list[str] | None = None, root: Path = ROOT) -> int:
     parser.add_argument("--again", action="store_true", help="try survivors of the file again")
     given = parser.parse_args(arguments)
     sample = drawn(root, tuple(given.room or ROOMS), given.sample, given.seed)
-    chosen = sample[given.first - 1 : given.last]
+    known = without_effect(root)
+    drawn_ones = sample[given.first - 1 : given.last]
+    chosen = [mutation for mutation in drawn_ones if mutation.place not in known]
     outcomes = tried(root, chosen, given.jobs, given.resume, given.again)
+    # Tell the mutations without effect, with what no longer is one
+    for mutation in sorted({*drawn_ones} - {*chosen}):
+        print(f"No effect: {mutation}: {known[mutation.place]}")
+    for place in stale(root, known):
+        print(f"{WITHOUT_EFFECT}: the package no longer has {list(place)}; remove it")
+    # Tell the survivors, each with its line in the list of those without effect
     survivors = sorted(mutation for mutation, test in outcomes.items() if test is None)
     print("\nSurvivors:" if survivors else "\nNo survivors.")
     for mutation in survivors:
-        source = (root / "skfem_contact" / mutation.file).read_text(encoding="utf-8")
-        print(f"{mutation}\n    {source.splitlines()[mutation.line - 1].strip()}")
+        print(f"{mutation}\n    {json.dumps([*mutation.place, 'reason'])}")
     print(f"{len(survivors)} of {len(outcomes)} mutations survive")
     return int(len(survivors) > 0.05 * len(outcomes))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -74,6 +75,80 @@ def test_samples_repeat(project: Path) -> None:
     assert mutate.drawn(project, ("other",), 5, seed=1) == []
 
 
+TWO = """
+def total(values):
+    found = 0
+    for value in values:
+        found += 2 * value
+        found += 2 * value
+    return found - 1
+
+
+def mean(values):
+    return total(values) / max(len(values), 1)
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "changed"),
+    [
+        ("    return total", "    # Divide\n    count = len(values)\n\n    return total", 0),
+        ("total(values) / max(len(values), 1)", "total(\n    values\n) / max(len(values), 1)", 0),
+        ("def mean(", "def middle(more=1):\n    return -more\n\n\ndef mean(", 0),
+        ("values), 1)", "values), 2)", 3),
+        ("found - 1", "found - 2", 2),
+        ("found = 0", "", 1),
+        ("def total", "def sum_of", 9),
+    ],
+)
+def test_samples_stay_when_other_statements_change(
+    project: Path, old: str, new: str, changed: int
+) -> None:
+    """Ranks follow from the statement and its function: layout, comments and other statements do
+    not matter.
+    """
+    file = project / "skfem_contact/room/sums.py"
+
+    def ranks() -> list[bytes]:
+        return [m.place.rank(4) for m in mutate.drawn(project, ("room",), 99, seed=4)]
+
+    file.write_text(TWO)
+    before = ranks()
+    assert len(set(before)) == len(before) == 12
+    file.write_text(TWO.replace(old, new))
+    assert len({*before} - {*ranks()}) == changed
+    # Those that stay keep their order
+    kept = [rank for rank in ranks() if rank in before]
+    assert kept == [rank for rank in before if rank in kept]
+
+
+def test_mutations_without_effect_do_not_count(project: Path, monkeypatch, capsys) -> None:
+    """They are told with their reasons and are not tried; one that the package no longer has is
+    told, too.
+    """
+    monkeypatch.setattr(mutate, "ROOMS", ("room",))
+    monkeypatch.setattr(mutate, "tried", lambda root, chosen, *more: dict.fromkeys(chosen))
+    places = [m.place for m in mutate.drawn(project, ("room",), 99, seed=1)]
+    rows = [[*places[2], "Sizes count alone."], [*places[3]._replace(name="sum"), "Gone."]]
+    (project / mutate.WITHOUT_EFFECT).write_text("\n".join(map(json.dumps, rows)))
+    assert mutate.main([], project) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("No effect: room/sums.py:")
+    assert lines[0].endswith(": Sizes count alone.")
+    assert "no longer has" in lines[1]
+    assert lines[-1] == f"{len(places) - 1} of {len(places) - 1} mutations survive"
+    # The line of a survivor is one of the list
+    row = json.loads(lines[5])
+    assert mutate.Place(*row[:4]) in places
+
+
+def test_listed_mutations_are_in_the_package() -> None:
+    """The list of mutations without effect follows the package, and gives reasons."""
+    known = mutate.without_effect(mutate.ROOT)
+    assert not mutate.stale(mutate.ROOT, known)
+    assert all(reason.endswith(".") for reason in known.values())
+
+
 def test_parts_of_a_sample(project: Path, monkeypatch, capsys) -> None:
     """Parts are counted from one, with both ends, and join to the sample."""
     monkeypatch.setattr(mutate, "ROOMS", ("room",))
@@ -100,11 +175,10 @@ def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
         "test_total",
         "test_refused",
     ]
-    assert mutate.recorded(file, mutate.RUNS[0]) == {**outcomes, chosen[2]: None}
-    assert mutate.recorded(file, mutate.RUNS[3]) == {
-        chosen[0]: None,
-        chosen[2]: outcomes[chosen[2]],
-    }
+    default, _, refused = (m.place for m in chosen)
+    found = {m.place: test for m, test in outcomes.items()}
+    assert mutate.recorded(file, mutate.RUNS[0]) == {**found, refused: None}
+    assert mutate.recorded(file, mutate.RUNS[3]) == {default: None, refused: found[refused]}
     capsys.readouterr()
     assert mutate.tried(project, chosen, 1, file) == outcomes
     assert not capsys.readouterr().out
@@ -113,8 +187,8 @@ def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
     added = "\n\ndef test_default():\n    assert total.__kwdefaults__ == {'sign': -1}\n"
     (project / "tests/room/test_sums.py").write_text(TEST + added)
     assert mutate.tried(project, chosen, 1, file) == outcomes
-    default = chosen[0]
-    assert "test_default" in str(mutate.tried(project, [default], 1, file, again=True)[default])
+    again = mutate.tried(project, chosen[:1], 1, file, again=True)
+    assert "test_default" in str(again[chosen[0]])
 
 
 SEGMENTS = '''
