@@ -13,11 +13,11 @@ the one before.  A mutation that passes all of them survives.  A survivor is eit
 test or has no effect; ``--again`` tries the survivors again after tests have been added.  Mutations
 without effect are listed in ``mutations_without_effect.jsonl``, each with a reason, and not tried.
 
-The first run needs about a second for a mutation: the package is imported once, and the code of its
+The first run needs a few seconds for a mutation: the package is imported once, and the code of its
 functions changed (:mod:`tests.tools.forked`).  Later runs are of those tests alone that reach the
 token, the quickest ones before others.  What tests reach is found once, without a mutation
-(:mod:`tests.tools.reached`).  It is kept beside the file of ``--resume``, to which outcomes are
-appended: a run with the same file and seed leaves out what is in it.
+(:mod:`tests.tools.reached`), and again where the file of the mutation has changed.  It is kept
+beside the file of ``--resume``, to which outcomes are appended: what is in it is not tried again.
 Process times and memory are limited by Unix.
 """
 
@@ -44,6 +44,7 @@ import sys
 import tempfile
 import threading
 import tokenize
+import zlib
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -369,8 +370,10 @@ def tests_of_file(root: Path, mutation: Mutation) -> list[str]:
 
 
 def tests_of_rest(root: Path, mutation: Mutation) -> list[str]:
-    """List the other test files of a room."""
-    return sorted({*tests_of_room(root, mutation)} - {*tests_of_file(root, mutation)})
+    """List the other test files of a room, those that touch the file first."""
+    touching = tests_that_touch(root, mutation)
+    others = {*tests_of_room(root, mutation)} - {*tests_of_file(root, mutation)}
+    return sorted(others, key=lambda test: (test not in touching, test))
 
 
 def tests_of_others(root: Path, mutation: Mutation) -> list[str]:
@@ -511,22 +514,32 @@ class Copy:
     def caught_by(self, mutation: Mutation, records: Records, run: Run) -> str | None:
         """Return the test that catches a mutation, or None."""
         source = (self.folder / "skfem_contact" / mutation.file).read_text(encoding="utf-8")
-        files = run.files(self.folder, mutation)
-        # Choose the tests, in two parts, and their process time
-        if run.selected:
-            tests = records.of(mutation, files, run.marked)
-            groups = [tests.quickest, tests.others]
-            seconds = LEAST + SLOWER * tests.total
-        else:
-            groups, seconds = [files], forked.LONGEST
-        # Run them
         changed = (mutation.file, source)
         self.write(mutation.file, mutation.applied(source))
         try:
-            failed = (self.failure(tests, run.marked, seconds, changed) for tests in groups)
-            return next(filter(None, failed), None)
+            for tests, seconds in self.groups(mutation, records, run):
+                failed = self.failure(tests, run.marked, seconds, changed)
+                if failed:
+                    return failed
+            return None
         finally:
             self.write(mutation.file, source)
+
+    def groups(
+        self, mutation: Mutation, records: Records, run: Run
+    ) -> Iterator[tuple[list[str], float]]:
+        """Yield the tests of a run in groups, with limits of their process time."""
+        files = run.files(self.folder, mutation)
+        if not run.selected:
+            yield files, forked.LONGEST
+            return
+        # Files with a record first; others one by one, since most mutations are caught early
+        present = [file for file in files if records.has(mutation, file, run.marked)]
+        missing = [file for file in files if file not in present]
+        for some in (present, *([file] for file in missing)):
+            tests = records.of(mutation, some, run.marked)
+            for group in (tests.quickest, tests.others):
+                yield group, LEAST + SLOWER * tests.total
 
 
 class Records:
@@ -536,6 +549,11 @@ class Records:
         self.root, self.folder, self._place = root, folder, copy
         self.busy = threading.Lock()
         folder.mkdir(parents=True, exist_ok=True)
+        package = root / "skfem_contact"
+        self.sources = {
+            path.relative_to(package).as_posix(): zlib.crc32(path.read_bytes())
+            for path in package.rglob("*.py")
+        }
 
     @functools.cached_property
     def copy(self) -> Copy:
@@ -555,25 +573,35 @@ class Records:
         """Read what a test file reaches."""
         return json.loads(self.place(file, marked).read_text(encoding="utf-8"))
 
-    def record(self, files: list[str], marked: str) -> None:
+    def has(self, mutation: Mutation, file: str, marked: str) -> bool:
+        """Whether there is a record of a test file with the present source of the package."""
+        if not self.place(file, marked).exists():
+            return False
+        return self.read(file, marked)["sources"].get(mutation.file) == self.sources[mutation.file]
+
+    def record(self, mutation: Mutation, files: list[str], marked: str) -> None:
         """Run test files that have not been run yet."""
         with self.busy:
-            missing = [file for file in files if not self.place(file, marked).exists()]
+            missing = [file for file in files if not self.has(mutation, file, marked)]
             if not missing:
                 return
-            print(f"without a mutation: {len(missing)} test files, {marked}", flush=True)
+            for place in (self.place(file, marked) for file in missing):
+                place.unlink(missing_ok=True)
+            print(f"without a mutation: {' '.join(missing)}, {marked}", flush=True)
             options = ("-p", "tests.tools.reached", f"--reached={self.folder}", "-m", marked)
             status, output = self.copy.run(missing, *options, seconds=forked.LONGEST)
             if status not in (0, 1, 5):
                 raise RuntimeError(f"pytest ends with status {status}: {output[-2000:]}")
-            # No test of the other files is marked so.
-            for place in (self.place(file, marked) for file in missing):
-                if not place.exists():
-                    place.write_text(json.dumps({"times": {}, "reached": {}, "failed": []}))
+            for file in missing:
+                found = {"times": {}, "reached": {}, "failed": []}  # no test is marked so
+                if self.place(file, marked).exists():
+                    found = self.read(file, marked)
+                found["sources"] = self.sources
+                self.place(file, marked).write_text(json.dumps(found), encoding="utf-8")
 
     def of(self, mutation: Mutation, files: list[str], marked: str) -> Tests:
         """Return the tests that reach a mutation; all tests of the files if it runs on import."""
-        self.record(files, marked)
+        self.record(mutation, files, marked)
         source = (self.root / "skfem_contact" / mutation.file).read_text(encoding="utf-8")
         line = reached.segment_of(source, mutation.line)
         times: dict[str, float] = {}

@@ -190,6 +190,14 @@ def test_survivors_and_resumed_runs(project: Path, capsys) -> None:
     again = mutate.tried(project, chosen[:1], 1, file, again=True)
     assert "test_default" in str(again[chosen[0]])
 
+    # what tests reach follows the lines of the package
+    package = project / "skfem_contact/room/sums.py"
+    package.write_text(MODULE.replace("\n\ndef total", "SIZE = 3\n\n\ndef total"))
+    file.unlink()
+    moved = {m.place: m for m in mutate.mutations(project, "room/sums.py")}[refused]
+    assert moved.line == chosen[2].line + 1
+    assert "test_refused" in str(mutate.tried(project, [moved], 1, file)[moved])
+
 
 SEGMENTS = '''
 import math
