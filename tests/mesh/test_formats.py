@@ -15,6 +15,7 @@ import pytest
 from skfem import Basis, FacetBasis, MeshHex, MeshQuad, MeshTet
 
 import skfem_contact as sc
+from skfem_contact.errors import AnalysisWarning
 from skfem_contact.mesh import check_mesh, load_mesh, save_mesh
 from skfem_contact.mesh.formats import abaqus, kratos, med, nastran
 from skfem_contact.mesh.formats import gmsh as own_gmsh
@@ -1041,6 +1042,37 @@ def test_files_of_single_partitions_are_refused(tmp_path, model, binary):
     for number in (1, 2):
         with pytest.raises(ValueError, match=f"it has partition {number} of 2 alone: in Gmsh, set"):
             load_mesh(tmp_path / f"part_{number}.msh")
+
+
+@pytest.mark.parametrize("ghosts", [0, 1])
+@pytest.mark.parametrize("binary", [0, 1])
+def test_single_partitions_of_format_22(tmp_path, model, binary, ghosts):
+    """[X] The second partition is refused, the first one where ghosts name the second; else it may
+    be all.
+    """
+    gmsh.model.occ.addRectangle(0.0, 0.0, 0.0, 2.0, 1.0)
+    gmsh.model.occ.synchronize()
+    gmsh.model.addPhysicalGroup(2, [1], name="plate")
+    gmsh.model.mesh.generate(2)
+    options = {"PartitionCreateGhostCells": ghosts, "MshFileVersion": 2.2, "Binary": binary}
+    for name, value in options.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+    gmsh.model.mesh.partition(2)
+    gmsh.write(str(tmp_path / "all.msh"))
+    gmsh.option.setNumber("Mesh.PartitionSplitMeshFiles", 1)
+    gmsh.write(str(tmp_path / "part.msh"))
+    for name, value in {"PartitionSplitMeshFiles": 0, "PartitionCreateGhostCells": 0}.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+
+    assert size_of(load_mesh(tmp_path / "all.msh"), "plate") == pytest.approx(2.0, rel=1e-12)
+    with pytest.raises(ValueError, match="it has partition 2 of at least 2 alone: in Gmsh, set"):
+        load_mesh(tmp_path / "part_2.msh")
+    if ghosts:
+        with pytest.raises(ValueError, match="it has partition 1 of at least 2 alone"):
+            load_mesh(tmp_path / "part_1.msh")
+    else:
+        with pytest.warns(AnalysisWarning, match="may be a part of the mesh"):
+            load_mesh(tmp_path / "part_1.msh")
 
 
 def test_a_curve_and_a_surface_of_one_name(tmp_path, model):

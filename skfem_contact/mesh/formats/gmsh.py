@@ -11,6 +11,7 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
+from ...errors import warn
 from ..content import (
     Content,
     check_count,
@@ -64,6 +65,8 @@ _ORDER = {
 _DATA = re.compile(
     rb'\$ElementData\s+1\s+"(skfem:[^"]*)"\s+1\s+\S+\s+3\s+\d+\s+(\d+)\s+(\d+)[ \t\r]*\n'
 )
+#: Advice on files of single partitions.
+_WHOLE = ": in Gmsh, set Mesh.PartitionSplitMeshFiles = 0, or merge all files"
 _WORDS = {0: "point", 1: "curve", 2: "surface", 3: "volume"}
 
 
@@ -73,6 +76,8 @@ class _Blocks(NamedTuple):
     kind: str
     nodes: Integers
     tags: tuple[Integers | int, ...]
+    # partitions that own each element, then those that know it, of format 2.2: (n_elements, n)
+    partitions: Integers = np.zeros((0, 0), int)
 
 
 def read(path: str) -> Content:
@@ -113,6 +118,7 @@ def _read(file: BinaryIO, data: mmap.mmap) -> Content:
     if version == "2.2":
         ids, points = _nodes_22(reader("Nodes"))
         blocks = _elements_22(reader("Elements"), data)
+        _check_partitions_22(blocks)
     else:
         groups = _groups_of_entities(reader("Entities"))
         parts, partitions = _groups_of_partitions(reader("PartitionedEntities"))
@@ -241,7 +247,8 @@ def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
         repeated = longest if same.all() else int(np.argmin(same))
         table = run[:repeated, 3:].reshape(-1, width)
         tag = table[:, 1] if n_tags else np.zeros(len(table), int)
-        blocks.append(_Blocks(kind, table[:, 1 + n_tags :], (tag,)))
+        parts = np.abs(table[:, 4 : 1 + n_tags])
+        blocks.append(_Blocks(kind, table[:, 1 + n_tags :], (tag,), parts))
         position += repeated * length
         done += repeated * max(many, 1)
     return blocks
@@ -267,7 +274,8 @@ def _lines_22(numbers: Integers, count: int) -> list[_Blocks]:
             raise ValueError("it is not complete: an element has too few nodes")
         table = table[:many]
         tag = table[:, 3] if n_tags else np.zeros(many, int)
-        blocks.append(_Blocks(kind, table[:, 3 + n_tags :], (tag,)))
+        parts = np.abs(table[:, 6 : 3 + n_tags])
+        blocks.append(_Blocks(kind, table[:, 3 + n_tags :], (tag,), parts))
         position += many * width
         done += many
     return blocks
@@ -342,9 +350,31 @@ def _check_partitions(partitions: _Tags, groups: _Tags, found: set[tuple[int, in
     there = {int(part) for key in found & set(every) for part in partitions[key]}
     if wanted - there:
         raise ValueError(
-            f"it has partition {', '.join(map(str, sorted(there)))} of {len(wanted)} alone: in "
-            "Gmsh, set Mesh.PartitionSplitMeshFiles = 0, or merge all files"
+            f"it has partition {', '.join(map(str, sorted(there)))} of {len(wanted)} alone{_WHOLE}"
         )
+
+
+def _check_partitions_22(blocks: list[_Blocks]) -> None:
+    """Refuse a file of format 2.2 that lacks partitions which its elements name.
+
+    Partitions have the numbers from one. The head does not tell how many there are: the last ones
+    are missed where no ghost elements name them, and a single first one may be all.
+    """
+    dim = max((KINDS[block.kind].dim for block in blocks), default=0)
+    there = set()
+    wanted = set()
+    for block in blocks:
+        if KINDS[block.kind].dim == dim and block.partitions.size:
+            there.update(np.unique(block.partitions[:, 0]).tolist())
+            wanted.update(np.unique(block.partitions).tolist())
+    last = max(wanted, default=0)
+    if set(range(1, last + 1)) - there:
+        raise ValueError(
+            f"it has partition {', '.join(map(str, sorted(there)))} of at least {last} alone"
+            f"{_WHOLE}"
+        )
+    if last == 1:
+        warn(f"the file has partition 1, which may be a part of the mesh{_WHOLE}")
 
 
 def _groups_of_entity(section: _Numbers, dim: int) -> Integers:
