@@ -1075,6 +1075,22 @@ def test_single_partitions_of_format_22(tmp_path, model, binary, ghosts):
             load_mesh(tmp_path / "part_1.msh")
 
 
+@pytest.mark.parametrize("end", ["vtu", "vtk"])
+def test_joined_sets_that_cover_all_cells(tmp_path, end):
+    """[X] Sets that meshio joins without a rest keep both names; masks with a hyphen stay masks."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], float)
+    cells = [("quad", np.array([[0, 1, 4, 3], [1, 2, 5, 4]]))]
+    sets = {"clay": [np.array([0])], "sand": [np.array([1])]}
+    meshio.Mesh(points, cells, cell_sets=sets).write(tmp_path / f"sets.{end}")
+    with pytest.warns(AnalysisWarning, match="is read as the sets 'clay' and 'sand'"):
+        mesh = load_mesh(tmp_path / f"sets.{end}")
+    assert {name: len(part) for name, part in mesh.subdomains.items()} == {"clay": 1, "sand": 1}
+
+    mask = {"clay-core": [np.array([0, 1], np.int8)]}
+    meshio.Mesh(points, cells, cell_data=mask).write(tmp_path / "mask.vtu")
+    assert set(load_mesh(tmp_path / "mask.vtu").subdomains) == {"clay-core"}
+
+
 def test_a_curve_and_a_surface_of_one_name(tmp_path, model):
     """[X] Both are kept: subdomains and boundaries have names of their own."""
     boxes(2, 1, "unnamed")

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import warn
 from ..content import Content, check_names, compact
 from ..kinds import KINDS, Integers
 from .scikit_fem import add_encoded
@@ -117,17 +118,22 @@ def _add_data(
 
 def _names_of_values(key: str, values: Integers) -> dict[int, str]:
     """Return the names of groups by the values of their cells."""
-    # Zeros and ones are a mask.
+    # Zeros and ones are a mask, but for the names and the 64 bits that meshio gives to joined sets.
     low = int(values.min(initial=0))
     high = int(values.max(initial=0))
+    joined = key.split("-")
     if low == 0 and high == 1 and key not in _REGIONS:
-        return {1: key}
+        if len(joined) == 1 or values.dtype.itemsize < 8:
+            return {1: key}
+        warn(
+            f"the cell data '{key}' of zeros and ones is read as the sets {joined[0]!r} and "
+            f"{joined[1]!r}, which meshio joins so: save a mask of that name as integers of 8 bits"
+        )
     # Many values are no groups.
     different = np.unique(values).tolist()
     if len(different) > _MOST:
         return {}
     # Names joined by a hyphen are numbered in their order.
-    joined = key.split("-")
     if len(joined) > 1 and set(different) <= set(range(-1, len(joined))):
         return dict(enumerate(joined))
     return {value: f"{key} {value}" for value in different if value >= 0}
