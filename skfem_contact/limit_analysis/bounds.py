@@ -359,7 +359,7 @@ def _tell(search: Search, gap: float) -> None:
     elif unproven:
         warn(
             f"no {' and no '.join(unproven)} bound could be proven{_meshes(search)}"
-            f"{_blocked(search)}{_too_strong(search)}"
+            f"{_blocked(search)}{_held(search)}{_too_strong(search)}"
         )
     elif search.gap > gap:
         warn(
@@ -388,6 +388,16 @@ def _too_strong(search: Search) -> str:
     return (
         "; with LinearElastic, what is much stronger than the rest would be rigid, and bounds "
         f"closer: {', '.join(search.problem.strong)}"
+    )
+
+
+def _held(search: Search) -> str:
+    """Return the multiplier that the fixed loads need, for a message."""
+    if not np.isfinite(search.least):
+        return ""
+    return (
+        f"; the fixed loads stand from a multiplier of {search.least:.4g}, and stresses that show "
+        "it need a finer mesh: allow more `elements`"
     )
 
 

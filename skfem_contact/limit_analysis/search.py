@@ -65,6 +65,8 @@ _LEVEL = 150.0
 
 #: Share of the upper bound below which a lower one is nothing.
 NOTHING = 1e-3
+#: Power of the multiplied loads against a mechanism, as a share of its terms, that is round-off.
+_OPPOSED = 1e-9
 #: Meshes without a lower bound after which refinement ends once the upper bound has settled.
 _TRIES = 2
 
@@ -114,9 +116,9 @@ class Search:
                 self.upper = stiff
             else:
                 self._moving = self.model
-        #: Largest factor by which all strength may be divided under the fixed loads; inf where they
-        #: are admissible.
-        self.fixed_factor = self._factor_of_fixed_loads()
+        #: Largest factor by which all strength may be divided under the fixed loads, and the least
+        #: multiplier that holds them; inf and -inf where they are admissible.
+        self.fixed_factor, self.least = self._fixed_loads()
         self.last = self.lower, self.upper
 
     @property
@@ -126,8 +128,9 @@ class Search:
 
     @property
     def overloaded(self) -> bool:
-        """True if the fixed loads alone are proven to be too much."""
-        return self.live and (self.upper.proof.value < 0 or self.fixed_factor < 1)
+        """True if the fixed loads are proven to be too much at any multiplier from zero."""
+        high = self.upper.proof.value
+        return self.live and (high < 0 or self.least > high)
 
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
@@ -264,16 +267,32 @@ class Search:
                 break
         return solution, proof
 
-    def _factor_of_fixed_loads(self) -> float:
-        """Return an upper bound of the fixed loads' factor; inf where a multiplier is proven.
+    def _fixed_loads(self) -> tuple[float, float]:
+        r"""Return an upper bound of the fixed loads' factor, and the least multiplier they need.
 
-        The mechanism of fixed loads that are too much continues under any live load: its multiplier
-        has no optimum, and round-off decides where that iteration ends.
+        Both are inf and -inf where a multiplier is proven. A mechanism v of the fixed loads
+        :math:`f_0` that the multiplied ones :math:`f_1` oppose, as the thrust on a wall does,
+        demands :math:`\theta \ge (f_0 v - D(v)) / (-f_1 v)`. Another one continues under any
+        multiplied load: its multiplier has no optimum, and round-off decides where that iteration
+        ends.
         """
         program = self.upper.program
         if not self.live or np.isfinite(self.lower.proof.value) or not np.any(program.dead):
-            return np.inf
-        return self._refuted(program.of_fixed_loads(), False)[1].value
+            return np.inf, -np.inf
+        fixed = program.of_fixed_loads()
+        proof = self._refuted(fixed, False)[1]
+        if not proof.value < 1:
+            return proof.value, -np.inf
+
+        # compare the power that is left with the power of the multiplied loads
+        velocity = proof.field
+        spent = dissipation(fixed, fixed.strains(velocity), 1.0).sum()
+        left = float(program.dead @ velocity - spent)
+        opposed = -float(program.live @ velocity)
+        size = float(np.abs(program.live) @ np.abs(velocity))
+        if opposed <= _OPPOSED * size:
+            return proof.value, np.inf
+        return proof.value, left / opposed
 
     def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Bound:
         """Record a bound on the present triangles."""

@@ -20,6 +20,7 @@ from numpy import ndarray
 from skfem import Mesh, MeshTri1, MeshTri2
 from typing_extensions import Self
 
+from ..contact.base import ContactBase
 from ..contact.laws import Status
 from ..contact.penalty import choose_penalties
 from ..errors import warn
@@ -341,9 +342,12 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     head["forms"] = list(stage.states)
     head["meshes"] = {}
     head["settings"] = {}
+    head["penalties"] = {}
     for name, form in stage.forms.items():
         head["meshes"][name] = _fingerprint(form)
         head["settings"][name] = _settings(form)
+        if isinstance(form, ContactBase) and form.penalty is not None:
+            head["penalties"][name] = [*form.penalty, form.stiffness]
     for name, values in stage.series.items():
         arrays[f"{key}/series of {name}"] = values
     head["series"] = list(stage.series)
@@ -427,7 +431,7 @@ def _stage(
     """Make a stage of its head and arrays; the inverse of :func:`_described`."""
     # Read the states of the given forms.
     states = _states(arrays, key, head, given)
-    forms = {name: given[name] for name in states}
+    forms = {name: _as_run(given[name], head, name) for name in states}
     if "." not in key:
         _warn_of_other_settings(head, forms)
 
@@ -456,6 +460,17 @@ def _stage(
         **vectors,
         **texts,
     )
+
+
+def _as_run(form: Form, head: Mapping[str, Any], name: str) -> Form:
+    """Return a form with the penalty that the run chose, where no model brought its supports."""
+    chosen = head.get("penalties", {}).get(name)  # older files have none
+    if chosen is None or not isinstance(form, ContactBase) or not form.awaits_supports:
+        return form
+    normal, tangential, stiffness = chosen
+    if form.given_penalty is not None:
+        normal, tangential = form.given_penalty
+    return form.with_penalty(normal, tangential, stiffness=stiffness)
 
 
 def _states(

@@ -66,13 +66,15 @@ class Setup:
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
+        self.fixed = self.layout.dofs(fixed)
+        # Forms at planes of symmetry know their other halves.
+        for name, form in having(self._completed, Couples).items():
+            self._completed[name] = form.mirrored(self._completed, self.fixed)
         self.forms = self.own = {
             name: self._numbered(form) for name, form in self._completed.items()
         }
         # Check what needs numbers.
         _check_joints(self.forms)
-        self.fixed = self.layout.dofs(fixed)
-        self._mirror()
         self.water_unit_weight = water_unit_weight
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
@@ -81,12 +83,6 @@ class Setup:
         if gravity_acceleration is not None:
             positive(gravity_acceleration, "gravity_acceleration")
         self._change: Callable[[str, Form], Form] | None = None
-
-    def _mirror(self) -> None:
-        """Let forms at planes of symmetry know their other halves."""
-        for forms in (self._completed, self.forms):
-            for name, form in having(forms, Couples).items():
-                forms[name] = form.mirrored(forms, self.fixed)
 
     def acceleration_of_gravity(self) -> float:
         """Return the acceleration of gravity; a ``ValueError`` where it was not given."""

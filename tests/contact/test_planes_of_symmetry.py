@@ -140,6 +140,36 @@ def test_default_penalties_of_half_models_are_those_of_whole_ones(
     assert sc.Model(forms).forms["joint"].stiffness < 0.99 * whole.stiffness
 
 
+@pytest.mark.parametrize("given", [None, 3e4])
+def test_files_of_half_models_keep_their_penalties(tmp_path, given: float | None) -> None:
+    """[X] Results that are read with bare forms, without supports, have the penalty of the run."""
+    pressed = round_body("Q1", "penalty", 2.0, (2, 1))
+    _, forms, fixed = pressed.model(False)
+    if given is not None:
+        forms["joint"] = forms["joint"].with_penalty(given, given)
+    model = sc.Model(forms, fixed)
+    result = model.run([sc.Stage("rest")], progress=False)
+    result.save(tmp_path / "half.npz")
+    joint = sc.load_result(tmp_path / "half.npz", forms)["rest"].forms["joint"]
+    ran = model.forms["joint"]
+    assert (joint.penalty, joint.stiffness) == (ran.penalty, ran.stiffness)
+
+
+def test_stiffness_at_planes_of_symmetry_is_found_once(monkeypatch) -> None:
+    """A model mirrors each of its contact pairs once."""
+    _, forms, fixed = round_body("Q1", "penalty", 2.0, (2, 1)).model(False)
+    calls = []
+    mirrored = sc.ContactPair.mirrored
+
+    def counted(self, *given):
+        calls.append(self)
+        return mirrored(self, *given)
+
+    monkeypatch.setattr(sc.ContactPair, "mirrored", counted)
+    sc.Model(forms, fixed)
+    assert len(calls) == 1
+
+
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 @pytest.mark.parametrize(
     ("element", "method", "stiffer"),

@@ -90,3 +90,20 @@ def test_a_start_that_fails_is_left(monkeypatch) -> None:
     # solvers stop at 3e-4
     assert again.lower == pytest.approx(found.lower, rel=1e-3)
     assert again.upper == pytest.approx(found.upper, rel=1e-3)
+
+
+def test_a_near_start_that_takes_long_is_left(monkeypatch) -> None:
+    """[X] Cut off, it adds its iterations to the ones from the beginning, and the bounds stay."""
+    carried = search.carried
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)
+        monkeypatch.setattr(interior_point, "_MOST_NEAR", 2)
+        near = bracket("N_c, 20 degrees", 0.15)
+        monkeypatch.setattr(search, "carried", lambda *args: carried(*args) and None)
+        far = bracket("N_c, 20 degrees", 0.15)
+    assert len(near.history) == len(far.history) > 2
+    # the same iterations; the order of sums differs
+    assert near.lower == pytest.approx(far.lower, rel=1e-6)
+    assert near.upper == pytest.approx(far.upper, rel=1e-6)
+    extra = [a.iterations - b.iterations for a, b in zip(near.history, far.history)]
+    assert extra == [0, 0, *[2] * (len(extra) - 2)]

@@ -101,3 +101,51 @@ def test_a_bank_that_needs_six_times_its_strength() -> None:
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # the gap
         found = model.bounds(elements=300, progress=False)
     assert 0.13 < found.lower < found.upper < 0.1812
+
+
+@pytest.mark.slow
+def test_a_wall_that_falls_without_its_thrust() -> None:
+    """[X] A wall hangs on the ground by its friction, from a thrust of G cot(delta): few elements
+    show that one, more of them a lower bound of the largest one.
+    """
+    ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-2, 0, 9)).with_boundaries(
+        {
+            "bottom": lambda x: x[1] < -2 + 1e-9,
+            "right": lambda x: x[0] > 6 - 1e-9,
+            "behind": lambda x: (x[0] < 1e-9) & (x[1] > -1),
+            "below": lambda x: (x[0] < 1e-9) & (x[1] < -1),
+        }
+    )
+    wall = MeshTri.init_tensor(np.linspace(-0.3, 0, 2), np.linspace(-1, 0, 5)).with_defaults()
+    basis = Basis(
+        sc.join_bodies({"ground": ground, "wall": wall}), ElementVector(ElementTriP2()), intorder=2
+    )
+    soil = sc.MohrCoulomb(1e5, 0.3, c=0.1, phi=30.0, psi=30.0)
+    friction = sc.Coulomb(mu=np.tan(np.radians(20.0)))
+    forms = {
+        "ground": sc.SolidForm(basis.with_elements("ground"), soil),
+        "wall": sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(1e7, 0.2)),
+        "joint": sc.ContactPair(basis, "wall:right", "ground:behind", friction),
+    }
+    fixed = [
+        basis.get_dofs("ground:bottom").all(),
+        basis.get_dofs({"ground:right", "ground:below"}).all("u^1"),
+    ]
+    found = {}
+    for elements in (240, 400):
+        with pytest.warns(sc.AnalysisWarning) as told:
+            found[elements] = sc.Model(forms, fixed).bounds(
+                weight={"ground": 20.0, "wall": 24.0},
+                tractions={"wall:left": (1.0, 0.0)},
+                live="wall:left",
+                flow="associated",
+                elements=elements,
+                progress=False,
+            )
+        if elements == 240:
+            text = str(told[-1].message)
+    least = float(text.partition("from a multiplier of ")[2].partition(", ")[0])
+    exact = 24.0 * 0.3 / np.tan(np.radians(20.0))
+    assert 0.99 * exact < least < exact  # of a mechanism: the thrust may have to be larger
+    assert found[240].lower == -np.inf
+    assert exact < found[400].lower < found[400].upper < found[240].upper
