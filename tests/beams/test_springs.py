@@ -157,6 +157,24 @@ def test_curves_of_the_api():
     assert np.isclose(cyclic[-1, 1], 0.9 * (2.97 * 4.0 + 3.42 * 1.0) * 10.0 * 4.0, rtol=2e-3)
 
 
+def test_published_points_of_curves_in_clay():
+    """[P] Matlock: p / p_u = (y / y_c)^(1/3) / 2 with y_c = 2.5 eps50 D under static load; skin and
+    tip by the tables of API RP 2A-WSD, 6.7.2 and 6.7.3.
+    """
+    D = 0.5
+    y, p = sc.curves.clay_p_y(10.0, D, su=30.0, unit_weight=8.0, eps50=0.02).T
+    y_c = 2.5 * 0.02 * D
+    # the table of two digits at .1, .3, 1, 3 and 8 y_c
+    assert y[1:] / y_c == pytest.approx([0.1, 0.3, 1.0, 3.0, 8.0], rel=1e-12)
+    assert p / p[-1] == pytest.approx(0.5 * (y / y_c) ** (1 / 3), abs=0.006)
+    skin = dict(sc.curves.clay_t_z(1.0 / (np.pi * D), D).round(9))
+    published = {0.0016: 0.3, 0.0031: 0.5, 0.0057: 0.75, 0.008: 0.9, 0.01: 1.0}
+    assert skin == pytest.approx({0.0: 0.0, **{z * D: share for z, share in published.items()}})
+    tip = dict(sc.curves.q_z(1.0, D).round(9))
+    published = {0.002: 0.25, 0.013: 0.5, 0.042: 0.75, 0.073: 0.9, 0.1: 1.0}
+    assert tip == pytest.approx({0.0: 0.0, **{z * D: share for z, share in published.items()}})
+
+
 def test_curves_are_the_same_in_all_units():
     """[X] In GN a curve has the displacements of that in kN, and 1e-6 of the forces."""
     in_kN = sc.curves.sand_p_y(4.0, 1.0, phi=35.0, unit_weight=10.0, k=2e4)

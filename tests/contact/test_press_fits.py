@@ -46,6 +46,36 @@ def test_interference_is_a_number():
 QUIET = {"progress": False}
 
 
+def wedged(left: float, right: float):
+    """Pressures along a joint whose overlap varies from one end to the other."""
+    across = np.linspace(0, 1, 4)
+    lower = MeshQuad.init_tensor(across, np.linspace(0, 1, 3)).with_defaults()
+    upper = MeshQuad.init_tensor(across, np.linspace(1, 2, 3)).with_defaults()
+    p = upper.p.copy()
+    p[1] -= (p[1] == 1.0) * (left + (right - left) * p[0])
+    bodies = {"lower": lower, "upper": replace(upper, doflocs=p)}
+    basis = Basis(sc.join_bodies(bodies), ElementVector(ElementQuad1()), intorder=2)
+    pair = sc.ContactPair(
+        basis, "upper:bottom", "lower:top", sc.Coulomb(), initial="ramped", penalty=1e8
+    )
+    forms = {"bars": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "fit": pair}
+    fixed = [basis.get_dofs(side).all() for side in ("lower:bottom", "upper:top")]
+    found = sc.Model(forms, fixed).run([sc.Stage("fit")], **QUIET)["fit"].tractions("fit")
+    order = np.argsort(found.x)
+    return np.interp(np.linspace(0.05, 0.95, 7), found.x[order], found.pressure[order])
+
+
+@pytest.mark.filterwarnings("ignore:.*do not match overlap")
+def test_interference_that_varies_along_a_joint():
+    """[X] Overlaps of .001 at one end and .01 at the other, and the same from the other side, add
+    up to .011 everywhere, E d / (h1 + h2): points are through with theirs one after another.
+    """
+    rising = wedged(0.001, 0.01)
+    # the bodies that overlap are higher by their share, up to 1 %
+    assert rising + wedged(0.01, 0.001) == pytest.approx(55.0, rel=0.015)
+    assert rising[0] < 0.2 * rising[-1]
+
+
 def shrunk():
     """Model of a hub shrunk into a ring, both of 64 elements around, and its basis."""
     flat = MeshQuad.init_tensor(np.linspace(0, 2 * np.pi, 65), np.linspace(0, 1, 7))

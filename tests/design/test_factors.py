@@ -130,3 +130,31 @@ def test_inclined_load_beside_a_surcharge():
     )
     Nq = np.exp(np.pi * np.tan(np.pi / 6)) * np.tan(np.pi / 3) ** 2
     assert found.pressure == pytest.approx(18.0 * Nq * 0.8**2, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("length", "m", "sq", "sy"), [(2.0, 1.5, 1.5, 0.7), (4.0, 5 / 3, 1.25, 0.85)]
+)
+def test_inclined_load_on_a_rectangle(length, m, sq, sy):
+    """[P] EN 1997-1, D.4, at 30 degrees: a surcharge bears by (1 - H/V)^m with m = 3/2 for a square
+    and 5/3 for a rectangle twice as long as wide, weight by (1 - H/V)^(m + 1).
+    """
+    load = {"vertical": 100.0, "horizontal": 20.0, "length": length, "phi": 30.0}
+    Nq = np.exp(np.pi * np.tan(np.pi / 6)) * np.tan(np.pi / 3) ** 2
+    beside = sc.design.bearing_resistance(2.0, surcharge=18.0, **load)
+    assert beside.pressure == pytest.approx(18.0 * Nq * sq * 0.8**m, rel=1e-12)
+    assert beside.resistance == pytest.approx(2.0 * length * beside.pressure, rel=1e-12)
+    below = sc.design.bearing_resistance(2.0, unit_weight=18.0, **load)
+    Ny = 2.0 * (Nq - 1.0) * np.tan(np.pi / 6)
+    assert below.pressure == pytest.approx(18.0 * Ny * sy * 0.8 ** (m + 1), rel=1e-12)
+
+
+def test_clay_below_a_rectangle():
+    """[P] EN 1997-1, D.3: 1 + 0.2 B/L, and no shear resistance is left where H = A c."""
+    load = {"vertical": 100.0, "length": 4.0, "c": 20.0}
+    level = sc.design.bearing_resistance(2.0, **load)
+    assert level.pressure == pytest.approx((np.pi + 2.0) * 20.0 * 1.1, rel=1e-12)
+    sliding = sc.design.bearing_resistance(2.0, horizontal=160.0, **load)
+    assert sliding.resistance == pytest.approx(0.5 * level.resistance, rel=1e-12)
+    with pytest.raises(ValueError, match="larger than the shear resistance 160"):
+        sc.design.bearing_resistance(2.0, horizontal=160.1, **load)

@@ -75,3 +75,39 @@ def test_short_rope_is_slack_without_force() -> None:
         x[basis.nodal_dofs[0]] = moved
         found = rope.assemble(x, rope.initial_state()).force
         assert np.abs(found).max() == pytest.approx(force, abs=1e-12)
+
+
+@pytest.mark.parametrize("fixed_end", [False, True])
+def test_bars_that_turn_keep_their_length(fixed_end: bool) -> None:
+    """[X] A bar of finite kinematics that turns with its body has no force; where it grows by 1 %
+    on its way it has 1 % of EA, along its new axis.  The tangent is that of the force.
+    """
+    mesh = MeshQuad.init_tensor([0.0, 2.0], [0.0, 1.0]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    start, end = np.array([[0.0, 1.0], [2.0, 0.0]])
+    bar = sc.Bar(basis, [start], [end], EA=50.0, fixed_end=fixed_end, kinematics="finite")
+    state = bar.initial_state()
+    c, s = np.cos(0.7), np.sin(0.7)
+    turned = np.array([[c, -s], [s, c]])
+    axis = turned @ (end - start) / np.linalg.norm(end - start)
+
+    def at(x: np.ndarray) -> sc.Response:
+        return bar.assemble(x, state).padded(basis.N)
+
+    for growth in (0.0, 0.01):
+        # Turn and grow about the end, which stays in its place
+        x = basis.zeros()
+        moved = (1.0 + growth) * turned @ (mesh.p - end[:, None]) + end[:, None]
+        x[basis.nodal_dofs] = moved - mesh.p
+        forces = np.zeros((2, mesh.nvertices))
+        forces[:, (mesh.p == start[:, None]).all(axis=0)] = -axis[:, None]
+        if not fixed_end:
+            forces[:, (mesh.p == end[:, None]).all(axis=0)] = axis[:, None]
+        wanted = basis.zeros()
+        wanted[basis.nodal_dofs] = 50.0 * growth * forces
+        assert at(x).force == pytest.approx(wanted, abs=1e-12)
+
+    way = 1e-4 * np.sin(np.arange(basis.N))
+    change = 0.5 * (at(x + way).force - at(x - way).force)
+    # the third derivative is 1e-8 of the change
+    assert at(x).stiffness @ way == pytest.approx(change, abs=1e-6 * np.abs(change).max())

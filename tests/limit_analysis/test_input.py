@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 from tests.tools.helpers import analysis
@@ -73,6 +73,27 @@ def test_rigid_body_in_the_air() -> None:
     forms, fixed = sliding_blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
     with pytest.raises(ValueError, match="can move freely"):
         sc.Model(forms, fixed).bounds(weight=20.0, gap=0.2, elements=100, progress=False)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_rigid_bodies_that_meet_in_a_corner(apart: bool) -> None:
+    """Two elastic squares in the ground are rigid, and are refused where they meet in a node."""
+    mesh = MeshQuad.init_tensor(np.arange(5.0), np.arange(4.0)).with_defaults()
+    second = 2 if apart else 1
+    corners = {(0, 1), (second, 2)}
+    stiff = [k for k, x in enumerate(mesh.p[:, mesh.t].min(axis=1).T) if tuple(x) in corners]
+    soil = np.setdiff1d(np.arange(mesh.nelements), stiff)
+    mesh = mesh.with_subdomains({"stiff": np.array(stiff), "soil": soil})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    laws = {"stiff": sc.LinearElastic(E=1e6, nu=0.2), "soil": sc.Tresca(E=1e5, nu=0.3, c=10.0)}
+    fixed = [basis.get_dofs("bottom").all(), basis.get_dofs({"left"}).all("u^1")]
+    model = sc.Model({"ground": sc.SolidForm(basis, laws)}, fixed)
+    given = {"weight": 1.0, "gap": 0.5, "elements": 60, "progress": False}
+    if apart:
+        assert model.bounds(**given).upper > 1.0
+        return
+    with pytest.raises(ValueError, match="meet in a node"):
+        model.bounds(**given)
 
 
 @pytest.mark.parametrize("below", [0.0, 1e-16, 1e-3])
