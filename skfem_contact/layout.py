@@ -12,7 +12,6 @@ from itertools import combinations
 from typing import Any, Literal
 
 import numpy as np
-import scipy
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
@@ -363,7 +362,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     >>> sc.dofs_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
     [[2, 3]]
     """
-    # Find the nearest nodes.
+    # Sort the nodes along x: those beside a point are neighbours in this order.
     dim = basis.mesh.dim()
     x = np.atleast_2d(finite(coordinates, "coordinates"))
     if x.ndim != 2 or x.shape[1] != dim:
@@ -372,17 +371,24 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
         )
     numbers = _first_components(basis, part)
     nodes = basis.doflocs[:, numbers]
-    tree = scipy.spatial.cKDTree(nodes.T)
-    nearest = np.asarray(tree.query(x)[1])
+    order = np.argsort(nodes[0])
+    near = _near(basis)
+    begins = np.searchsorted(nodes[0, order], x[:, 0] - near)
+    ends = np.searchsorted(nodes[0, order], x[:, 0] + near, side="right")
     # Refuse points without a node, and with several.
-    for point, node, found in zip(x, nearest, tree.query_ball_point(x, _near(basis))):
+    nearest = []
+    for point, begin, end in zip(x, begins, ends):
+        beside = order[begin:end]
+        found = beside[np.linalg.norm(nodes[:, beside].T - point, axis=1) <= near]
+        nearest.extend(found)
         if len(found) == 1:
             continue
         hint = "say by `part` which body is meant"
-        if not found:
+        if not len(found):
+            node = np.argmin(np.linalg.norm(nodes.T - point, axis=1))
             hint = f"the nearest one is at {format_point(nodes[:, node])}"
         raise ValueError(f"there are {len(found)} nodes at {format_point(point)}; {hint}")
-    return numbers[nearest][:, None] + np.arange(dim)
+    return numbers[np.array(nearest, int)][:, None] + np.arange(dim)
 
 
 def _near(basis: CellBasis) -> float:

@@ -27,7 +27,7 @@ from ..results.stage import StageResult
 from ..results.tractions import Tractions
 from ..units import labelled
 from .scene import Scene
-from .sheet import Window
+from .sheet import PACKED, Window
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
 _POSITIVE = "#cf4b41"
@@ -605,5 +605,8 @@ def saved(figure: Figure, file: str | Path | None) -> Figure:
     """Write the figure to a file if one is given, and return it."""
     if file is not None:
         check_ending(figure, file)
-        figure.savefig(file, dpi=160)
+        options: dict[str, Any] = {}
+        if Path(file).suffix.lower() == ".png":
+            options["pil_kwargs"] = {"compress_level": PACKED}
+        figure.savefig(file, dpi=160, **options)
     return figure

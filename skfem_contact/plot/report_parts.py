@@ -10,8 +10,6 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
-from numpy import ndarray
-from PIL import Image
 
 from ..display import Table
 from ..results.cuts import Cuts
@@ -23,7 +21,7 @@ from .contour import Contours, contours, cutaway
 from .diagram import diagram
 from .mechanism import load_curve, mechanism
 from .model import Shade, drawn
-from .sheet import close
+from .sheet import PACKED, close, png
 from .shells import shells
 
 _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg": "svg+xml"}
@@ -31,8 +29,6 @@ _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg":
 _DPI = 150
 #: Width of the picture of a field in pixels.
 _WIDE = 900
-#: Level of compression: 6, the default, takes three times as long for files 8 % smaller.
-_PACKED = 2
 
 
 def facts_of(result: Result, table: Table, searches: Mapping[str, Any]) -> dict[str, str]:
@@ -103,14 +99,7 @@ def _field(stage: StageResult, quantity: str, common: Contours | None) -> Any:
         return None
     pixels = plotter.screenshot(None, return_img=True)
     close(plotter)
-    return _png(pixels)
-
-
-def _png(pixels: ndarray) -> bytes:
-    """Return an image (height, width, 3) as a file."""
-    content = BytesIO()
-    Image.fromarray(pixels).save(content, format="png", compress_level=_PACKED)
-    return content.getvalue()
+    return png(pixels)
 
 
 def _changes(stage: StageResult, before: list[str]) -> str:
@@ -216,7 +205,7 @@ def image(caption: str, picture: Any) -> tuple[str, bytes]:
         return "png", picture
     if isinstance(picture, Figure):
         data = BytesIO()
-        picture.savefig(data, dpi=_DPI, format="png", pil_kwargs={"compress_level": _PACKED})
+        picture.savefig(data, dpi=_DPI, format="png", pil_kwargs={"compress_level": PACKED})
         plt.close(picture)
         return "png", data.getvalue()
     if isinstance(picture, (str, Path)):

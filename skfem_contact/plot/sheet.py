@@ -7,6 +7,7 @@ import subprocess
 import sys
 from functools import cache
 from io import BytesIO
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib
@@ -17,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
+from PIL import Image
 
 from ..checks import format_point
 from ..errors import warn
@@ -51,6 +53,9 @@ _GAP = 24
 #: Width over height of all views at least, and of a picture over the largest width.
 _ASPECT = 1.4
 _NARROWEST = 0.65
+
+#: Level of compression: 6, the default, takes two to three times as long for files 8 % smaller.
+PACKED = 2
 
 Window = tuple[float, float, float, float]  # xmin, xmax, ymin, ymax
 
@@ -325,7 +330,8 @@ class Frame:
                 groups=[(len(rows) - 1, slice(None))],
             )
         plotter.set_background("white", all_renderers=True)
-        # Smooth edges in the views; in the foot it would shrink the figure.
+        # Smooth edges in the views, once; in the foot it would shrink the figure.
+        plotter.ren_win.SetMultiSamples(0)
         for renderer in list(plotter.renderers)[:-1]:
             renderer.enable_anti_aliasing("ssaa")
         return plotter
@@ -398,13 +404,23 @@ def _window(window: Window, low: ndarray, high: ndarray) -> tuple[ndarray, ndarr
 
 def finish(plotter: Any, file: Any, show: bool) -> Any:
     """Write the file, open the window where it is asked for, and return the plotter."""
-    if file:
+    if file and Path(file).suffix == ".png":
+        pixels = plotter.screenshot(None, return_img=True)
+        Path(file).write_bytes(png(pixels))
+    elif file:
         plotter.screenshot(file, return_img=False)
     elif not show:
         plotter.render()
     if show:
         plotter.show(auto_close=False)
     return plotter
+
+
+def png(pixels: ndarray) -> bytes:
+    """Return an image (height, width, 3) as a file."""
+    content = BytesIO()
+    Image.fromarray(np.asarray(pixels)).save(content, format="png", compress_level=PACKED)
+    return content.getvalue()
 
 
 def close(plotter: Any) -> None:
