@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
 
 from ..display import progress_bar
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import AnalysisWarning, NoEquilibrium, NotConverged
+from ..forms.base import dilate_less
 from ..forms.roles import Reducible, changed
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
@@ -21,8 +24,17 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..stages.setup import Setup
 from ..stages.stage import AtRest, Force
+from . import finer
 from .accepted import Accepted, kept_in_errors
-from .continuation import GROWTH, Branch, Course, follow, last_stage, loaded_start
+from .continuation import (
+    GROWTH,
+    Branch,
+    Course,
+    SearchStart,
+    follow,
+    last_stage,
+    loaded_start,
+)
 from .mechanism import LOAD, as_collapse, warn_of_errors
 from .result import CollapseResult, Point, SearchLog, conclude
 
@@ -131,7 +143,7 @@ def limit_load(
     if not begun.load[system.free].any():
         raise ValueError("the load to be multiplied is zero, or acts on supports alone")
     system = _flowing(system, flow)
-    branch = _Load(system, dead, begun.load)
+    begun = replace(begun, system=system)
 
     # prove bounds that were asked for
     water = None if last is None else last.water
@@ -142,31 +154,60 @@ def limit_load(
             begun.forms,
             fixed=system.fixed,
             dead=dead,
-            live=branch.reference,
+            live=begun.load,
             flow=flow,
             progress=progress,
             at_rest=partial(setup.at_rest, begun.forms, water),
         )
 
-    # follow the curve from the first loaded equilibrium
-    newton = setup.newton or Newton(tolerance=0.03 * tolerance, max_iterations=30)
-    shown = progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}")
-    with accepted, shown as bar:
+    # follow the curve, and see what a coarse mesh adds
+    options = _Options(tolerance, step, max_value, flow, max_step, min_displacement, progress)
+    with accepted:
+        result = accepted.found = _followed(setup, begun, dead, options, accepted)
+        if not undrained:
+            result = replace(result, added=_added(setup, begun, dead, options, result))
+    return result.beside(proven, tolerance * abs(result.value))
+
+
+class _Options(NamedTuple):
+    """Arguments of a search, as of :func:`limit_load`."""
+
+    tolerance: float
+    step: float
+    max_value: float
+    flow: Flow
+    max_step: float
+    min_displacement: float
+    progress: bool | None
+
+
+def _followed(
+    setup: Setup,
+    begun: SearchStart,
+    dead: ndarray,
+    options: _Options,
+    accepted: Accepted,
+) -> CollapseResult:
+    """Follow the curve from the first loaded equilibrium, and describe its end."""
+    o = options
+    system = begun.system
+    branch = _Load(system, dead, begun.load)
+    newton = setup.newton or Newton(tolerance=0.03 * o.tolerance, max_iterations=30)
+    shown = progress_bar(o.progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}")
+    with shown as bar:
         log = SearchLog(system, bar, begun.origin)
-        accepted.follow(branch, log, flow)
-        first = _first(branch, begun.origin, step, newton, log)
+        accepted.follow(branch, log, o.flow)
+        first = _first(branch, begun.origin, o.step, newton, log)
         course = Course(
-            tolerance,
+            o.tolerance,
             relative=True,
-            max_value=max_value,
-            growth=_SMALL_GROWTH if flow == "lagged" else GROWTH,
-            max_step=max_step * first.work,
-            min_displacement=min_displacement,
+            max_value=o.max_value,
+            growth=_SMALL_GROWTH if o.flow == "lagged" else GROWTH,
+            max_step=o.max_step * first.work,
+            min_displacement=o.min_displacement,
         )
         points = [begun.origin, first]
         search = follow(branch, branch.reference, points, newton, course, log)
-
-    # describe the end of the curve
     end = search.points[-1]
     result = conclude(
         LOAD,
@@ -175,10 +216,37 @@ def limit_load(
         system=system,
         load=branch.at(end.parameter)[1],
         steps=log.steps,
-        flow=flow,
+        flow=o.flow,
         multiplied=branch.reference,
     )
-    return begun.ended(result).beside(proven, tolerance * abs(result.value))
+    return begun.ended(result)
+
+
+def _added(
+    setup: Setup,
+    begun: SearchStart,
+    dead: ndarray,
+    options: _Options,
+    result: CollapseResult,
+) -> float:
+    """Return the share that the mesh adds: of a coarse mesh by a search with every element cut."""
+    if dilate_less(begun.system.forms) or not finer.is_coarse(result, options.tolerance):
+        return result.added
+    whole = {"forms": begun.forms, "fixed": begun.system.fixed, "states": begun.origin.states}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AnalysisWarning)
+        try:
+            finer.check(setup, begun.forms, undrained=False)
+            model, load, states = finer.finer(setup, load=begun.load, **whole)
+            kept = finer.finer(setup, load=dead, **whole).load
+            new = loaded_start(model, load, None, False, flow=options.flow)
+            origin = replace(new.origin, states=states)
+            new = replace(new, system=_flowing(new.system, options.flow), origin=origin)
+            quiet = options._replace(progress=False, step=0.5 * result.value)
+            refined = _followed(model, new, kept, quiet, Accepted(LOAD, new))
+        except (ValueError, NotConverged):  # not built anew, or without an equilibrium
+            return result.added
+    return finer.added_by_mesh(result, refined)
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

@@ -387,7 +387,65 @@ def _whole(
     with prepared.accepted:
         proven = beside(certify, live=None, progress=options.progress, **prepared.structure)
     found = _found(setup, prepared, water, options)
+    with found.accepted:
+        added = _added(setup, found, water, options)
+    found = found._replace(result=replace(found.result, added=added))
     return _concluded(found, proven, options, certify)
+
+
+def _added(setup: Setup, found: _Search, water: AtRest, options: _Options) -> float:
+    """Return the share that the mesh adds: of a coarse mesh by a search with every element cut."""
+    result = found.result
+    begun = found.begun
+    if found.free or not finer.is_coarse(result, options.tolerance):
+        return result.added
+    water = _water_of(begun, water)
+    quiet = options._replace(progress=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AnalysisWarning)
+        try:
+            finer.check(setup, begun.forms, options.undrained)
+            finer.check_water(water)
+            first = _BEGIN * result.value / (1.0 + result.added)
+            setup, prepared = _on_finer(setup, found, water, quiet)
+            refined = _found(setup, prepared, water, quiet, first).result
+        except (ValueError, NotConverged):  # not built anew, or without an equilibrium
+            return result.added
+    return finer.added_by_mesh(result, refined)
+
+
+def _water_of(begun: SearchStart, water: AtRest) -> AtRest:
+    """Return the water of a search, by default of its start."""
+    if water is None and begun.begins.water is not None:
+        return begun.begins.water
+    return water
+
+
+def _on_finer(
+    setup: Setup,
+    found: _Search,
+    water: AtRest,
+    options: _Options,
+    cut: ndarray | None = None,
+) -> tuple[Setup, _Prepared]:
+    """Return the model with elements cut, by default all, and the start of its search."""
+    begun = found.begun
+    on_top = begun.load - setup.water_on(begun.forms, water)
+    on_top[np.abs(on_top) < _ROUND_OFF * np.abs(begun.load).max()] = 0.0
+    setup, on_top, states = finer.finer(
+        setup,
+        begun.forms,
+        fixed=begun.system.fixed,
+        load=on_top,
+        states=found.result.end.states,
+        cut=cut,
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AnalysisWarning)
+        prepared = _prepared(setup, on_top, None, water, options)
+    origin = replace(prepared.begun.origin, states=states)
+    prepared = prepared._replace(begun=replace(prepared.begun, origin=origin))
+    return setup, prepared
 
 
 def _found(
@@ -443,8 +501,7 @@ def _refined(setup: Setup, load: Force, start: Any, water: AtRest, options: _Opt
     """Search again on finer meshes, until the error of the mesh is below the tolerance."""
     prepared = _prepared(setup, load, start, water, options)
     finer.check(setup, prepared.begun.forms, options.undrained)
-    if water is None and prepared.begun.begins.water is not None:
-        water = prepared.begun.begins.water
+    water = _water_of(prepared.begun, water)
     finer.check_water(water)
     history: list[tuple[int, float, float]] = []
     first = 0.0
@@ -467,20 +524,9 @@ def _refined(setup: Setup, load: Force, start: Any, water: AtRest, options: _Opt
             break
 
         # cut the elements of the mechanism, and begin a little below the last factor
-        begun = found.begun
-        on_top = begun.load - setup.water_on(begun.forms, water)
-        on_top[np.abs(on_top) < _ROUND_OFF * np.abs(begun.load).max()] = 0.0
         cut = finer.marked(result.end, result.mechanism, result.bands)
-        states = result.end.states
-        setup, on_top, states = finer.finer(
-            setup, begun.forms, begun.system.fixed, on_top, cut, states
-        )
+        setup, prepared = _on_finer(setup, found, water, options, cut)
         first = _BEGIN * result.value
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", AnalysisWarning)
-            prepared = _prepared(setup, on_top, None, water, options)
-        origin = replace(prepared.begun.origin, states=states)
-        prepared = prepared._replace(begun=replace(prepared.begun, origin=origin))
     for one in told:
         warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
     return found._replace(result=replace(result, meshes=tuple(history)))

@@ -550,6 +550,8 @@ def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
 @pytest.mark.parametrize(
     ("phi", "n", "size", "by_cohesion", "by_weight"),
     [
+        (20.0, 1, (6, 3), 14.835, 2.839),
+        (20.0, 2, (6, 3), 14.835, 2.839),
         (30.0, 1, (8, 4), 30.14, 14.75),
         (30.0, 2, (6, 3), 30.14, 14.75),
         (35.0, 1, (10, 5), 46.12, 34.48),
@@ -559,7 +561,7 @@ def test_share_below_a_rigid_strip_on_sand_with_weight(
     phi, n, size, by_cohesion, by_weight, recwarn
 ) -> None:
     """[P] Martin (2005), rough strip: N_gamma, with c N_c a lower bound; coarse meshes add 20 to
-    34 %, and say a range that contains it.
+    70 %, and say a range that contains it.
     """
     sand = sc.MohrCoulomb(E=1e5, nu=0.3, c=0.1, phi=phi, psi=phi)
     model, load = strip_footing(sand, n, size=size, weight=20.0)
@@ -568,7 +570,7 @@ def test_share_below_a_rigid_strip_on_sand_with_weight(
     assert 0.5 * true < found.added < 2.0 * true
     (told,) = [str(warning.message) for warning in recwarn if "is about" in str(warning.message)]
     least, most = re.findall(r"\((.+)% to (.+)%\)", told)[0]
-    assert 0.15 < true < 0.4 and float(least) < 100.0 * true < float(most)
+    assert 0.15 < true < 0.7 and float(least) < 100.0 * true < float(most)
 
 
 def test_bounds_limit_the_share_of_a_mesh() -> None:
