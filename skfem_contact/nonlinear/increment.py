@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
-from ..forms.roles import Regularised, Timed, Touching, changed, having
+from ..forms.roles import Regularised, Timed, Touching, having
 from ..solvers.direct import SingularSystem
 from .newton import Newton, Search
 from .step import Attempt, Equilibrium, Step
@@ -275,8 +275,11 @@ def solve_step(
 
     # Take the second part, from states in proportion.
     timed = having(first.forms, Timed)
-    rest = changed(system.forms, Timed, lambda form: form.over((1.0 - PART) * duration))
-    second = first.with_forms({**rest, **{name: timed[name] for name in second_order}})
+    rest = (1.0 - PART) * duration
+    for name, form in having(system.forms, Timed).items():
+        if name not in second_order:
+            timed[name] = form.over(rest)
+    second = first.with_forms({**first.forms, **timed})
     states = dict(middle.states)
     for name in second_order:
         states[name] = timed[name].extrapolated(step.states[name], states[name], 1.0 / PART - 1.0)
