@@ -7,7 +7,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy import ndarray
@@ -25,7 +25,7 @@ from ..checks import (
 )
 from ..errors import Remark, warn
 from ..loads import by_element, weight, weight_matrix, weightless
-from ..materials import Material, Update
+from ..materials import LinearElastic, Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow
 from ..materials.spectral import largest_shear
 from .assembly import (
@@ -53,7 +53,7 @@ from .roles import Body, Dissipating, Reducible, Staged, Timed
 
 #: Round-off of forces relative to the forces of single displacements.
 _ROUND_OFF = 8 * np.finfo(float).eps
-#: Share of the last stresses below which new ones are the difference of nearly equal forces.
+#: Share of the last stresses or forces below which new ones are differences of nearly equal ones.
 _UNLOADED = 1e-9
 #: Rotation (radians) that is remarked on: lengths are then off by 1 %.
 _TURN = 0.14
@@ -87,6 +87,61 @@ class SolidState:
     strain: ndarray
     stress: ndarray
     internal: ndarray
+
+    _at: ClassVar[_Displaced | None] = None
+
+    def __getattr__(self, name: str) -> ndarray:
+        # The strains and stresses of linear laws are computed when they are first asked for
+        if self._at is None or name not in ("strain", "stress"):
+            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+        strain, stress = self._at.start.body.stresses(self._at.x, self._at.start.state)
+        vars(self).update(strain=strain, stress=stress)
+        return {"strain": strain, "stress": stress}[name]
+
+
+@dataclass(frozen=True)
+class _Start:
+    """State in which a body of linear laws began, and its forces.
+
+    Attributes
+    ----------
+    body, state
+        The body, and the state.
+    force : ndarray, shape (N,)
+        Internal force of this state at displacements of zero.
+    size
+        Norm of the internal force of its stresses.
+    """
+
+    body: SolidForm
+    state: SolidState
+    force: ndarray
+    size: float
+
+
+@dataclass(frozen=True)
+class _Displaced:
+    """Displacements from which strains and stresses of linear laws follow.
+
+    Attributes
+    ----------
+    start
+        Beginning of the body.
+    x : ndarray, shape (N,)
+        The displacements.
+    size
+        Norm of the internal force.
+    """
+
+    start: _Start
+    x: ndarray
+    size: float
+
+    def state(self) -> SolidState:
+        """Return the state, whose strains and stresses are computed when they are asked for."""
+        state = SolidState.__new__(SolidState)
+        vars(state).update(internal=self.start.state.internal, _at=self)
+        return state
 
 
 @dataclass(frozen=True)
@@ -204,7 +259,6 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
         # compute what does not change in Newton's iterations
         self._pattern = Pattern.of(self.basis)
-        self._force_matrix = force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
         # rows of B that never act (zz in plane strain) need not be multiplied
         self._rows = np.flatnonzero(B.any(axis=(0, 1, 3)))
@@ -226,6 +280,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         # A linear law under small strains has a constant tangent.
         changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
         changing |= self._finite is not None
+        self._linear = self._finite is None and _linear(self.materials)
+        self._start: _Start | None = None
         self._accepted: tuple[SolidState, ndarray, ndarray] | None = None
         self.changing = None if changing else np.zeros(0, int)
         self.strengths = tuple(name for name, law in self.materials.items() if law.reducible)
@@ -253,6 +309,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             regions.append(new)
         if same:
             _ = self._diagonal  # with the stiffness: computed once, for the bodies of all strengths
+        if not self._linear:
+            _ = self._force_matrix
         body = copy(self)
         if not same:
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
@@ -343,10 +401,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     def _yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
         """Return the number of points that have flowed between two states, and of all points."""
         flowed = 0
-        for old, new in zip(self.at_regions(before), self.at_regions(after), strict=True):
-            region, _, internal = old
-            flowed += int(region.material.yielding(internal, new[2]).sum())
-        return flowed, after.stress[0].size
+        for old, new in zip(self._memories(before), self._memories(after), strict=True):
+            region, internal = old
+            flowed += int(region.material.yielding(internal, new[1]).sum())
+        return flowed, self.weight.size
 
     @override
     def shear_strain(self, x: ndarray) -> ndarray:
@@ -406,19 +464,24 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
     def at_regions(self, state: SolidState) -> _Given:
         """Return the regions with the stresses and internal variables of their materials."""
-        internal = self._remembered(state)
         result = []
-        for region in self.regions:
-            part = region.elements
-            own = internal[: region.material.n_internal, part]
-            result.append((region, state.stress[:, part], own))
+        for region, own in self._memories(state):
+            result.append((region, state.stress[:, region.elements], own))
         return result
+
+    def _memories(self, state: SolidState) -> Iterator[tuple[Region, ndarray]]:
+        """Yield the regions with the internal variables of their materials."""
+        internal = self._remembered(state)
+        for region in self.regions:
+            yield region, internal[: region.material.n_internal, region.elements]
 
     @override
     def assemble(self, x: ndarray, state: SolidState) -> Response:
         check_size(x, self.basis.N)
         if isinstance(state, FiniteState):
             return self._assemble_finite(x, state)
+        if self._linear:
+            return self._assemble_linear(x, state)
         strain = self.strains(x)
         given = self.at_regions(state)
         calls = self._calls(given, strain - state.strain)
@@ -450,6 +513,56 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             damped=lambda: self._tangent(given, updates, damping=True),
             round_off=_ROUND_OFF * summed,
         )
+
+    def _assemble_linear(self, x: ndarray, state: SolidState) -> Response:
+        """Return the response of linear laws, ``f = K x + f_0``.
+
+        The force f_0 of initial strains and stresses, ``B^T (stress_0 - D strain_0)``, stays the
+        same in all states of a body.
+        """
+        # Compute the force
+        at = state._at
+        if at is not None and at.start.body is self:
+            start = at.start
+            last = at.size
+        else:
+            start = self._begun(state)
+            last = start.size
+        K = self.elastic_stiffness
+        force = K @ x + start.force
+
+        # estimate round-off; forces that vanish are differences of the last ones
+        summed = float(np.linalg.norm(self._diagonal * x))
+        size = float(np.linalg.norm(force))
+        last = max(last, float(np.linalg.norm(start.force)))
+        if size < _UNLOADED * last:
+            summed += last
+        displaced = _Displaced(start, x.copy(), size)
+        return Response(force, displaced.state, lambda: K, round_off=_ROUND_OFF * summed)
+
+    def _begun(self, state: SolidState) -> _Start:
+        """Return the beginning of linear laws in an accepted state, once for each state."""
+        if self._start is None or self._start.state is not state:
+            # The response to the opposite of the strains is stress - D strain.
+            stress = _updates(self._calls(self.at_regions(state), -state.strain))[1]
+            last = float(np.linalg.norm(self._force_of(state.stress)))
+            self._start = _Start(self, state, self._force_of(stress), last)
+        return self._start
+
+    def _force_of(self, stress: ndarray) -> ndarray:
+        """Return the internal force of stresses, (N,)."""
+        if not stress.any():
+            return np.zeros(self.basis.N)
+        return np.asarray(self._force_matrix @ stress.ravel())
+
+    def stresses(self, x: ndarray, state: SolidState) -> tuple[ndarray, ndarray]:
+        """Return strains and stresses at displacements x, (N,), from an accepted state.
+
+        Both are (n_components, n_elements, n_points).
+        """
+        strain = self.strains(x)
+        calls = self._calls(self.at_regions(state), strain - state.strain)
+        return strain, _updates(calls)[1]
 
     def _calls(self, given: _Given, increment: ndarray) -> list[LawCall]:
         """Return the calls of the materials for an increment of strain."""
@@ -619,7 +732,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     def variable(self, name: str, state: SolidState) -> ndarray:
         """Return an internal variable, (n_elements, n_points); zero where it is not declared."""
         values = np.zeros(self.weight.shape)
-        for region, _, internal in self.at_regions(state):
+        for region, internal in self._memories(state):
             own = region.material.variable(name, internal)
             if own is not None:
                 values[region.elements] = own
@@ -745,6 +858,15 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         return np.einsum("eqcb,ceq,eq->be", self._B[elements], acting, self.weight[elements])
 
     @cached_property
+    def _force_matrix(self) -> csr_matrix:
+        """Matrix from stresses to internal forces; linear laws without initial stress need none."""
+        B = self._B
+        if len(self._rows) < self._ncomp:
+            B = np.zeros((*self.weight.shape, self._ncomp, B.shape[3]))
+            B[:, :, self._rows] = self._B
+        return force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
+
+    @cached_property
     def _elasticity(self) -> ndarray:
         """Elastic moduli of every element in the rows of B that act, (n_elements, r, r)."""
         moduli = np.empty((self.basis.nelems, self._ncomp, self._ncomp))
@@ -801,6 +923,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
+
+
+def _linear(laws: Mapping[str, Material]) -> bool:
+    """Return True if all laws are linear elasticity: classes that derive from it may be any."""
+    return all(type(law) is LinearElastic for law in laws.values())
 
 
 def _updates(calls: list[LawCall]) -> tuple[list[Update], ndarray]:
