@@ -232,7 +232,11 @@ def _added(
     """Return the share that the mesh adds: of a coarse mesh by a search with every element cut."""
     if dilate_less(begun.system.forms) or not finer.is_coarse(result, options.tolerance):
         return result.added
-    whole = {"forms": begun.forms, "fixed": begun.system.fixed, "states": begun.origin.states}
+    whole: dict[str, Any] = {
+        "forms": begun.forms,
+        "fixed": begun.system.fixed,
+        "states": begun.origin.states,
+    }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AnalysisWarning)
         try:

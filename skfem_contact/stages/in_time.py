@@ -27,7 +27,7 @@ from ..dynamics.steps import Steps
 from ..errors import NotConverged, Remark
 from ..forms.base import Form, Response, responses_of, solids_of, summaries
 from ..forms.roles import Absorbing, Body, Touching, having
-from ..layout import FieldDofs, Layout
+from ..layout import Layout
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Step
@@ -285,7 +285,9 @@ def check_materials(forms: Mapping[str, Form]) -> None:
 
 def _points(forms: Mapping[str, Form], layout: Layout, given: Any) -> ndarray:
     """Return the dofs of the nodes whose motion is recorded, (n, dim)."""
-    if not isinstance(given, FieldDofs) and len(given) == 0:
+    if isinstance(given, ndarray):
+        given = given.tolist()
+    if isinstance(given, list | tuple) and len(given) == 0:
         return np.zeros((0, 0), int)
     bases = [solid.basis for solid in solids_of(forms).values()]
     return layout.moves_of(bases[0] if bases else None, given)

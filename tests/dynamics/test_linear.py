@@ -272,3 +272,13 @@ def test_nodes_of_solids_and_of_beams_are_recorded():
     settings = sc.Dynamic(0.01, points=[(4.0, 6.0)])
     with pytest.raises(ValueError, match="there is no solid: give nodes of beams"):
         alone.run([sc.Stage("push", duration=0.1, dynamic=settings)], **QUIET)
+
+
+@pytest.mark.parametrize("points", [7.0, None, "top", [[np.nan, 0.0]]])
+def test_recorded_nodes_that_are_no_points_are_refused(points):
+    """A number, a name and coordinates that are not finite."""
+    solid, _, fixed = ground()
+    model = sc.Model({"ground": solid}, fixed, gravity_acceleration=10.0)
+    settings = sc.Dynamic(0.01, points=points)
+    with pytest.raises(ValueError, match="coordinates must be finite"):
+        model.run([sc.Stage("push", duration=0.1, dynamic=settings)], **QUIET)
