@@ -396,8 +396,8 @@ def _held(search: Search) -> str:
     if not np.isfinite(search.least):
         return ""
     return (
-        f"; the fixed loads stand from a multiplier of {search.least:.4g}, and stresses that show "
-        "it need a finer mesh: allow more `elements`"
+        f"; the fixed loads need a multiplier of at least {search.least:.4g}, and stresses that "
+        "balance them a finer mesh: allow more `elements`"
     )
 
 
