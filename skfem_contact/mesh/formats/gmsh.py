@@ -357,8 +357,8 @@ def _check_partitions(partitions: _Tags, groups: _Tags, found: set[tuple[int, in
 def _check_partitions_22(blocks: list[_Blocks]) -> None:
     """Refuse a file of format 2.2 that lacks partitions which its elements name.
 
-    Partitions have the numbers from one. The file has no count of them: that the last ones are missing
-    is known from ghost elements alone, and a single first one may be all.
+    Partitions have the numbers from one. The file has no count of them: that the last ones are
+    missing is known from ghost elements alone, and a single first one may be all.
     """
     dim = max((KINDS[block.kind].dim for block in blocks), default=0)
     there = set()
