@@ -140,6 +140,13 @@ class Table:
     caption: str = ""
     units: tuple[str, ...] = ()
 
+    def __call__(self) -> Table:
+        """Return the table, so that ``result.table()`` is right for every result.
+
+        Results at points and checks of designs have it as a property, the others as a method.
+        """
+        return self
+
     @classmethod
     def of(
         cls,

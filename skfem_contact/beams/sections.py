@@ -45,14 +45,13 @@ class MomentCurvature:
     largest: float
     stiffness: float
 
-    @property
     def table(self) -> Table:
-        """Table of curvatures and moments."""
+        """Return the table of curvatures and moments."""
         columns = {"curvature": self.curvature, "M": self.moment}
         return Table.of(columns, f"N = {self.normal:g}", {"M": "moment"})
 
     def __str__(self) -> str:
-        return str(self.table)
+        return str(self.table())
 
     __repr__ = __str__
 

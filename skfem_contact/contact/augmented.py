@@ -52,6 +52,8 @@ _SETTLED = 1e-3
 #: all bonds with this overload: the increment is too large for an order.
 _TOGETHER = 0.9
 _FAR = 2.0
+#: Square of the cosine between a normal and supports that hold a node across the surface.
+_ACROSS = 0.99
 _NONE = np.zeros((1, 1), bool)  # mask of no multipliers
 
 
@@ -182,6 +184,7 @@ class AugmentedLagrangian(Penalty):
             stiffness,
             pair.progress,
             _kept(pair),
+            _followed(pair),
         )
 
         # Break the most overloaded bonds once their tractions are known accurately enough
@@ -216,7 +219,9 @@ class AugmentedLagrangian(Penalty):
     ) -> Iterator[Remark]:
         penalties = pair.penalties(state)
         stiffness = pair.stiffness or penalties[0]
-        error = self.error(state, pair.points(state), penalties, stiffness, _kept(pair))
+        error = self.error(
+            state, pair.points(state), penalties, stiffness, _kept(pair), _followed(pair)
+        )
         if error > self.tolerance:
             yield Remark(
                 "multipliers",
@@ -235,10 +240,13 @@ class AugmentedLagrangian(Penalty):
         penalties: tuple[float, float],
         stiffness: float,
         kept: ndarray = _NONE,
+        followed: csr_matrix | None = None,
     ) -> float:
         """Return the error of the tractions of an accepted state, relative to the largest one."""
         moves = np.broadcast_to(~kept, state.multiplier.shape)
-        _, _, error = self._corrected(state, state.multiplier, points, penalties, stiffness, moves)
+        _, _, error = self._corrected(
+            state, state.multiplier, points, penalties, stiffness, moves, followed
+        )
         error = np.where(kept, 0.0, error)
         largest = np.abs(state.traction[0]).max(initial=0.0)
         return float(error.max() / max(largest, np.finfo(float).tiny))
@@ -252,12 +260,13 @@ class AugmentedLagrangian(Penalty):
         stiffness: float,
         progress: Progress,
         kept: ndarray,
+        followed: csr_matrix | None,
     ) -> tuple[ContactState, Progress]:
         """Return the accepted state, with better multipliers unless these suffice, and progress."""
         # Find the multipliers whose error is too large
         moves = np.broadcast_to((progress.stalls < _PATIENCE) & ~kept, accepted.multiplier.shape)
         after, correction, error = self._corrected(
-            found, accepted.multiplier, points, penalties, stiffness, moves
+            found, accepted.multiplier, points, penalties, stiffness, moves, followed
         )
         limit = self.tolerance * np.abs(found.traction[0]).max(initial=0.0)
         unfinished = (error > limit) & ~kept
@@ -265,7 +274,7 @@ class AugmentedLagrangian(Penalty):
             # Take up again multipliers left to the penalty before, where they have changed: errors
             # of nodes that slid before and stick now as well
             before = self._corrected(
-                accepted, accepted.multiplier, points, penalties, stiffness, moves
+                accepted, accepted.multiplier, points, penalties, stiffness, moves, followed
             )[1]
             left = stiffness * np.abs(before) > limit
             changed = stiffness * np.abs(correction - before) > limit
@@ -296,6 +305,7 @@ class AugmentedLagrangian(Penalty):
         penalties: tuple[float, float],
         stiffness: float,
         moves: ndarray,
+        followed: csr_matrix | None = None,
     ) -> tuple[ndarray, ndarray, ndarray]:
         """Return improved multipliers, corrections over the penalties, and errors of tractions."""
         # Project the tractions where nodes are closed; a mean of tractions is no larger than the
@@ -307,7 +317,7 @@ class AugmentedLagrangian(Penalty):
         closed = size > 0.0
         if largest <= none:
             closed = before[0] + _excess(points, pressure, before[0]) < largest - none
-        after = _improved(points, found.traction, before, closed & moves)
+        after = _improved(points, found.traction, before, closed & moves, followed)
         after[0] = np.minimum(after[0], largest)
 
         # Without tractions around a node its multiplier would vanish by halves
@@ -326,12 +336,46 @@ class AugmentedLagrangian(Penalty):
 def _kept(pair: Any) -> ndarray:
     """Return multipliers that stay zero, (dim, n_nodes) or less: of slip that supports hold.
 
-    They would act on the master's inside alone, next to a plane of symmetry without friction.
+    They would act on the master's inside alone, next to a plane of symmetry without friction. Ends
+    that are held across the surface as well are no such plane.
     """
     if pair.symmetry is None:
         return _NONE
-    along = pair.symmetry.along
+    along = pair.symmetry.along & ~_clamped(pair)
     return np.concatenate((np.zeros((1, along.shape[1]), bool), along))
+
+
+def _clamped(pair: Any) -> ndarray:
+    """Return a mask of nodes, (n_nodes,), of which both sides are held across the surface."""
+    held = pair.symmetry.own >= 0
+    return np.asarray((held * pair.slave.normals**2).sum(axis=1) > _ACROSS)
+
+
+def _followed(pair: Any) -> csr_matrix | None:
+    """Return means of neighbours, (n_nodes, n_nodes), for nodes that supports hold; None: no node.
+
+    Where both sides of an end are held across the surface, no equilibrium fixes the multiplier of
+    the node: its nodal force acts on supports alone. Tractions would ripple from there into the
+    joint. It follows its neighbours instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM
+    J. Numer. Anal. 38 (2000) 989-1012).
+    """
+    if pair.symmetry is None:
+        return None
+    slave = pair.slave
+    held = _clamped(pair)
+    beside = slave.facets[held[slave.facets].any(axis=1)]
+    if not len(beside):
+        return None
+
+    # Pairs of a held node and another one of a facet
+    row = np.repeat(beside, beside.shape[1], axis=1).ravel()
+    column = np.tile(beside, (1, beside.shape[1])).ravel()
+    counts = held[row] & ~held[column]
+    ones = np.ones(int(counts.sum()))
+    n = len(slave.nodes)
+    links = csr_matrix((ones, (row[counts], column[counts])), shape=(n, n))
+    number = np.asarray(links.sum(axis=1)).ravel()
+    return csr_matrix(diags_array(1.0 / np.maximum(number, 1.0)) @ links)
 
 
 def _improved(
@@ -339,6 +383,7 @@ def _improved(
     traction: ndarray,
     multiplier: ndarray,
     closed: ndarray,
+    followed: csr_matrix | None,
 ) -> ndarray:
     """Return multipliers with the tractions' nodal forces at closed nodes, means at the others."""
     excess = []
@@ -356,10 +401,18 @@ def _improved(
     # Factor once for all directions with the same closed nodes, mostly all of them
     for nodes in np.unique(closed, axis=0):
         rows = np.flatnonzero((closed == nodes).all(axis=1))
-        at = np.flatnonzero(nodes)
-        of_nodes = mass[at][:, at].tocsc()
+        led = np.zeros(len(nodes), bool)
+        spread = mass
+        if followed is not None:
+            led = nodes & (np.diff(followed.indptr) > 0)
+            spread = csc_matrix(mass + mass @ (diags_array(led.astype(float)) @ followed))
+        at = np.flatnonzero(nodes & ~led)
+        of_nodes = spread[at][:, at].tocsc()
         solution = spsolve(of_nodes, force[rows][:, at].T)
         change[rows[:, None], at] = solution.reshape(len(at), len(rows)).T
+        if led.any():
+            change[np.ix_(rows, led)] = ((multiplier + change)[rows] @ followed.T)[:, led]
+            change[np.ix_(rows, led)] -= multiplier[np.ix_(rows, led)]
     return multiplier + change
 
 

@@ -66,7 +66,7 @@ def test_limits_of_a_beam():
     found = sc.moment_curvature(B, H, [(3e-3, 0.74)], f_c=FC, f_y=FY)
     beam = sc.Beam(None, [[0.0, 0.0], [1.0, 0.0]], EI=found.stiffness, EA=1e7, Mp=found.largest)
     assert beam.parameters["Mp"] == found.largest
-    assert len(found.table) == len(found.curvature) and "curvature" in str(found)
+    assert len(found.table()) == len(found.curvature) and "curvature" in str(found)
 
 
 @pytest.mark.parametrize(

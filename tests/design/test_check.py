@@ -122,6 +122,7 @@ def test_bearing():
     by_hand = ((np.pi + 2) * cu * i + 9.0) * width / 144.0
     assert np.isclose(found.bearing, by_hand, rtol=3e-3)
     assert found.table["check"].tolist() == ["sliding", "overturning", "bearing"]
+    assert found.table() == found.table  # as a method of other results
     assert "yes" in str(found) and "<table>" in found._repr_html_()
 
 
