@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -19,6 +20,8 @@ from .sounding import Sounding
 #: kPa and m of the units of files.
 _PRESSURES = {"PA": 1e-3, "KPA": 1.0, "KN/M2": 1.0, "MPA": 1e3, "MN/M2": 1e3, "BAR": 100.0}
 _LENGTHS = {"M": 1.0, "MM": 1e-3, "CM": 1e-2, "FT": 0.3048, "IN": 0.0254}
+#: Ends of the names of coordinate systems that have degrees: ETRS89, WGS 84, Amersfoort, NAD83.
+_DEGREES = (":4258", ":4326", ":4289", ":4269", ":4979", ":4937")
 #: Readings below this number are codes of missing ones, also where a file does not declare them.
 _VOID = -900.0
 #: Steps between depths that are reported: so many times the median, and so many m.
@@ -75,7 +78,7 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
     with _named(file):
         if "LOCA" not in tables:
             raise ValueError("it has no group LOCA, which locates boreholes and tests")
-        places = {row["LOCA_ID"]: row for row in _rows(tables["LOCA"])}
+        places = _places(tables["LOCA"])
         remarks: list[str] = []
         boreholes = {}
         # Read the layers of boreholes.
@@ -90,6 +93,16 @@ def read_ags(file: str | Path, soil: str = "GEOL_GEOL") -> Site:
             if name not in boreholes and name not in tested:
                 remarks.append(f"'{name}' has no layers and no cone penetration test")
     return Site(boreholes, soundings, tuple(remarks))
+
+
+def _places(table: Any) -> dict[str, dict[str, str]]:
+    """Return the lines of the group LOCA by the names of their locations."""
+    places: dict[str, dict[str, str]] = {}
+    for row in _rows(table):
+        if row["LOCA_ID"] in places:
+            raise ValueError(f"LOCA has the location '{row['LOCA_ID']}' twice")
+        places[row["LOCA_ID"]] = row
+    return places
 
 
 def _soundings(
@@ -150,6 +163,9 @@ def read_cpt(file: str | Path) -> Sounding:
         raise FileNotFoundError(f"there is no file {path}")
     with _named(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")
+        tests = len(re.findall(rb"<(?:\w+:)?CPT_O\b", path.read_bytes()))
+        if tests > 1:
+            raise ValueError(f"it has {tests} tests: save each of them in a file of its own")
         try:
             data = pygef.read_cpt(path, replace_column_voids=False, remove_pre_excavated_rows=False)
         except Exception as error:  # pygef passes errors of its parsers on
@@ -256,32 +272,45 @@ def _borehole(
     remarks = []
     layers: list[tuple[str, float]] = []
     order = np.argsort(tops, kind="stable")
+    if np.isfinite(tops).any() and np.nanmin(tops) != 0.0:
+        remarks.append(
+            f"'{name}': the description begins at {np.nanmin(tops):g} m; the first layer "
+            "is continued from the surface"
+        )
     for position_of, k in enumerate(order):
         text = str(rows[k].get(soil, "")).strip()
         if not text:
             raise ValueError(f"a layer of '{name}' at {tops[k]:g} has no {soil}")
-        # A layer without a base ends at the next one.
-        lower = ends[k]
+        # Find its lower end beside the layer that follows, and join layers of the same soil.
+        following = float("nan")
         if position_of + 1 < len(order):
             following = tops[order[position_of + 1]]
-        else:
-            following = float("nan")
+        lower, told = _lower_end(text, ends[k], following)
+        remarks += [f"'{name}': {remark}" for remark in told]
         if np.isnan(lower):
-            lower = following
-            if np.isnan(lower):
-                raise ValueError(f"the last layer of '{name}' has no GEOL_BASE")
-            remarks.append(f"'{name}': {text} has no base; it ends at the top of the next layer")
-        # Report gaps, and join layers of the same soil.
-        if following - lower > 0.0:
-            remarks.append(
-                f"'{name}': nothing is described from {lower:g} to {following:g} m; {text} above "
-                "it is continued"
-            )
-            lower = following
+            raise ValueError(f"the last layer of '{name}' has no GEOL_BASE")
         if layers and layers[-1][0] == text:
             layers.pop()
         layers.append((text, level - lower))
     return Column(name, position, level, tuple(layers), tuple(remarks))
+
+
+def _lower_end(text: str, base: float, following: float) -> tuple[float, list[str]]:
+    """Return the depth of the lower end of a layer, NaN without one, and remarks."""
+    if np.isnan(base) and np.isnan(following):
+        return base, []
+    if np.isnan(base):
+        return following, [f"{text} has no base; it ends at the top of the next layer"]
+    if following > base:
+        return following, [
+            f"nothing is described from {base:g} to {following:g} m; {text} above it is continued"
+        ]
+    if following < base:
+        return base, [
+            f"the layer below {text} begins at {following:g} m, above its base at {base:g} m, "
+            "which is kept"
+        ]
+    return base, []
 
 
 def _sounding(
@@ -301,7 +330,8 @@ def _sounding(
         readings.append(np.array([_number(row, key, units, _PRESSURES) for row in rows]))
     water = _number(head, "SCPG_WAT", units, _LENGTHS)
     ratio = str(head.get("SCPG_CAR", "")).strip()
-    area_ratio = float(ratio) if ratio else None
+    share = 0.01 if units.get("SCPG_CAR") == "%" else 1.0
+    area_ratio = share * float(ratio) if ratio else None
     table = None if np.isnan(water) else water
     return _checked(
         name,
@@ -328,11 +358,15 @@ def _from_pygef(name: str, data: Any) -> Sounding:
     _check_complete(headers, len(table))
     place = data.delivered_location
     position = (float(place.x), float(place.y))
+    remarks = []
+    if str(place.srs_name).endswith(_DEGREES):
+        remarks.append(
+            f"'{name}': the position is in degrees ({place.srs_name}): sections need metres"
+        )
     # Depths are corrected for inclination where the file has them.
     metres = _factor_of(headers, 1, _LENGTHS, 1.0)
     length = metres * _column(table, "penetrationLength", None)
     depth = length
-    remarks = []
     if "depth" in table.columns:
         depth = _factor_of(headers, 11, _LENGTHS, metres) * _column(table, "depth", None)
         off = np.nanmax(np.abs(depth - length), initial=0.0)
@@ -340,18 +374,8 @@ def _from_pygef(name: str, data: Any) -> Sounding:
             remarks.append(
                 f"'{name}': depths are corrected for the inclination, by up to {off:.3g} m"
             )
-    # Read the columns in MPa, voids as NaN.
-    if "COLUMNVOID" in headers:
-        voids = data.column_void_mapping or {}
-    else:
-        voids = {}
-    readings = []
-    for key, quantity in (("coneResistance", 2), ("localFriction", 3), ("porePressureU2", 6)):
-        values = np.full(len(length), np.nan)
-        if key in table.columns:
-            factor = _factor_of(headers, quantity, _PRESSURES, 1e3)
-            values = factor * _column(table, key, voids.get(key))
-        readings.append(values)
+    # Read the columns, voids as NaN.
+    readings = _readings(data, len(length))
     # Keep water table and area ratio where they are known.
     water = data.groundwater_level
     depth_of_water = None if water is None else float(water)
@@ -367,6 +391,22 @@ def _from_pygef(name: str, data: Any) -> Sounding:
         depth_of_water,
         remarks,
     )
+
+
+def _readings(data: Any, count: int) -> list[ndarray]:
+    """Return cone resistance, sleeve friction and pore pressure in kPa, NaN without readings."""
+    headers = data.raw_headers or {}
+    voids = {}
+    if "COLUMNVOID" in headers:
+        voids = data.column_void_mapping or {}
+    readings = []
+    for key, quantity in (("coneResistance", 2), ("localFriction", 3), ("porePressureU2", 6)):
+        values = np.full(count, np.nan)
+        if key in data.data.columns:
+            factor = _factor_of(headers, quantity, _PRESSURES, 1e3)
+            values = factor * _column(data.data, key, voids.get(key))
+        readings.append(values)
+    return readings
 
 
 def _check_complete(headers: Mapping[str, Any], count: int) -> None:
@@ -419,6 +459,10 @@ def _checked(
     remarks: list[str],
 ) -> Sounding:
     """Return a test in the order of its depths, with remarks on missing readings."""
+    if area_ratio is not None and not 0.0 < area_ratio <= 1.0:
+        raise ValueError(
+            f"'{name}' has the area ratio {area_ratio:g} of its cone, which must lie in (0, 1]"
+        )
     # Replace voids, and sort by depth.
     readings = [np.where(values <= 1e3 * _VOID, np.nan, values) for values in readings]
     depth = np.where(depth <= _VOID, np.nan, depth)
@@ -438,6 +482,11 @@ def _checked(
             f"{depth[missing].min():g} to {depth[missing].max():g} m"
         )
     gaps = np.diff(depth)
+    if (gaps == 0.0).any():
+        remarks.append(
+            f"'{name}': {np.count_nonzero(gaps == 0.0)} readings have the depth of the one "
+            f"before, first at {depth[np.argmin(gaps)]:g} m"
+        )
     usual = 0.0
     if len(gaps):
         usual = float(np.median(gaps))

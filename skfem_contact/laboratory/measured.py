@@ -63,6 +63,11 @@ def read_csv(
     with open(file, encoding="utf-8-sig") as stream:
         names = [name.strip() for name in stream.readline().split(delimiter)]
         table = np.genfromtxt(stream, delimiter=delimiter, ndmin=2)
+    if table.shape[1] != len(names):
+        raise ValueError(
+            f"{file} has {len(names)} names of columns, but {table.shape[1]} columns: separate "
+            "them by another `delimiter` than the decimals"
+        )
     factors = factors or {}
     for quantity in (*columns, *factors):
         look_up(quantity, dict.fromkeys(_QUANTITIES), "quantity of a test")

@@ -105,6 +105,55 @@ def test_thin_gaps_between_layers_are_told(tmp_path):
     assert any("nothing is described from 5 to 5.05 m" in text for text in borehole.remarks)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ('"3.00","5.00"', '"2.00","5.00"', "below SAND begins at 2 m, above its base at 3 m"),
+        ('"B1","0.00"', '"B1","0.50"', "the description begins at 0.5 m"),
+    ],
+)
+def test_layers_that_overlap_or_begin_below_the_surface(tmp_path, old, new, text):
+    """[X] The layers are as before, with a remark."""
+    file = ags(tmp_path / "site.ags")
+    content = file.read_text()
+    assert old in content
+    file.write_text(content.replace(old, new))
+    borehole = sc.ground.read_ags(file).boreholes["B1"]
+    assert borehole.layers == (("SAND", 1.0), ("CLAY", -8.0))
+    assert any(text in remark for remark in borehole.remarks)
+
+
+def test_locations_that_come_twice_are_refused(tmp_path):
+    """[X] Two levels of one borehole: one sentence."""
+    file = ags(tmp_path / "site.ags")
+    line = '"DATA","B2","130.00","90.00","1.50"'
+    file.write_text(file.read_text().replace(line, f"{line}\n{line}"))
+    with pytest.raises(ValueError, match="LOCA has the location 'B2' twice"):
+        sc.ground.read_ags(file)
+
+
+def test_area_ratios_are_shares(tmp_path):
+    """[X] Per cent by their unit; 80 without it is refused, in AGS and in BRO."""
+    file = ags(tmp_path / "site.ags")
+    without = file.read_text().replace('"0.800"', '"80"')
+    file.write_text(without)
+    with pytest.raises(ValueError, match=r"'C1' has the area ratio 80 of its cone"):
+        sc.ground.read_ags(file)
+    file.write_text(without.replace('"UNIT","","","m",""', '"UNIT","","","m","%"'))
+    assert sc.ground.read_ags(file).soundings["C1"].area_ratio == pytest.approx(0.8)
+    xml = bro(tmp_path / "one.xml")
+    xml.write_text(xml.read_text().replace('uom="1">0.8', 'uom="1">80'))
+    with pytest.raises(ValueError, match=r"'one' has the area ratio 80 of its cone"):
+        sc.ground.read_cpt(xml)
+
+
+def test_readings_at_one_depth_are_told(tmp_path):
+    """[X] Two readings at one depth are kept, with a remark."""
+    rows = [f'"DATA","C1","1","{depth}","8.0","40",""' for depth in ("0.10", "0.10", "0.20")]
+    test = sc.ground.read_ags(ags(tmp_path / "site.ags", rows=rows)).soundings["C1"]
+    assert any("1 readings have the depth of the one before" in text for text in test.remarks)
+
+
 def test_readings_that_are_missing_stay_missing(tmp_path):
     """[X] Empty fields and codes of -9999 are NaN, and are told."""
     rows = ['"DATA","C1","1","0.10","8.0","40",""', '"DATA","C1","1","0.20","","40",""']
@@ -331,6 +380,20 @@ def test_bro_xml(tmp_path):
     # pygef leaves out the rows without a cone resistance
     assert not test.measured[(test.depth > 3.95) & (test.depth < 5.9)].any()
     assert any("no rows from 3.93" in text for text in test.remarks)
+
+
+def test_bro_xml_of_several_tests_or_in_degrees(tmp_path):
+    """[X] Several tests are refused; degrees are no metres, as a remark says."""
+    file = bro(tmp_path / "one.xml")
+    text = file.read_text()
+    file.write_text(
+        text.replace("EPSG::28992", "EPSG::4258").replace("100000.0 400000.0", "52.1 4.3")
+    )
+    assert any("in degrees" in remark for remark in sc.ground.read_cpt(file).remarks)
+    body = text[text.index("<dispatchDocument>") : text.index("</dispatchDataResponse>")]
+    file.write_text(text.replace(body, 2 * body))
+    with pytest.raises(ValueError, match=r"one.xml: it has 2 tests"):
+        sc.ground.read_cpt(file)
 
 
 def test_bro_xml_without_a_corrected_depth_or_friction(tmp_path):

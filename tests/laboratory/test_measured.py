@@ -73,3 +73,11 @@ def test_bad_fits() -> None:
         )
     with pytest.raises(ValueError, match="first values of its parameters that are not zero"):
         fit(clay, {"M": 0.0, "lambda_": 0.1}, test)
+
+
+def test_decimal_commas_among_commas_are_refused(tmp_path) -> None:
+    """[X] Four numbers below two names: one sentence."""
+    file = tmp_path / "test.csv"
+    file.write_text("axial,q\n0,5,80,2\n1,5,90,2\n")
+    with pytest.raises(ValueError, match="has 2 names of columns, but 4 columns"):
+        sc.laboratory.read_csv(file, {"axial": "axial", "q": "q"})

@@ -1091,6 +1091,27 @@ def test_joined_sets_that_cover_all_cells(tmp_path, end):
     assert set(load_mesh(tmp_path / "mask.vtu").subdomains) == {"clay-core"}
 
 
+def test_med_with_steps_or_other_coordinates(tmp_path):
+    """[X] The first step of a mesh that moves is read, with a warning; cylindrical coordinates are
+    refused.
+    """
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "mesh.med"
+    mesh = MeshQuad()
+    save_mesh(mesh, path)
+    with h5py.File(path, "r+") as file:
+        (steps,) = file["ENS_MAA"].values()
+        (first,) = steps
+        steps.copy(first, "0000000000000000001-0000000000000000001")
+        steps["0000000000000000001-0000000000000000001/NOE/COO"][...] += 1.0
+    with pytest.warns(AnalysisWarning, match="has 2 steps in time"):
+        assert load_mesh(path).p.max() == mesh.p.max()
+    with h5py.File(path, "r+") as file:
+        next(iter(file["ENS_MAA"].values())).attrs["REP"] = 1
+    with pytest.raises(ValueError, match="has cylindrical coordinates"):
+        load_mesh(path)
+
+
 def test_a_curve_and_a_surface_of_one_name(tmp_path, model):
     """[X] Both are kept: subdomains and boundaries have names of their own."""
     boxes(2, 1, "unnamed")

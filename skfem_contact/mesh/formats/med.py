@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks import look_up
+from ...errors import warn
 from ..content import (
     Content,
     cached,
@@ -60,6 +61,8 @@ _SHAPES = {
     "hexahedron": 308,
     "hexahedron27": 327,
 }
+#: Coordinate systems but the cartesian one, 0.
+_SYSTEMS = {1: "cylindrical", 2: "spherical"}
 #: Steps of a mesh that does not move in time, and length of names.
 _NO_STEP = -1
 _LENGTH = 80
@@ -94,6 +97,19 @@ def _read(file: Any, name: str | None, octets: NDArray[np.uint8]) -> Content:
         families = file["FAS"][chosen]
     else:
         families = {}
+    # Coordinates along an axis or round a point are no x, y, z.
+    system = int(mesh.attrs.get("REP", 0))
+    if system != 0:
+        raise ValueError(
+            f"the mesh '{chosen}' has {_SYSTEMS.get(system, 'unknown')} coordinates: save it with "
+            "cartesian ones"
+        )
+    steps = [step for step in mesh.values() if "NOE" in step]
+    if len(steps) > 1:
+        warn(
+            f"the mesh '{chosen}' has {len(steps)} steps in time: the first one with elements is "
+            "read"
+        )
     # Take the first step of it that has nodes and elements.
     for step in (mesh, *mesh.values()):
         if "NOE" in step and "MAI" in step:
