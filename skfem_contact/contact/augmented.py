@@ -401,6 +401,7 @@ def _improved(
     # Factor once for all directions with the same closed nodes, mostly all of them
     for nodes in np.unique(closed, axis=0):
         rows = np.flatnonzero((closed == nodes).all(axis=1))
+        # Functions of nodes that follow others belong to these
         led = np.zeros(len(nodes), bool)
         spread = mass
         if followed is not None:
@@ -410,9 +411,9 @@ def _improved(
         of_nodes = spread[at][:, at].tocsc()
         solution = spsolve(of_nodes, force[rows][:, at].T)
         change[rows[:, None], at] = solution.reshape(len(at), len(rows)).T
-        if led.any():
-            change[np.ix_(rows, led)] = ((multiplier + change)[rows] @ followed.T)[:, led]
-            change[np.ix_(rows, led)] -= multiplier[np.ix_(rows, led)]
+        if followed is not None and led.any():
+            mean = (multiplier + change)[rows] @ followed.T
+            change[np.ix_(rows, led)] = (mean - multiplier[rows])[:, led]
     return multiplier + change
 
 

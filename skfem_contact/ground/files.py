@@ -396,7 +396,7 @@ def _from_pygef(name: str, data: Any) -> Sounding:
 def _readings(data: Any, count: int) -> list[ndarray]:
     """Return cone resistance, sleeve friction and pore pressure in kPa, NaN without readings."""
     headers = data.raw_headers or {}
-    voids = {}
+    voids: Mapping[str, float] = {}
     if "COLUMNVOID" in headers:
         voids = data.column_void_mapping or {}
     readings = []
