@@ -148,7 +148,7 @@ def moved_from_contact(
     Contact nodes move like a mean of their neighbours inside the body, u = P u: the mass is
     P^T M P, a lumped one P^T m. The total stays.
     """
-    P = _to_neighbours(forms, matrices[0].shape[0])
+    P = to_neighbours(forms, matrices[0].shape[0])
     if P is None:
         return matrices
     found = []
@@ -160,7 +160,7 @@ def moved_from_contact(
     return found
 
 
-def _to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
+def to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
     """Return the matrix that gives contact nodes the motion of their neighbours, (N, N)."""
     # Find the contact nodes
     pairs = having(forms, Touching).values()

@@ -317,7 +317,7 @@ class Pattern:
         """Build the pattern of a basis whose displacement components follow node by node."""
         d = basis.mesh.dim()
         n_nodes = basis.N // d
-        nodes = basis.element_dofs[0::d].T // d
+        nodes = basis.element_dofs[::d].T // d
         n_elements, n_local = nodes.shape
 
         # find the pattern of the nodes, and the slot of every pair of nodes of an element in it

@@ -67,9 +67,7 @@ class Constants(NamedTuple):
     def scale(self, least: Array) -> Array:
         """Return the ratio of a stiffness to its reference value at the least compression."""
         ratio = np.maximum(least, LEAST * self.reference) / self.reference
-        if self.m == 0.5:
-            return np.sqrt(ratio)
-        return ratio**self.m
+        return ratio**self.m  # numpy takes the root where m is 0.5
 
     def scale_slope(self, least: Array, scale: Array) -> Array:
         """Return the derivative of a scale by the least compression."""

@@ -44,7 +44,7 @@ class Tractions:
     slip
         Slip along the master's chain; in space vectors, shape (n_points, 3).
     status
-        :class:`~skfem_contact.Status` of the points.
+        Status of the points: 0 open, 1 stick or elastic slip, 2 slip at the friction bound.
     weight
         Length or area of surface times the pair's share: ``(weight * pressure).sum()`` is a force.
     raw_pressure, raw_shear

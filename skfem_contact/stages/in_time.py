@@ -19,7 +19,7 @@ from ..contact.laws import Status
 from ..dynamics.boundaries import Masses
 from ..dynamics.explicit import Explicit
 from ..dynamics.linear import Linear, is_linear
-from ..dynamics.mass import accelerations, mass_and_damping, translation
+from ..dynamics.mass import accelerations, mass_and_damping, to_neighbours, translation
 from ..dynamics.record import Record
 from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
@@ -85,6 +85,8 @@ class InTime:
         Forms of water in motion.
     lag
         Time in which their water speeds up.
+    carried : csr_matrix, optional
+        Motion of contact nodes without mass by that of the neighbours that have it, (N, N).
     """
 
     settings: Dynamic
@@ -98,6 +100,7 @@ class InTime:
     transit: float = np.inf
     wet: Mapping[str, Form] = field(default_factory=dict)
     lag: float = 0.0
+    carried: csr_matrix | None = None
 
     def with_base(self, load: ndarray, time: float) -> ndarray:
         """Return a load at a time, with the motion of the base, (N,)."""
@@ -162,6 +165,9 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
             absolute,
         )
     steps = settings.steps(stage.duration)
+    carried = None
+    if settings.moves_contact_mass:
+        carried = to_neighbours(forms, setup.layout.size)
     return InTime(
         settings,
         M,
@@ -174,6 +180,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
         transit=_transit(forms, g),
         wet=wet,
         lag=lag,
+        carried=carried,
     )
 
 
@@ -303,14 +310,24 @@ def first_motion(
     """Return the motion at the start of a stage, with the acceleration by a jump of the load.
 
     M a_0 = load - F - C v_0; a stage that continues a motion adds the acceleration by the jump.
+    Forces on contact nodes without mass move the neighbours that have it.
     """
     n = layout.size
     M = in_time.M
     force = np.zeros(n) if last.inertial is None else last.inertial
+
+    def started(forces: ndarray) -> ndarray:
+        """Return the accelerations by forces."""
+        if in_time.carried is not None:
+            free = forces.copy()
+            free[fixed] = 0.0
+            forces = in_time.carried.T @ free
+        return accelerations(M, forces, fixed)
+
     # A stage in time continues the last one; a jump of the load changes the acceleration.
     given = in_time.settings.velocity
     if last.velocity is not None and given is None:
-        more = accelerations(M, jump, fixed)
+        more = started(jump)
         a = last.acceleration + more
         return Motion(last.x, last.velocity, a, force + M @ more)
     # Other stages begin at rest, or with a given velocity.
@@ -319,7 +336,7 @@ def first_motion(
         v[: len(given)] = given
         v[fixed] = 0.0
     viscous = in_time.C @ v
-    a = accelerations(M, force + jump - viscous, fixed)
+    a = started(force + jump - viscous)
     return Motion(last.x, v, a, M @ a + viscous)
 
 

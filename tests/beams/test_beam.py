@@ -57,6 +57,21 @@ class Winkler(sc.Form, sc.roles.Couples):
         )
 
 
+def test_elements_that_yield_are_counted():
+    """[X] A propped cantilever yields at its clamp from 16 Mp / 3 L on, below its limit 6 Mp / L:
+    one element of two.
+    """
+    line = straight(2.0, 2)
+    beam = sc.Beam(None, line, EI=1e3, EA=1e5, Mp=10.0)
+    fixed = [*beam.dofs(line[0]), *beam.dofs(line[-1], ["u^2"])]
+    counted = []
+    for force in (26.0, 28.0):
+        stage, form, _ = solved(beam, fixed, [((0.0, -force), line[1])])
+        outputs = form.outputs(stage.x, stage.states["beam"])
+        counted.append(outputs.yielding(form.initial_state()))
+    assert counted == [(0, 2), (1, 2)]
+
+
 @pytest.mark.parametrize("n", [1, 2, 8])
 @pytest.mark.parametrize(
     ("shear", "left"), [(1e4, 1e-9), (1e8, 1e-6)]

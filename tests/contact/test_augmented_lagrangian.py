@@ -20,6 +20,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.augmented import _improved
 from skfem_contact.contact.laws import Status
 from tests.tools.helpers import grid, vector_basis
 
@@ -384,3 +385,27 @@ def test_ends_that_supports_hold_on_both_sides(
     assert found.pressure == pytest.approx(pressure, rel=accuracy)
     size = np.linalg.norm(found.shear.reshape(len(found.pressure), -1), axis=1)
     assert size == pytest.approx(shear, rel=accuracy)
+
+
+def test_multipliers_improve_direction_by_direction() -> None:
+    """[X] At nodes that are closed for one direction and not for the other, each direction has the
+    multipliers that it has alone.
+    """
+    lower = grid("Q1", np.linspace(0, 1, 4), [-1.0, 0.0])
+    upper = grid("Q1", np.linspace(0, 1, 6), [0.0, 1.0])
+    basis = vector_basis(sc.join_bodies({"low": lower, "up": upper}), "Q1", intorder=2)
+    pair = sc.ContactPair(
+        basis, "up:bottom", "low:top", sc.Coulomb(0.3), enforcement=sc.AugmentedLagrangian()
+    )
+    points = pair.points(pair.initial_state())
+    n_nodes = points.nodes.max() + 1
+    place = np.arange(len(points.weight))
+    traction = np.stack((-2.0 - np.sin(place), np.cos(place)))
+    before = 0.1 * np.stack((np.arange(n_nodes), np.ones(n_nodes)))
+    closed = np.ones((2, n_nodes), bool)
+    closed[1, : n_nodes // 2] = False
+    together = _improved(points, traction, before, closed)
+    for k in range(2):
+        one = slice(k, k + 1)
+        alone = _improved(points, traction[one], before[one], closed[one])
+        assert together[one] == pytest.approx(alone, rel=1e-12)

@@ -47,7 +47,7 @@ QUIET = {"progress": False}
 
 
 def wedged(left: float, right: float):
-    """Pressures along a joint whose overlap varies from one end to the other."""
+    """Result of two bars whose overlap varies from one side of their joint to the other."""
     across = np.linspace(0, 1, 4)
     lower = MeshQuad.init_tensor(across, np.linspace(0, 1, 3)).with_defaults()
     upper = MeshQuad.init_tensor(across, np.linspace(1, 2, 3)).with_defaults()
@@ -60,7 +60,12 @@ def wedged(left: float, right: float):
     )
     forms = {"bars": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "fit": pair}
     fixed = [basis.get_dofs(side).all() for side in ("lower:bottom", "upper:top")]
-    found = sc.Model(forms, fixed).run([sc.Stage("fit")], **QUIET)["fit"].tractions("fit")
+    return sc.Model(forms, fixed).run([sc.Stage("fit")], **QUIET)["fit"]
+
+
+def along(stage):
+    """Pressures at places along the joint."""
+    found = stage.tractions("fit")
     order = np.argsort(found.x)
     return np.interp(np.linspace(0.05, 0.95, 7), found.x[order], found.pressure[order])
 
@@ -70,10 +75,27 @@ def test_interference_that_varies_along_a_joint():
     """[X] Overlaps of .001 at one end and .01 at the other, and the same from the other side, add
     up to .011 everywhere, E d / (h1 + h2): points are through with theirs one after another.
     """
-    rising = wedged(0.001, 0.01)
+    rising = along(wedged(0.001, 0.01))
     # the bodies that overlap are higher by their share, up to 1 %
-    assert rising + wedged(0.01, 0.001) == pytest.approx(55.0, rel=0.015)
+    assert rising + along(wedged(0.01, 0.001)) == pytest.approx(55.0, rel=0.015)
     assert rising[0] < 0.2 * rising[-1]
+
+
+@pytest.mark.filterwarnings("ignore:.*do not match overlap")
+def test_pressure_of_overlaps_within_facets():
+    """[X] Overlaps that grow by s along facets of length L have the standard deviation s L /
+    sqrt(12), resisted by penalty and surfaces in series: the figure of the remark is its share.
+    """
+    stage = wedged(0.001, 0.01)
+    pair, state = stage.forms["fit"], stage.states["fit"]
+    remarks = {one.kind: one.figure for one in pair.outputs(stage.x, state).remarks}
+    in_series = 1.0 / (1.0 / 1e8 + 1.0 / pair.stiffness)
+    pressure = in_series * 0.009 / 3.0 / np.sqrt(12.0)
+    found = stage.tractions("fit")
+    # points give way to the penalty by 1e-4 of the overlap
+    assert remarks["overlap"] == pytest.approx(
+        pressure / (found.weight @ found.raw_pressure), rel=1e-3
+    )
 
 
 def shrunk():

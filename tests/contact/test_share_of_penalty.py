@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.contact.compliance import _compliance
+from skfem_contact.contact.laws import LawUpdate, Status
 from skfem_contact.contact.penalty import choose_penalties
 from tests.tools.helpers import grid, traction, vector_basis
 from tests.tools.scenes import remarked
@@ -168,6 +169,45 @@ def test_gaps_between_nodes_beside_multipliers(by, share: str, unit: float) -> N
     fixed = np.union1d(basis.get_dofs("low:bottom").all(), top.all())
     _, remarks = remarked(forms, sc.Stage("press", None, pressed, increments=2), fixed)
     assert f"gapes or penetrates by {share} of the largest displacement" in remarks
+
+
+@dataclass(frozen=True)
+class Soft(sc.InterfaceLaw):
+    """Joint of one stiffness, which is its own and no penalty."""
+
+    k: float
+
+    def update(self, jump, internal, penalty):
+        """Return the pressure of a closed joint."""
+        tangent = np.zeros((len(jump), *jump.shape))
+        tangent[0, 0] = self.k * (jump[0] <= 0.0)
+        traction = tangent[0, 0] * jump
+        traction[1:] = 0.0
+        status = np.where(jump[0] <= 0.0, int(Status.SLIP), int(Status.OPEN))
+        return LawUpdate(traction, internal, tangent, 0.0 * jump[1:], status)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_closure_of_a_soft_joint_is_no_share_of_a_penalty(unit: float) -> None:
+    """[X] A third of the displacement, p / E + p / k with k = 2 E / h, is that of an own law: no
+    remark on a penalty, in Pa and in MPa.
+    """
+    E, pressure = 1e9 * unit, 1e4 * unit
+    basis = vector_basis(grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3)), "Q1", intorder=2)
+    forms = {
+        "block": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.0)),
+        "joint": sc.ContactPair(
+            basis, "bottom", sc.rigid.line((-1.0, 0.0), (2.0, 0.0)), Soft(2.0 * E)
+        ),
+    }
+    stage, remarks = remarked(
+        forms,
+        sc.Stage("press", traction(basis, "top", (0.0, -pressure))),
+        basis.get_dofs("left").all("u^1"),
+    )
+    short = -stage.x[basis.get_dofs("top").all("u^2")]
+    assert short == pytest.approx(1.5 * pressure / E, rel=1e-6)
+    assert "penalty compliance" not in remarks
 
 
 @pytest.mark.parametrize("pressure", [0.0, 10.0])

@@ -18,6 +18,23 @@ METHODS = [Penalty(), sc.AugmentedLagrangian(), sc.DualMultipliers()]
 NAMES = ["penalty", "augmented", "multipliers"]
 
 
+@pytest.mark.parametrize("kind", ["lumped", "consistent"])
+@pytest.mark.parametrize("contact_mass", ["moved", "kept"])
+def test_block_that_falls_from_rest(contact_mass, kind):
+    """[X] g t^2 / 2 in eight steps, whether the nodes that will touch have mass or not."""
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, 1.0, 3), np.linspace(1.0, 2.0, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0), unit_weight=20.0)
+    plane = sc.rigid.line((-5.0, 0.0), (5.0, 0.0))
+    pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(mu=0.3))
+    model = sc.Model({"block": solid, "pair": pair}, gravity_acceleration=10.0)
+    settings = sc.Dynamic(0.05, mass=kind, contact_mass=contact_mass)
+    found = model.run([sc.Stage("fall", duration=0.4, dynamic=settings)], **QUIET)["fall"]
+    fallen = -found.x[basis.nodal_dofs[1]]
+    # elastic parts are 20 * 1 / 1e6
+    assert fallen == pytest.approx(0.5 * 10.0 * 0.4**2, abs=4e-5)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("enforcement", METHODS, ids=NAMES)
 def test_impact_of_two_bars(enforcement):

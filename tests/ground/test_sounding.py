@@ -37,6 +37,15 @@ def test_index_of_soil_behaviour_by_hand():
     assert found["zone"][at] == 3  # clay, 2.95 < I_c < 3.6
 
 
+def test_ground_above_the_water_table_is_dry():
+    """[X] Effective stresses are total ones down to the table, and less by 9.81 kPa/m below."""
+    found = sounding(8000.0, 40.0, water=3.0)
+    stresses = found.behaviour(unit_weight=20.0)
+    np.testing.assert_allclose(stresses["total"], 20.0 * found.depth)
+    below = np.maximum(found.depth - 3.0, 0.0)
+    np.testing.assert_allclose(stresses["effective"], 20.0 * found.depth - 9.81 * below)
+
+
 def test_exponent_of_stresses_is_that_of_the_index():
     """[X] In sand the exponent satisfies n = 0.381 I_c + 0.05 s'/p_a - 0.15."""
     found = sounding(8000.0, 40.0).behaviour(unit_weight=20.0)

@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.limit_analysis import certify, search
+from skfem_contact.limit_analysis.strength import Strength
 from tests.tools.helpers import analysis
 from tests.tools.scenes import sliding_blocks
 
@@ -68,3 +70,30 @@ def test_a_multiple_of_stresses_is_no_more_than_admissible() -> None:
         progress=False,
     )
     assert 19.99 < found.lower <= 20.0 * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("factor", [0.8, 1.3])
+def test_power_of_a_strength_of_three_lines(size: float, factor: float) -> None:
+    """[N] The largest p dV + r dg of the stresses with t p + sqrt(F^2 + t^2) r <= c for every line,
+    by linear programming, for strains of any size.
+    """
+    cohesion, slope = np.array([2.0, 3.0, 5.0]), np.array([1.5, 0.8, 0.3])
+    # Strains from pure opening to slopes between those of two lines
+    share = np.array([1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4])
+    n = len(share)
+    soil = Strength(
+        np.full(n, cohesion[0]),
+        np.full(n, slope[0]),
+        tension=np.full(n, np.inf),
+        reduced=np.ones(n, bool),
+        lines=np.tile(np.stack((cohesion[1:], slope[1:]), axis=1), (n, 1, 1)),
+    )
+    dilation, shear = size * share, size * np.sqrt(1.0 - share**2)
+    strain = 0.5 * np.stack((dilation + shear, dilation - shear, 0.0 * shear), axis=1)
+    rows = np.stack((slope, np.hypot(factor, slope)), axis=1)
+    powers = []
+    for rates in zip(-dilation, -shear):
+        found = linprog(rates, rows, cohesion, bounds=[(None, None), (0.0, None)])
+        powers.append(-found.fun)
+    assert soil.dissipation(strain, factor) == pytest.approx(np.array(powers), rel=1e-9)

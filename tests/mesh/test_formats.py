@@ -1357,6 +1357,18 @@ def test_signed_sizes_of_elements():
         assert signed_size(points, mirrored, kind) == pytest.approx([-size])
 
 
+def test_mirrored_kinds_twice_are_themselves():
+    """[X] Mirroring permutes the nodes, first the corners among themselves; twice, it is undone."""
+    for name, kind in KINDS.items():
+        if not kind.mirrored:
+            continue
+        mirrored = np.array(kind.mirrored)
+        corners = mirrored[: kind.corners]
+        assert sorted(mirrored) == [*range(N_NODES[name])], name
+        assert sorted(corners) == [*range(kind.corners)], name
+        assert (mirrored[mirrored] == np.arange(len(mirrored))).all(), name
+
+
 def test_kinds_that_follow_from_their_nodes():
     """Without points and two kinds of Gmsh alone, all do."""
     assert {*KINDS} - {*BY_NODES.values()} == {"vertex", "pyramid14", "wedge18"}

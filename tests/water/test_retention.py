@@ -40,3 +40,24 @@ def test_suction_after_a_change_of_saturation(n: float):
     np.testing.assert_allclose(
         law.saturation(moved, size)[0][dry], (filled + 0.01 * slope)[dry], rtol=1e-9
     )
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        sc.water.Ramp(width=1.5, least=0.01, content=(0.1, 0.4)),
+        sc.water.VanGenuchten(alpha=2.0, n=1.4, least=1e-6, content=(0.1, 0.4)),
+        sc.water.VanGenuchten(alpha=2.0, n=3.0, least=1e-6, content=(0.1, 0.4)),
+        sc.water.BrooksCorey(entry=0.2, index=0.7, least=1e-6, content=(0.1, 0.4)),
+    ],
+    ids=str,
+)
+def test_slopes_are_those_of_the_curves(law):
+    """[X] Slopes of relative permeability and saturation by the suction, against central
+    differences.
+    """
+    suction, size, h = np.array([-0.2, 0.05, 0.21, 0.5, 0.9]), np.full(5, 0.8), 1e-5
+    for curve in (law.relative, law.saturation):
+        change = curve(suction + h, size)[0] - curve(suction - h, size)[0]
+        # the third derivative is below 1e3
+        np.testing.assert_allclose(curve(suction, size)[1], 0.5 * change / h, rtol=1e-6, atol=1e-7)
