@@ -211,3 +211,18 @@ def rigid_corner():
     first = plain()
     second = sc.Beam(None, way((6, 0), (6, 3)), **STIFF, joined_to=first)
     return sc.RotationSpring(second, (6, 0), 1.0, to=first)
+
+
+def test_damped_tangent_of_a_spring_that_yields():
+    """[X] At its yield moment a spring has no stiffness, and a thousandth of it in damped tangents;
+    below, both are elastic.
+    """
+    beam = sc.Beam(None, way((0, 0), (0, 4)), **STIFF)
+    foot = sc.RotationSpring(beam, (0, 0), 50.0, to="ground", yield_moment=10.0)
+    model = sc.Model({"mast": beam, "foot": foot})
+    spring = model.forms["foot"]
+    start = spring.initial_state()
+    for angle, slope, kept in ((0.1, 50.0, 50.0), (0.3, 0.0, 0.05)):
+        response = spring.assemble(np.full(model.layout.size, angle), start)
+        assert abs(response.stiffness).max() == pytest.approx(slope, abs=1e-12)
+        assert abs(response.damped).max() == pytest.approx(kept)

@@ -224,7 +224,8 @@ def test_wrong_piles():
     space = sc.Beam(None, [[0.0, 0.0, 0.0], [0.0, 0.0, -1.0]], EI=1.0, EA=1.0)
     with pytest.raises(ValueError, match="in the plane"):
         sc.PileSprings(space, p_y=LINEAR)
-    with pytest.raises(ValueError, match="phi must be"):
-        sc.curves.sand_factors(-3.0)
+    for phi in (-3.0, 61.0):
+        with pytest.raises(ValueError, match="phi must be"):
+            sc.curves.sand_factors(phi)
     with pytest.raises(ValueError, match="su must be"):
         sc.curves.clay_p_y(1.0, 1.0, su=0.0, unit_weight=8.0)

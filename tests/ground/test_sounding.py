@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skfem_contact as sc
-from skfem_contact.ground.sounding import _joined
+from skfem_contact.ground.sounding import _joined, _merged
 
 
 def sounding(cone, sleeve, depth=None, water=0.0, **more):
@@ -115,6 +115,12 @@ def test_a_thin_layer_is_joined_to_the_one_that_is_like_it():
     for index, ends in ((2.1, [("A", 4.0), ("C", 6.5)]), (2.9, [("A", 3.0), ("C", 6.5)])):
         indices = np.array([2.0, 2.0, 2.0, index, 3.0, 3.0, 3.0])
         assert _joined(depth, names, indices, 1.5) == ends
+
+
+def test_layers_of_one_soil_have_their_mean_index():
+    """[X] Three metres of index 2 and one of index 3 are four of 2.25."""
+    layers = [["A", 1.0, 4.0, 2.0], ["A", 4.0, 5.0, 3.0], ["B", 5.0, 6.0, 3.5]]
+    assert _merged(layers) == [["A", 1.0, 5.0, 2.25], ["B", 5.0, 6.0, 3.5]]
 
 
 def test_readings_without_values_make_no_layer():

@@ -61,3 +61,25 @@ def test_slopes_are_those_of_the_curves(law):
         change = curve(suction + h, size)[0] - curve(suction - h, size)[0]
         # the third derivative is below 1e3
         np.testing.assert_allclose(curve(suction, size)[1], 0.5 * change / h, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        sc.water.Ramp(width=1.5, content=(0.1, 0.4)),
+        sc.water.BrooksCorey(entry=0.2, index=0.7, content=(0.1, 0.4)),
+    ],
+    ids=str,
+)
+def test_suction_after_a_change_along_other_curves(law):
+    """[X] Where the saturation falls faster than the flat line, it changes by its slope; where it
+    is level, the suction changes itself.
+    """
+    suction, size, flat = np.array([-2.0, 0.3, 0.5, 0.6]), np.ones(4), np.full(4, 0.05)
+    np.testing.assert_allclose(law.moved(suction, np.zeros(4), size, flat), suction, rtol=1e-12)
+    filled, slope = law.saturation(suction, size)
+    for change in (-0.05, 0.05):
+        moved = law.moved(suction, np.full(4, change), size, flat)
+        wanted = filled + change * slope
+        np.testing.assert_allclose(law.saturation(moved, size)[0][1:], wanted[1:], rtol=1e-12)
+        assert moved[0] == pytest.approx(suction[0] + change, rel=1e-12)
