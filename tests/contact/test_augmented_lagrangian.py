@@ -404,8 +404,8 @@ def test_multipliers_improve_direction_by_direction() -> None:
     before = 0.1 * np.stack((np.arange(n_nodes), np.ones(n_nodes)))
     closed = np.ones((2, n_nodes), bool)
     closed[1, : n_nodes // 2] = False
-    together = _improved(points, traction, before, closed)
+    together = _improved(points, traction, before, closed, None)
     for k in range(2):
         one = slice(k, k + 1)
-        alone = _improved(points, traction[one], before[one], closed[one])
+        alone = _improved(points, traction[one], before[one], closed[one], None)
         assert together[one] == pytest.approx(alone, rel=1e-12)
