@@ -7,7 +7,7 @@
 # Seen: without the option sand has the ID 0 and clay 1, by their tags in ascending order.  With it
 #     clay has 0, and the two surfaces of sand have 1 and 2: these are the numbers of the surfaces in the
 #     CAD model.  A group for the base, a line with the tag 5, takes the ID 0 and moves the soils to 1
-#     and 2; with the option the line has the ID of clay.  No message.
+#     and 2; with the option the line has the ID of clay, and there is no message.
 # Meaning: properties are given to MaterialIDs in the project file, so that the soils swap their
 #     permeability and strength, and do it again when a boundary gets a name.  Count the area of
 #     each ID after the conversion.
