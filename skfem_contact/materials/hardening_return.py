@@ -77,17 +77,21 @@ class _Modes(NamedTuple):
     def trial(self, t: Points, scale: Array, k: Constants) -> _Trial:
         """Return the trial stresses."""
         frame = t.trial(scale)
-        c = k.shift - frame.values[[2, 0, 1]]
-        change = -frame.along(t.push)[[2, 0, 1]]
+        both = np.array((frame.values, frame.along(t.push)))
+        both = -both[:, [2, 0, 1]]
+        both[0] += k.shift
+        c = both[0]
         size = np.maximum(np.abs(c[0]), np.abs(c[1]))
-        return _Trial(c, size, self.averaged(c), self.averaged(change))
+        averages, q, p = self.averaged(both)
+        return _Trial(c, size, (averages[0], q[0], p[0]), (averages[1], q[1], p[1]))
 
     def averaged(self, c: Array) -> tuple[Array, Array, Array]:
-        """Return averages of c1, c3 and c2, q and p of principal stresses, or derivatives."""
-        of_middle = np.where(self.number == 2, c[0], c[1])
-        meeting = np.array((c[2], c[2], of_middle))
-        q = (self.w * c).sum(axis=0)
-        p = c.sum(axis=0) / 3
+        """Return averages of c1, c3 and c2, (..., 3, n), q and p, or derivatives of them."""
+        meeting = np.empty_like(c)
+        meeting[..., :2, :] = c[..., 2:, :]
+        meeting[..., 2, :] = np.where(self.number == 2, c[..., 0, :], c[..., 1, :])
+        q = (self.w * c).sum(axis=-2)
+        p = c.sum(axis=-2) / 3
         return c + self.share * (meeting - c), q, p
 
 
@@ -115,7 +119,17 @@ class _State(NamedTuple):
     q: Array
     p: Array
     slopes: _Slopes  # by multipliers and dilatancy
-    by_trial: Callable[[Array, Array, Array], _Slopes]
+    softening: Array  # dq_trial / dq
+    compressed: Array  # dp / dp_trial
+    by_q: Array  # -dc / dq, (3, n)
+    by_p: Array  # -dc / dp
+
+    def by_trial(self, dc: Array, dq: Array, dp: Array) -> _Slopes:
+        """Return derivatives by changes of the trial stresses, (..., 3, n), of q and of p."""
+        dq = dq / self.softening
+        dp = dp * self.compressed
+        crushed = self.by_q * dq[..., None, :] + self.by_p * dp[..., None, :]
+        return _Slopes(dc - crushed, dq, dp)
 
 
 def _state(z: Array, trial: _Trial, modes: _Modes, k: Constants) -> _State:
@@ -150,18 +164,14 @@ def _state(z: Array, trial: _Trial, modes: _Modes, k: Constants) -> _State:
     wider = k.mu * modes.wider + k.lam
     pull = k.mu * modes.pull - s * wider
     crush = across * q + 2 * K * p
-    dc = -C * (across * dq[:, None] + 2 * K * dp[:, None])  # (3 variables, 3 stresses, n)
+    by_q = C * across
+    by_p = 2 * K * C
+    dc = -(by_q * dq[:, None] + by_p * dp[:, None])  # (3 variables, 3 stresses, n)
     dc[0] -= pull
     dc[1] -= crush
     dc[2] += L * wider
-
-    def by_trial(dc: Array, dq: Array, dp: Array) -> _Slopes:
-        dq = dq / alpha
-        dp = dp * compressed
-        crushed = across * dq[..., None, :] + 2 * K * dp[..., None, :]
-        return _Slopes(dc - C * crushed, dq, dp)
-
-    return _State(c - L * pull - C * crush, q, p, _Slopes(dc, dq, dp), by_trial)
+    stresses = c - L * pull - C * crush
+    return _State(stresses, q, p, _Slopes(dc, dq, dp), alpha, compressed, by_q, by_p)
 
 
 class _Residual(NamedTuple):
@@ -426,13 +436,13 @@ class Returned(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """Points that returned in one attempt; the last attempt keeps state and residual."""
+    """Points that returned in one attempt, with their state and residual."""
 
     indices: NDArray[np.intp]
+    kept: NDArray[np.intp]  # among the points of the attempt
     modes: _Modes
-    points: Points
-    z: Array
-    known: tuple[_State, _Residual] | None
+    state: _State
+    residual: _Residual
 
 
 def hardening_return(t: Points, k: Constants) -> Returned:
@@ -464,10 +474,7 @@ def hardening_return(t: Points, k: Constants) -> Returned:
         kept = first[found]
         done = remaining[found]
         remaining = remaining[~found]
-        if kept.size == holds.size:
-            parts.append(_Part(done, modes, points, z, known))
-        else:
-            parts.append(_Part(done, *take((modes, points, z), kept), None))
+        parts.append(_Part(done, kept, modes, *known))
         c[:, done] = values[:, kept]
         gamma[done], cap[done] = memory[:, kept]
         scale[done] = z[3, kept]
@@ -515,22 +522,24 @@ def _slopes(parts: list[_Part], n: int, k: Constants) -> tuple[Array, Array]:
     """Return d c / d trial, (3, 3, n), at a fixed scale; d c / d ln(scale), (3, n), at a trial."""
     by_trial = np.zeros((3, 3, n))
     by_scale = np.zeros((3, n))
-    for indices, modes, t, z, known in parts:
-        state, residual = known or _checked(z, t, modes, k)[3]
+    for part in parts:
+        indices, kept, modes, state, residual = part
+        if kept.size < modes.number.size:
+            modes, state, residual = take((modes, state, residual), kept)
         units = np.repeat(np.eye(3)[:, :, None], indices.size, axis=2)
-        direct = [state.by_trial(*modes.averaged(unit)) for unit in units]
+        direct = state.by_trial(*modes.averaged(units))
 
         # solve for the changes of the variables by c1, c3 and c2 of the trial, and by the scale
-        memory = np.array((*residual.to_memory, np.zeros(indices.size)))
-        right = [_rows(slopes, residual) for slopes in direct]
-        right.append(memory)
+        right = np.zeros((4, 3, indices.size))
+        right[:3] = _rows(direct, residual).swapaxes(0, 1)
+        right[3, :2] = residual.to_memory
         matrix = _matrix(state, residual)
-        changes = _solve(matrix, np.array(right))  # (4, 3, n)
+        changes = _solve(matrix, right)  # (4, 3, n)
 
         # change the stresses with them
         change = -np.einsum("mvn,vsn->msn", changes, state.slopes.c)
         change = change[:, _SORTED]
         by_scale[:, indices] = change[3]
-        for i, own, slopes in zip(_SORTED, change, direct):
-            by_trial[:, i, indices] = own + slopes.c[_SORTED]
+        for i, own, stresses in zip(_SORTED, change, direct.c):
+            by_trial[:, i, indices] = own + stresses[_SORTED]
     return by_trial, by_scale
