@@ -246,7 +246,7 @@ def _added(
             new = loaded_start(model, load, None, False, flow=options.flow)
             origin = replace(new.origin, states=states)
             new = replace(new, system=_flowing(new.system, options.flow), origin=origin)
-            quiet = options._replace(progress=False, step=0.5 * result.value)
+            quiet = options._replace(progress=False, step=result.path[1][0])
             refined = _followed(model, new, kept, quiet, Accepted(LOAD, new))
         except (ValueError, NotConverged):  # not built anew, or without an equilibrium
             return result.added

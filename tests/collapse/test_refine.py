@@ -247,3 +247,22 @@ def _crushed() -> CollapseResult:
     fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
     model = sc.Model({"soil": soil}, fixed)
     return model.limit_load(model.traction("top", (0.0, -1.0)), progress=False)
+
+
+@pytest.mark.parametrize("kind", ["limit load", "factor of safety"])
+def test_interrupt_of_the_search_on_the_cut_mesh_keeps_the_result(kind, monkeypatch):
+    """The error has the result of the mesh of the model, with the estimate by its stresses."""
+
+    def stopped(*_args: object, **_named: object) -> None:
+        raise KeyboardInterrupt
+
+    model = bank()
+    load = model.traction("top", (0.0, -10.0))
+    monkeypatch.setattr(finer, "finer", stopped)
+    with pytest.raises(KeyboardInterrupt) as error:
+        if kind == "limit load":
+            model.limit_load(load, progress=False)
+        else:
+            model.strength_reduction(certify=False, progress=False)
+    found = error.value.result
+    assert found.what == kind and found.stop.shows_limit and found.added > 0.025
