@@ -96,8 +96,9 @@ class AugmentedLagrangian(Penalty):
     Multipliers live at the slave's nodes and are interpolated between them: multipliers at every
     Gauss point would constrain more than the nodes can follow.  At closed nodes they become the
     projection of the tractions onto these functions, which exerts the same nodal forces.  A node
-    whose correction does not become less, as at the end of an interface on a fixed base, is left to
-    the penalty, and the log names it.
+    whose correction does not become less is left to the penalty, and the log names it.  A node that
+    supports hold on both sides, as at the end of an interface on a fixed base, follows its
+    neighbours.
 
     A given penalty is only the start.  It is brought between k/10 and 10 k before the first
     solution, to 10 k after it, and to 100 k where the corrections hardly become less and no point

@@ -146,9 +146,9 @@ def test_two_pass_has_too_many_multipliers():
 @pytest.mark.parametrize("E", [1e3, 1e5])
 @pytest.mark.parametrize("quadrature", [4, "segments"])
 @pytest.mark.parametrize("meshes", [(4, 6), (8, 11)])
-def test_interface_on_a_fixed_base(meshes, quadrature, E, caplog):
-    """[X] Where both faces end on a fixed base no multiplier closes the gap between their meshes,
-    and all others do.
+def test_interface_on_a_fixed_base(meshes, quadrature, E):
+    """[X] Where both faces end on a fixed base no multiplier closes the gap between their meshes:
+    it follows its neighbours, and all others close.
     """
     t = [np.linspace(0, 1, n + 1) for n in meshes]
     mesh = sc.join_bodies({"left": grid("Q1", t[0] - 1, t[0]), "right": grid("Q1", t[1], t[1])})
@@ -171,12 +171,10 @@ def test_interface_on_a_fixed_base(meshes, quadrature, E, caplog):
     )
     fixed = np.unique(np.concatenate((pushed, *held)))
     x[held[1]] = 0.0
-    with caplog.at_level("INFO", "skfem_contact"):
-        result = sc.Model(forms, fixed).run([sc.Stage("push", basis.zeros(), x)], progress=False)[
-            "push"
-        ]
+    stages = [sc.Stage("push", basis.zeros(), x)]
+    result = sc.Model(forms, fixed).run(stages, progress=False)["push"]
     assert len(result.iterations) == 1  # nothing was cut
-    assert "do not become less; the penalty acts there" in caplog.text
+    assert not any("they do not converge" in remark for remark in result.remarks)
     state = result.states["joint"]
     stiffness = choose_penalties(forms)["joint"].stiffness
     away = pair.points(state).positions(pair.slave.nodes)[:, 1] > 2 / meshes[0]
