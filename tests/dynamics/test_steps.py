@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.dynamics.scheme import Scheme
+from skfem_contact.dynamics.scheme import Motion, Scheme
+from skfem_contact.dynamics.steps import Steps
 from tests.dynamics.cases import QUIET, oscillator, pushed
 
 PERIOD = 2.0 * np.pi / 100.0
@@ -177,3 +179,19 @@ def test_bad_tolerances(tolerance):
         sc.Dynamic(0.1, tolerance=tolerance)
     with pytest.raises(ValueError, match="give no tolerance"):
         sc.Dynamic(explicit=True, tolerance=1e-3)
+
+
+@pytest.mark.parametrize(("changed", "length"), [(0.1, 1.0), (0.5, 0.25)])
+def test_contact_that_closes_wants_steps_of_a_wave_through_an_element(changed, length):
+    """[X] A step that closes half of the points is refused, and one as long as the wave follows;
+    a tenth of them may close, and so may all of them in a step as short as that.
+    """
+    rest = np.zeros(2)
+    steps = Steps(1.0, 4, 0.01, Scheme.of(0.8), csr_matrix(np.eye(2)), rest, transit=0.25)
+    before = Motion(rest, rest, rest, rest)
+    after = Motion(rest + 1.0, rest, rest, rest)
+    assert steps.refuses(before, after, changed) == (length < 1.0)
+    assert steps.length == length
+    if length < 1.0:
+        assert not steps.refuses(before, after, 1.0)
+        assert steps.length == length

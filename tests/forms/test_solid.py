@@ -399,6 +399,24 @@ def test_strain_follows_from_element_and_material(element):
     assert sc.SolidForm(basis, clay, "full").strain == "full"
 
 
+@pytest.mark.parametrize("element", ["P1", "Q1", "P2"])
+def test_tangent_where_a_part_of_the_points_yields(element, rng):
+    """[N] Elements of elastic points, of yielding ones and of both, against central differences."""
+    basis = vector_basis(grid(element, np.linspace(0, 2, 5), np.linspace(0, 1, 4)), element)
+    clay = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=1.0), "full")
+    state = clay.initial_state()
+    # Shear that grows from left to right
+    x = basis.zeros()
+    x[0::2] = 3e-3 * basis.doflocs[0, 0::2] * basis.doflocs[1, 0::2]
+    response = clay.assemble(x, state)
+    yields = response.state.internal[0] > 0.0
+    assert 0.2 < yields.mean() < 0.8
+    way = 1e-7 * rng.standard_normal(basis.N)
+    change = clay.assemble(x + way, state).force - clay.assemble(x - way, state).force
+    # curved in the steps by 1e-4; no point passes its yield surface
+    assert response.stiffness @ way == pytest.approx(0.5 * change, abs=1e-4 * np.abs(change).max())
+
+
 @pytest.mark.parametrize(("strain", "warned"), [(None, False), ("full", True)])
 @pytest.mark.parametrize("load", [1.0, 4.0])
 def test_locking_is_warned_of(strain, warned, load):

@@ -7,6 +7,7 @@ from fractions import Fraction as F
 import numpy as np
 import pytest
 
+import skfem_contact as sc
 from skfem_contact.materials import MohrCoulomb, pyramid
 from tests.oracles.koiter import pyramid_return
 from tests.oracles.mohr_coulomb import rational_return
@@ -285,3 +286,17 @@ def test_reduced_strength() -> None:
     assert associated.reduced(0.5).psi == associated.reduced(0.5).phi > 30
     with pytest.raises(ValueError, match="factor must be positive, got 0"):
         material.reduced(0.0)
+
+
+def test_one_soil_of_two_that_dilates_less_decides() -> None:
+    """[X] The bound of associated flow is the largest of all elements: that of the soil whose
+    dilation is smaller than its friction.
+    """
+    elastic = {"E": 1e4, "nu": 0.3, "c": 1.0}
+    both = sc.MohrCoulomb(**elastic, phi=np.array([20.0, 30.0]), psi=np.array([20.0, 10.0]))
+    first, second = (
+        sc.MohrCoulomb(**elastic, phi=phi, psi=psi) for phi, psi in ((20.0, 20.0), (30.0, 10.0))
+    )
+    assert (both.dilates_less, first.dilates_less, second.dilates_less) == (True, False, True)
+    assert first.associated_bound(1.2) == 1.2
+    assert both.associated_bound(1.2) == second.associated_bound(1.2) > 1.2

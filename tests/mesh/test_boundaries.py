@@ -16,6 +16,7 @@ from skfem.generic_utils import OrientedBoundary
 
 import skfem_contact as sc
 from skfem_contact.mesh.boundaries import Boundaries, Sides
+from skfem_contact.mesh.find_sides import sides_between
 
 KINDS = [MeshTri, MeshQuad, MeshTet, MeshHex]
 
@@ -198,3 +199,20 @@ def test_sides_without_direction():
     ]
     assert not isinstance(found, OrientedBoundary)
     np.testing.assert_array_equal(found, mesh.boundary_facets())
+
+
+def test_sides_between_nodes_are_outer_ones_if_possible():
+    """[X] Nodes of the lower side and of a line inside name the lower side; of the line alone, the
+    sides on it, each once.
+    """
+    mesh = MeshQuad.init_tensor(np.arange(4.0), np.arange(3.0))
+    low, inside = mesh.p[1] == 0.0, mesh.p[0] == 1.0
+
+    def found(chosen):
+        facets = sides_between(mesh, np.flatnonzero(chosen)).facets(mesh)
+        return mesh.p[:, mesh.facets[:, facets]].mean(axis=1).T
+
+    middles = found(low | inside)
+    assert sorted(map(tuple, middles)) == [(0.5, 0.0), (1.5, 0.0), (2.5, 0.0)]
+    middles = found(inside)
+    assert sorted(map(tuple, middles)) == [(1.0, 0.5), (1.0, 1.5)]

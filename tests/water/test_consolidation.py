@@ -641,6 +641,14 @@ def test_bad_values(options, message):
         sc.PoreWater(ground("P2", 2), **{"unit_weight": 1.0, **options})
 
 
+def test_a_seepage_face_without_boundaries_holds_nothing():
+    """None of the nodes leaks."""
+    _, forms, _, _ = layer(n=3)
+    face = sc.water.SeepageFace(forms["water"], ())
+    assert len(face.leaks) == 0
+    assert repr(face) == "<SeepageFace 0 nodes>"
+
+
 def test_bad_analyses():
     """Refused before anything is computed."""
     basis, forms, fixed, load = layer(n=3)
