@@ -468,3 +468,15 @@ def test_search_within_bounds_finds_the_roots_of_newton(conservative, monkeypatc
     monkeypatch.setattr(cam_clay_return, "joint_root", failing)
     again = law.update(strain, start, internal)
     np.testing.assert_allclose(again.stress, found.stress, rtol=1e-8, atol=1e-6 * P)
+
+
+def test_points_that_yield_by_shear_or_by_volume() -> None:
+    """Flow changes the plastic strain, the preconsolidation pressure, or both of them; points where
+    neither has changed are elastic.
+    """
+    law = sc.CamClay(KAPPA, LAMBDA, M, NU, P, OCR=2.0)
+    before = law.initial_internal(np.tile(-np.array([[P], [P], [P], [0.0]]), 4))
+    after = before.copy()
+    after[0] += [0.0, 1e-3, 0.0, 1e-3]
+    after[1] *= [1.0, 1.0, 1.1, 1.1]
+    assert law.yielding(before, after).tolist() == [False, True, True, True]
