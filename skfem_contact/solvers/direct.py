@@ -115,6 +115,12 @@ class Engine(Protocol):
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
 
+    def enlarged(self, A: csr_matrix) -> Callable[[ndarray], ndarray] | None:
+        """Factor A with small pivots enlarged and return its solution, which wants refinement.
+
+        Return None for an engine whose pivots are chosen among all rows.
+        """
+
     def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
         """Condense A to its last m dofs; return None where this is not possible.
 
@@ -409,6 +415,9 @@ class _Factor:
             x, error = self._refined(rhs, size)
         if error > WRONG:
             self._factor("careful")
+            x, error = self._refined(rhs, size)
+        if error > WRONG and (solve := self._engine.enlarged(self.A)) is not None:
+            self._solve = solve
             x, error = self._refined(rhs, size)
         if error > WRONG:
             raise self._singular()

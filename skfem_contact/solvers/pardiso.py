@@ -24,6 +24,9 @@ FORWARD, BACKWARD = 331, 333  # parts of the solution
 OUT_OF_MEMORY = -2  # its error
 #: Own options, METIS, pivots above 1e-18, scaling, matching.
 OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}
+#: Smallest pivots of a matrix whose factor is wrong otherwise, after scaling and matching. Rows are
+#: exchanged within small blocks only, so that regular matrices may have pivots of round-off.
+ENLARGE = {10: 8}
 #: Of a matrix that is condensed: its number of operations is estimated, and the Schur complement
 #: is computed beside the factors. It needs neither scaling nor matching.
 CONDENSE = {11: 0, 13: 0, 19: -1, 36: 2}
@@ -87,6 +90,15 @@ class Pardiso:
 
         return solve
 
+    def enlarged(self, A: csr_matrix) -> Callable[[ndarray], ndarray]:
+        """Factor A by scaling and matching, with pivots of at least 1e-8; refinement does the rest.
+
+        An analysis of its own leaves the one for later matrices as it is.
+        """
+        analysis = _Analysis(self._library, _complete(A), A, symmetric=False, enlarged=True)
+        analysis.factor(A)
+        return analysis.solve
+
     def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
         """Condense A to its last m dofs, within a share of a factor's operations.
 
@@ -100,7 +112,7 @@ class Pardiso:
         self._factored = None
         analysis = self._analysis
         if analysis is None or afresh or not analysis.admits(A, symmetric):
-            pattern = _ones(A) + eye(A.shape[0], format="csr")  # PARDISO wants every diagonal entry
+            pattern = _complete(A)
             if analysis is not None:
                 both = pattern + analysis.pattern
                 if both.nnz < SPARE * A.nnz:
@@ -121,6 +133,7 @@ class _Analysis:
         pattern: csr_matrix,
         A: csr_matrix,
         symmetric: bool,
+        enlarged: bool = False,
     ) -> None:
         self.pattern = _ones(pattern)
         self._symmetric = symmetric
@@ -141,6 +154,8 @@ class _Analysis:
         if symmetric:
             kind = SYMMETRIC
         self._call = _Call(library, kind, pattern.nnz, A.dtype == np.float32)
+        if enlarged:
+            self._call.set(ENLARGE)
         self.admits(A, symmetric)
         self._run(ANALYSE, A)
         release = weakref.finalize(
@@ -265,6 +280,11 @@ class Condensed:
         self._call(phase, self._values, self._rows, self._columns, *vectors)
 
 
+def _complete(A: csr_matrix) -> csr_matrix:
+    """Return the pattern of A with every diagonal entry, which PARDISO wants."""
+    return _ones(A) + eye(A.shape[0], format="csr")
+
+
 def _ones(A: csr_matrix) -> csr_matrix:
     """Return the pattern of A with entries one, so that sums keep the pattern."""
     return with_data(A, np.ones(A.nnz))
@@ -288,8 +308,7 @@ class _Call:
         self._threads = allowed() if entries >= MANY else 1
         self._handle = np.zeros(64, dtype=np.intp)
         self._options = np.zeros(64, dtype=np.int32)
-        for number, value in OPTIONS.items():
-            self._options[number - 1] = value
+        self.set(OPTIONS)
         if entries <= FEW:
             self._options[1] = 0
         self._options[27] = single
@@ -300,11 +319,15 @@ class _Call:
         self._type = _integer(kind)
         self._addresses = self._handle.ctypes.data, self._options.ctypes.data
 
+    def set(self, options: dict[int, int]) -> None:
+        """Set options by their numbers, from 1 on."""
+        for number, value in options.items():
+            self._options[number - 1] = value
+
     def keep(self, kept: ndarray) -> None:
         """Condense the matrix to the dofs of a mask."""
         self._kept = kept.astype(np.int32)
-        for number, value in CONDENSE.items():
-            self._options[number - 1] = value
+        self.set(CONDENSE)
 
     @property
     def operations(self) -> float:

@@ -89,6 +89,9 @@ class SuperLU:
             self._first_fill = self._first_fill or lu.nnz
         return lambda b: lu.solve(b, trans="T")  # type: ignore[call-overload]  # missing in the stubs
 
+    def enlarged(self, A: csr_matrix) -> None:
+        """Return None: pivots are chosen among all rows."""
+
     def condensed(self, A: csr_matrix, m: int, most: float) -> Condensed | None:
         """Condense A to its last m dofs, within a share of a factor's operations.
 

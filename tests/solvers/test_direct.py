@@ -255,6 +255,21 @@ def test_careful_factor_replaces_a_wrong_one(blocks, monkeypatch):
     assert np.abs((K @ x - b)[blocks.free]).max() < 1e-10  # round-off of forces of 1e2
 
 
+def test_multipliers_without_effect_are_no_motion(engine):
+    """[X] 90 multipliers of six combinations, with little compliance, as those of a rigid slave.
+
+    PARDISO finds pivots of round-off in this regular matrix.
+    """
+    n, m, rank = 200, 90, 6
+    random = np.random.default_rng(0)
+    root = random.standard_normal((n, n))
+    jumps = random.standard_normal((m, rank)) @ random.standard_normal((rank, n)) / np.sqrt(n)
+    K = csr_matrix(np.block([[root @ root.T / n + np.eye(n), jumps.T], [jumps, -1e-6 * np.eye(m)]]))
+    locations = np.arange(float(n + m))[None]
+    x = DirectSolver(locations, np.arange(n + m), engine).factor(K)(np.ones(n + m))
+    np.testing.assert_allclose(K @ x, 1.0, atol=1e-7)  # refused from 1e-5 on
+
+
 @pytest.mark.parametrize("spoil", [3.0, np.nan])
 def test_residual_that_stays_is_an_error(blocks, monkeypatch, spoil):
     """[X] No factor is good enough, or there is none but NaN: refused rather than returned."""
