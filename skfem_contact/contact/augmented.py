@@ -52,8 +52,6 @@ _SETTLED = 1e-3
 #: all bonds with this overload: the increment is too large for an order.
 _TOGETHER = 0.9
 _FAR = 2.0
-#: Square of the cosine between a normal and supports that hold a node across the surface.
-_ACROSS = 0.99
 _NONE = np.zeros((1, 1), bool)  # mask of no multipliers
 
 
@@ -342,41 +340,13 @@ def _kept(pair: Any) -> ndarray:
     """
     if pair.symmetry is None:
         return _NONE
-    along = pair.symmetry.along & ~_clamped(pair)
+    along = pair.symmetry.along & ~pair.symmetry.across
     return np.concatenate((np.zeros((1, along.shape[1]), bool), along))
 
 
-def _clamped(pair: Any) -> ndarray:
-    """Return a mask of nodes, (n_nodes,), of which both sides are held across the surface."""
-    held = pair.symmetry.own >= 0
-    return np.asarray((held * pair.slave.normals**2).sum(axis=1) > _ACROSS)
-
-
 def _followed(pair: Any) -> csr_matrix | None:
-    """Return means of neighbours, (n_nodes, n_nodes), for nodes that supports hold; None: no node.
-
-    Where both sides of an end are held across the surface, no equilibrium fixes the multiplier of
-    the node: its nodal force acts on supports alone. Tractions would ripple from there into the
-    joint. It follows its neighbours instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM
-    J. Numer. Anal. 38 (2000) 989-1012).
-    """
-    if pair.symmetry is None:
-        return None
-    slave = pair.slave
-    held = _clamped(pair)
-    beside = slave.facets[held[slave.facets].any(axis=1)]
-    if not len(beside):
-        return None
-
-    # Pairs of a held node and another one of a facet
-    row = np.repeat(beside, beside.shape[1], axis=1).ravel()
-    column = np.tile(beside, (1, beside.shape[1])).ravel()
-    counts = held[row] & ~held[column]
-    ones = np.ones(int(counts.sum()))
-    n = len(slave.nodes)
-    links = csr_matrix((ones, (row[counts], column[counts])), shape=(n, n))
-    number = np.asarray(links.sum(axis=1)).ravel()
-    return csr_matrix(diags_array(1.0 / np.maximum(number, 1.0)) @ links)
+    """Return means of neighbours for nodes that supports hold across the surface, or None."""
+    return None if pair.symmetry is None else pair.symmetry.followed
 
 
 def _improved(

@@ -162,7 +162,7 @@ def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
     still = np.zeros((len(eps) - 1, multipliers.shape[1]), bool)
     if pair.symmetry is not None:
         # Nodes that only supports move have no multiplier along the surface, but the last traction
-        along = pair.symmetry.along
+        along = pair.symmetry.along & ~pair.symmetry.across
         multipliers[1:][along] = state.multiplier[1:][along]
         still = along & ~pair.symmetry.slides(x, round_off)
     closed = _closed(
@@ -285,6 +285,8 @@ def integrals(
     psi = pair.nodes_at(state).values[at]
     if not pair.holds_points:
         psi = duals(facing, psi, len(pair.slave.facets))
+    if pair.symmetry is not None:
+        psi = _spread(psi, pair.symmetry.across[facing.nodes])
     weights = pair.share * facing.weight[:, None] * psi
     gaps = (gap - state.clearance)[at]
     nodes = facing.nodes.ravel()
@@ -292,6 +294,17 @@ def integrals(
     area = float_bincount(nodes, weights.ravel(), n)
     opened = float_bincount(nodes, (weights * gaps[:, None]).ravel(), n)
     return facing, weights, area, opened
+
+
+def _spread(psi: ndarray, held: ndarray) -> ndarray:
+    """Give the functions of nodes held across the surface to the other nodes of their facet.
+
+    See :class:`.symmetry.Symmetry`. A facet without other nodes keeps its functions.
+    """
+    others = (~held).sum(axis=1, keepdims=True)
+    given = np.where(held & (others > 0), psi, 0.0)
+    share = given.sum(axis=1, keepdims=True) / np.maximum(others, 1)
+    return np.where(held, psi - given, psi + share)
 
 
 def mean_gaps(pair: Any, state: ContactState, found: ndarray, gap: ndarray) -> ndarray:
@@ -379,6 +392,8 @@ def _after(pair: Any, state: ContactState, found: Projection, closed: _Closed) -
     at = closed.points
     traction = closed.everywhere(closed.update.traction)
     status = closed.everywhere(closed.update.status)
+    if pair.symmetry is not None and pair.symmetry.followed is not None:
+        traction = traction + traction @ pair.symmetry.followed.T
 
     # Points have the status of the closed node with the largest hat
     nodes = pair.points(state).nodes[at]

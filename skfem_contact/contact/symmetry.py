@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 from numpy import ndarray
+from scipy.sparse import csr_matrix, diags_array
 
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame, unit
 from .quadrature import ON_PLANE
 
-#: Square of the cosine between a direction of slip and supports that hold it.
-_ALONG = 0.99
+#: Square of the cosine between a direction and supports that hold it.
+_HELD = 0.99
 #: Square of the cosine between a normal and a support across which the surface may continue.
 _ACROSS = 0.5
 
@@ -44,10 +45,19 @@ class Symmetry:
     master's inside alone, and its equations would nearly be equations of its neighbours. Supports
     that move the two sides apart are no such plane.
 
+    Where supports hold both sides of an end across the surface, no equilibrium fixes the multiplier
+    of the node: its nodal force acts on supports alone. Tractions would ripple from there into the
+    joint. It follows its neighbours instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM
+    J. Numer. Anal. 38 (2000) 989-1012).
+
     Attributes
     ----------
     along : ndarray, shape (dim - 1, n_nodes)
         Mask of the directions of slip that are held.
+    across : ndarray, shape (n_nodes,)
+        Mask of the nodes that are held across the surface.
+    followed : csr_matrix, shape (n_nodes, n_nodes), or None
+        Means of the neighbours of these nodes; None without such nodes.
     own, opposite : ndarray, shape (n_nodes, dim)
         Dofs of these nodes, and dofs of the master opposite them; -1 where they are not held.
     planes : tuple of Plane
@@ -55,6 +65,8 @@ class Symmetry:
     """
 
     along: ndarray
+    across: ndarray
+    followed: csr_matrix | None
     own: ndarray
     opposite: ndarray
     planes: tuple[Plane, ...]
@@ -83,9 +95,12 @@ class Symmetry:
         crosses[crosses.all(axis=1)] = False
         normals = unit(np.where(crosses, 0.0, slave.normals))
         directions = frame(normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
-        along = (directions**2 * held[:, None]).sum(axis=2) > _ALONG
+        along = (directions**2 * held[:, None]).sum(axis=2) > _HELD
+        across = np.asarray((held * slave.normals**2).sum(axis=1) > _HELD)
         return cls(
             along=along.T,
+            across=across,
+            followed=_followed(slave, across),
             own=np.where(held, own, -1),
             opposite=np.where(held, opposite, -1),
             planes=tuple(_planes(slave, held, directions)),
@@ -96,6 +111,23 @@ class Symmetry:
         held = self.own >= 0
         apart = np.where(held, x[self.own] - x[self.opposite], 0.0)
         return np.asarray((np.abs(apart) > round_off).any(axis=1))
+
+
+def _followed(slave: Surface, held: ndarray) -> csr_matrix | None:
+    """Return the means of the neighbours of nodes that are held, or None without any."""
+    beside = slave.facets[held[slave.facets].any(axis=1)]
+    if not len(beside):
+        return None
+
+    # Pairs of a held node and another one of a facet
+    row = np.repeat(beside, beside.shape[1], axis=1).ravel()
+    column = np.tile(beside, (1, beside.shape[1])).ravel()
+    counts = held[row] & ~held[column]
+    ones = np.ones(int(counts.sum()))
+    n = len(slave.nodes)
+    links = csr_matrix((ones, (row[counts], column[counts])), shape=(n, n))
+    number = np.asarray(links.sum(axis=1)).ravel()
+    return csr_matrix(diags_array(1.0 / np.maximum(number, 1.0)) @ links)
 
 
 def mirrored(surface: Surface, fixed: ndarray, axisymmetric: bool) -> Iterator[tuple[int, ndarray]]:
@@ -117,7 +149,7 @@ def mirrored(surface: Surface, fixed: ndarray, axisymmetric: bool) -> Iterator[t
 def _planes(slave: Surface, held: ndarray, directions: ndarray) -> Iterator[Plane]:
     """Yield the planes on which all nodes are held, (n_nodes, dim), across one direction."""
     for i, end, nodes in _ends(slave):
-        across = (directions[nodes, :, i] ** 2 > _ALONG).all(axis=0)
+        across = (directions[nodes, :, i] ** 2 > _HELD).all(axis=0)
         if across.any() and held[nodes, i].all():
             yield Plane(i, end, np.append(False, across), nodes)
 

@@ -1,0 +1,69 @@
+"""Joints whose ends are held on both sides by supports."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementQuad1,
+    ElementTriP2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshTri,
+)
+
+import skfem_contact as sc
+
+HELD = {
+    "Q1": (MeshQuad, ElementQuad1),
+    "P2": (MeshTri, ElementTriP2),
+    "Hex8": (MeshHex, ElementHex1),
+}
+
+
+@pytest.mark.parametrize("multipliers", [False, True])
+@pytest.mark.parametrize(
+    ("element", "elements", "accuracy"),
+    # slaves finer than the master leave waves between its nodes by the augmented method
+    [("Q1", (3, 3), 2e-3), ("Q1", (3, 4), 2e-2), ("P2", (7, 3), 2e-3), ("Hex8", (3, 2), 5e-3)],
+)
+def test_ends_that_supports_hold_on_both_sides(
+    element: str, elements: tuple[int, int], accuracy: float, multipliers: bool
+) -> None:
+    """[X] Supports that press and shear all sides of two blocks uniformly: so are their tractions,
+    also at the ends of the joint, where nodal forces act on supports alone.
+    """
+    enforcement = sc.AugmentedLagrangian()
+    if multipliers:
+        enforcement = sc.DualMultipliers()
+        accuracy = 1e-8
+    kind, of_element = HELD[element]
+    dim = 3 if element == "Hex8" else 2
+    bodies = {}
+    for name, n, bottom in (("low", elements[0], 0.0), ("up", elements[1], 1.0)):
+        across = [np.linspace(0, 1, n + 1)] * (dim - 1)
+        mesh = kind.init_tensor(*across, np.linspace(bottom, bottom + 1, 3))
+        bodies[name] = mesh.with_boundaries({"joint": lambda x: np.abs(x[-1] - 1.0) < 1e-9})
+    basis = Basis(sc.join_bodies(bodies), ElementVector(of_element()), intorder=4)
+    E, nu, pressure, shear = 1e4, 0.3, 10.0, 2.0
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
+        "joint": sc.ContactPair(basis, "up:joint", "low:joint", sc.Tied(), enforcement=enforcement),
+    }
+    # u_x = t z / G and u_z = -p z / M
+    by_stress = np.zeros(dim)
+    by_stress[0] = shear * 2 * (1 + nu) / E
+    by_stress[-1] = -pressure * (1 + nu) * (1 - 2 * nu) / (E * (1 - nu))
+    uniform = basis.project(lambda x: by_stress.reshape(dim, 1, 1) * x[-1])
+    inside = np.concatenate([basis.mesh.boundaries[side] for side in ("low:joint", "up:joint")])
+    fixed = basis.get_dofs(np.setdiff1d(basis.mesh.boundary_facets(), inside)).all()
+    prescribed = basis.zeros()
+    prescribed[fixed] = uniform[fixed]
+    stages = [sc.Stage("deform", prescribed=prescribed)]
+    found = sc.Model(forms, fixed).run(stages, progress=False)[-1].tractions("joint")
+    assert found.pressure == pytest.approx(pressure, rel=accuracy)
+    size = np.linalg.norm(found.shear.reshape(len(found.pressure), -1), axis=1)
+    assert size == pytest.approx(shear, rel=accuracy)
