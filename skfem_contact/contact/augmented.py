@@ -238,8 +238,8 @@ class AugmentedLagrangian(Penalty):
         points: SlavePoints,
         penalties: tuple[float, float],
         stiffness: float,
-        kept: ndarray = _NONE,
-        followed: csr_matrix | None = None,
+        kept: ndarray,
+        followed: csr_matrix | None,
     ) -> float:
         """Return the error of the tractions of an accepted state, relative to the largest one."""
         moves = np.broadcast_to(~kept, state.multiplier.shape)
@@ -304,7 +304,7 @@ class AugmentedLagrangian(Penalty):
         penalties: tuple[float, float],
         stiffness: float,
         moves: ndarray,
-        followed: csr_matrix | None = None,
+        followed: csr_matrix | None,
     ) -> tuple[ndarray, ndarray, ndarray]:
         """Return improved multipliers, corrections over the penalties, and errors of tractions."""
         # Project the tractions where nodes are closed; a mean of tractions is no larger than the

@@ -157,7 +157,11 @@ def test_errors_of_multipliers_at_nodes_that_stick():
         }
         for status in (stick, np.full(4, int(Status.STICK)))
     ]
-    error = [pair.enforcement.error(type(state)(**one), points, penalties, 100.0) for one in both]
+    kept = np.zeros((1, 1), bool)
+    error = [
+        pair.enforcement.error(type(state)(**one), points, penalties, 100.0, kept, None)
+        for one in both
+    ]
     assert error[0] < 1e-6 and error[1] == pytest.approx(
         1.0, rel=1e-3
     )  # the little mass of _INDIFFERENT
@@ -211,7 +215,7 @@ def test_multipliers_do_not_pull():
     moves = np.ones((2, 2), dtype=bool)
     found = type(state)(**given)
     after, _, _ = pair.enforcement._corrected(
-        found, np.zeros((2, 2)), points, (100.0, 100.0), 100.0, moves
+        found, np.zeros((2, 2)), points, (100.0, 100.0), 100.0, moves, None
     )
     np.testing.assert_allclose(
         np.sort(after[0]), [-0.5 * (1 + np.sqrt(3.0)), 0.0], rtol=1e-3, atol=1e-12
