@@ -387,9 +387,11 @@ def _whole(
     with prepared.accepted:
         proven = beside(certify, live=None, progress=options.progress, **prepared.structure)
     found = _found(setup, prepared, water, options)
-    with found.accepted:
-        added = _added(setup, found, water, options)
-    found = found._replace(result=replace(found.result, added=added))
+    # Without tensile strength the finer search takes several times as long; the stresses suffice.
+    if not (prepared.free or prepared.branch.tears):
+        with found.accepted:
+            added = _added(setup, found, water, options)
+        found = found._replace(result=replace(found.result, added=added))
     return _concluded(found, proven, options, certify)
 
 
@@ -397,7 +399,7 @@ def _added(setup: Setup, found: _Search, water: AtRest, options: _Options) -> fl
     """Return the share that the mesh adds: of a coarse mesh by a search with every element cut."""
     result = found.result
     begun = found.begun
-    if found.free or not finer.is_coarse(result, options.tolerance):
+    if not finer.is_coarse(result, options.tolerance):
         return result.added
     water = _water_of(begun, water)
     quiet = options._replace(progress=False)
