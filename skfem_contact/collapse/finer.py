@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -13,6 +14,7 @@ from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshTri1
 from skfem.helpers import dot
 
 from ..checks import format_point
+from ..errors import AnalysisWarning, NotConverged
 from ..forms.base import Form, solids_of
 from ..forms.roles import materials_of
 from ..materials.base import Material
@@ -102,14 +104,29 @@ def _by_element(material: Material) -> bool:
     return any(isinstance(value, ndarray) for value in vars(material).values())
 
 
-def is_coarse(result: CollapseResult, tolerance: float) -> bool:
+def added_by(
+    search: Callable[[], CollapseResult], result: CollapseResult, tolerance: float
+) -> float:
+    """Return the share that a mesh adds: of a coarse mesh by a `search` with every element cut."""
+    if not _is_coarse(result, tolerance):
+        return result.added
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", AnalysisWarning)
+        try:
+            refined = search()
+        except (ValueError, NotConverged):  # not built anew, or without an equilibrium
+            return result.added
+    return added_by_fall(result, refined)
+
+
+def _is_coarse(result: CollapseResult, tolerance: float) -> bool:
     """Return True if few elements add more to a limit than searches leave open."""
     elements = sum(form.basis.nelems for form in solids_of(result.end.forms).values())
     adds = result.added > max(COARSE, 2.0 * tolerance / result.value)
     return result.stop.shows_limit and adds and elements <= _FEW
 
 
-def added_by_mesh(result: CollapseResult, refined: CollapseResult) -> float:
+def added_by_fall(result: CollapseResult, refined: CollapseResult) -> float:
     r"""Return the share that a mesh adds to a limit F, from the limit F' with every element cut.
 
     With an error of the order p the exact value is F - s F, and :math:`F / (F - s F) - 1` is the

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -12,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import progress_bar
-from ..errors import AnalysisWarning, NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import dilate_less
 from ..forms.roles import Reducible, changed
 from ..limit_analysis import beside
@@ -229,28 +228,27 @@ def _added(
     options: _Options,
     result: CollapseResult,
 ) -> float:
-    """Return the share that the mesh adds: of a coarse mesh by a search with every element cut."""
-    if dilate_less(begun.system.forms) or not finer.is_coarse(result, options.tolerance):
+    """Return the share that the mesh adds."""
+    if dilate_less(begun.system.forms):
         return result.added
     whole: dict[str, Any] = {
         "forms": begun.forms,
         "fixed": begun.system.fixed,
         "states": begun.origin.states,
     }
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", AnalysisWarning)
-        try:
-            finer.check(setup, begun.forms, undrained=False)
-            model, load, states = finer.finer(setup, load=begun.load, **whole)
-            kept = finer.finer(setup, load=dead, **whole).load
-            new = loaded_start(model, load, None, False, flow=options.flow)
-            origin = replace(new.origin, states=states)
-            new = replace(new, system=_flowing(new.system, options.flow), origin=origin)
-            quiet = options._replace(progress=False, step=result.path[1][0])
-            refined = _followed(model, new, kept, quiet, Accepted(LOAD, new))
-        except (ValueError, NotConverged):  # not built anew, or without an equilibrium
-            return result.added
-    return finer.added_by_mesh(result, refined)
+
+    def refined() -> CollapseResult:
+        """Search with every element cut, with the same first step."""
+        finer.check(setup, begun.forms, undrained=False)
+        model, load, states = finer.finer(setup, load=begun.load, **whole)
+        kept = finer.finer(setup, load=dead, **whole).load
+        new = loaded_start(model, load, None, False, flow=options.flow)
+        origin = replace(new.origin, states=states)
+        new = replace(new, system=_flowing(new.system, options.flow), origin=origin)
+        quiet = options._replace(progress=False, step=result.path[1][0])
+        return _followed(model, new, kept, quiet, Accepted(LOAD, new))
+
+    return finer.added_by(refined, result, options.tolerance)
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

@@ -396,24 +396,20 @@ def _whole(
 
 
 def _added(setup: Setup, found: _Search, water: AtRest, options: _Options) -> float:
-    """Return the share that the mesh adds: of a coarse mesh by a search with every element cut."""
+    """Return the share that the mesh adds."""
     result = found.result
-    begun = found.begun
-    if not finer.is_coarse(result, options.tolerance):
-        return result.added
-    water = _water_of(begun, water)
+    water = _water_of(found.begun, water)
     quiet = options._replace(progress=False)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", AnalysisWarning)
-        try:
-            finer.check(setup, begun.forms, options.undrained)
-            finer.check_water(water)
-            first = _BEGIN * result.value / (1.0 + result.added)
-            setup, prepared = _on_finer(setup, found, water, quiet)
-            refined = _found(setup, prepared, water, quiet, first).result
-        except (ValueError, NotConverged):  # not built anew, or without an equilibrium
-            return result.added
-    return finer.added_by_mesh(result, refined)
+
+    def refined() -> CollapseResult:
+        """Search with every element cut, from a little below the factor without this share."""
+        finer.check(setup, found.begun.forms, options.undrained)
+        finer.check_water(water)
+        first = _BEGIN * result.value / (1.0 + result.added)
+        cut, prepared = _on_finer(setup, found, water, quiet)
+        return _found(cut, prepared, water, quiet, first).result
+
+    return finer.added_by(refined, result, options.tolerance)
 
 
 def _water_of(begun: SearchStart, water: AtRest) -> AtRest:

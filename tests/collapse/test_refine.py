@@ -235,9 +235,9 @@ def test_share_from_a_mesh_that_is_cut(order):
         dataclasses.replace(one, value=10.0 * (1.0 + 0.02 * share))
         for one, share in ((_crushed(), 1.0), (_crushed(), 0.5**order))
     )
-    assert 0.5 * 0.02 < finer.added_by_mesh(coarse, cut) < 2.0 * 0.02
+    assert 0.5 * 0.02 < finer.added_by_fall(coarse, cut) < 2.0 * 0.02
     stopped = dataclasses.replace(cut, stop=dataclasses.replace(cut.stop, kind="max_value"))
-    assert finer.added_by_mesh(coarse, stopped) == coarse.added
+    assert finer.added_by_fall(coarse, stopped) == coarse.added
 
 
 def _crushed() -> CollapseResult:
