@@ -10,11 +10,14 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..checks import format_point, look_up
-from ..errors import InadmissibleStress
+from ..errors import InadmissibleStress, IncrementTooLarge
 from ..layout import elements_of
 from ..materials import Material, Update
-from ..materials.base import as_material, updated
+from ..materials.base import as_given, as_material, updated
 from .assembly import damped
+
+#: Strains by which a law is tried: plastic if it has a strength at all.
+_LARGE = 1.0
 
 
 class Region(NamedTuple):
@@ -78,6 +81,27 @@ def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: 
                 )
         except ValueError as error:
             raise ValueError(f"material of '{name}', {material.label}: {error}") from error
+
+
+def may_flow(region: Region, basis: CellBasis) -> bool:
+    """Return True if a material may be plastic: with internal variables, or by large strains.
+
+    A law without internal variables is tried: points of another tangent than the elastic one flow,
+    unless the law gives its elastic strains.
+    """
+    law = region.material
+    own = getattr(type(as_given(law)), "elastic_strain", None)
+    if law.n_internal or own not in (None, Material.elastic_strain):
+        return law.n_internal > 0
+    n = len(range(basis.nelems)[region.elements]), basis.X.shape[-1]
+    stress = np.zeros((4 if basis.mesh.dim() == 2 else 6, *n))
+    strain = np.random.default_rng(0).uniform(-_LARGE, _LARGE, stress.shape)
+    try:
+        with np.errstate(all="ignore"):
+            tried = updated(law, strain, stress, law.initial_internal(stress), 0.0)
+    except (ValueError, ArithmeticError, IncrementTooLarge):
+        return True
+    return len(tried.plastic) > 0
 
 
 def _check_memory(material: Material, call: str, internal: ndarray, n: tuple[int, int]) -> None:

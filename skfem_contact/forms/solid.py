@@ -48,6 +48,7 @@ from .regions import (
     check_materials,
     elastic_strain,
     inherited,
+    may_flow,
 )
 from .roles import Body, Dissipating, Reducible, Staged, Timed
 
@@ -177,7 +178,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     strain
         ``"full"``, or ``"b_bar"``: volumetric strains averaged over each element; with finite
         kinematics ``"f_bar"``, the volume of its centre. By default one of the latter for elements
-        of four and eight corners with a material that yields, where full strains lock.
+        of four and eight corners with a material that may yield, where full strains lock.
     coordinates
         ``"axisymmetric"`` for axial symmetry about x = 0: forces are per radian, and the radial
         displacement on the axis must be fixed. By default ``"plane"`` or ``"space"``, as the mesh.
@@ -234,7 +235,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         # order the elements by regions
         self.basis, regions = by_region(basis, materials)
         regions = tuple(r.with_material(r.material, self.basis) for r in regions)
-        flows = any(region.material.n_internal for region in regions)
+        flows = any(may_flow(region, self.basis) for region in regions)
         self.size = int(self.basis.N)
         self._duration = 0.0
         self.kinematics: Kinematics = kinematics
@@ -277,9 +278,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         laws = self.materials.values()
         self.symmetric = all(law.symmetric for law in laws) and self.strain != "f_bar"
         self._n_internal = max(law.n_internal for law in laws)
-        # A linear law under small strains has a constant tangent.
-        changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
-        changing |= self._finite is not None
+        # A linear law under small strains has a constant tangent; other laws may have any.
+        changing = self._finite is not None or not all(map(_is_constant, laws))
         self._linear = self._finite is None and _linear(self.materials)
         self._start: _Start | None = None
         self._accepted: tuple[SolidState, ndarray, ndarray] | None = None
@@ -928,6 +928,12 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 def _linear(laws: Mapping[str, Material]) -> bool:
     """Return True if all laws are linear elasticity: classes that derive from it may be any."""
     return all(type(law) is LinearElastic for law in laws.values())
+
+
+def _is_constant(law: Material) -> bool:
+    """Return True if the update of a law is that of linear elasticity, with a constant tangent."""
+    varies = law.n_internal or law.stress_dependent or law.time_dependent
+    return not varies and type(law).update is LinearElastic.update
 
 
 def _updates(calls: list[LawCall]) -> tuple[list[Update], ndarray]:

@@ -111,7 +111,7 @@ class StageResult(files.StageData):
         energy of bodies, structures and penalties, what ``plastic`` flow, ``friction`` and
         ``damping`` have taken, and the ``work`` of loads and moved supports. ``missing``: kinetic
         energy at the start and work, less all others: the damping of the scheme. Members and links
-        that yield count as elastic.
+        that yield count as elastic, and so do laws without internal variables.
 
         Raises
         ------

@@ -282,3 +282,41 @@ def test_recorded_nodes_that_are_no_points_are_refused(points):
     settings = sc.Dynamic(0.01, points=points)
     with pytest.raises(ValueError, match="coordinates must be finite"):
         model.run([sc.Stage("push", duration=0.1, dynamic=settings)], **QUIET)
+
+
+class StressAlone(sc.Material):
+    """Perfect plasticity whose only memory is the stress."""
+
+    def __init__(self, law):
+        self.law = law
+
+    def elasticity(self, ncomp):
+        return self.law.elasticity(ncomp)
+
+    def update(self, strain_increment, stress, internal):
+        new = self.law.update(strain_increment, stress, self.law.initial_internal(stress))
+        return new._replace(internal=internal)
+
+
+@pytest.mark.parametrize("explicit", [False, True])
+def test_laws_without_internal_variables_may_yield(explicit):
+    """[N] A bar in mm that waves make yield: the same as with the package's law, which declares a
+    memory. Small strains alone look linear.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 100, 11), np.linspace(0, 20, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    steel = sc.VonMises(E=2e5, nu=0.3, strength=250.0)
+    found = []
+    for law in (steel, StressAlone(steel)):
+        bar = sc.SolidForm(basis, law, unit_weight=7.8e-5)
+        assert bar.strain == "b_bar"
+        fixed = [basis.get_dofs("left").all("u^1"), basis.get_dofs("bottom").all("u^2")]
+        model = sc.Model({"bar": bar}, fixed, gravity_acceleration=9810.0)
+        settings = sc.Dynamic(explicit=True) if explicit else sc.Dynamic(2e-6)
+        stage = sc.Stage(
+            "pull", model.traction("right", (230.0, 0.0)), duration=5e-5, dynamic=settings
+        )
+        found.append(model.run([stage], **QUIET)["pull"].x)
+    elastic = 230.0 / 2e5 * 100.0
+    assert np.abs(found[0]).max() > 1.05 * elastic
+    np.testing.assert_allclose(found[1], found[0], atol=1e-6 * np.abs(found[0]).max())
