@@ -13,7 +13,7 @@ from ..checks import format_point, look_up
 from ..errors import InadmissibleStress, IncrementTooLarge
 from ..layout import elements_of
 from ..materials import Material, Update
-from ..materials.base import as_given, as_material, updated
+from ..materials.base import as_material, updated
 from .assembly import damped
 
 #: Strains by which a law is tried: plastic if it has a strength at all.
@@ -90,15 +90,17 @@ def may_flow(region: Region, basis: CellBasis) -> bool:
     unless the law gives its elastic strains.
     """
     law = region.material
-    own = getattr(type(as_given(law)), "elastic_strain", None)
-    if law.n_internal or own not in (None, Material.elastic_strain):
-        return law.n_internal > 0
+    if law.n_internal:
+        return True
     n = len(range(basis.nelems)[region.elements]), basis.X.shape[-1]
     stress = np.zeros((4 if basis.mesh.dim() == 2 else 6, *n))
-    strain = np.random.default_rng(0).uniform(-_LARGE, _LARGE, stress.shape)
+    strain = np.asarray(np.random.default_rng(0).uniform(-_LARGE, _LARGE, stress.shape))
     try:
         with np.errstate(all="ignore"):
-            tried = updated(law, strain, stress, law.initial_internal(stress), 0.0)
+            internal = law.initial_internal(stress)
+            if law.elastic_strain(stress, internal) is not None:
+                return False
+            tried = updated(law, strain, stress, internal, 0.0)
     except (ValueError, ArithmeticError, IncrementTooLarge):
         return True
     return len(tried.plastic) > 0
