@@ -30,10 +30,10 @@ _INCOMPLETE = {"quad8": "quad9", "hexahedron20": "hexahedron27"}
 
 def mesh_of(
     content: Content,
-    plane: str = "xy",
-    factor: float = 1.0,
-    split: bool = False,
-    file: str = "",
+    plane: str,
+    factor: float,
+    split: bool,
+    file: str,
 ) -> Mesh:
     """Return the mesh of a content.
 

@@ -20,7 +20,8 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.collapse import continuation
-from skfem_contact.collapse.result import SearchResult, Stop
+from skfem_contact.collapse.result import Point, SearchResult, Stop
+from skfem_contact.errors import NotConverged
 from tests.tools.helpers import analysis
 
 
@@ -182,3 +183,40 @@ def test_a_search_that_stalls_tries_again_with_resistance(monkeypatch, slides, s
     found = continuation.follow(branch, np.zeros(1), [], sc.Newton(), 0.01, None)
     assert found.stop.kind == ends
     assert len(tried) == (0 if slides else 1)
+
+
+@pytest.mark.parametrize(
+    ("straight", "slope", "beyond", "level"),
+    [
+        (True, 1e-3, 1e-3, False),  # goes on, and may rise by any amount
+        (True, 1e-3, 4e-4, True),  # most of it was the end of a curve
+        (True, 1e-3, None, True),  # nothing carries more
+        (True, 1e-6, 1e-6, True),  # too flat to matter
+        (False, 1e-3, 1e-3, True),  # soil flows
+    ],
+)
+@pytest.mark.parametrize("reaches", [512.0, 32.0, 2.0])
+def test_a_straight_piece_is_level_if_it_ends(monkeypatch, straight, slope, beyond, level, reaches):
+    """[X] A curve of straight pieces ends where it rises by less than half of its slope beyond its
+    end, as far as there is an equilibrium.
+    """
+    points = [Point(np.zeros(1), {}, 100.0 + slope * work, work) for work in (0.0, 1.0, 2.0)]
+    tried = []
+
+    def correct(branch, control, points, work, newton):
+        times = work - 2.0
+        tried.append(times)
+        if beyond is None or times > reaches:
+            raise NotConverged("no equilibrium")
+        return Point(np.zeros(1), {}, points[-1].parameter + beyond * times, work)
+
+    monkeypatch.setattr(continuation, "correct", correct)
+    log = SimpleNamespace(straight=straight, moved=lambda x: 1.0)
+    course = continuation.Course(tolerance=0.01)
+    assert continuation._is_level(None, None, points, sc.Newton(), course, log) is level
+    assert bool(tried) is (straight and slope == 1e-3)
+    # Not at all before it has moved, or with a slope that rises by more than the tolerance
+    course = continuation.Course(tolerance=0.01, min_displacement=2.0)
+    assert not continuation._is_level(None, None, points, sc.Newton(), course, log)
+    course = continuation.Course(tolerance=1e-9)
+    assert not continuation._is_level(None, None, points, sc.Newton(), course, log)

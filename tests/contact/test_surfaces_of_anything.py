@@ -11,6 +11,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
+from skfem_contact.contact.compliance import _largest
 from skfem_contact.contact.quadrature import _corners, _pairs
 from skfem_contact.surfaces.surface import Surface
 from tests.tools.helpers import grid, vector_basis
@@ -348,3 +349,22 @@ def test_facets_of_any_size_that_may_face_each_other_are_paired() -> None:
     apart = np.linalg.norm(x[:, None] - y, axis=2)
     near = np.argwhere(apart < r[:, None] + slave.size[:, None] + s - 1e-9)
     assert set(map(tuple, near.tolist())) <= found
+
+
+def test_largest_displacement_is_that_of_the_surfaces_and_their_mesh():
+    """[X] Dofs of other fields do not count, and none of a mesh that a pair does not have."""
+    ends = np.array([[1.0, 0.0], [0.0, 0.0]])
+    cells = np.array([[0, 1]])
+    upper = sc.Surface.from_cells(ends, np.array([[3, 4], [5, 6]]), cells, "upper")
+    lower = sc.Surface.from_cells(ends[::-1], np.array([[7, 8], [9, 10]]), cells, "lower")
+    pair = sc.ContactPair(None, upper, lower, LAW, penalty=1.0)
+    x = np.zeros(12)
+    x[[0, 2, 11]] = 9.0
+    x[[4, 9]] = 0.5, -2.0
+    assert _largest(pair, x) == 2.0
+    basis = vector_basis(UP, "Q1", intorder=2)
+    other = sc.Surface.from_cells(ends[::-1], basis.N + np.arange(4).reshape(2, 2), cells, "other")
+    pair = sc.ContactPair(basis, "bottom", other, LAW, penalty=1.0)
+    x = np.zeros(basis.N + 5)
+    x[[0, -2, -1]] = 3.0, -4.0, 9.0
+    assert _largest(pair, x) == 4.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -210,6 +211,24 @@ def test_smooth_and_tied() -> None:
     )  # its weight and the base add a little
     with pytest.warns(sc.AnalysisWarning, match="fixed loads alone"):
         block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=4.0), elements=300)
+
+
+@pytest.mark.parametrize(
+    ("live", "high", "least", "too_much"),
+    [
+        (True, 2.0, -np.inf, False),  # they are held at no multiplier, too
+        (True, 2.0, 1.0, False),  # a multiplier from 1 to 2 holds them
+        (True, 2.0, 3.0, True),
+        (True, -1.0, -np.inf, True),
+        (True, 0.0, -1.0, False),
+        (False, 0.5, 3.0, False),  # a factor of safety has no multiplier
+    ],
+)
+def test_fixed_loads_that_no_multiplier_from_zero_holds(live, high, least, too_much) -> None:
+    """[X] The highest multiplier is negative, or less than the least one that holds them."""
+    upper = SimpleNamespace(proof=SimpleNamespace(value=high))
+    found = SimpleNamespace(live=live, upper=upper, least=least)
+    assert Search.overloaded.fget(found) is too_much
 
 
 # -- invariance

@@ -12,6 +12,7 @@ from skfem_contact.mesh.content import (
     check_nodes,
     members_by_tag,
     short_keys,
+    whole,
     without_doubles,
 )
 
@@ -62,3 +63,25 @@ def test_nodes_that_do_not_exist(wrong):
     with pytest.raises(ValueError, match=f"a triangle has the node {wrong + 1} of 3: the number"):
         check_nodes(cells, 3, "triangle")
     check_nodes(cells[:1], 3, "triangle")
+
+
+def test_numbers_of_a_table_are_whole():
+    """[X] Floats count exactly below 2^53; fractions and larger ones are refused."""
+    exact = np.array([-3.0, 0.0, 2.0**53 - 1.0])
+    numbers = whole(exact, "node")
+    assert numbers.dtype == np.int64
+    assert numbers.tolist() == [-3, 0, 2**53 - 1]
+    assert len(whole(np.zeros(0), "node")) == 0
+    with pytest.raises(ValueError, match=r"a node has the number 2\.5, which is not whole"):
+        whole(np.array([1.0, 2.5]), "node")
+    for large in (2.0**53 + 2.0, -1e300, np.nan):
+        with pytest.raises(ValueError, match="a node has a number that is too large"):
+            whole(np.array([1.0, large]), "node")
+
+
+def test_highest_dimension_of_elements_that_exist():
+    """[X] Kinds without elements do not count, and points have no dimension."""
+    points, triangle = np.zeros((3, 3)), np.array([[0, 1, 2]])
+    flat = Content(points, {"tetra": np.zeros((0, 4), int), "triangle": triangle})
+    assert flat.dim == 2
+    assert Content(points, {}).dim == 0

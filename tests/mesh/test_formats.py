@@ -6,6 +6,7 @@ The files are made by Gmsh, by meshio, or as text of the format's own manual.
 from __future__ import annotations
 
 import itertools
+import re
 from importlib import resources
 from importlib.util import find_spec
 
@@ -1256,6 +1257,25 @@ def test_files_of_salome_without_a_mesh(tmp_path):
         load_mesh(tmp_path / "empty.med")
     with pytest.raises(ValueError, match=r"culvert.msh: name= chooses a mesh of a file of Salome"):
         load_mesh(FILE, name="pit")
+
+
+@pytest.mark.parametrize("options", [{}, {"file_format": "gmsh", "binary": False}])
+def test_gmsh_files_of_scikit_fem(tmp_path, options):
+    """[X] Sides and subdomains that `Mesh.save` writes as data of elements, in both forms."""
+    from skfem import MeshQuad1
+
+    mesh = MeshQuad1().refined(1).with_defaults().with_subdomains({"low": lambda x: x[1] < 0.5})
+    file = tmp_path / "square.msh"
+    mesh.save(file, **options)
+    if options:  # meshio 5.3.5 writes whole numbers as np.int64(1)
+        file.write_text(re.sub(r"np\.int64\((\d+)\)", r"\1", file.read_text()))
+    again = load_mesh(file)
+    assert {name: side_of(again, name) for name in again.boundaries} == {
+        name: pytest.approx(1.0) for name in mesh.boundaries
+    }
+    assert sorted(again.subdomains) == ["low"]
+    centres = again.p[:, again.t[:, again.subdomains["low"]]].mean(axis=1)
+    np.testing.assert_allclose(sorted(map(tuple, centres.T)), [(0.25, 0.25), (0.75, 0.25)])
 
 
 def test_files_of_scikit_fem_keep_names_with_colons(tmp_path):

@@ -67,6 +67,18 @@ def test_between_the_lines():
     assert np.isclose(strength(stage_of(mean, mean, radius)), expected, rtol=1e-12)
 
 
+def test_little_or_no_consolidation_counts_the_lower_line():
+    """[X] The drained line where hardly anything, or less than nothing, presses on the plane; the
+    line of isotropic consolidation where the smaller principal stress is a tension.
+    """
+    f = np.radians(PHI)
+    for s in (-3.0, 0.0, 2.0):  # the drained line needs more than c cos(phi') = 4.24
+        assert np.isclose(strength(stage_of(s, s)), C + max(s, 0.0) * np.tan(f), rtol=1e-12)
+    normal = 0.5 * (199.0 - 201.0 * np.sin(f))
+    assert line(normal) < C + normal * np.tan(f)
+    assert np.isclose(strength(stage_of(200.0, -1.0)), line(normal), rtol=1e-12)
+
+
 def test_third_stage():
     """[X] A lower drained strength after the drawdown counts, a higher one does not."""
     before = stage_of(120.0, 70.0)

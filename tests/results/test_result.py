@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from zlib import crc32
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
@@ -10,6 +12,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.results import Result
+from skfem_contact.results.files import _settings
 from tests.tools.helpers import grid, vector_basis
 
 
@@ -328,3 +331,21 @@ def test_displacements_of_another_shape(shape):
     with pytest.raises(ValueError, match=r"displacements of 'solid' have shape .*, not \(8,\)"):
         sc.results.of({"solid": solid}, np.zeros(shape), states)
     assert not sc.results.of({"solid": solid}, np.zeros(8), states).x.any()
+
+
+def test_parameters_of_a_law_are_told_apart_by_their_means():
+    """[X] A number is itself, and arrays are means with the weights sqrt(1 .. n), which tell values
+    of swapped elements apart: files of other versions have the same.
+    """
+    basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1")
+
+    def settings(E):
+        return _settings(sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)))
+
+    kind, *numbers = settings(2e4)
+    assert kind == crc32(b"LinearElastic")
+    assert numbers == pytest.approx([1.0, 2e4, 1.0, 0.3], rel=1e-15)
+    root = np.sqrt(2.0)
+    mean = (1e4 + 3e4 * root) / (1.0 + root)
+    assert settings(np.array([1e4, 3e4]))[1:] == pytest.approx([2.0, mean, 1.0, 0.3], rel=1e-12)
+    assert settings(np.array([3e4, 1e4]))[2] != pytest.approx(mean, rel=0.1)

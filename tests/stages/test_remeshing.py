@@ -225,6 +225,26 @@ def test_contact_goes_on(enforcement):
     assert further == pytest.approx(whole, rel=0.015)
 
 
+def bulging(x):
+    return np.stack((0 * x[0], 0.4 * x[0] * (1 - x[0]) * x[1]))
+
+
+@pytest.mark.parametrize(("size", "told"), [(0.25, False), (0.6, True)])
+def test_a_large_loss_of_volume_is_told(size, told, recwarn):
+    """[X] n straight sides of equal length cut off 1 / (16 n²) of an area with a parabola on top;
+    half a percent is told.
+    """
+    mesh = block(4).to_meshtri().with_boundaries(_sides())
+    new = sc.remeshed(deformed(bulging, mesh, element=ElementTriP2()), size, order=1)
+    start = new.start(model_of(new.mesh)[1])
+    n = len(new.mesh.boundaries["top"])
+    lost = new.loss(start)["lost"][0]
+    assert lost == pytest.approx(1.0 / (16.0 * n**2), rel=0.05)
+    assert (lost > 5e-3) == told
+    texts = [str(w.message) for w in recwarn if "of the volume" in str(w.message)]
+    assert [text.startswith(f"'new mesh' loses {lost:.1%}") for text in texts] == [True] * told
+
+
 def test_remark_on_distorted_elements():
     """Corners near a straight line are remarked on, once they have become so."""
     with pytest.warns(sc.AnalysisWarning, match=r"corners within \d+ degrees .* remeshed"):

@@ -33,3 +33,17 @@ def test_rollers_of_a_part_and_in_space():
     cube = Basis(MeshHex().refined(1), ElementVector(ElementHex1()))
     held = sc.box_supports(cube)  # 9 nodes of the base, 6 + 6 others on each pair of sides
     assert len(held) == 9 * 3 + 2 * 12
+
+
+@pytest.mark.parametrize("held", ["left", "bottom"])
+def test_bodies_in_axial_symmetry_are_held_along_the_axis(held):
+    """[X] The one rigid motion is along the axis: any fixed dof in this direction holds a body, and
+    fixed radii hold none.
+    """
+    basis = vector_basis(grid("Q1", [1, 2], [0, 1]), "Q1")
+    ring = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric")
+    fixed = basis.get_dofs(held)
+    sc.Model({"ring": ring}, fixed.all("u^2")[:1]).run([sc.Stage("rest")], progress=False)
+    loose = sc.Model({"ring": ring}, fixed.all("u^1"))
+    with pytest.raises(ValueError, match="2 of the dofs are fixed, which leaves 1 of 1 rigid"):
+        loose.run([sc.Stage("rest")], progress=False)
