@@ -20,6 +20,27 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 20)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as slow all but one in n cells of a family that says so.
+
+    Cells stay whose sum of indices is a multiple of n: as in a Latin square, values of several
+    parameters take turns.
+    """
+    for item in items:
+        chosen = item.get_closest_marker("one_in")
+        if chosen and sum(_indices(item)) % chosen.args[0]:
+            item.add_marker("slow")
+
+
+def _indices(item: pytest.Item) -> Iterator[int]:
+    """Yield the index of the cell in each of its lists of parameters."""
+    for given in item.iter_markers("parametrize"):
+        names = given.args[0]
+        first = names.split(",")[0].strip() if isinstance(names, str) else names[0]
+        yield item.callspec.indices[first]
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run, so that a failure can be repeated."""

@@ -907,6 +907,7 @@ def test_pressures_at_vertices_on_both_sides_of_a_beam():
         model.water_on(dug, np.maximum(-10.0 * basis.mesh.p[1], 0.0))
 
 
+@pytest.mark.slow
 def test_contact_beside_water_carries_effective_stress():
     """[X] A sheet pile is in balance: the ground's forces on it and those of the water."""
     model, _, basis = pit_beside_a_sheet_pile()

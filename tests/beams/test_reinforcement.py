@@ -258,6 +258,7 @@ def test_factors_of_nailed_slopes_end_in_a_plateau():
     assert found[0].iterations < 400 and found[1].curve[-1, 2] < 2.0
 
 
+@pytest.mark.slow
 def test_factors_do_not_depend_on_the_stiffness_of_nails():
     """[X] A limit depends on strengths alone; a slope to the other side has the same one."""
     factors = [

@@ -86,6 +86,7 @@ ORDERS = {
 
 @pytest.mark.parametrize("slave", [UPPER, LOWER])
 @pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.one_in(2)
 def test_order_with_segments(element, slave):
     """[X] Closed form: the pressure at all points, 4 to 16 elements across one body and 6 to 24
     across the other.

@@ -146,6 +146,7 @@ def test_two_pass_has_too_many_multipliers():
 @pytest.mark.parametrize("E", [1e3, 1e5])
 @pytest.mark.parametrize("quadrature", [4, "segments"])
 @pytest.mark.parametrize("meshes", [(4, 6), (8, 11)])
+@pytest.mark.one_in(2)
 def test_interface_on_a_fixed_base(meshes, quadrature, E):
     """[X] Where both faces end on a fixed base no multiplier closes the gap between their meshes:
     it follows its neighbours, and all others close.
@@ -216,6 +217,7 @@ def test_aster_patch(element):
     [lambda x: np.tan(np.radians(30)) * (x - 0.5), lambda x: 0.1 * np.sin(np.pi * x)],
     ids=["30°", "curved"],
 )
+@pytest.mark.one_in(2)
 def test_matching_interface(shape, element, quadrature):
     """[X] A9: an interface that is inclined by 30 degrees or curved, matching nodes, the same
     pressure on all sides.

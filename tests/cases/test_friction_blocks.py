@@ -84,6 +84,7 @@ def test_push_off_the_base(quadrature, height: float) -> None:
 @pytest.mark.parametrize("height", [0.0, 0.25, 0.5, 0.75, 1.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.filterwarnings("ignore:.*opened with their bond")
+@pytest.mark.one_in(3)
 def test_adhesion_where_it_touches(quadrature, height: float) -> None:
     """[X] C6: what has lifted off adheres no more, nor what would lift off and close in turn."""
     forms, stages = pushed(quadrature, sc.Coulomb(PHI, adhesion=2.5), height)
@@ -123,6 +124,7 @@ def test_broken_bond_is_warned_of(monkeypatch) -> None:
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])
 @pytest.mark.parametrize("angle", [10.0, 26.5, 26.6])
+@pytest.mark.one_in(3)
 def test_incline(angle: float, quadrature) -> None:
     """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its
     load.

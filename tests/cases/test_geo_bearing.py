@@ -81,6 +81,7 @@ def test_rigid_rough_footing_under_prescribed_settlement():
 
 @pytest.mark.parametrize("nu", [0.49, 0.499, 0.4999])
 @pytest.mark.parametrize(("element", "n"), [("P2", 4), ("Q1", 8)])
+@pytest.mark.one_in(3)
 def test_nearly_incompressible(element, n, nu):
     """[X] Case S4: the capacity of clay does not depend on nu, and nothing locks; the curve's end
     is worth 0.2 %.
@@ -93,7 +94,9 @@ def test_nearly_incompressible(element, n, nu):
     assert bearing_capacity(0.0) < stiff.multiplier < 1.04 * bearing_capacity(0.0)
 
 
-@pytest.mark.parametrize(("phi", "c"), [(50.0, 1.0), (45.0, 1e-6)])
+@pytest.mark.parametrize(
+    ("phi", "c"), [pytest.param(50.0, 1.0, marks=pytest.mark.slow), (45.0, 1e-6)]
+)
 def test_large_friction_angles(phi, c):
     """[X] Case S5: associated flow at phi = 50, and a cohesion next to nothing: 266.88 and 133.87
     times c.

@@ -56,6 +56,7 @@ def soil(c: float, phi: float, psi: float, **more) -> sc.MohrCoulomb:
         (10.0, 25.0, -0.1, 1e3, 55.0497),
     ],
 )
+@pytest.mark.one_in(3)
 def test_rankine(c, phi, towards, tension, exact, associated):
     """[X] Case J8: passive and active thrust; the wall may draw at the soil where tension is
     given.

@@ -60,6 +60,7 @@ def test_reduced_strength(factor: float) -> None:
 @pytest.mark.parametrize(
     ("factor", "flow"), [(0.7, "given"), (1.5, "given"), (1.5, "associated"), (3.0, "given")]
 )
+@pytest.mark.one_in(3)
 def test_tangent_and_admissibility(factor: float, flow: str, psi: float) -> None:
     """[N] Differences and a zero increment; constant, capped and associated dilatancy."""
     law = rock(psi=psi).reduced(factor, flow)

@@ -94,6 +94,7 @@ def test_bouncing_block(enforcement) -> None:
 @pytest.mark.parametrize("height", [1e-3, 0.3, 3.0])
 @pytest.mark.parametrize("element", ["Q1", "Q2", "P2"])
 @pytest.mark.parametrize("enforcement", METHODS, ids=IDS)
+@pytest.mark.one_in(3)
 def test_lifted_and_pressed_again(enforcement, element: str, height: float) -> None:
     """[X] No tractions while a block is lifted, also beyond reach, and the same ones as at first
     once it is back.

@@ -71,6 +71,7 @@ def tangent_error(pair, x, state, rng) -> float:
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 @pytest.mark.parametrize("element", IN_SPACE)
+@pytest.mark.one_in(3)
 def test_tangent(element, quadrature, law, rng):
     """The tangent is the derivative of the force, at facets and edges; force and moment balance to
     round-off.
@@ -108,6 +109,7 @@ def valley(element: str) -> Basis:
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("element", IN_SPACE)
+@pytest.mark.one_in(3)
 def test_tangent_at_edges_and_vertices(element, law, rng):
     """Where the facets of a valley shadow each other, its edge or vertex is closest: exact there,
     without a couple.
@@ -170,6 +172,7 @@ def test_frame_indifference(element, quadrature, rng):
 
 
 @pytest.mark.parametrize("element", IN_SPACE)
+@pytest.mark.one_in(3)
 def test_friction_on_a_circle(element):
     """A block driven on a circle across facets: friction lags behind the tractrix of its elastic
     slip.
@@ -261,6 +264,7 @@ def patch(element: str, quadrature, swapped: bool = False, apart: float = 0.0, *
         ("S2", "segments", 1e-6),
     ],
 )
+@pytest.mark.one_in(3)
 def test_patch(element, quadrature, bound, swapped):
     """Deviation of the vertical stress from its mean: none but of the quadrature on skewed
     quadrilaterals.
@@ -311,6 +315,7 @@ def box_in_pit(element: str, quadrature, law) -> tuple[Basis, sc.ContactPair]:
     ids=["friction", "bond", "tied"],
 )
 @pytest.mark.parametrize("element", ["P1", "Q1"])
+@pytest.mark.one_in(2)
 def test_slave_that_goes_round_corners(element, law, rng):
     """A box in a pit: every facet has a tangent to count from, walls do not face the floor, nothing
     goes round corners.
@@ -368,6 +373,7 @@ def test_slave_that_goes_round_corners(element, law, rng):
     ],
     ids=["nodal", "Gauss", "augmented", "Gauss, augmented", "segments, augmented"],
 )
+@pytest.mark.one_in(3)
 def test_slice_of_a_plane_case(quadrature, enforcement, error, law):
     """Pressed, dragged to and fro across facets and lifted off: a slice gives the plane's
     displacements.

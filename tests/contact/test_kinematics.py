@@ -176,6 +176,7 @@ QUADRATURES = ["nodal", 2, 3, "segments"]
 @pytest.mark.parametrize("mu", [0.0, 0.3, 50.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.one_in(3)
 def test_action_is_reaction(element, quadrature, mu, rng):
     """[X] Forces and moments of both bodies cancel to round-off, in the current configuration."""
     for _ in range(3):

@@ -603,6 +603,7 @@ def test_refusals() -> None:
         model.gravity_state(problem.basis.zeros() - 1e-3)
 
 
+@pytest.mark.slow
 def test_friction_at_the_rim_of_a_block_on_its_way() -> None:
     """[X] A block is drawn along a slab: all nodes under it slip its way, also beside its rim.
 

@@ -114,6 +114,7 @@ def test_half_models_have_the_tractions_of_whole_ones(element: str) -> None:
 
 @pytest.mark.parametrize("element", ["Q1", "P2", "Hex8", "Tet4", "Tet10"])
 @pytest.mark.parametrize("given", [None, 3e4])
+@pytest.mark.one_in(2)
 def test_default_penalties_of_half_models_are_those_of_whole_ones(
     element: str, given: float | None
 ) -> None:
@@ -175,16 +176,16 @@ def test_stiffness_at_planes_of_symmetry_is_found_once(monkeypatch) -> None:
     ("element", "method", "stiffer"),
     [
         ("Hex8", "penalty", 1.0),
-        ("Hex8", "augmented", 1.0),
+        pytest.param("Hex8", "augmented", 1.0, marks=pytest.mark.slow),
         ("Hex8", "multipliers", 10.0),
-        ("Hex27", "multipliers", 1.0),
+        pytest.param("Hex27", "multipliers", 1.0, marks=pytest.mark.slow),
         ("Tet4", "multipliers", 10.0),
-        ("Tet10", "multipliers", 10.0),
+        pytest.param("Tet10", "multipliers", 10.0, marks=pytest.mark.slow),
         ("Tet4", "penalty", 1.0),
-        ("Tet4", "augmented", 10.0),
-        ("Hex27", "penalty", 1.0),
-        ("Tet10", "penalty", 10.0),
-        ("Tet10", "augmented", 1.0),
+        pytest.param("Tet4", "augmented", 10.0, marks=pytest.mark.slow),
+        pytest.param("Hex27", "penalty", 1.0, marks=pytest.mark.slow),
+        pytest.param("Tet10", "penalty", 10.0, marks=pytest.mark.slow),
+        pytest.param("Tet10", "augmented", 1.0, marks=pytest.mark.slow),
     ],
 )
 def test_half_models_in_space_are_halves_of_whole_ones(

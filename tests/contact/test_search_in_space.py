@@ -83,6 +83,7 @@ def test_random_points_around_a_bumpy_ball(rng):
 
 
 @pytest.mark.parametrize("element", IN_SPACE)
+@pytest.mark.one_in(2)
 def test_kept_neighbours_serve_as_new_ones(element, rng):
     """While points and surface move, projections among kept neighbours are those among all;
     clearances hold.

@@ -63,6 +63,7 @@ def drag(pair, place, path, up=-1e-3):
 @pytest.mark.parametrize("smoothing", [None, 0.5])
 @pytest.mark.parametrize("tilt", [0.0, 37.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.one_in(3)
 def test_slip_is_the_distance_moved(quadrature, tilt, smoothing):
     """[X] Across seven segments, in steps smaller and larger than these: one plateau, and slip =
     distance.

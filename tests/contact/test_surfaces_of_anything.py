@@ -146,6 +146,7 @@ def scene(kind, swapped, quadrature, tangent="exact"):
 @pytest.mark.parametrize(
     ("kind", "quadrature"), [("beam", "nodal"), ("beam", 3), ("plate", "nodal"), ("plate", 2)]
 )
+@pytest.mark.one_in(3)
 def test_tangent_with_rotations(kind, quadrature, swapped, rng) -> None:
     """[X] Central differences of the forces by all dofs, rotations among them."""
     pair, numbers = scene(kind, swapped, quadrature)

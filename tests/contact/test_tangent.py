@@ -84,6 +84,7 @@ def notch(element: str, quadrature, law, rng):
 @pytest.mark.parametrize("law", ["frictionless", "slip", "stick"])
 @pytest.mark.parametrize("quadrature", ["nodal", 5])
 @pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.one_in(3)
 def test_at_a_concave_vertex(element, quadrature, law, rng):
     """[X] Points in the cone where both sides of a vertex shadow each other: the vertex itself is
     closest.
@@ -110,6 +111,7 @@ def test_vertex_on_a_stretched_master(rng):
 
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("law", ["slip", "stick"])
+@pytest.mark.one_in(2)
 def test_beyond_the_ends_of_a_chain(element, law, rng):
     """[X] An open chain goes on a little beyond its ends, and points there are in contact."""
     line = np.stack((np.linspace(0, 2, 4), np.zeros(4)), axis=1)
@@ -135,6 +137,7 @@ def ring(n: int, radius: float, turn: float, outward: bool) -> np.ndarray:
 @pytest.mark.parametrize("pin_is_slave", [True, False])
 @pytest.mark.parametrize("quadrature", ["nodal", 3, "segments"])
 @pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.one_in(3)
 def test_closed_chains(element, quadrature, pin_is_slave, rng):
     """[X] A pin in a hole of the same size: concave and convex closed masters, the seam
     included.
@@ -162,6 +165,7 @@ def test_closed_chains(element, quadrature, pin_is_slave, rng):
 
 @pytest.mark.parametrize("obstacle", ["line", "circle", "hole", "polyline"])
 @pytest.mark.parametrize("quadrature", ["nodal", 3])
+@pytest.mark.one_in(2)
 def test_rigid_obstacles(obstacle, quadrature, rng):
     """[X] Surfaces without unknowns: the slave's share of force and tangent is left."""
     roof = np.stack(

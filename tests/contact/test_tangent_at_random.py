@@ -69,6 +69,7 @@ def augmented(state, rng):
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("element", "alpha"), SURFACES)
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+@pytest.mark.one_in(4)
 def test_random_configurations(quadrature, element, alpha, law, enforcement, rng):
     """[X] 216 combinations, 200 configurations of each; errors stay below 1e-8."""
     law, wanted = LAWS[law]

@@ -68,7 +68,9 @@ def pressed(basis, amplitude):
     return lambda time: amplitude(time) * unit
 
 
-@pytest.mark.parametrize(("k", "times", "cycles"), [(1e-1, 0.5, 7), (1e-3, 2.0, 9)])
+@pytest.mark.parametrize(
+    ("k", "times", "cycles"), [(1e-1, 0.5, 7), pytest.param(1e-3, 2.0, 9, marks=pytest.mark.slow)]
+)
 @pytest.mark.filterwarnings("ignore:stage 'shake'. the inertia of the pore water")
 def test_harmonic_load(k, times, cycles):
     """[X] Displacement of the top and pressure at the base within 1 %, in size and phase."""

@@ -147,7 +147,7 @@ def test_mirrored_and_in_other_units():
 
 
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
-@pytest.mark.parametrize("case", ["linear", "contact"])
+@pytest.mark.parametrize("case", ["linear", pytest.param("contact", marks=pytest.mark.slow)])
 def test_restart_in_the_middle(case, tmp_path):
     """[X] A motion that continues in another stage, from a file too, is the same to 1e-12."""
     if case == "linear":

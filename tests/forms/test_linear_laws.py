@@ -62,6 +62,7 @@ def motion(form: sc.SolidForm, size: float) -> np.ndarray:
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("size", [0.0, 1e3, 1e8])
+@pytest.mark.one_in(3)
 def test_force_and_state_are_those_of_the_points(case: str, size: float) -> None:
     """[N] Initial stress, activation at displacements and large rigid motions: forces agree within
     the round-off that both report.

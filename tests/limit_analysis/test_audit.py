@@ -168,6 +168,7 @@ def bounds(given: dict) -> Bounds:
 
 
 @pytest.mark.parametrize("seed", range(50))
+@pytest.mark.one_in(5)
 def test_slope(seed: int) -> None:
     """[X] Equilibrium, yield, flow rule and power, and lower bounds below all upper ones."""
     given, ground = random_slope(seed)
@@ -181,6 +182,7 @@ def test_slope(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
+@pytest.mark.one_in(4)
 def test_footing(seed: int) -> None:
     """[X] The same with a multiplied load: the dissipation does not exceed the power at the upper
     bound.

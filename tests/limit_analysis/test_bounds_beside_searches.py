@@ -463,7 +463,10 @@ def strip_footing(soil, n, size=(6, 3), weight=0.0):
     return model, model.traction("top", (0.0, -1.0))
 
 
-@pytest.mark.parametrize(("phi", "exact", "n"), [(0.0, 2 + np.pi, 2), (20.0, 14.835, 1)])
+@pytest.mark.parametrize(
+    ("phi", "exact", "n"),
+    [pytest.param(0.0, 2 + np.pi, 2, marks=pytest.mark.slow), (20.0, 14.835, 1)],
+)
 def test_coarse_meshes_under_rigid_footings_are_told(phi, exact, n, recwarn) -> None:
     """[X] Prandtl: the share that the mesh adds to a limit load, 7 and 13 %, is told to a factor of
     two.
@@ -479,7 +482,7 @@ def test_coarse_meshes_under_rigid_footings_are_told(phi, exact, n, recwarn) -> 
     ]
 
 
-@pytest.mark.parametrize("n", [1, 2])
+@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_factors_of_rigid_footings_are_told(n) -> None:
     """[X] Prandtl: a mesh that adds 14 and 7 % to a factor of safety, whose slip surfaces begin at
     an edge.
@@ -551,10 +554,10 @@ def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
     ("phi", "n", "size", "by_cohesion", "by_weight"),
     [
         (20.0, 1, (6, 3), 14.835, 2.839),
-        (20.0, 2, (6, 3), 14.835, 2.839),
+        pytest.param(20.0, 2, (6, 3), 14.835, 2.839, marks=pytest.mark.slow),
         (30.0, 1, (8, 4), 30.14, 14.75),
-        (30.0, 2, (6, 3), 30.14, 14.75),
-        (35.0, 1, (10, 5), 46.12, 34.48),
+        pytest.param(30.0, 2, (6, 3), 30.14, 14.75, marks=pytest.mark.slow),
+        pytest.param(35.0, 1, (10, 5), 46.12, 34.48, marks=pytest.mark.slow),
     ],
 )
 def test_share_below_a_rigid_strip_on_sand_with_weight(

@@ -63,6 +63,7 @@ def test_carried_stresses_are_in_equilibrium(carries) -> None:
     assert (lower < 1e-8).all()
 
 
+@pytest.mark.slow
 def test_meshes_that_begin_near_take_fewer_iterations(monkeypatch) -> None:
     """[X] The same bracket from the beginning of every mesh, with more iterations."""
     near = bracket("N_c, 20 degrees", 0.08)

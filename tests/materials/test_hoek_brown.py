@@ -60,6 +60,7 @@ def test_extension_and_tension(psi):
 @pytest.mark.parametrize("a", [0.5, 0.51, 0.65])
 @pytest.mark.parametrize("psi", [0.0, 20.0, 45.0])
 @pytest.mark.parametrize("strain", [1e-4, 1e-3, 1e-2])
+@pytest.mark.one_in(3)
 def test_contract(ncomp, a, psi, strain):
     """Tangent within 1e-6 of the largest modulus at smooth points, admissibility, and dissipation
     at every point.

@@ -82,6 +82,7 @@ def test_deviatoric_section() -> None:
     "psi, printed", [(0.0, 26.732051), (10.0, 28.828981), (20.0, 30.301828), (30.0, 30.867513)]
 )
 @COMPONENTS
+@pytest.mark.one_in(2)
 def test_simple_shear(psi: float, printed: float, ncomp: int) -> None:
     """[X] Plane-strain simple shear at constant normal stress (Davis 1968)."""
     specimen = Specimen(

@@ -122,6 +122,7 @@ def states(law: sc.NgiAdp, ncomp: int, n: int) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("perfect", [False, True])
 @pytest.mark.parametrize("ncomp", [4, 6])
 @pytest.mark.parametrize("size", 10.0 ** np.arange(-6, -1, 2))
+@pytest.mark.one_in(3)
 def test_random_increments(size: float, ncomp: int, perfect: bool) -> None:
     """[N] Admissible, dissipating, and with the tangent of differences; a zero increment changes
     nothing.

@@ -129,6 +129,7 @@ def test_tangent(size: float, ncomp: int) -> None:
     assert error[kink < 1e-3].max() < 1e-6
 
 
+@pytest.mark.slow
 def test_stiffness_of_first_loading() -> None:
     """At strains of 1e-6 nearly that of E_0, at large ones that of the soil without small-strain
     stiffness.

@@ -137,7 +137,7 @@ def test_volume_that_is_held(increments: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("ocr", "error"), [(1.0, 0.01), (1.3, 0.04)]
+    ("ocr", "error"), [pytest.param(1.0, 0.01, marks=pytest.mark.slow), (1.3, 0.04)]
 )  # the stress ratio changes beside it
 def test_oedometer_loaded_in_one_increment(ocr: float, error: float) -> None:
     """[N] A load of a day in one increment has the strain of 80 increments, then and a year

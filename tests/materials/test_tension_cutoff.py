@@ -47,6 +47,7 @@ def excess(material: MohrCoulomb, stress: np.ndarray) -> np.ndarray:
 @COMPONENTS
 @ALL_LAWS
 @pytest.mark.parametrize("nu", [-0.9, 0.3, 0.49])
+@pytest.mark.one_in(3)
 def test_random_returns_against_active_sets(
     law: tuple[float, float, float], nu: float, ncomp: int
 ) -> None:
@@ -86,6 +87,7 @@ def test_random_returns_against_active_sets(
 
 @COMPONENTS
 @ALL_LAWS
+@pytest.mark.one_in(3)
 def test_tangent(law: tuple[float, float, float], ncomp: int) -> None:
     """[X] Finite differences in all regions, equal principal stresses included."""
     assert_tangent(soil(law), random_points(10_000, ncomp, np.random.default_rng(2)))

@@ -585,6 +585,7 @@ PUSHES = [(0.0, 0.0), (1.0, 10.0), (1.0, 20.0), (3.0, 20.0), (1.0, 22.0)]
 
 
 @pytest.mark.parametrize(("eccentric", "push"), PUSHES)
+@pytest.mark.one_in(3)
 def test_loop_of_the_guide_holds_where_a_block_lifts_off(
     footing_on_springs, eccentric: float, push: float
 ) -> None:

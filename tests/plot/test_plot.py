@@ -460,6 +460,7 @@ def test_displays_that_vtk_has_opened_are_not_tried_in_another_process(monkeypat
         {"MESA_GL_VERSION_OVERRIDE": "2.1", "DISPLAY": ""},
     ],
 )
+@pytest.mark.one_in(3)
 def test_missing_opengl_library_does_not_crash(tmp_path, missing):
     """VTK is made to use a library that most machines lack, which kills the process that tries to
     draw.

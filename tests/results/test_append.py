@@ -235,6 +235,7 @@ RUN = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="there is no SIGKILL")
 def test_run_of_a_hundred_increments_is_killed(tmp_path):
     """[X] All 40 increments that were accepted are in the file, and the analysis goes on from the

@@ -383,6 +383,7 @@ def random_section(rng: np.random.Generator) -> tuple[Section, dict[str, float],
 
 
 @pytest.mark.parametrize("seed", range(RANDOM))
+@pytest.mark.one_in(3)
 def test_random_sections(seed, recwarn) -> None:
     """[X] Every area and line has its measure, no body overlaps, no angle is sharp, interfaces have
     both sides.

@@ -92,6 +92,7 @@ def test_permeability_contrast(element, seam):
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("duration", [1e-8, 1.0, 1e8])
 @pytest.mark.parametrize("storage", [0.0, 1e-9, 1e-4])
+@pytest.mark.one_in(3)
 def test_steps_of_any_length(element, duration, storage):
     """[X] From undrained ground to the end of consolidation, which is elastic ground without water,
     in one stage.

@@ -94,6 +94,7 @@ def test_edge_under_one_element():
     [(2, (2, 40)), (2, (40, 2)), (2, (1, 50)), (2, (50, 1)), (3, (1, 20)), (3, (20, 1))],
     ids=str,
 )
+@pytest.mark.one_in(3)
 def test_patch_test_at_any_ratio(dim, sizes):
     """[X] Cases A9, S7: integration over common segments passes the patch test from 1:50 to
     50:1.
@@ -111,6 +112,7 @@ def test_patch_test_at_any_ratio(dim, sizes):
 @pytest.mark.parametrize(
     ("dim", "element"), [(2, "Q1"), (2, "P1"), (2, "Q2"), (3, "Q1"), (3, "P1"), (3, "Q2")]
 )
+@pytest.mark.one_in(3)
 def test_distorted_elements(dim, element, quadrature, rng):
     """[X] Case S8: nodes moved at random by a quarter of the size, interface included: forces
     balance.
@@ -178,6 +180,7 @@ def test_needles(quadrature):
 
 @pytest.mark.parametrize("shift", [-1e-16, 0.0, 1e-16, 1e-12, -1e-12])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.one_in(3)
 def test_nodes_at_joints(quadrature, shift):
     """[X] Case S12: each slave node at a joint of the master, up to round-off: the same force, in
     balance to 1e-12.
@@ -223,6 +226,7 @@ def corners(dim: int, overlap: float, along_edges: bool):
 @pytest.mark.parametrize(
     ("dim", "along_edges"), [(2, False), (3, True), (3, False)], ids=["plane", "edges", "corners"]
 )
+@pytest.mark.one_in(3)
 def test_corner_on_corner(dim, along_edges, overlap, quadrature):
     """[X] Case S12: blocks that meet at a corner, or by a part of an element: the force is finite
     and balances.

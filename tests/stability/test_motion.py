@@ -78,6 +78,7 @@ def dissipation(forms, result):
 @pytest.mark.parametrize(
     ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
 )
+@pytest.mark.one_in(3)
 def test_off_the_edge_and_back(dim, quadrature):
     """[X] Cases S13, D6: slid off the end of the base and back: nothing holds it there, and it is
     held again.
@@ -102,6 +103,7 @@ def test_off_the_edge_and_back(dim, quadrature):
 @pytest.mark.parametrize(
     ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
 )
+@pytest.mark.one_in(3)
 def test_fast_reversal(dim, quadrature):
     """[X] To and fro over more than an element in each step: mu N against each way, and no energy
     gained.
@@ -173,6 +175,7 @@ def test_stress_free_carousel():
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("share", [1e-3, 0.1, 0.5, 0.6])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.one_in(3)
 def test_overlap(share, quadrature, dim):
     """[X] Case S11: two guided columns that overlap by up to 60 % of an element; sudden and ramped
     are the same.

@@ -65,6 +65,7 @@ def test_columns_and_penalty_in_series(ratio, dim):
 @pytest.mark.parametrize(
     ("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)]
 )
+@pytest.mark.one_in(3)
 def test_augmented_result_does_not_depend_on_the_penalty(dim, quadrature):
     """[X] From any start the force comes within the method's tolerance of the exact one, 5."""
     for ratio in RATIOS:
@@ -100,6 +101,7 @@ def test_stick_that_cycles(caplog):
 
 @pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, 2)])
 @pytest.mark.parametrize("ratio", [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6])
+@pytest.mark.one_in(3)
 def test_tangential_penalty(ratio, dim, quadrature):
     """[X] Case S2: from 1e-3 to 1e6 times the normal one, the block slides at T = mu N; no
     increment is cut.
@@ -179,6 +181,7 @@ def test_stiffness_contrast(E, quadrature, dim):
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("mu", [0.0, 1e-12, 0.05, 0.3, 1.0, 2.0])
+@pytest.mark.one_in(3)
 def test_friction(mu, quadrature):
     """[X] Cases S23: dragged by 0.2, T = mu N where the block slides, and never more."""
     basis = blocks(n_lower=7)
@@ -227,6 +230,7 @@ def test_limits_of_friction():
 @pytest.mark.parametrize(
     ("dim", "stress", "length"), [(2, 1.0, 1e3), (2, 1e6, 1.0), (2, 1e6, 1e3), (3, 1e6, 1e3)]
 )
+@pytest.mark.one_in(3)
 def test_units_of_a_body_that_contact_alone_holds(dim, stress, length):
     """[X] Case S3: the start-up with springs too has no absolute measure; 1e-8 in other units."""
     results = []

@@ -46,6 +46,7 @@ CASES = [
 @pytest.mark.parametrize(
     ("case", "given"), CASES, ids=lambda value: getattr(value, "__name__", None)
 )
+@pytest.mark.one_in(3)
 def test_plane_case_as_a_slice(case, given, monkeypatch):
     """Every analysis of a plane test is run again as a slice."""
     seen = []

@@ -185,6 +185,7 @@ def loaded(soil, length: float = 1.0, force: float = 1.0):
 @pytest.mark.parametrize(
     "soil", [sand(), stiff(), clay(), sand(c=2.0, OCR=50.0), clay(attraction=5.0, OCR=50.0)]
 )
+@pytest.mark.one_in(3)
 def test_free_surface_that_is_loaded_unloaded_and_loaded(soil):
     """A free surface without cohesion: no increment is cut, and loading again ends where loading
     did.
@@ -200,6 +201,7 @@ def test_free_surface_that_is_loaded_unloaded_and_loaded(soil):
 @pytest.mark.parametrize(
     "law", [lambda unit: sand(unit, c=5.0 * unit), lambda unit: clay(unit, attraction=5.0 * unit)]
 )
+@pytest.mark.one_in(3)
 def test_units(law, length, force):
     """[X] Displacements over the length and iterations are those in kN and m."""
     (known, counts), (found, others) = (

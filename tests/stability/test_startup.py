@@ -32,6 +32,7 @@ H = 0.2  # size of the upper block's elements
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("gap", [1e-6, 0.5, 10.0])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+@pytest.mark.one_in(3)
 def test_block_held_by_contact_alone(gap, quadrature, dim, caplog):
     """[X] Case S10: a gap of up to ten elements closes; the block then stands as one that touched
     from the start.
@@ -139,6 +140,7 @@ def test_ring_falls_into_a_groove():
     ],
 )
 @pytest.mark.filterwarnings("ignore:.*no slave point found")
+@pytest.mark.one_in(3)
 def test_what_contact_cannot_hold(gap, law, pull):
     """[X] No equilibrium is a clear error, not a result that springs have made up."""
     cannot_hold(gap, law, pull, 2)

@@ -150,6 +150,7 @@ def test_renumbered(quadrature):
     ],
     ids=str,
 )
+@pytest.mark.one_in(3)
 def test_units(dim, stress, length, quadrature, enforcement):
     """[X] Case S3: in GPa and mm as in MPa and m, and in Pa and km: the same to 1e-8, friction's
     history included.

@@ -47,6 +47,7 @@ def flow(mesh, heads, k=1.0, face="right", **options) -> sc.water.Seepage:
 
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
 @pytest.mark.parametrize("core", [1e-3, 0.1, 1e2, 1e5, 1e8])
+@pytest.mark.one_in(3)
 def test_core_of_another_permeability(core, kind):
     """[X] Sum of L / k of the zones; a contrast of 1e8 leaves 1e8 times the round-off between in
     and outflow.
@@ -219,6 +220,7 @@ def test_distorted_meshes(kind, rng):
     ids=repr,
 )
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
+@pytest.mark.one_in(3)
 def test_retention(law, kind):
     """Sharp and blunt transitions between wet and dry: what water the blunt ones let pass above is
     within 7 %.

@@ -80,6 +80,7 @@ def drained_strain(law: Any) -> float:
 
 @pytest.mark.parametrize("space", [False, True])
 @pytest.mark.parametrize("increments", [1, 2, 4])
+@pytest.mark.one_in(2)
 def test_drained_compression_by_a_load(increments: int, space: bool) -> None:
     """[N] The axial strain beside 200 increments: 37 % too much in one increment, without a warning
     before.

@@ -127,6 +127,7 @@ def test_a_failed_stage_begins_anew_on_a_new_mesh():
     assert caught.value.result is not None
 
 
+@pytest.mark.slow
 def test_closed_points_stay_on_a_round_tool():
     """[X] New meshes without any motion change neither gaps nor forces of a round tool.
 
@@ -182,11 +183,17 @@ def same(result, other):
         assert (two.new_mesh is None) == (one.new_mesh is None)
 
 
-@pytest.mark.parametrize("n_done", [1, 2, 3])
-def test_saved_runs_are_read_and_continue(tmp_path, n_done):
+@pytest.fixture(scope="module")
+def whole():
+    """The result of all stages."""
+    model, stages, remesh = sheared()
+    return model.run(stages, remesh=remesh, progress=False)
+
+
+@pytest.mark.parametrize("n_done", [1, pytest.param(2, marks=pytest.mark.slow), 3])
+def test_saved_runs_are_read_and_continue(tmp_path, n_done, whole):
     """[X] Stages of three meshes are read, shown, and continue as if the run had not ended."""
     model, stages, remesh = sheared()
-    whole = model.run(stages, remesh=remesh, progress=False)
     half = model.run(stages[:n_done], remesh=remesh, progress=False)
     half.save(tmp_path / "half")
     read = sc.load_result(tmp_path / "half", model, remesh.model_of)
@@ -204,6 +211,7 @@ def test_saved_runs_are_read_and_continue(tmp_path, n_done):
             sc.load_result(tmp_path / "half", model, lambda mesh: model)
 
 
+@pytest.mark.slow
 def test_appended_runs_are_read_and_continue(tmp_path):
     """[X] A run that is stopped on its second mesh continues from the file of its increments."""
     model, stages, remesh = sheared(3)

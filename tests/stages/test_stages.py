@@ -242,6 +242,7 @@ def test_failure_before_anything_was_accepted():
     assert not partial["all"].x.any() and not partial["all"].states["soil"].stress.any()
 
 
+@pytest.mark.slow
 def test_block_drawn_off_a_table():
     """[X] Case D6: W stays until the centre of gravity passes the edge; then no equilibrium, said
     so.

@@ -41,6 +41,7 @@ LAWS = [
 
 @pytest.mark.parametrize("ncomp", [4, 6])
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda m: type(m).__name__)
+@pytest.mark.one_in(3)
 def test_materials(material, ncomp):
     """[X] Every material of the package passes; differences over a step of 1e-9 are good to
     1e-6.

@@ -112,6 +112,7 @@ def test_steady_flow(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", [9, 17, 35, 48])
+@pytest.mark.one_in(2)
 def test_rain_takes_few_iterations(seed: int) -> None:
     """Rain on ground with seepage faces: 50 to 75 iterations; 200 and 240 with the last two seeds
     if nodes may cross the free surface, 217 and more with the first two if the transition is not

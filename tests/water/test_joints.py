@@ -66,6 +66,7 @@ def consolidated(forms, fixed, load, times=TIMES):
         (sc.Coulomb(mu=0.5), {"element": "Q1", "strain": "b_bar"}),
     ],
 )
+@pytest.mark.one_in(2)
 def test_open_joint(law, options):
     """[X] A layer cut by an open joint consolidates as a whole one; no water is lost, contact
     carries the rest.
