@@ -4,6 +4,8 @@ either side.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_matrix
@@ -11,7 +13,9 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
-from skfem_contact.contact.compliance import _largest
+from skfem_contact.contact.compliance import _largest, on_round_off
+from skfem_contact.contact.interface import ROUND_OFF
+from skfem_contact.contact.laws import Status
 from skfem_contact.contact.quadrature import _corners, _pairs
 from skfem_contact.surfaces.surface import Surface
 from tests.tools.helpers import grid, vector_basis
@@ -369,3 +373,27 @@ def test_largest_displacement_is_that_of_the_surfaces_and_their_mesh():
     x = np.zeros(basis.N + 5)
     x[[0, -2, -1]] = 3.0, -4.0, 9.0
     assert _largest(pair, x) == 4.0
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_remark_on_round_off_of_a_slip_is_a_share_of_the_largest_traction(unit):
+    """[X] Round-off of coordinates up to L times the penalty, in any unit of force, from a
+    thousandth of the traction to ten times it, where points stick.
+    """
+    L = 1e3
+    ends = np.array([[L + 1.0, 0.0], [L, 0.0]])
+    cells = np.array([[0, 1]])
+    upper = sc.Surface.from_cells(ends, np.arange(4).reshape(2, 2), cells, "upper")
+    away = np.array([[0.0, 0.0], [2.0 * L, 0.0]])
+    lower = sc.Surface.from_cells(away, 4 + np.arange(4).reshape(2, 2), cells, "lower")
+    penalty = 1e6 * unit
+    pair = sc.ContactPair(None, upper, lower, LAW, "nodal", penalty=penalty)
+    lost = penalty * ROUND_OFF * (L + 0.5)
+    sticks = replace(pair.initial_state(), status=np.full(2, Status.STICK))
+    for share, told in ((5e-4, False), (2e-3, True), (5.0, True), (20.0, False)):
+        traction = np.array([[-lost / share, 0.0], [0.0, 0.3 * lost / share]])
+        state = replace(sticks, traction=traction)
+        remarks = list(on_round_off(pair, state))
+        assert [remark.figure for remark in remarks] == pytest.approx([share] * told, rel=1e-12)
+        slips = replace(state, status=np.full(2, Status.SLIP))
+        assert not list(on_round_off(pair, slips))

@@ -97,3 +97,104 @@ def test_power_of_a_strength_of_three_lines(size: float, factor: float) -> None:
         found = linprog(rates, rows, cohesion, bounds=[(None, None), (0.0, None)])
         powers.append(-found.fun)
     assert soil.dissipation(strain, factor) == pytest.approx(np.array(powers), rel=1e-9)
+
+
+def strengths(c, t, tension, *, joint=False, reduced=True) -> Strength:
+    """Points with cohesion, friction and tensile strength."""
+    values = np.broadcast_arrays(*np.atleast_1d(c, t, tension))
+    return Strength(*(v.astype(float) for v in values), np.full(len(values[0]), reduced), joint)
+
+
+def test_kinds_of_strength() -> None:
+    """[X] A tensile strength matters below the apex c / t, and wherever nothing resists shear;
+    volume is constant without friction and without such a tensile strength.
+    """
+    inf = np.inf
+    kinds = strengths(  # clay, clay that tears, sand, beyond and below its apex, liquid, rigid
+        [10.0, 10.0, 10.0, 10.0, 10.0, 0.0, 0.0, inf],
+        [0.0, 0.0, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0],
+        [inf, 3.0, inf, 20.0, 19.9, inf, 0.0, inf],
+    )
+    assert kinds.cut.tolist() == [False, True, False, False, True, False, True, False]
+    assert kinds.incompressible.tolist() == [True] + 4 * [False] + [True, False, True]
+    assert kinds.smooth.tolist() == 5 * [False] + [True, True, False]
+    assert kinds.rigid.tolist() == 7 * [False] + [True]
+    assert kinds.resists_nothing.tolist() == 5 * [False] + [True, True, False]
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_factor_of_a_stress_brings_it_to_the_reduced_strength(joint: bool) -> None:
+    """[X] Soil: r = c / F cos - p sin with tan = t / F, or p + r = T / F; joints: (c - t p) / F, or
+    p = T / F. A strength that is not reduced admits a stress or not.
+    """
+    c, t, tension, p, r = np.array(
+        [
+            (10.0, 0.0, np.inf, -5.0, 4.0),
+            (10.0, 0.0, np.inf, -5.0, 25.0),
+            (10.0, 0.5, np.inf, -30.0, 8.0),
+            (10.0, 0.5, np.inf, 5.0, 4.0),
+            (10.0, 0.5, 6.0, 4.0, 1.0),
+            (10.0, 0.0, 6.0, 9.0, 1.0),
+        ]
+    ).T
+    # Principal stresses turned by 35 degrees, or tractions
+    angle = np.radians(70.0)
+    circle = np.stack((p + r * np.cos(angle), p - r * np.cos(angle), r * np.sin(angle)), axis=1)
+    traction = np.stack((p, r, 0.0 * p), axis=1)
+    stress = traction if joint else circle
+    F = strengths(c, t, tension, joint=joint).factor(stress, 1e-9)
+    if joint:
+        sheared = (c - t * p) / F - r
+        torn = tension / F - p
+    else:
+        phi = np.arctan(t / F)
+        sheared = c / F * np.cos(phi) - p * np.sin(phi) - r
+        torn = tension / F - p - r
+    np.testing.assert_allclose(np.minimum(sheared, torn), 0.0, atol=1e-12)
+    assert ((F > 1.0) == [True, False, True, True, True, False]).all()
+    fixed = strengths(c, t, tension, joint=joint, reduced=False).factor(stress, 1e-9)
+    np.testing.assert_array_equal(fixed, np.where(F > 1.0, np.inf, 0.0))
+    # Nothing and pressure alone are admitted at all factors, tension beyond the apex at none
+    sand = strengths(10.0, 0.5, np.inf, joint=joint)
+    for pressure, factor in ((0.0, np.inf), (-3.0, np.inf), (21.0, 0.0)):
+        across = 0.0 if joint else pressure
+        assert sand.factor(np.array([[pressure, across, 0.0]]), 1e-9) == factor
+
+
+@pytest.mark.parametrize("joint", [False, True])
+def test_factor_of_a_flow_makes_its_dilation_that_of_the_reduced_strength(joint: bool) -> None:
+    """[X] Soil: volume = shear sin with tan = t / F, joints: opening = slip t / F. Any factor will
+    do for clay of constant volume, for what tears and opens, and for no flow; none for others.
+    """
+    inf = np.inf
+    cases = np.array(
+        [  # t, tension, volume or opening, shear or slip, factor
+            (0.5, inf, 1.0, 3.0, np.nan),
+            (0.5, inf, 1.0, 1.05, np.nan),
+            (0.5, inf, -1.0, 3.0, inf),
+            (0.5, inf, 0.0, 3.0, inf),
+            (0.0, inf, 0.0, 3.0, 0.0),
+            (0.0, inf, 1.0, 3.0, inf),
+            (0.0, inf, -1.0, 3.0, inf),
+            (0.0, 6.0, 1.0, 3.0, 0.0),
+            (0.0, 6.0, -1.0, 3.0, inf),
+            (0.5, inf, 0.0, 0.0, 0.0),
+            (0.5, inf, -1e-8, 0.0, inf),
+        ]
+    )
+    t, tension, volume, shear, wanted = cases.T
+    if joint:
+        strain = np.stack((volume, -shear, 0.0 * shear), axis=1)
+        dilating = t[:2] * shear[:2] / volume[:2]
+    else:
+        across = shear * np.sin(0.4)
+        along = shear * np.cos(0.4)
+        strain = np.stack((0.5 * (volume + along), 0.5 * (volume - along), across), axis=1)
+        dilating = t[:2] / np.tan(np.arcsin(volume[:2] / shear[:2]))
+    wanted[:2] = dilating
+    round_off = np.full(len(t), 1e-9)
+    found = strengths(10.0, t, tension, joint=joint).flow_factor(strain, round_off)
+    np.testing.assert_allclose(found, wanted, rtol=1e-12)
+    assert found[0] > 1.0 > found[1]
+    fixed = strengths(10.0, t, tension, joint=joint, reduced=False).flow_factor(strain, round_off)
+    np.testing.assert_array_equal(fixed, np.where(wanted <= 1.0, 0.0, inf))

@@ -78,6 +78,22 @@ def test_joints_open_without_stress():
     assert new.internal[0, 0] > 0.0
 
 
+def test_blocks_that_have_come_apart_rest():
+    """[X] Where two sets have opened no stress is left, and points without further strain are
+    elastic: what is left is round-off of a third set's strength.
+    """
+    sets = [sc.Joint(0.0, 0.0, 30.0), sc.Joint(90.0, 0.0, 30.0), sc.Joint(45.0, 10.0, 30.0)]
+    rock = sc.JointedRock(E, NU, sets)
+    strain = np.random.default_rng(3).uniform(1e-4, 1e-3, (4, 200))
+    strain[2] = 0.0
+    apart = rock.update(strain, np.zeros((4, 200)), np.zeros((1, 200)))
+    np.testing.assert_allclose(apart.stress, 0.0, atol=1e-12 * E)
+    again = rock.update(0.0 * strain, apart.stress, apart.internal)
+    assert len(apart.plastic) == 200
+    assert not len(again.plastic)
+    np.testing.assert_array_equal(again.internal, apart.internal)
+
+
 @pytest.mark.parametrize("psi", [0.0, 20.0])
 def test_stresses_are_admissible(psi):
     """[X] Random strains with three sets: no surface is exceeded, and points inside are elastic."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from skfem import Basis, ElementQuad1, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.water.moisture import Moisture
 
 #: Exact up to the round-off of a few operations.
 EXACT = {"rtol": 1e-12, "atol": 1e-12}
@@ -83,3 +85,38 @@ def test_suction_after_a_change_along_other_curves(law):
         wanted = filled + change * slope
         np.testing.assert_allclose(law.saturation(moved, size)[0][1:], wanted[1:], rtol=1e-12)
         assert moved[0] == pytest.approx(suction[0] + change, rel=1e-12)
+
+
+def test_water_of_two_soils_by_the_excess_pressure() -> None:
+    """[X] With S of the suction -(start + u) / gamma at the corners: content theta_r + (theta_s -
+    theta_r) S, its share of theta_s, Bishop's pressure S (start + u), and slopes by differences.
+    """
+    mesh = MeshQuad.init_tensor([0.0, 1.0, 2.0], [0.0, 0.5, 1.0])
+    basis = Basis(mesh, ElementQuad1(), intorder=2)
+    left = np.flatnonzero(mesh.p[0, mesh.t].mean(axis=0) < 1.0)
+    right = np.setdiff1d(np.arange(basis.nelems), left)
+    laws = [
+        (left, sc.water.VanGenuchten(alpha=2.0, n=2.0, content=(0.1, 0.4))),
+        (right, sc.water.BrooksCorey(entry=0.2, index=0.7, content=(0.05, 0.3))),
+    ]
+    gamma = 10.0
+    start = 4.0 - gamma * basis.doflocs[1]
+    mobility = np.tile(np.eye(2), (basis.nelems, 1, 1))
+    ground = Moisture(basis, mobility, laws, start, gamma, False)
+    u = 3.0 * np.cos(np.arange(basis.N)) - 2.0
+    found = ground.filling(u)
+    total = (start + u)[basis.element_dofs.T]
+    for part, law in laws:
+        least, most = law.content
+        S, _ = law.saturation(-total[part] / gamma, np.full_like(total[part], 0.5))
+        content = least + (most - least) * S
+        assert content.min() < 0.7 * content.max()
+        np.testing.assert_allclose(found.content[part], content, **EXACT)
+        np.testing.assert_allclose(found.share[part], content / most, **EXACT)
+        np.testing.assert_allclose(found.bishop[part], S * total[part], **EXACT)
+    # curved in the steps by 1e-9
+    h = 1e-4
+    ahead, behind = ground.filling(u + h), ground.filling(u - h)
+    for name in ("bishop", "content", "share"):
+        slope = (getattr(ahead, name) - getattr(behind, name)) / (2.0 * h)
+        np.testing.assert_allclose(getattr(found, f"{name}_slope"), slope, atol=1e-7)
