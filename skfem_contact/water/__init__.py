@@ -2,12 +2,6 @@
 
 from .conditions import Conditions
 from .conductivity import Permeability
-from .deprecated import (
-    CompactingPoreWater,
-    UnsaturatedPoreWater,
-    seepage,
-    transient_seepage,
-)
 from .flow import Flow
 from .inflow import Inflow
 from .pore_water import PoreWater
@@ -19,7 +13,6 @@ from .transient import TransientSeepage
 
 __all__ = [
     "BrooksCorey",
-    "CompactingPoreWater",
     "Conditions",
     "Flow",
     "Inflow",
@@ -31,8 +24,5 @@ __all__ = [
     "Seepage",
     "SeepageFace",
     "TransientSeepage",
-    "UnsaturatedPoreWater",
     "VanGenuchten",
-    "seepage",
-    "transient_seepage",
 ]

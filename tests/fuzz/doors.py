@@ -185,8 +185,8 @@ def of_water(given: Analysed) -> Iterator[Door]:
         {"start": 1e-4, "void_ratio": 0.8, "change": 0.5},
     )
     yield (
-        "UnsaturatedPoreWater",
-        water.UnsaturatedPoreWater,
+        "PoreWater, partly saturated",
+        water.PoreWater,
         {
             "basis": basis,
             "permeability": 1e-4,

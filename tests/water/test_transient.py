@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from inspect import signature
-
 import numpy as np
 import pytest
 from numpy import ndarray
@@ -493,8 +491,3 @@ def test_balance_counts_water_that_moves_and_none_that_stays() -> None:
     fills = flow.over(10.0, 0.5 * stored)
     change = 0.05 * np.linalg.norm(stored)
     assert fills.scale(head, inflow) == pytest.approx(3.0 * np.sqrt(n) + change, rel=1e-12)
-
-
-def test_former_functions_keep_the_defaults_of_their_successors() -> None:
-    former = signature(sc.water.transient_seepage).parameters["error"].default
-    assert former == signature(sc.water.Flow.in_time).parameters["error"].default
