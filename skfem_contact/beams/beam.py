@@ -18,7 +18,7 @@ from typing_extensions import override
 
 from ..checks import finite, format_point, vector
 from ..errors import Remark
-from ..forms.base import Form, Kinematics, Outputs, Response
+from ..forms.base import Form, Forms, Kinematics, Outputs, Response
 from ..forms.roles import Slender, Touching, having
 from ..layout import Field
 from ..sparse import Gathering, constant
@@ -359,7 +359,7 @@ class Beam(BeamNodes, Slender):
         return new
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> Beam:
+    def completed(self, forms: Forms) -> Beam:
         # Find joined beams, and whether contact is on a side
         new = copy(self)
         new._frame, new._touched = frame_of(self, forms)

@@ -16,7 +16,7 @@ from skfem import CellBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 from typing_extensions import override
 
 from ..checks import check_basis, finite, format_point, is_number, positive
-from ..forms.base import Form, Outputs, Response
+from ..forms.base import Form, Forms, Outputs, Response
 from ..forms.roles import Couples, Regularised, Staged
 from ..layout import Field
 from ..sparse import constant
@@ -222,7 +222,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         self.acts_on = self.changing = self._ground
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> Embedded:
+    def completed(self, forms: Forms) -> Embedded:
         C = stiffest(forms)
         if C is None and (self._given is None or self.radius is not None):
             raise ValueError("an embedded beam needs ground: a SolidForm among the forms")

@@ -14,7 +14,7 @@ from skfem import CellBasis
 from ..checks import finite, format_point, is_number, vector
 from ..contact import ContactPair
 from ..contact.laws import InterfaceLaw
-from ..forms.base import Form, Kinematics
+from ..forms.base import Form, Forms, Kinematics
 from ..forms.roles import Body, Couples, Loaded, Staged, having, with_force_kept
 from ..layout import Field, FieldDofs
 from ..surfaces.surface import Surface
@@ -41,7 +41,7 @@ def check_values(
         )
 
 
-def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
+def stiffest(forms: Forms) -> ndarray | None:
     """Return the elasticity, (4, 4), of the stiffest material of the forms; None without one."""
     result = None
     for body in having(forms, Body).values():

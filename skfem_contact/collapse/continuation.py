@@ -24,7 +24,7 @@ from numpy import ndarray
 
 from ..checks import look_up, trusted_calls
 from ..errors import NotConverged, warn
-from ..forms.base import Form
+from ..forms.base import Form, Forms, States
 from ..forms.roles import Reducible, Staged, changed, having
 from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Problem, Search, iterate
@@ -93,7 +93,7 @@ class Branch(ABC):
         """Return forms and load at a value of the parameter."""
 
     @abstractmethod
-    def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
+    def slope(self, now: Evaluation, states: States) -> ndarray:
         """Return the derivative of the residual by the parameter, from accepted states."""
 
     def resist(self) -> bool:
@@ -219,7 +219,7 @@ def loaded_start(
     )
 
 
-def _report_forms(setup: Setup, active: Mapping[str, Form]) -> None:
+def _report_forms(setup: Setup, active: Forms) -> None:
     """Raise warnings of active forms that do not fit to their supports."""
     for name, form in having(active, Staged).items():
         for remark in form.check_stage(setup.fixed, setup.inactive(active), 0.0):
@@ -237,7 +237,7 @@ def _warn_of_unreleased(last: StageResult | None) -> None:
     )
 
 
-def _active_forms(setup: Setup, last: StageResult | None) -> Mapping[str, Form]:
+def _active_forms(setup: Setup, last: StageResult | None) -> Forms:
     """Return the forms that are active in a stage, or all without one."""
     if last is None:
         return setup.forms
@@ -270,7 +270,7 @@ def _load_on_top(
     load: Any,
     last: StageResult | None,
     water: Any,
-    active: Mapping[str, Form],
+    active: Forms,
 ) -> ndarray:
     """Return the load of a search without the weights of the active forms, (N,)."""
     if last is None or load is not None:

@@ -15,7 +15,7 @@ from skfem.helpers import dot
 
 from ..checks import format_point
 from ..errors import AnalysisWarning, NotConverged
-from ..forms.base import Form, solids_of
+from ..forms.base import Forms, States, solids_of
 from ..forms.roles import materials_of
 from ..materials.base import Material
 from ..mesh.locate import locate
@@ -54,7 +54,7 @@ class Finer(NamedTuple):
     states: dict[str, Any]
 
 
-def check(setup: Setup, forms: Mapping[str, Form], undrained: bool) -> None:
+def check(setup: Setup, forms: Forms, undrained: bool) -> None:
     """Refuse models that cannot be built anew on a finer mesh."""
     # Only solids can be built anew.
     if undrained:
@@ -151,10 +151,10 @@ def marked(end: Any, mechanism: ndarray, bands: Mapping[str, ndarray]) -> ndarra
 
 def finer(
     setup: S,
-    forms: Mapping[str, Form],
+    forms: Forms,
     fixed: ndarray,
     load: ndarray,
-    states: Mapping[str, Any],
+    states: States,
     cut: ndarray | None = None,
 ) -> Finer:
     """Return the model with some elements cut, the load on it, and the stresses and memory.

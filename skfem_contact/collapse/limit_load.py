@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
-from ..forms.base import dilate_less
+from ..forms.base import States, dilate_less
 from ..forms.roles import Reducible, changed
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
@@ -57,7 +57,7 @@ class _Load(Branch):
         """Return the system, and the load at a multiplier."""
         return self.system, self.dead + parameter * self.reference
 
-    def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
+    def slope(self, now: Evaluation, states: States) -> ndarray:
         """Return the load that is multiplied, at free dofs."""
         slope = self.reference.copy()
         slope[self.system.fixed] = 0.0

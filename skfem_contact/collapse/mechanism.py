@@ -12,7 +12,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
 from ..errors import NoEquilibrium, NotConverged, warn
-from ..forms.base import Form, Response, solids_of
+from ..forms.base import Form, Forms, Response, States, solids_of
 from ..limit_analysis import Bounds
 from ..materials.spectral import principal_stresses
 from ..nonlinear.newton import Newton
@@ -115,7 +115,7 @@ def as_collapse(
     error: NotConverged,
     system: System,
     x: ndarray,
-    states: Mapping[str, Any],
+    states: States,
     load: ndarray,
     newton: Newton,
 ) -> NotConverged:
@@ -164,7 +164,7 @@ def as_collapse(
     )
 
 
-def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
+def warn_of_errors(system: System, x: ndarray, states: States) -> None:
     """Raise warnings of errors of a collapse load: joints that turn, elements that lock."""
     for name, form in system.forms.items():
         for remark in form.outputs(x[: form.size], states[name]).remarks:
@@ -202,7 +202,7 @@ def warn_of_motion(
         )
 
 
-def describe_mesh(forms: Mapping[str, Form]) -> str:
+def describe_mesh(forms: Forms) -> str:
     """Return elements and dofs in one line, such as ``576 ElementTriP2, 2442 dofs``."""
     bases = [form.basis for form in solids_of(forms).values()]
     if not bases:
@@ -224,9 +224,9 @@ class Lost(NamedTuple):
 
 
 def lost_power(
-    forms: Mapping[str, Form],
+    forms: Forms,
     bands: Mapping[str, ndarray],
-    states: Mapping[str, Any],
+    states: States,
     motion: ndarray,
 ) -> Lost:
     r"""Return the power that the size of elements adds to a mechanism, and the one of the strength.

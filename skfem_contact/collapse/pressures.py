@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import chain
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
 from ..errors import warn
-from ..forms.base import Form, responses_of
+from ..forms.base import Form, Forms, States, responses_of
 from ..forms.roles import Body, Timed, Wet, borrowed_by, changed, having
 from ..nonlinear.system import System
 from ..solvers.direct import DirectSolver, SingularSystem
@@ -25,7 +23,7 @@ _FRESH = 0.05
 _LONG = 1e2
 
 
-def carriers(forms: Mapping[str, Form]) -> dict[str, Form]:
+def carriers(forms: Forms) -> dict[str, Form]:
     """Return the forms that bring or move pore pressures."""
     wet = {}
     for name, form in forms.items():
@@ -35,16 +33,14 @@ def carriers(forms: Mapping[str, Form]) -> dict[str, Form]:
     return wet
 
 
-def _pressures(wet: Mapping[str, Form]) -> ndarray:
+def _pressures(wet: Forms) -> ndarray:
     """Return the dofs of the pressures of some forms."""
     waters = having(wet, Wet).values()
     own = [water.carries for water in waters if water.carries is not None]
     return np.concatenate([np.zeros(0, int), *own])
 
 
-def without_drainage(
-    forms: Mapping[str, Form], fixed: ndarray, flow: str
-) -> tuple[dict[str, Form], ndarray]:
+def without_drainage(forms: Forms, fixed: ndarray, flow: str) -> tuple[dict[str, Form], ndarray]:
     """Return forms whose water does not flow, and fixed dofs without their pressures."""
     # check that water can be trapped, under a flow rule with an end
     wet = carriers(forms)
@@ -70,9 +66,7 @@ def without_drainage(
     return undrained, np.setdiff1d(fixed, _pressures(wet))
 
 
-def _assembled(
-    forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]
-) -> tuple[ndarray, csr_matrix]:
+def _assembled(forms: Forms, x: ndarray, states: States) -> tuple[ndarray, csr_matrix]:
     """Return force and tangent of some forms, (N,) and (N, N)."""
     responses = responses_of(forms, x, states).values()
     force = sum((response.force for response in responses), start=np.zeros(len(x)))
@@ -82,7 +76,7 @@ def _assembled(
 def warn_of_fresh_pressures(
     system: System,
     x: ndarray,
-    states: Mapping[str, Any],
+    states: States,
     load: ndarray,
 ) -> None:
     """Raise a warning where a search keeps pressures that have yet to drain.

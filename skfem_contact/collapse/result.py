@@ -11,7 +11,7 @@ from numpy import ndarray
 
 from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
-from ..forms.base import dilate_less
+from ..forms.base import States, dilate_less
 from ..forms.roles import Body, Reducible, having
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
@@ -38,7 +38,7 @@ class Point:
     """Equilibrium on the curve of parameter over work, with displacements, (N,), and states."""
 
     x: ndarray
-    states: Mapping[str, Any]
+    states: States
     parameter: float
     work: float = 0.0
     residuals: tuple[float, ...] = (0.0,)

@@ -14,7 +14,7 @@ from numpy import ndarray
 from ..checks import names_of
 from ..display import progress_bar
 from ..errors import AnalysisWarning, NoEquilibrium, NotConverged, warn
-from ..forms.base import Form, part_names, reduced_parts, solids_of
+from ..forms.base import Form, Forms, States, part_names, reduced_parts, solids_of
 from ..forms.roles import Body, Reducible, having, materials_of
 from ..limit_analysis import Bounds, at_hand, beside
 from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
@@ -158,7 +158,7 @@ class _Strength(Branch):
             for name, parts in self.targets.items()
         }
 
-    def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
+    def slope(self, now: Evaluation, states: States) -> ndarray:
         """Return the difference quotient of the residual by the factor, of the reduced forms."""
         x = now.z[:-1]
         factor = now.z[-1]
@@ -555,7 +555,7 @@ def _cheap_bounds(
     return at_hand(work=work, coarse=adds and not free, **structure)
 
 
-def _warn_of_kept_strength(forms: Mapping[str, Form], exclude: str | Collection[str]) -> None:
+def _warn_of_kept_strength(forms: Forms, exclude: str | Collection[str]) -> None:
     """Raise a warning of ground that yields under a law whose strength cannot be reduced."""
     excluded = set(names_of(exclude))
     kept = []

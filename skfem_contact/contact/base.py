@@ -15,7 +15,7 @@ from skfem import CellBasis
 from typing_extensions import Self, override
 
 from ..checks import check_basis, is_number
-from ..forms.base import Form
+from ..forms.base import Form, Forms
 from ..forms.roles import Dissipating, Reducible, Regularised, Staged, Stiff, Touching, having
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
@@ -234,7 +234,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         )
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> Self:
+    def completed(self, forms: Forms) -> Self:
         if self.complete:
             return self
         # Ask the other forms for symmetry and kinematics.
@@ -263,7 +263,7 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         return new
 
     @override
-    def mirrored(self, forms: Mapping[str, Form], fixed: ndarray) -> Self:
+    def mirrored(self, forms: Forms, fixed: ndarray) -> Self:
         if not self.awaits_supports:
             return self
         sides = [side for side in (self.slave, self.facets) if side.meshed]
@@ -483,7 +483,7 @@ def _surface(basis: CellBasis | None, side: str | Surface) -> Surface:
     return Surface.from_boundary(basis, side)
 
 
-def _stiffnesses(forms: Mapping[str, Form]) -> list[csr_matrix]:
+def _stiffnesses(forms: Forms) -> list[csr_matrix]:
     """Return the elastic stiffness of all forms that have one, (N, N) each."""
     known = [form.elastic_stiffness for form in having(forms, Stiff).values()]
     return [stiffness for stiffness in known if stiffness is not None]

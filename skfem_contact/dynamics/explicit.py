@@ -14,7 +14,6 @@ Continua and Structures, eq. 6.2.16).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import eigsh
 
 from ..errors import IncrementTooLarge, NotConverged
-from ..forms.base import Form, Response, responses_of
+from ..forms.base import Form, Forms, Response, responses_of
 from ..layout import Layout, others
 from .linear import is_linear
 from .scheme import Motion
@@ -97,7 +96,7 @@ class Explicit:
 
     def __init__(
         self,
-        forms: Mapping[str, Form],
+        forms: Forms,
         layout: Layout,
         M: csr_matrix,
         C: csr_matrix,

@@ -14,7 +14,7 @@ from skfem import Basis, ElementQuad1, ElementQuad2, ElementVector, MeshQuad
 from typing_extensions import override
 
 from ..checks import facets_of, format_point
-from ..forms.base import Form, Response
+from ..forms.base import Form, Response, States
 from ..forms.roles import Absorbing, Couples, Staged
 from ..forms.solid import SolidForm, SolidState
 from ..layout import Field, dofs_at
@@ -224,7 +224,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
         return FreeFieldState(first.strain, first.stress, first.internal, before, np.ones(1))
 
     @override
-    def begun(self, states: Mapping[str, Any], state: FreeFieldState) -> FreeFieldState:
+    def begun(self, states: States, state: FreeFieldState) -> FreeFieldState:
         if not state.fresh[0]:
             return state
         # the means of the stresses and internal variables of the elements at the side

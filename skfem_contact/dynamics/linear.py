@@ -21,7 +21,7 @@ from scipy.linalg.blas import daxpy
 from scipy.sparse import csr_matrix
 
 from ..errors import NotConverged
-from ..forms.base import Form, Response, responses_of
+from ..forms.base import Forms, Response, responses_of
 from ..forms.roles import Regularised, having
 from ..nonlinear.system import System
 from ..solvers.direct import REFINE, UNCHECKED, SingularSystem
@@ -37,7 +37,7 @@ _TRIED = 1e-3
 _SAME = 1e-9
 
 
-def is_linear(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, object]) -> bool:
+def is_linear(forms: Forms, x: ndarray, states: Mapping[str, object]) -> bool:
     """Return True if the forces of all forms are linear and have no memory.
 
     Forms whose tangent never changes are tried: from the state after a displacement a second one

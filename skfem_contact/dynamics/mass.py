@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from ..checks import look_up
-from ..forms.base import Form, solids_of
+from ..forms.base import Forms, solids_of
 from ..forms.roles import Absorbing, Loaded, Touching, having
 from ..layout import Layout, nodes
 from ..sparse import padded
@@ -24,7 +24,7 @@ _NEAR = -4
 
 
 def mass_and_damping(
-    forms: Mapping[str, Form],
+    forms: Forms,
     layout: Layout,
     settings: Dynamic,
     acceleration: float,
@@ -82,7 +82,7 @@ def _canonical(A: Any) -> csr_matrix:
     return A
 
 
-def weights(forms: Mapping[str, Form], layout: Layout, consistent: bool) -> csr_matrix:
+def weights(forms: Forms, layout: Layout, consistent: bool) -> csr_matrix:
     """Return the matrix of masses times the acceleration of gravity, (N, N).
 
     Raises
@@ -117,7 +117,7 @@ def _sums(form: Any, layout: Layout) -> csr_matrix:
 
 
 def _damping(
-    forms: Mapping[str, Form], given: Rayleigh | Mapping[str, Rayleigh] | None
+    forms: Forms, given: Rayleigh | Mapping[str, Rayleigh] | None
 ) -> dict[str, dict[str, Rayleigh]]:
     """Return the damping by solid and region."""
     # Check the names.
@@ -141,7 +141,7 @@ def _damping(
 
 
 def moved_from_contact(
-    forms: Mapping[str, Form], matrices: list[csr_matrix], consistent: bool
+    forms: Forms, matrices: list[csr_matrix], consistent: bool
 ) -> list[csr_matrix]:
     """Return matrices of masses with the mass of contact nodes moved to their neighbours.
 
@@ -160,7 +160,7 @@ def moved_from_contact(
     return found
 
 
-def to_neighbours(forms: Mapping[str, Form], size: int) -> csr_matrix | None:
+def to_neighbours(forms: Forms, size: int) -> csr_matrix | None:
     """Return the matrix that gives contact nodes the motion of their neighbours, (N, N)."""
     # Find the contact nodes
     pairs = having(forms, Touching).values()

@@ -324,6 +324,11 @@ class Form:
         return Outputs()
 
 
+#: Forms, and states of forms, by name.
+Forms = Mapping[str, Form]
+States = Mapping[str, Any]
+
+
 #: Members of forms of earlier versions, which :class:`Outputs` has now.
 _FORMER = ("summary", "remarks", "line_forces", "line_points", "members", "yielding")
 
@@ -376,15 +381,15 @@ def _check_form(name: str, form: Any) -> None:
             )
 
 
-def solids_of(forms: Mapping[str, Form]) -> dict[str, Any]:
+def solids_of(forms: Forms) -> dict[str, Any]:
     """Return the forms that give stiffness to elements."""
     return having(forms, Body)
 
 
 def responses_of(
-    forms: Mapping[str, Form],
+    forms: Forms,
     x: ndarray,
-    states: Mapping[str, Any],
+    states: States,
     slots: Mapping[str, Scattering] | None = None,
 ) -> dict[str, Response]:
     """Return the responses of the forms among all dofs, with the slots of their matrices."""
@@ -398,14 +403,14 @@ def responses_of(
     return {name: each.padded(len(x), slots[name]) for name, each in responses.items()}
 
 
-def summaries(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, str]:
+def summaries(forms: Forms, x: ndarray, states: States) -> dict[str, str]:
     """Return the lines of all forms for the table of a result."""
     return {
         name: form.outputs(x[: form.size], states[name]).summary for name, form in forms.items()
     }
 
 
-def internal_force(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
+def internal_force(forms: Forms, x: ndarray, states: States) -> ndarray:
     """Return the sum of the internal forces of all forms, (N,)."""
     return sum(
         (response.force for response in responses_of(forms, x, states).values()),
@@ -414,7 +419,7 @@ def internal_force(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, A
 
 
 def reduced_parts(
-    forms: Mapping[str, Form], reduce: str | Collection[str] | None, exclude: str | Collection[str]
+    forms: Forms, reduce: str | Collection[str] | None, exclude: str | Collection[str]
 ) -> dict[str, tuple[str, ...]]:
     """Return the parts to reduce by form, by default all.
 
@@ -447,7 +452,7 @@ def reduced_parts(
     return targets
 
 
-def _check_reducible(forms: Mapping[str, Form], named: set[str], excluded: set[str]) -> None:
+def _check_reducible(forms: Forms, named: set[str], excluded: set[str]) -> None:
     """Refuse names that do not exist, and names to reduce without a strength."""
     # Names must exist.
     known = set(forms).union(*(body.materials for body in having(forms, Body).values()))
@@ -469,7 +474,7 @@ def _check_reducible(forms: Mapping[str, Form], named: set[str], excluded: set[s
             raise ValueError(f"'{name}' cannot be reduced: {form!r} has no strength")
 
 
-def dilate_less(forms: Mapping[str, Form]) -> bool:
+def dilate_less(forms: Forms) -> bool:
     """Return True if a material of some forms dilates less than its friction."""
     bodies = having(forms, Body).values()
     return any(material.dilates_less for body in bodies for material in body.materials.values())

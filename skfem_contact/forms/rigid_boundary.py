@@ -17,7 +17,7 @@ from typing_extensions import override
 from ..checks import check_basis, facets_of, vector
 from ..errors import Remark
 from ..layout import Field, rigid_modes
-from .base import Form, Response, solids_of
+from .base import Forms, Response, solids_of
 from .links import MatrixForm
 
 #: Coordinates that count as the same, as a share of the mesh, and the least turn that counts.
@@ -100,7 +100,7 @@ class RigidBoundary(MatrixForm):
         return new
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> RigidBoundary:
+    def completed(self, forms: Forms) -> RigidBoundary:
         largest = 0.0
         for solid in solids_of(forms).values():
             diagonal = solid.elastic_stiffness.diagonal()

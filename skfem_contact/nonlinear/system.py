@@ -6,14 +6,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import Failure, IncrementTooLarge, NotConverged
-from ..forms.base import Form, Response, responses_of
+from ..forms.base import Forms, Response, States, responses_of
 from ..forms.roles import Body, Reducible, Regularised, Stiff, Timed, changed, having
 from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, Solve
@@ -38,7 +37,7 @@ class System:
 
     def __init__(
         self,
-        forms: Mapping[str, Form],
+        forms: Forms,
         layout: Layout,
         fixed: ndarray,
         solver: LinearSolver,
@@ -52,7 +51,7 @@ class System:
         self._slots: defaultdict[str, Scattering] = defaultdict(Scattering)
         self._scale = layout.scale
 
-    def with_forms(self, forms: Mapping[str, Form]) -> System:
+    def with_forms(self, forms: Forms) -> System:
         """Return the system with other forms on the same dofs; itself where they are the same."""
         if all(form is self.forms.get(name) for name, form in forms.items()):
             return self
@@ -117,7 +116,7 @@ class System:
         """Return the work of a load on the free dofs."""
         return float(load[self.free] @ displacements[self.free])
 
-    def responses(self, x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
+    def responses(self, x: ndarray, states: States) -> dict[str, Response]:
         """Return the responses of all forms at displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
@@ -126,7 +125,7 @@ class System:
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", x) from error
 
-    def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Evaluation:
+    def evaluate(self, x: ndarray, states: States, load: ndarray) -> Evaluation:
         """Evaluate all forms at displacements."""
         responses = self.responses(x, states)
         residual = load - sum(r.force for r in responses.values())
@@ -200,7 +199,7 @@ class System:
         start: ndarray,
         x: ndarray,
         before: ndarray | None,
-        states: Mapping[str, Any],
+        states: States,
     ) -> ndarray:
         """Return displacements to start from, with better values where forms know some.
 
@@ -210,14 +209,14 @@ class System:
             start = form.foreseen(start, x, before, states[name])
         return start
 
-    def after(self, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
+    def after(self, states: States, failures: Mapping[str, Failure]) -> System:
         """Return the system with the forms that begin an increment, after failures or without."""
         begun = {}
         for name, form in having(self.forms, Regularised).items():
             begun[name] = form.begin(states[name], failures.get(name))
         return self.with_forms({**self.forms, **begun})
 
-    def out_of(self, cycle: Sequence[ndarray], states: Mapping[str, Any], load: ndarray) -> System:
+    def out_of(self, cycle: Sequence[ndarray], states: States, load: ndarray) -> System:
         """Return the system with forms that leave a cycle of displacements, or this system."""
         visited = [self.evaluate(x, states, load).states for x in cycle]
         failures = {}

@@ -24,7 +24,7 @@ from ..contact.base import ContactBase
 from ..contact.laws import Status
 from ..contact.penalty import choose_penalties
 from ..errors import warn
-from ..forms.base import Form, Outputs
+from ..forms.base import Form, Forms, Outputs, States
 from ..forms.roles import (
     Body,
     Couples,
@@ -76,12 +76,12 @@ class StageData:
     name: str
     x: ndarray
     load: ndarray
-    states: Mapping[str, Any]
+    states: States
     iterations: Sequence[int]
     residual: float
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
-    forms: Mapping[str, Form] = field(default_factory=dict, repr=False)
+    forms: Forms = field(default_factory=dict, repr=False)
     time: float = 0.0
     increments: tuple[Self, ...] = field(default=(), repr=False)
     unreleased: ndarray | None = field(default=None, repr=False)
@@ -92,7 +92,7 @@ class StageData:
     next_step: float = np.inf
     remarks: tuple[str, ...] = field(default=(), repr=False)
     seconds: float = field(default=0.0, repr=False)
-    changed: Mapping[str, Form] = field(default_factory=dict, repr=False)
+    changed: Forms = field(default_factory=dict, repr=False)
     supports: ndarray | None = field(default=None, repr=False)
     before: tuple[ndarray, ndarray, float] | None = field(default=None, repr=False)
     velocity: ndarray | None = field(default=None, repr=False)
@@ -199,7 +199,7 @@ class _Models:
 
     def __init__(self, forms: Any, model_of: Callable[[Mesh], Any] | None) -> None:
         self._model_of = model_of
-        self._known: list[tuple[Mapping[str, Form], Layout | None]] = []
+        self._known: list[tuple[Forms, Layout | None]] = []
         self._add(forms)
 
     def _add(self, model: Any) -> None:
@@ -215,7 +215,7 @@ class _Models:
             )
         self._add(self._model_of(mesh))
 
-    def of(self, head: Mapping[str, Any]) -> tuple[Mapping[str, Form], Layout | None]:
+    def of(self, head: Mapping[str, Any]) -> tuple[Forms, Layout | None]:
         """Return forms and layout on the mesh of a stage: the last ones that fit, or the last."""
         for forms, layout in reversed(self._known):
             if set(head["forms"]) <= set(forms) and not _on_another_mesh(head, forms):
@@ -425,7 +425,7 @@ def _stage(
     arrays: Mapping[str, ndarray],
     key: str,
     head: Mapping[str, Any],
-    given: Mapping[str, Form],
+    given: Forms,
     make: Callable[..., _Stage],
 ) -> _Stage:
     """Make a stage of its head and arrays; the inverse of :func:`_described`."""
@@ -474,7 +474,7 @@ def _as_run(form: Form, head: Mapping[str, Any], name: str) -> Form:
 
 
 def _states(
-    arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], given: Mapping[str, Form]
+    arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], given: Forms
 ) -> dict[str, Any]:
     """Make the states of the forms of a stage, and check that they fit to the given forms."""
     if not set(head["forms"]) <= set(given):
@@ -491,7 +491,7 @@ def _states(
     return states
 
 
-def _on_another_mesh(head: Mapping[str, Any], given: Mapping[str, Form]) -> list[str]:
+def _on_another_mesh(head: Mapping[str, Any], given: Forms) -> list[str]:
     """Return the forms of a stage whose mesh is not the one of the given forms."""
     others = []
     for name in head["forms"]:
@@ -543,7 +543,7 @@ def _state(name: str, form: Form, arrays: Mapping[str, ndarray], key: str) -> An
     return state
 
 
-def _warn_of_other_settings(head: Mapping[str, Any], forms: Mapping[str, Form]) -> None:
+def _warn_of_other_settings(head: Mapping[str, Any], forms: Forms) -> None:
     """Report given forms that have other materials or laws than the saved ones."""
     saved = head.get("settings", {})
     others = []
@@ -558,7 +558,7 @@ def _warn_of_other_settings(head: Mapping[str, Any], forms: Mapping[str, Form]) 
         )
 
 
-def _check_vectors(stage: str, vectors: Mapping[str, ndarray], forms: Mapping[str, Form]) -> None:
+def _check_vectors(stage: str, vectors: Mapping[str, ndarray], forms: Forms) -> None:
     """Raise a ``ValueError`` where vectors of a stage differ in shape or are too short."""
     _check_numbers("the stage", vectors)
     shapes = {np.shape(values) for values in vectors.values()}

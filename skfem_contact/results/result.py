@@ -14,7 +14,7 @@ from skfem import Mesh
 
 from ..checks import finite, look_up, nearest
 from ..display import Table
-from ..forms.base import as_forms
+from ..forms.base import States, as_forms
 from ..forms.roles import Staged, fits, having
 from . import export, fields, files, tables
 from .cuts import Cuts
@@ -308,7 +308,7 @@ def load_result(
 def of(
     model: Any,
     x: ndarray,
-    states: Mapping[str, Any],
+    states: States,
     *,
     load: ndarray | None = None,
 ) -> StageResult:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..checks import finite, look_up, number
 from ..display import Table
-from ..forms.base import Form, internal_force, solids_of
+from ..forms.base import Forms, internal_force, solids_of
 from ..forms.roles import Touching, having
 from ..layout import FieldDofs
 from ..materials.base import EXCESS_PRESSURE
@@ -573,7 +573,7 @@ class StageResult(files.StageData):
         )
 
 
-def undeformed(name: str, forms: Mapping[str, Form], size: int) -> StageResult:
+def undeformed(name: str, forms: Forms, size: int) -> StageResult:
     """Return a stage of undeformed bodies without load, of some forms among `size` dofs."""
     states = {key: form.initial_state() for key, form in forms.items()}
     nothing = np.zeros(size)

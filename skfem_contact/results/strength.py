@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from enum import IntEnum
 from itertools import product
 from typing import Any
@@ -13,7 +13,7 @@ from numpy import ndarray
 
 from ..checks import finite, look_up
 from ..errors import Remark
-from ..forms.base import Form, solids_of
+from ..forms.base import Forms, States, solids_of
 from ..forms.roles import Touching, having
 from ..forms.solid import SolidForm, SolidState
 from ..layout import linear_element
@@ -134,9 +134,7 @@ def total_stress(form: SolidForm, state: SolidState) -> ndarray:
     return stress
 
 
-def undrained_friction(
-    forms: Mapping[str, Form], states: Mapping[str, Any]
-) -> Iterator[tuple[str, Remark]]:
+def undrained_friction(forms: Forms, states: States) -> Iterator[tuple[str, Remark]]:
     """Yield contact pairs with friction and remarks on the excess pressure of undrained ground."""
     pairs = {name: pair for name, pair in having(forms, Touching).items() if pair.has_friction}
     if not pairs:

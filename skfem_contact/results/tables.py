@@ -12,7 +12,7 @@ from numpy import ndarray
 from ..checks import format_point, look_up
 from ..contact.laws import Status
 from ..display import Table
-from ..forms.base import Form
+from ..forms.base import Form, Forms
 from ..forms.roles import Touching, materials_of
 from ..units import kind_of
 from .cuts import Cuts, SectionForces
@@ -155,7 +155,7 @@ def _columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
 
 
 def _check_names(
-    forms: Mapping[str, Form],
+    forms: Forms,
     stages: Iterable[StageData],
     names: Iterable[str],
     sections: Mapping[str, Cuts],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
@@ -10,11 +10,11 @@ from numpy import ndarray
 
 from ..checks import format_point
 from ..errors import Remark
-from ..forms.base import Form
+from ..forms.base import Forms
 from .shell import Shell
 
 
-def hinged(forms: Mapping[str, Form], fixed: ndarray) -> Iterator[Remark]:
+def hinged(forms: Forms, fixed: ndarray) -> Iterator[Remark]:
     """Yield a remark on each pair of numbered shells that are hinged where they meet.
 
     Shells on facets of one mesh have the displacements of its nodes in common, but rotations by

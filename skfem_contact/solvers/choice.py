@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NotConverged
-from ..forms.base import Form
+from ..forms.base import Forms
 from ..sparse import FreeBlock
 from .direct import ENGINES, REFINE, DirectSolver, LinearSolver, Solve, fastest_engine
 from .multigrid import AmgOrDirect, iterations_that_pay
@@ -93,7 +93,7 @@ def as_solver(
     )
 
 
-def _changing(forms: Mapping[str, Form]) -> tuple[ndarray, bool]:
+def _changing(forms: Forms) -> tuple[ndarray, bool]:
     """Return the dofs where tangents change, and whether some change anywhere."""
     interface = np.zeros(0, int)
     anywhere = False
@@ -106,7 +106,7 @@ def _changing(forms: Mapping[str, Form]) -> tuple[ndarray, bool]:
 
 
 def linear_solver(
-    forms: Mapping[str, Form],
+    forms: Forms,
     solver: Any,
     locations: ndarray,
     free: ndarray,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 
 from ..contact.prestress import prestressed
-from ..forms.base import Form, internal_force, solids_of
+from ..forms.base import Form, Forms, internal_force, solids_of
 from ..forms.roles import Staged, Touching, Wet, having
 from ..layout import Layout
 from ..results.fields import undrained_excess
@@ -120,7 +119,7 @@ def state_changes(phase: Phase, last: StageResult) -> bool:
 def placed(
     layout: Layout,
     x: ndarray,
-    new: Mapping[str, Form],
+    new: Forms,
     known: ndarray,
     fixed: ndarray,
 ) -> ndarray:
@@ -146,7 +145,7 @@ def placed(
     return result
 
 
-def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
+def check_start(forms: Forms, start: StageResult) -> None:
     """Refuse a start of another mesh, or whose contact pairs have another penalty."""
     for name, pair in having(forms, Touching).items():
         try:

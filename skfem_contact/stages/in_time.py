@@ -25,7 +25,7 @@ from ..dynamics.scheme import Inertia, Motion, Scheme
 from ..dynamics.settings import Dynamic
 from ..dynamics.steps import Steps
 from ..errors import NotConverged, Remark
-from ..forms.base import Form, Response, responses_of, solids_of, summaries
+from ..forms.base import Forms, Response, States, responses_of, solids_of, summaries
 from ..forms.roles import Absorbing, Body, Touching, having
 from ..layout import Layout
 from ..nonlinear.increment import solve_increment
@@ -98,7 +98,7 @@ class InTime:
     base: tuple[tuple[int, Record, ndarray], ...] = ()
     of_rock: bool = False
     transit: float = np.inf
-    wet: Mapping[str, Form] = field(default_factory=dict)
+    wet: Forms = field(default_factory=dict)
     lag: float = 0.0
     carried: csr_matrix | None = None
 
@@ -124,7 +124,7 @@ class InTime:
         return Inertia(self.M, self.C, Scheme.of(self.settings.rho_inf))
 
 
-def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: ndarray) -> InTime:
+def inertia_of(setup: Setup, stage: Stage, forms: Forms, fixed: ndarray) -> InTime:
     """Return the inertia of a stage.
 
     Raises
@@ -187,7 +187,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Mapping[str, Form], fixed: nda
 def _base(
     setup: Setup,
     stage: Stage,
-    forms: Mapping[str, Form],
+    forms: Forms,
     settings: Dynamic,
     M: csr_matrix,
 ) -> tuple[tuple[int, Record, ndarray], ...]:
@@ -262,7 +262,7 @@ def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
         yield Remark("twice", 0.0, "the model has a seismic coefficient, and its base moves, too")
 
 
-def _check_boundaries(forms: Mapping[str, Form], fixed: ndarray, layout: Layout) -> None:
+def _check_boundaries(forms: Forms, fixed: ndarray, layout: Layout) -> None:
     """Refuse boundaries for waves that are held altogether: they would do nothing."""
     for name, form in having(forms, Absorbing).items():
         _, viscous = form.matrices(Masses(1.0, False, {}, layout.size))
@@ -279,7 +279,7 @@ def _check_boundaries(forms: Mapping[str, Form], fixed: ndarray, layout: Layout)
             )
 
 
-def check_materials(forms: Mapping[str, Form]) -> None:
+def check_materials(forms: Forms) -> None:
     """Refuse materials that creep."""
     for name, form in solids_of(forms).items():
         for region, material in form.materials.items():
@@ -290,7 +290,7 @@ def check_materials(forms: Mapping[str, Form]) -> None:
                 )
 
 
-def _points(forms: Mapping[str, Form], layout: Layout, given: Any) -> ndarray:
+def _points(forms: Forms, layout: Layout, given: Any) -> ndarray:
     """Return the dofs of the nodes whose motion is recorded, (n, dim)."""
     if isinstance(given, ndarray):
         given = given.tolist()
@@ -345,7 +345,7 @@ class _Taken(NamedTuple):
 
     motion: Motion
     forces: Mapping[str, ndarray]
-    states: Mapping[str, Any]
+    states: States
     iterations: int = 1
     residual: float = 0.0
 
@@ -355,7 +355,7 @@ class _Iterated:
 
     cuts = True
 
-    def __init__(self, system: System, forms: Mapping[str, Form], newton: Newton) -> None:
+    def __init__(self, system: System, forms: Forms, newton: Newton) -> None:
         self._system = system
         self._newton = newton
         self._forms = forms
@@ -401,7 +401,7 @@ class _Iterated:
 class _LinearSteps(_Iterated):
     """Steps of a linear model, whose states are computed where somebody asks for them."""
 
-    def __init__(self, system: System, forms: Mapping[str, Form], in_time: InTime) -> None:
+    def __init__(self, system: System, forms: Forms, in_time: InTime) -> None:
         super().__init__(system, forms, Newton())
         self._inertia = in_time.form()
         self._model: Linear | None = None
@@ -442,7 +442,7 @@ class _ExplicitSteps(_Iterated):
     def __init__(
         self,
         system: System,
-        forms: Mapping[str, Form],
+        forms: Forms,
         in_time: InTime,
         last: StageResult,
     ) -> None:
@@ -481,7 +481,7 @@ class _ExplicitSteps(_Iterated):
         prescribed: ndarray,
     ) -> _Taken:
         moved, forces = self._model.step(motion, load, prescribed)
-        states: Mapping[str, Any] = {**self._model.states}
+        states: States = {**self._model.states}
         linear = self._model.linear
         if linear:
             rest = Lazy(linear, partial(_states_at, linear, moved.x, self._start))
@@ -580,9 +580,7 @@ def steps_of(
         yield last
 
 
-def _changed(
-    forms: Mapping[str, Form], before: Mapping[str, Any], after: Mapping[str, Any]
-) -> float:
+def _changed(forms: Forms, before: States, after: States) -> float:
     """Return the largest share of the points of a pair that a step has closed or opened."""
     shares = [0.0]
     for name in having(forms, Touching):
@@ -593,7 +591,7 @@ def _changed(
 
 def _after(
     last: StageResult,
-    forms: Mapping[str, Form],
+    forms: Forms,
     taken: _Taken,
     load: ndarray,
     fraction: float,
@@ -631,12 +629,12 @@ def _complete(last: StageResult) -> StageResult:
     )
 
 
-def _states_at(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Any]:
+def _states_at(forms: Forms, x: ndarray, states: States) -> dict[str, Any]:
     """Return the states of forms without memory at displacements."""
     return {name: form.assemble(x[: form.size], states[name]).state for name, form in forms.items()}
 
 
-def _transit(forms: Mapping[str, Form], acceleration: float) -> float:
+def _transit(forms: Forms, acceleration: float) -> float:
     """Return the time of a wave through an element, the median of the solid with the least one."""
     times = [np.inf]
     for form in having(forms, Body).values():

@@ -15,7 +15,7 @@ from numpy import ndarray
 from ..checks import finite, format_point, look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
-from ..forms.base import Form, internal_force, summaries
+from ..forms.base import Forms, States, internal_force, summaries
 from ..forms.roles import Touching, having, joined_by
 from ..layout import linear_element, others
 from ..loads import by_element
@@ -300,7 +300,7 @@ def _wet(setup: Setup, result: Result, water: Any) -> Result:
     return Result(tuple(replace(stage, **known) for stage in result))
 
 
-def _with(setup: Setup, forms: Mapping[str, Form]) -> Setup:
+def _with(setup: Setup, forms: Forms) -> Setup:
     """Return the set-up with other forms on the same dofs."""
     new = copy(setup)
     new.forms = new.own = dict(forms)
@@ -435,7 +435,7 @@ def state_of(
     system: System,
     now: Evaluation,
     load: ndarray,
-    states: Mapping[str, Any],
+    states: States,
 ) -> StageResult:
     """Return the stage of an initial state, from its evaluation."""
     return StageResult(

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..checks import look_up, names_of, trusted_calls
 from ..errors import Remark
-from ..forms.base import Form, solids_of
+from ..forms.base import Form, Forms, solids_of
 from ..forms.roles import Couples, Slender, Staged, Wet, having, joined_by
 from ..layout import nodes
 from ..results.fields import undrained_elements
@@ -76,7 +76,7 @@ class Phase:
     jump: ndarray | None = None
     remarks: tuple[Remark, ...] = ()
     water: Any = None
-    replaced: Mapping[str, Form] = field(default_factory=dict)
+    replaced: Forms = field(default_factory=dict)
     supports: ndarray | None = None
     opened: ndarray = field(default_factory=lambda: np.zeros(0, int))
     in_time: InTime | None = None
@@ -191,7 +191,7 @@ class Planner:
         if changes or self._first or stage.water is not None:
             self._rest = self._at_rest(self._active)
 
-    def _gone(self, stage: Stage, before: Mapping[str, Form], fixed: ndarray) -> ndarray:
+    def _gone(self, stage: Stage, before: Forms, fixed: ndarray) -> ndarray:
         """Return the weights and water of bodies that go and whose forces are held for a while."""
         if not self._unreleased or not stage.deactivate:
             return np.zeros(len(self._rest))
@@ -265,7 +265,7 @@ class Planner:
         new = np.setdiff1d(self._supports, before)
         return np.intersect1d(self._setup.layout.pressures, new)
 
-    def _at_rest(self, forms: Mapping[str, Form]) -> ndarray:
+    def _at_rest(self, forms: Forms) -> ndarray:
         """Return the weights of some forms and the load of water on them, (N,)."""
         wet = self._setup.water_on(forms, self._water)
         wet[self._inactive] = 0.0
@@ -445,7 +445,7 @@ class Planner:
     def _of_weights(
         self,
         stage: Stage,
-        before: Mapping[str, Form],
+        before: Forms,
         on_top: ndarray,
     ) -> Iterator[Remark]:
         """Yield remarks on weights of solids in the load before that this load lacks."""
@@ -492,9 +492,7 @@ def timeless(setup: Setup, stages: Sequence[Stage], last: Phase) -> Iterator[Rem
         )
 
 
-def _active_at_first(
-    forms: Mapping[str, Form], stages: Sequence[Stage], start: StageResult | None
-) -> set[str]:
+def _active_at_first(forms: Forms, stages: Sequence[Stage], start: StageResult | None) -> set[str]:
     """Return the names that the start holds; without one, the names not activated later."""
     if start is not None:
         if not set(start.states) <= set(forms):
@@ -509,7 +507,7 @@ def _active_at_first(
     return set(forms) - later
 
 
-def _active_after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> set[str]:
+def _active_after(stage: Stage, forms: Forms, active: set[str]) -> set[str]:
     """Return the names of the active forms of a stage."""
     activated = names_of(stage.activate)
     deactivated = names_of(stage.deactivate)
@@ -533,7 +531,7 @@ def own_arrays(water: Any) -> Any:
     return water
 
 
-def check_contacts(forms: Mapping[str, Form], inactive: ndarray) -> None:
+def check_contacts(forms: Forms, inactive: ndarray) -> None:
     """Refuse active forms that act on inactive bodies."""
     for name, form in forms.items():
         acted_on = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -14,7 +14,7 @@ from numpy import ndarray
 from ..checks import trusted_calls
 from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, warn
-from ..forms.base import Form, solids_of, summaries
+from ..forms.base import Forms, solids_of, summaries
 from ..forms.roles import Absorbing, Wet, having
 from ..nonlinear.increment import Interval, Path, solve_step
 from ..nonlinear.newton import Newton
@@ -246,9 +246,7 @@ class _Follower:
         self._predictor.accept(last.x, last.load - lost, last.time)
         return system
 
-    def _begun(
-        self, stage: Stage, phase: Phase, last: StageResult, forms: Mapping[str, Form]
-    ) -> StageResult:
+    def _begun(self, stage: Stage, phase: Phase, last: StageResult, forms: Forms) -> StageResult:
         """Return the start of a stage, at rest."""
         return replace(
             last,

@@ -19,13 +19,13 @@ undrained one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
 from ..dynamics.record import Record
 from ..dynamics.settings import Dynamic
-from ..forms.base import Form, solids_of
+from ..forms.base import Form, Forms, solids_of
 from ..forms.roles import Absorbing, Wet, having
 
 #: Shares omega t from which results are remarked on, and from which records are refused: pressures
@@ -35,7 +35,7 @@ _LARGEST = 0.1
 
 
 def pores_in_motion(
-    forms: Mapping[str, Form], settings: Dynamic, acceleration: float
+    forms: Forms, settings: Dynamic, acceleration: float
 ) -> tuple[dict[str, Form], float]:
     """Return the forms of water in a stage with inertia, and the time in which it speeds up.
 

@@ -15,7 +15,7 @@ from typing_extensions import Self
 from .. import loads
 from ..checks import is_number, positive, unit_vector
 from ..errors import warn
-from ..forms.base import Form, as_forms, solids_of
+from ..forms.base import Form, Forms, as_forms, solids_of
 from ..forms.roles import (
     Couples,
     Loaded,
@@ -220,7 +220,7 @@ class Setup:
         new.fixed = start.supports
         return new
 
-    def adopted(self, new: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
+    def adopted(self, new: Mapping[str, Any], now: Forms) -> dict[str, Form]:
         """Return forms that replace present ones, completed and numbered like these."""
         # Complete the new form.
         found = {}
@@ -248,7 +248,7 @@ class Setup:
             raise ValueError("there is no SolidForm among the forms: nothing resists load")
         return found
 
-    def weights(self, forms: Mapping[str, Form]) -> ndarray:
+    def weights(self, forms: Forms) -> ndarray:
         """Return the load vector of the weight of some forms, (N,)."""
         total = np.zeros(self.layout.size)
         for form in having(forms, Loaded).values():
@@ -257,7 +257,7 @@ class Setup:
                 total[: len(weight)] += weight
         return total
 
-    def water_on(self, forms: Mapping[str, Form], water: Any) -> ndarray:
+    def water_on(self, forms: Forms, water: Any) -> ndarray:
         """Return the load of water at rest in and on some forms, (N,); zero for None and False."""
         total = np.zeros(self.layout.size)
         if water is None or water is False:
@@ -274,7 +274,7 @@ class Setup:
             total[: len(wet)] += wet
         return total
 
-    def at_rest(self, forms: Mapping[str, Form], water: Any) -> tuple[Any, ndarray] | None:
+    def at_rest(self, forms: Forms, water: Any) -> tuple[Any, ndarray] | None:
         """Return the pressure of water at rest and its load on some forms, (N,), for bounds."""
         if water is None or water is False:
             return None
@@ -342,20 +342,20 @@ class Setup:
             return self.vector(given, what)
         return sum((self.vector(one, what) for one in given), start=np.zeros(self.layout.size))
 
-    def inactive(self, active: Mapping[str, Form]) -> ndarray:
+    def inactive(self, active: Forms) -> ndarray:
         """Return the dofs that forms or fields have, but no active form."""
         brought = np.arange(self.layout.n_displacements, self.layout.size)
         of_none = others(self.layout.size, dofs_of(self.forms, self.layout), brought)
         return others(self.layout.size, of_none, dofs_of(active, self.layout))
 
-    def supported(self, forms: Mapping[str, Form], fixed: ndarray) -> dict[str, Form]:
+    def supported(self, forms: Forms, fixed: ndarray) -> dict[str, Form]:
         """Return forms that know the supported dofs, as their states begin."""
         known = dict(forms)
         for name, form in having(forms, Staged).items():
             known[name] = form.supported(fixed)[0]
         return known
 
-    def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
+    def system(self, forms: Forms, fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
         idle = []
         for name, form in having(forms, Staged).items():
@@ -367,13 +367,13 @@ class Setup:
         solver = linear_solver(forms, self.solver, self.layout.coordinates, free)
         return System(forms, self.layout, fixed, solver)
 
-    def checked_system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
+    def checked_system(self, forms: Forms, fixed: ndarray) -> System:
         """Return the system of some forms, once their supports are checked."""
         check_supports(forms, fixed)
         return self.system(forms, fixed)
 
 
-def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
+def dofs_of(forms: Forms, layout: Layout) -> ndarray:
     """Return the dofs of the solids, and those that other forms bring."""
     found = [form.basis.element_dofs for form in solids_of(forms).values()]
     for form in forms.values():
@@ -382,7 +382,7 @@ def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
     return different(layout.size, *found)
 
 
-def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
+def _completed(name: str, form: Form, forms: Forms) -> Form:
     """Return a form with the properties of other forms; errors name it."""
     try:
         return form.completed(forms)
@@ -390,7 +390,7 @@ def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
         raise ValueError(f"'{name}': {error}") from None
 
 
-def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
+def _coordinates_of(forms: Forms) -> str | None:
     """Return the coordinate system of the forms, which must be the same."""
     given = {}
     for name, form in forms.items():
@@ -403,7 +403,7 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
     return next(iter(given.values()), None)
 
 
-def _is_finite(forms: Mapping[str, Form]) -> bool:
+def _is_finite(forms: Forms) -> bool:
     """Return True if bodies have finite kinematics, which do not combine with small ones."""
     kinds = {}
     for name, form in forms.items():
@@ -420,7 +420,7 @@ def _is_finite(forms: Mapping[str, Form]) -> bool:
     return bool(finite)
 
 
-def _check_fields(forms: Mapping[str, Form]) -> None:
+def _check_fields(forms: Forms) -> None:
     """Refuse a field that two forms bring without sharing it, and a field that no form brings."""
     owner: dict[Field, str] = {}
     for name, form in forms.items():
@@ -450,7 +450,7 @@ def _check_borrowed(name: str, form: Form, owner: Mapping[Field, str]) -> None:
             )
 
 
-def _check_different(forms: Mapping[str, Form]) -> None:
+def _check_different(forms: Forms) -> None:
     """Refuse a form under two names, which would act twice."""
     names: dict[int, str] = {}
     for name, form in forms.items():
@@ -459,7 +459,7 @@ def _check_different(forms: Mapping[str, Form]) -> None:
         names[id(form)] = name
 
 
-def _check_sizes(forms: Mapping[str, Form]) -> None:
+def _check_sizes(forms: Forms) -> None:
     """Refuse forms with different numbers of dofs, and forms without any."""
     sizes = {}
     for name, form in forms.items():
@@ -474,7 +474,7 @@ def _check_sizes(forms: Mapping[str, Form]) -> None:
         )
 
 
-def _check_bases(forms: Mapping[str, Form]) -> None:
+def _check_bases(forms: Forms) -> None:
     """Refuse bad meshes, forms of different bases, and forms without a number of dofs."""
     if not forms:
         raise ValueError("there is no SolidForm among the forms: nothing resists load")
@@ -496,7 +496,7 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
             raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
 
 
-def _check_joints(forms: Mapping[str, Form]) -> None:
+def _check_joints(forms: Forms) -> None:
     """Check how elements are connected, where no form joins the displacements of their corners."""
     solids = solids_of(forms)
     if not solids:
@@ -516,7 +516,7 @@ def _check_joints(forms: Mapping[str, Form]) -> None:
     check_connections(basis.mesh, nodes, elements)
 
 
-def _layout_of(forms: Mapping[str, Form]) -> Layout:
+def _layout_of(forms: Forms) -> Layout:
     """Give numbers to the dofs of all forms of an analysis, also of inactive ones."""
     fields = [field for form in forms.values() for field in form.fields]
     for form in solids_of(forms).values():

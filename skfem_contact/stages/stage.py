@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..checks import is_number
 from ..dynamics.record import Record
 from ..dynamics.settings import Dynamic
-from ..forms.base import Form
+from ..forms.base import Forms
 from ..results.fields import Water
 
 #: Load on top of the weights: a vector, several of them, or a function of the share of the stage.
@@ -126,7 +126,7 @@ class Stage:
     increments: int = 1
     activate: str | Sequence[str] = ()
     deactivate: str | Sequence[str] = ()
-    change: Mapping[str, Form] = field(default_factory=dict)
+    change: Forms = field(default_factory=dict)
     fixed: ndarray | Sequence[Any] | None = None
     duration: float = 0.0
     water: AtRest = None

@@ -10,13 +10,13 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..checks import format_point
-from ..forms.base import Form, solids_of
+from ..forms.base import Form, Forms, solids_of
 from ..forms.roles import Couples, joined_by
 from ..layout import different, others, rigid_modes
 from ..mesh import bodies
 
 
-def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
+def check_supports(forms: Forms, fixed: ndarray) -> None:
     """Refuse bodies that nothing holds.
 
     Bodies are held when their fixed dofs leave them no rigid motion. Bodies that contact pairs join

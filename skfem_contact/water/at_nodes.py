@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
 from copy import copy
 
 from numpy import ndarray
 from typing_extensions import Self, override
 
-from ..forms.base import Form
+from ..forms.base import Form, Forms
 from ..forms.roles import Couples, Staged, Timed
 from .pore_water import PoreWater
 
@@ -27,7 +26,7 @@ class AtNodes(Form, Couples, Staged, Timed):
     _duration = 0.0
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> Self:
+    def completed(self, forms: Forms) -> Self:
         return self._in(self.water.completed(forms))
 
     @override

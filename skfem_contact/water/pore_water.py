@@ -15,7 +15,7 @@ from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
-from ..forms.base import Form, Outputs, Response
+from ..forms.base import Form, Forms, Outputs, Response, States
 from ..forms.roles import Couples, Dissipating, Staged, Timed, Wet
 from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..loads import weight_of_water
@@ -322,7 +322,7 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
         return float((state.stored - state.first).sum())
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> PoreWater:
+    def completed(self, forms: Forms) -> PoreWater:
         if self.around is not None:
             return self
         others = []
@@ -463,7 +463,7 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
                 )
 
     @override
-    def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
+    def remarks_on(self, x: ndarray, states: States) -> Iterator[Remark]:
         dim = self.ground.mesh.dim()
         dofs = nodes(self.ground) * dim
         connected = self.ground.nodal_dofs[0, self.porous.open]

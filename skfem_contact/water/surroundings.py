@@ -13,7 +13,7 @@ from skfem import CellBasis
 from ..beams import Beam
 from ..checks import format_point
 from ..errors import Remark
-from ..forms.base import Coordinates, Form, solids_of
+from ..forms.base import Coordinates, Forms, solids_of
 from ..forms.roles import Draining, Touching, having
 from ..layout import elements_of
 
@@ -60,7 +60,7 @@ class Surroundings(NamedTuple):
     crossed: tuple[Remark, ...]
 
     @classmethod
-    def of(cls, basis: CellBasis, forms: Mapping[str, Form], waters: Sequence[Any]) -> Surroundings:
+    def of(cls, basis: CellBasis, forms: Forms, waters: Sequence[Any]) -> Surroundings:
         """Collect the forms around the ground of a basis, all of which must belong to solids."""
         here = elements_of(basis)
         modulus, shear, measure = _stiffness(basis, forms)
@@ -87,9 +87,7 @@ class Surroundings(NamedTuple):
         )
 
 
-def _stiffness(
-    basis: CellBasis, forms: Mapping[str, Form]
-) -> tuple[ndarray, ndarray, tuple[str, Coordinates]]:
+def _stiffness(basis: CellBasis, forms: Forms) -> tuple[ndarray, ndarray, tuple[str, Coordinates]]:
     """Return oedometric and shear moduli of all elements, and the measure of the ground."""
     mesh = basis.mesh
     here = elements_of(basis)
@@ -131,7 +129,7 @@ def _stiffness(
     return modulus, shear, measures.pop()
 
 
-def _crossed(basis: CellBasis, forms: Mapping[str, Form]) -> Iterator[Remark]:
+def _crossed(basis: CellBasis, forms: Forms) -> Iterator[Remark]:
     """Yield remarks on plane beams along facets inside of porous ground: water passes them."""
     mesh = basis.mesh
     count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
