@@ -10,6 +10,7 @@ from weakref import ref
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 
 def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
@@ -38,6 +39,12 @@ def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
     local = K.tocoo()
     entries = local.data, (dofs[local.row], dofs[local.col])
     return coo_matrix(entries, shape=(n, n)).tocsr()
+
+
+def parts_of(n: int, first: ndarray, second: ndarray) -> ndarray:
+    """Return the numbers of the connected parts of n things, (n,), of which pairs are linked."""
+    links = coo_matrix((np.ones(first.size), (first.ravel(), second.ravel())), shape=(n, n))
+    return np.asarray(connected_components(links, directed=False)[1])
 
 
 class Scattering:

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_matrix
 from skfem import CellBasis, Mesh
 
 from ..checks import check_plane, facets_of, finite, format_point, names_of
 from ..layout import elements_of
 from ..mesh.check import check_topology, own_tags
 from ..mesh.join import moved, owners_of, renumbered
+from ..sparse import parts_of
 from ..surfaces.topology import ordered
 from .element import left_of
 
@@ -359,9 +359,7 @@ def split_along(mesh: Mesh, name: str) -> Mesh:
         for element in mesh.f2t[:, others]
     )
     size = mesh.t.size
-    ones = np.ones(first.size)
-    joined = coo_matrix((ones, (first.ravel(), second.ravel())), shape=(size, size))
-    fan = connected_components(joined, directed=False)[1].reshape(mesh.t.shape)
+    fan = parts_of(size, first, second).reshape(mesh.t.shape)
 
     # Give every further fan of a node a copy of it
     lowest = np.full(mesh.nvertices, size)

@@ -18,14 +18,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 from scipy.linalg import null_space
-from scipy.sparse import coo_matrix, csr_matrix, hstack
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_matrix, hstack
 from skfem import CellBasis, ElementTriP2, ElementVector, MeshTri
 
 from ..forms.assembly import strain_operator
 from ..layout import rigid_modes
 from ..solvers.direct import as_engine
-from ..sparse import FreeBlock, Gathering, Total
+from ..sparse import FreeBlock, Gathering, Total, parts_of
 from .strength import Cones, Strength
 from .triangles import facet_lengths, gradients
 
@@ -216,9 +215,7 @@ class Reduction(NamedTuple):
         # number tied velocities alike, and assign velocities to supports and bodies
         n = elements.n
         n_bodies = rigid.max() + 1
-        ones = np.ones(tied.shape[1])
-        links = coo_matrix((ones, tuple(tied)), shape=(n, n))
-        same = connected_components(links, directed=False)[1]
+        same = parts_of(n, *tied)
         fixed = np.isin(same, same[held])
         body = np.full(n, -1)
         for b in range(n_bodies):

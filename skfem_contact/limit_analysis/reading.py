@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, Mesh
 
 from ..checks import format_point
@@ -22,6 +20,7 @@ from ..forms.regions import Region
 from ..forms.roles import Touching, having, materials_of
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
+from ..sparse import parts_of
 from .model import LimitModel, Loads, Site
 from .strength import FLAT, Profile, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
@@ -448,9 +447,7 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     first, second = mesh.f2t[:, mesh.f2t[1] >= 0]
     both = stiff[first] & stiff[second]
     n = mesh.nelements
-    ones = np.ones(both.sum())
-    links = coo_matrix((ones, (first[both], second[both])), shape=(n, n))
-    label = connected_components(links, directed=False)[1]
+    label = parts_of(n, first[both], second[both])
     number = np.full(n, -1)
     number[stiff] = np.unique(label[stiff], return_inverse=True)[1]
 

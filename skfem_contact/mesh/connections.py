@@ -8,8 +8,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import Mesh
+
+from ..sparse import parts_of
 
 Indices = NDArray[np.integer]
 Floats = NDArray[np.float64]
@@ -200,7 +201,7 @@ def doubled_elements(mesh: Mesh) -> Indices:
 
 def loose_links(mesh: Mesh) -> Indices:
     """Return nodes by which alone parts of the mesh are connected, which share no side at them."""
-    by_side = _components(mesh.t2f, mesh.nfacets)
+    by_side = components(mesh.t2f, mesh.nfacets)
     # A node between parts has elements of at least two of them
     lowest = np.full(mesh.nvertices, by_side.max() + 1)
     highest = np.full(mesh.nvertices, -1)
@@ -210,13 +211,9 @@ def loose_links(mesh: Mesh) -> Indices:
     return np.flatnonzero(highest > lowest)
 
 
-def _components(parts: Indices, count: int) -> Indices:
+def components(parts: Indices, count: int) -> Indices:
     """Return the number of the connected component of every element, (n_elements,)."""
     n_elements = parts.shape[1]
-    size = n_elements + count
-    element = np.tile(np.arange(n_elements), len(parts))
-    node = n_elements + parts.ravel()
-    ones = np.ones(parts.size, dtype=bool)
-    links = coo_matrix((ones, (element, node)), shape=(size, size))
-    label = connected_components(links, directed=False)[1]
+    element = np.tile(np.arange(n_elements), (len(parts), 1))
+    label = parts_of(n_elements + count, element, n_elements + parts)
     return np.unique(label[:n_elements], return_inverse=True)[1]

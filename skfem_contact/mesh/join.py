@@ -12,13 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..checks import look_up, names_of
 from .check import check_elements, check_topology, own_tags
+from .connections import components
 
 Indices = NDArray[np.integer]
 Tags = dict[str, Indices]
@@ -143,14 +142,8 @@ def bodies(mesh: Mesh) -> Tags:
 
 def _connected_elements(mesh: Mesh) -> list[Indices]:
     """Return the elements of every connected part."""
-    n_corners, n_elements = mesh.t.shape
-    size = n_elements + mesh.nvertices
-    element = np.tile(np.arange(n_elements), n_corners)
-    node = n_elements + mesh.t.ravel()
-    ones = np.ones(mesh.t.size)
-    links = coo_matrix((ones, (element, node)), shape=(size, size))
-    label = connected_components(links, directed=False)[1][:n_elements]
-    return [np.flatnonzero(label == k) for k in np.unique(label)]
+    label = components(mesh.t, mesh.nvertices)
+    return [np.flatnonzero(label == k) for k in range(label.max() + 1)]
 
 
 def _name_of(elements: Indices, subdomains: Tags) -> str:

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 from numpy import ndarray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..checks import format_point
+from ..sparse import parts_of
 from .outline import cross, turn
 
 #: Largest distance of the arcs of ellipses and splines, and of the chords of curves in space, from
@@ -233,9 +232,7 @@ def snapped(chains: Sequence[Chain], near: float) -> list[Chain]:
     counts = [len(chain.points) for chain in chains]
     x = np.vstack([chain.points for chain in chains])
     pairs = scipy.spatial.cKDTree(x).query_pairs(near, output_type="ndarray")
-    ones = np.ones(len(pairs))
-    links = coo_matrix((ones, pairs.T), shape=(len(x), len(x)))
-    label = connected_components(links, directed=False)[1]
+    label = parts_of(len(x), *pairs.T)
     first = np.unique(label, return_index=True)[1]
     parts = np.split(x[first[label]], np.cumsum(counts)[:-1])
     return [chain._replace(points=part) for chain, part in zip(chains, parts)]

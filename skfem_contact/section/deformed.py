@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 from numpy import ndarray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshTri, MeshTri2
 
 from ..checks import format_point
+from ..sparse import parts_of
 from .kernel import gmsh_model
 from .outline import cross, turn
 
@@ -90,11 +89,8 @@ def outline(mesh: Mesh, elements: ndarray, vertices: ndarray, middles: ndarray |
     of_facets = _names_of(mesh.facets.shape[1], mesh.boundaries)
     same = np.array([names[a] == names[b] for a, b in zip(first, second)])
     joined = np.flatnonzero(inside & same)
-    ones = np.ones(len(joined))
-    shape = (mesh.nelements, mesh.nelements)
-    graph = coo_matrix((ones, (first[joined], second[joined])), shape=shape)
+    number = parts_of(mesh.nelements, first[joined], second[joined])
     part = np.full(mesh.nelements, -1)
-    _, number = connected_components(graph, directed=False)
     _, part[active] = np.unique(number[active], return_inverse=True)
     subdomains: list[tuple[str, ...]] = [()] * (part.max() + 1)
     for element in np.flatnonzero(active):

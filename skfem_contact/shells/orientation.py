@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..checks import format_point
+from ..sparse import parts_of
 from ..surfaces.vectors import unit
 from .element import SMOOTH, n_corners, normals
 
@@ -68,9 +67,7 @@ def turned(points: ndarray, cells: ndarray) -> ndarray:
     first, second = pairs.T
     other = np.where(alike, second, second + m)
     mirrored = np.where(alike, second + m, second)
-    links = np.stack((np.append(first, first + m), np.append(other, mirrored)))
-    graph = csr_matrix((np.ones(links.shape[1]), links), (2 * m, 2 * m))
-    part = connected_components(graph, directed=False)[1]
+    part = parts_of(2 * m, np.append(first, first + m), np.append(other, mirrored))
 
     # Of each part and its mirror image, the one whose normals point upwards or outwards
     triangles = points[cells[:, :3]]

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis
 
 from ..checks import check_basis, facets_of
+from ..sparse import parts_of
 from .shape import Shape
 from .vectors import across, dot
 
@@ -155,10 +154,7 @@ def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
     facet, side = np.nonzero(neighbours >= 0)
     beyond = neighbours[facet, side]
     corner_beyond = np.argmax(corners[beyond] == corners[facet, side][:, None], axis=1)
-    ties = (facet * n + side, beyond * n + corner_beyond)
-    ones = np.ones(len(facet))
-    graph = coo_matrix((ones, ties), shape=(m * n, m * n))
-    _, fan = connected_components(graph, directed=False)
+    fan = parts_of(m * n, facet * n + side, beyond * n + corner_beyond)
     # count the fans at every node
     _, first = np.unique(fan, return_index=True)
     node, fans = np.unique(corners.ravel()[first], return_counts=True)

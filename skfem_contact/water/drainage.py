@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import scipy
 from numpy import ndarray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, Mesh
 
 from ..errors import Remark
 from ..layout import elements_of
+from ..sparse import parts_of
 from .surroundings import Ground
 
 #: Ground so many times as permeable drains its neighbours: a column on a drained layer of the same
@@ -217,9 +216,7 @@ def _beside_thin(
 def _parts(corners: ndarray, n_nodes: int) -> ndarray:
     """Return the number of the connected part of elements in which each node lies, (n_nodes,)."""
     first, others = np.broadcast_arrays(corners[:1], corners)
-    edges = (np.ones(others.size), (first.ravel(), others.ravel()))
-    graph = coo_matrix(edges, (n_nodes, n_nodes))
-    return np.asarray(connected_components(graph, directed=False)[1])
+    return parts_of(n_nodes, first, others)
 
 
 def _areas(mesh: Mesh, facets: ndarray) -> ndarray:
