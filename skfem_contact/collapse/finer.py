@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse.linalg import spsolve
-from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshTri1
+from skfem import (
+    Basis,
+    BilinearForm,
+    FacetBasis,
+    LinearForm,
+    Mesh,
+    MeshQuad1,
+    MeshQuad2,
+    MeshTri1,
+    MeshTri2,
+)
 from skfem.helpers import dot
 
 from ..checks import format_point
@@ -18,7 +28,7 @@ from ..errors import AnalysisWarning, NotConverged
 from ..forms.base import Forms, States, solids_of
 from ..forms.roles import materials_of
 from ..materials.base import Material
-from ..mesh.locate import locate
+from ..mesh.locate import Located, locate
 from ..stages.setup import Setup
 from .mechanism import COARSE, lost_power
 from .result import CollapseResult
@@ -27,7 +37,7 @@ from .result import CollapseResult
 #: Arai and Tagyo ends at the same factor with 5,900 elements for .5, 7,400 for .7, and 17,800 where
 #: .8 of the whole power is cut.
 _CUT = 0.5
-#: Triangles up to which a coarse mesh is cut once more to see what it adds. Slopes of 80 and 320
+#: Elements up to which a coarse mesh is cut once more to see what it adds. Slopes of 80 and 320
 #: triangles take .4 s and 1.2 s for .15 s and .35 s, strips of 148 and 584 .4 s and 2.2 s for .25 s
 #: and .8 s; one of 660 below a stiff footing 13 s for 5 s.
 _FEW = 600
@@ -36,26 +46,37 @@ _FEW = 600
 #: of 20 to 35 degrees, with and without weight, and .59 to 1.5 on 31 slopes of 30 to 70 degrees
 #: with phi of 0 to 35 degrees, of 80 and 320 triangles, which add 2 to 34 %. There the estimate by
 #: the stresses is .37 to 1.7 and .26 to 1.4. The second number is the largest share of a limit for
-#: which it counts.
+#: which it counts. On 20 slopes of quadrilaterals it is .61 to 1.11 (4 nodes, B-bar) and .77 to
+#: 1.56 (8 nodes, 4 points), on 8 of 9 nodes with phi of 10 to 35 degrees .89 to 1.16.
 _ORDER = 0.75
 _MOST = 0.6
 #: Force on nodes inside of the bodies, as a share of the largest, that is round-off.
 _INSIDE = 1e-9
-#: Reference coordinate of a point on a side.
+#: Reference coordinate of a point on a side, and distance of the middle of a straight side from it,
+#: as a share of the size of the mesh.
 _ON_SIDE = 1e-6
+#: Meshes of second order, and the ones of their corners.
+_OF_CORNERS: dict[type[Mesh], type[Mesh]] = {MeshTri2: MeshTri1, MeshQuad2: MeshQuad1}
+#: Meshes whose elements can all be cut.
+CUT = (MeshTri1, MeshQuad1)
 S = TypeVar("S", bound=Setup)
 
 
 class Finer(NamedTuple):
-    """A model on a finer mesh, its load on top of weights and water, and states of its solids."""
+    """A model on a finer mesh, loads on top of weights and water, and states of its solids."""
 
     setup: Any
-    load: ndarray
+    loads: list[ndarray]
     states: dict[str, Any]
 
 
-def check(setup: Setup, forms: Forms, undrained: bool) -> None:
-    """Refuse models that cannot be built anew on a finer mesh."""
+def check(
+    setup: Setup,
+    forms: Forms,
+    undrained: bool,
+    kinds: tuple[type[Mesh], ...] = (MeshTri1,),
+) -> None:
+    """Refuse models that cannot be built anew on a finer mesh, by the kind of their mesh."""
     # Only solids can be built anew.
     if undrained:
         raise ValueError("refine=True is for drained searches: leave out undrained=True")
@@ -67,11 +88,12 @@ def check(setup: Setup, forms: Forms, undrained: bool) -> None:
                 "section along the mechanism, sizes={...}, and search again"
             )
         solids[name] = form
-    # Triangles are divided, and weights act downwards.
+    # Elements with straight sides are divided, and weights act downwards.
     mesh = next(iter(solids.values())).basis.mesh
-    if type(mesh) is not MeshTri1:
+    if type(_straight(mesh)) not in kinds:
         raise ValueError(
-            f"refine=True cuts straight triangles, MeshTri, but this is a {type(mesh).__name__}"
+            "refine=True cuts straight triangles, MeshTri or MeshTri2 with straight sides, but "
+            f"this is a {type(mesh).__name__}"
         )
     if setup.gravity[-1] != -1.0:
         raise ValueError("refine=True needs gravity against the last axis")
@@ -88,6 +110,22 @@ def check(setup: Setup, forms: Forms, undrained: bool) -> None:
                     f"refine=True needs parameters as numbers or functions of the coordinates, but "
                     f"'{name}.{region.name}' has arrays by element"
                 )
+
+
+def _straight(mesh: Mesh) -> Mesh:
+    """Return a mesh of second order by its corners, without names, if all its sides are straight.
+
+    Other meshes are returned as they are.
+    """
+    kind = _OF_CORNERS.get(type(mesh))
+    if kind is None:
+        return mesh
+    corners = kind(mesh.p[:, : mesh.nvertices], mesh.t)
+    same = type(mesh).from_mesh(corners)
+    away = np.abs(same.doflocs - mesh.doflocs).max()
+    if away > _ON_SIDE * np.ptp(corners.p, axis=1).max():
+        return mesh
+    return corners
 
 
 def check_water(water: Any) -> None:
@@ -153,11 +191,11 @@ def finer(
     setup: S,
     forms: Forms,
     fixed: ndarray,
-    load: ndarray,
+    loads: Sequence[ndarray],
     states: States,
     cut: ndarray | None = None,
 ) -> Finer:
-    """Return the model with some elements cut, the load on it, and the stresses and memory.
+    """Return the model with some elements cut, loads on it, and the stresses and memory.
 
     Parameters
     ----------
@@ -167,8 +205,8 @@ def finer(
         Active solids.
     fixed
         Supported dofs.
-    load
-        Load on top of weights and water, (N,): tractions on facets, and body forces of one value
+    loads
+        Loads on top of weights and water, (N,): tractions on facets, and body forces of one value
         in each region.
     states
         States of the solids.
@@ -179,11 +217,10 @@ def finer(
     solids: dict[str, Any] = dict(forms)
     first = next(iter(solids.values())).basis
     mesh = first.mesh
-    everything = np.arange(mesh.nelements)
-    new = MeshTri1(mesh.p, mesh.t).refined(everything if cut is None else cut)
-    centres = new.p[:, new.t].mean(axis=1).T
-    parent = locate(mesh, everything, centres, 0 * everything).elements
-    side = _sides(mesh, new, parent)
+    corners = _straight(mesh)
+    new = type(corners)(corners.p, corners.t).refined(1 if cut is None else cut)
+    parent = _located(corners, new.p[:, new.t].mean(axis=1)).elements
+    side = _sides(corners, new)
     subdomains = {}
     for name, part in (mesh.subdomains or {}).items():
         subdomains[name] = np.flatnonzero(np.isin(parent, part))
@@ -211,20 +248,18 @@ def finer(
     )
     carried = {}
     for name, form in solids.items():
-        carried[name] = _carried(form, states[name], built[name], parent)
-    return Finer(model, _load(solids, built, whole, side, load[: first.N]), carried)
+        carried[name] = _carried(form, states[name], built[name], corners)
+    on_finer = [_load(solids, built, whole, side, load[: first.N]) for load in loads]
+    return Finer(model, on_finer, carried)
 
 
-def _local(mesh: MeshTri1, element: ndarray, points: ndarray) -> ndarray:
-    """Return reference coordinates (2, n, k) of points (2, n, k) in elements (n,)."""
-    corners = mesh.p[:, mesh.t[:, element]]  # (2, 3, n)
-    J = (corners[:, 1:] - corners[:, :1]).transpose(2, 0, 1)
-    inverse = np.linalg.inv(J)
-    offset = points - corners[:, :1].transpose(0, 2, 1)
-    return np.einsum("nij,jnk->ink", inverse, offset)
+def _located(mesh: Mesh, points: ndarray) -> Located:
+    """Return the elements that hold points (2, ...), and their reference coordinates, flat."""
+    everything = np.arange(mesh.nelements)
+    return locate(mesh, everything, points.reshape(2, -1).T, 0 * everything)
 
 
-def _carried(old: Any, state: Any, new: Any, parent: ndarray) -> Any:
+def _carried(old: Any, state: Any, new: Any, mesh: Mesh) -> Any:
     r"""Return the state of a solid on a finer mesh, unstrained.
 
     In each element stresses and memory are the linear functions of least squares of its points,
@@ -238,29 +273,30 @@ def _carried(old: Any, state: Any, new: Any, parent: ndarray) -> Any:
     functions = np.einsum("ven,kn->vek", known, fit)
 
     # Evaluate them at the integration points of the finer elements.
-    element = parent[new.elements]
-    rows = np.zeros(old.basis.mesh.nelements, int)
+    points = np.asarray(new.basis.global_coordinates())
+    held = _located(mesh, points)
+    rows = np.zeros(mesh.nelements, int)
     rows[old.elements] = np.arange(len(old.elements))
-    row = rows[element]
-    xi = _local(old.basis.mesh, element, np.asarray(new.basis.global_coordinates()))
-    values = functions[:, row, :1] + np.einsum("vek,ken->ven", functions[:, row, 1:], xi)
+    at_point = functions[:, rows[held.elements]]  # (n_values, n_elements * n_points, 3)
+    values = at_point[:, :, 0] + np.einsum("vpk,kp->vp", at_point[:, :, 1:], held.local)
+    values = values.reshape(-1, *points.shape[1:])
     n = len(state.stress)
     begun = new.initial_state(stress=values[:n])
     return replace(begun, internal=values[n:])
 
 
-def _sides(mesh: MeshTri1, new: MeshTri1, parent: ndarray) -> ndarray:
+def _sides(mesh: Mesh, new: Mesh) -> ndarray:
     """Return for each facet of a finer mesh the facet of the mesh that it is a part of, or -1."""
-    element = parent[new.f2t[0]]
-    middle = new.p[:, new.facets].mean(axis=1)  # (2, n)
-    xi = _local(mesh, element, middle[:, :, None])[:, :, 0]
-    weights = np.array([1.0 - xi.sum(axis=0), *xi])  # of the corners
-    # sides of scikit-fem's triangles: corners (0, 1), (1, 2), (0, 2)
-    opposite = weights[[2, 0, 1]]
-    local = np.abs(opposite).argmin(axis=0)
-    facet = mesh.t2f[local, element]
-    on_side = np.abs(opposite[local, np.arange(len(local))]) < _ON_SIDE
-    return np.where(on_side, facet, -1)
+    held = _located(mesh, new.p[:, new.facets].mean(axis=1))
+    xi, eta = held.local
+    # scikit-fem's sides: corners (0, 1), (1, 2), (0, 2), or (0, 1), (1, 2), (2, 3), (0, 3)
+    away = [eta, 1.0 - xi - eta, xi]
+    if len(mesh.t) == 4:
+        away = [eta, 1.0 - xi, 1.0 - eta, xi]
+    distance = np.abs(away)
+    local = distance.argmin(axis=0)
+    on_side = distance[local, np.arange(len(local))] < _ON_SIDE
+    return np.where(on_side, mesh.t2f[local, held.elements], -1)
 
 
 def _fixed(old: Any, new: Any, side: ndarray, fixed: ndarray) -> ndarray:
@@ -351,15 +387,14 @@ def _load(
     parts = np.flatnonzero(np.isin(side, facets))
     fine = FacetBasis(whole.mesh, whole.elem, facets=parts, intorder=4)
     at = np.asarray(fine.global_coordinates())  # (2, n_facets, n_points)
-    flat = at.reshape(2, -1)
-    everything = np.arange(mesh.nelements)
-    located = locate(mesh, everything, flat.T, 0 * everything)
+    located = _located(_straight(mesh), at)
+    count = len(located.elements)
     shapes = []
     for i in range(len(basis.elem.elem.doflocs)):
         value = basis.elem.elem.lbasis(located.local, i)[0]
-        shapes.append(np.broadcast_to(value, flat.shape[1]))
+        shapes.append(np.broadcast_to(value, count))
     at_elements = np.argsort(_numbers(basis))[located.elements]
-    nodal = t[basis.element_dofs[:, at_elements]].reshape(-1, 2, flat.shape[1])
+    nodal = t[basis.element_dofs[:, at_elements]].reshape(-1, 2, count)
     density = np.einsum("kn,kcn->cn", np.array(shapes), nodal).reshape(at.shape)
     return total + _FORCE.assemble(fine, t=density)
 

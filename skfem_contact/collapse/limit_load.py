@@ -231,17 +231,17 @@ def _added(
     """Return the share that the mesh adds."""
     if dilate_less(begun.system.forms):
         return result.added
-    whole: dict[str, Any] = {
-        "forms": begun.forms,
-        "fixed": begun.system.fixed,
-        "states": begun.origin.states,
-    }
 
     def refined() -> CollapseResult:
         """Search with every element cut, with the same first step."""
-        finer.check(setup, begun.forms, undrained=False)
-        model, load, states = finer.finer(setup, load=begun.load, **whole)
-        kept = finer.finer(setup, load=dead, **whole).load
+        finer.check(setup, begun.forms, False, finer.CUT)
+        model, (load, kept), states = finer.finer(
+            setup,
+            begun.forms,
+            fixed=begun.system.fixed,
+            loads=(begun.load, dead),
+            states=begun.origin.states,
+        )
         new = loaded_start(model, load, None, False, flow=options.flow)
         origin = replace(new.origin, states=states)
         new = replace(new, system=_flowing(new.system, options.flow), origin=origin)

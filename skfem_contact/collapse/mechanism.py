@@ -56,8 +56,7 @@ _ADDED = 1.76
 #: slices of tetrahedra and hexahedra, and strips with a weight, whose meshes add 3 to 43 %, it is
 #: .50 to 1.24, by projection alone .15 to 1.5. On meshes of few elements it is as little as .37
 #: under strips on sand of 20 degrees with a weight, and .26 on slopes of 70 degrees with phi of 35
-#: degrees: there a search with every element cut shows the share, see finer.py. On slopes of 70
-#: degrees with two quadrilaterals of second order along them, which are not cut, it is .39 to .49.
+#: degrees: there a search with every element cut shows the share, see finer.py.
 _VARIATION = 1.72
 #: Largest ratio of this estimate and the one by projection, each without its limits: smooth
 #: stresses vary, but lose nothing. It is at most 2.3 on these scenes.

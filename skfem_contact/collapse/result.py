@@ -263,8 +263,8 @@ class CollapseResult:
         Estimated share of the value that the size of the elements adds, within proven bounds. The
         true one is .5 to 2 times this share on slopes, vertical cuts with and without tensile
         strength, and under even loads and rigid strips; up to 2.6 times on meshes of few elements
-        that are not straight triangles of solids with tensile strength: these are cut once more to
-        see it.
+        that are not straight triangles or quadrilaterals of solids with tensile strength: these are
+        cut once more to see it.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less

@@ -403,7 +403,7 @@ def _added(setup: Setup, found: _Search, water: AtRest, options: _Options) -> fl
 
     def refined() -> CollapseResult:
         """Search with every element cut, from a little below the factor without this share."""
-        finer.check(setup, found.begun.forms, options.undrained)
+        finer.check(setup, found.begun.forms, options.undrained, finer.CUT)
         finer.check_water(water)
         first = _BEGIN * result.value / (1.0 + result.added)
         cut, prepared = _on_finer(setup, found, water, quiet)
@@ -430,11 +430,11 @@ def _on_finer(
     begun = found.begun
     on_top = begun.load - setup.water_on(begun.forms, water)
     on_top[np.abs(on_top) < _ROUND_OFF * np.abs(begun.load).max()] = 0.0
-    setup, on_top, states = finer.finer(
+    setup, (on_top,), states = finer.finer(
         setup,
         begun.forms,
         fixed=begun.system.fixed,
-        load=on_top,
+        loads=(on_top,),
         states=found.result.end.states,
         cut=cut,
     )

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from skfem import (
     Basis,
     ElementQuad1,
+    ElementQuad2,
+    ElementQuadS2,
     ElementTriP1,
     ElementTriP2,
     ElementVector,
     MeshQuad,
+    MeshQuad2,
     MeshTri,
+    MeshTri2,
 )
 
 import skfem_contact as sc
@@ -45,8 +50,8 @@ def once(model: sc.Model, load=None, water=None, states=None):
     cut = np.arange(0, mesh.nelements, 3)
     on_top = begun.load - model.water_on(begun.forms, water)
     states = states or begun.origin.states
-    new, on_top, _ = finer.finer(model, begun.forms, begun.system.fixed, on_top, states, cut)
-    return new, on_top
+    new, loads, _ = finer.finer(model, begun.forms, begun.system.fixed, [on_top], states, cut)
+    return new, loads[0]
 
 
 def test_linear_stresses_and_memory_are_carried_exactly():
@@ -64,7 +69,7 @@ def test_linear_stresses_and_memory_are_carried_exactly():
     begun = loaded_start(model, None, None, None)
     cut = np.arange(0, ground.basis.mesh.nelements, 3)
     new, _, states = finer.finer(
-        model, begun.forms, begun.system.fixed, begun.load, {"ground": state}, cut
+        model, begun.forms, begun.system.fixed, [begun.load], {"ground": state}, cut
     )
     form = new.forms["ground"]
     assert form.basis.nelems > ground.basis.nelems
@@ -104,6 +109,57 @@ def test_finer_models_are_the_same_structure(element):
             areas.append(float(np.abs(a * d - b * c).sum()))
         assert np.isclose(*areas)
     assert set(basis.mesh.boundaries) == set(old.mesh.boundaries)
+
+
+@pytest.mark.parametrize("element", [ElementTriP2(), ElementQuad1(), ElementQuad2()])
+@pytest.mark.parametrize("second_order", [False, True])
+def test_all_elements_of_other_kinds_are_cut(element, second_order):
+    """[X] Quadrilaterals, and straight meshes of second order: weights, loads, supports, names."""
+    triangles = isinstance(element, ElementTriP2)
+    kind = MeshTri if triangles else MeshQuad
+    mesh = kind.init_tensor(np.linspace(0, 6, 5), np.linspace(0, 3, 4))
+    mesh = replace(mesh, doflocs=mesh.p * (1.0 + 0.05 * mesh.p[::-1]))
+    curved = MeshTri2 if triangles else MeshQuad2
+    if second_order:
+        mesh = curved.from_mesh(mesh)
+    parts = {"low": lambda x: x[1] < 1.1, "high": lambda x: x[1] > 1.1}
+    mesh = mesh.with_subdomains(parts).with_boundaries(
+        {
+            "top": lambda x: x[1] > 2.9,
+            "left": lambda x: x[0] < 1e-9,
+            "right": lambda x: x[0] > 5.9,
+            "bottom": lambda x: x[1] < 1e-9,
+        }
+    )
+    basis = Basis(mesh, ElementVector(element), intorder=4)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0)
+    ground = sc.SolidForm(basis, {"low": soil, "high": soil}, unit_weight=20.0)
+    model = sc.Model({"ground": ground}, sc.box_supports(basis))
+
+    def pressure(x):
+        return -1.0 - 0.1 * x[0], -3.0 + 0.2 * x[0]
+
+    load = model.traction("top", pressure)
+    begun = loaded_start(model, load, None, None)
+    finer.check(model, begun.forms, False, finer.CUT)
+    new, loads, states = finer.finer(
+        model, begun.forms, begun.system.fixed, [load, 2.0 * load], begun.origin.states
+    )
+    fine = new.forms["ground"].basis
+    assert fine.nelems == 4 * basis.nelems and states["ground"].stress.shape[1] == fine.nelems
+    np.testing.assert_allclose(loads[0], new.traction("top", pressure), atol=1e-9)
+    np.testing.assert_allclose(loads[1], 2.0 * loads[0])
+    assert np.array_equal(new.fixed, sc.box_supports(fine))
+    for name in ("low", "high"):
+        weights = [one.weight({name: 1.0}).sum() for one in (model, new)]
+        assert weights[1] == pytest.approx(weights[0])
+    # curved sides are left as they are
+    if second_order:
+        bent = mesh.doflocs.copy()
+        bent[1, -1 if triangles else mesh.dofs.facet_dofs[0, -1]] += 0.05
+        form = ground.on(Basis(replace(mesh, doflocs=bent), ElementVector(element), intorder=4))
+        with pytest.raises(ValueError, match="straight"):
+            finer.check(model, {"ground": form}, False, finer.CUT)
 
 
 def test_body_forces_given_as_a_load():
@@ -164,7 +220,7 @@ def test_models_that_cannot_be_refined():
     basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()))
     soil = sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0)
     ground = sc.SolidForm(basis, soil, unit_weight=10.0)
-    with pytest.raises(ValueError, match="cuts straight triangles"):
+    with pytest.raises(ValueError, match="cuts straight triangles, MeshTri"):
         sc.Model({"a": ground}, sc.box_supports(basis)).strength_reduction(refine=True)
     model = bank()
     solid = model.forms["ground"]
@@ -187,25 +243,37 @@ def test_models_that_cannot_be_refined():
 
 
 @pytest.mark.parametrize(
-    ("phi", "angle", "exact"),
+    ("element", "phi", "angle", "exact"),
     [
-        (20.0, 45.0, (1.9088, 1.9334)),
-        (20.0, 60.0, (1.5811, 1.6047)),
-        (35.0, 60.0, (1.9997, 2.0486)),
+        ("P2", 20.0, 45.0, (1.9088, 1.9334)),
+        ("P2", 20.0, 60.0, (1.5811, 1.6047)),
+        ("P2", 35.0, 60.0, (1.9997, 2.0486)),
+        ("S2", 20.0, 60.0, (1.5811, 1.6047)),
+        ("S2", 20.0, 70.0, (1.4028, 1.4155)),
+        ("Q2", 35.0, 70.0, (1.7435, 1.7664)),
+        ("Q1", 20.0, 45.0, (1.9088, 1.9334)),
     ],
 )
-def test_share_of_two_triangles_along_a_slope(phi, angle, exact):
-    """[B] Meshes that add 15 to 25 %, which is told to a factor of two; by the stresses alone .3 to
-    .55 of it.
+def test_share_of_two_elements_along_a_slope(element, phi, angle, exact):
+    """[B] Meshes that add 15 to 45 %, which is told to a factor of two; by the stresses alone .3 to
+    .9 of it.
 
     The brackets are from `model.bounds(gap=0.015)`, in 5 s each.
     """
     run = 2.0 / np.tan(np.radians(angle))
     columns = np.concatenate((np.linspace(-4, 0, 5), [run / 2], run + np.linspace(0, 4, 5)))
-    mesh = MeshTri.init_tensor(columns, np.linspace(0, 1, 5))
+    of_element = {
+        "P2": (ElementTriP2(), 2),
+        "S2": (ElementQuadS2(), 2),
+        "Q1": (ElementQuad1(), 2),
+        "Q2": (ElementQuad2(), 4),
+    }
+    kind = MeshTri if element == "P2" else MeshQuad
+    mesh = kind.init_tensor(columns, np.linspace(0, 1, 5))
     x, height = mesh.p
-    mesh = MeshTri(np.stack((x, height * (2.0 + 2.0 * np.clip(x / run, 0, 1)))), mesh.t)
-    basis = Basis(mesh.with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    mesh = kind(np.stack((x, height * (2.0 + 2.0 * np.clip(x / run, 0, 1)))), mesh.t)
+    shape, order = of_element[element]
+    basis = Basis(mesh.with_defaults(), ElementVector(shape), intorder=order)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=8.0, phi=phi, psi=phi)
     model = sc.Model({"soil": sc.SolidForm(basis, soil, unit_weight=20.0)}, sc.box_supports(basis))
     found = model.strength_reduction(certify=False, progress=False)
