@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.checks import format_point
+from skfem_contact.contact.diagnosis import _on_distance
+from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 from tests.tools import space
 from tests.tools.helpers import grid, vector_basis
@@ -146,3 +150,42 @@ def test_facets_in_space_are_warned_of() -> None:
     assert f"{np.sin(np.pi / 40):.1%} of their pressure acts along the surface" in remarks
     assert "smoothing" not in remarks
     assert "torque" not in fitted_in_space(40, 40)
+
+
+def test_points_that_are_too_deep_or_touch_nothing_are_told() -> None:
+    """[X] Some points deeper than an element, with the deepest of them; or no point that touches,
+    with the smallest gap beyond the clearance.
+    """
+    low, up = grid("Q1", np.linspace(0, 4, 9), [0, 1]), grid("Q1", np.linspace(1, 2, 4), [1, 2])
+    mesh = sc.join_bodies({"low": low, "up": up})
+    basis = vector_basis(mesh, "Q1")
+    pair = sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), "nodal", penalty=1e4)
+    state = pair.initial_state()
+    points = pair.points(state)
+    deep = pair.interface.depth(points)
+    place = points.positions(pair.slave.nodes)
+
+    def told(gap, status):
+        now = replace(state, gap=gap, status=np.full(len(gap), status), clearance=np.full(4, 0.02))
+        return [(remark.kind, remark.figure, remark.text) for remark in _on_distance(pair, now)]
+
+    # Two of four points lie behind the surface
+    ((kind, figure, text),) = told(-deep * [0.5, 1.5, 1.1, 0.0], Status.STICK)
+    assert (kind, figure) == ("too deep", pytest.approx(1.5 * deep[1], rel=1e-12))
+    assert (
+        f"2 of 4 points of 'up:bottom' lie deeper in 'low:top' than an element, up to {figure:.3g}"
+        in text
+    )
+    assert f"deepest is at {format_point(place[1])} of the mesh" in text
+    # None does, and none or all of them are open
+    gap = np.array([0.3, 0.1, 0.2, np.inf])
+    assert told(-0.9 * deep, Status.OPEN)[0][0] == "open"
+    assert not told(-0.9 * deep, Status.STICK)
+    ((kind, figure, text),) = told(gap, Status.OPEN)
+    assert (kind, figure) == ("open", pytest.approx(0.08, rel=1e-12))
+    assert (
+        f"gap is 0.08 between 'up:bottom' and 'low:top', smallest at {format_point(place[1])}"
+        in text
+    )
+    ((_, _, text),) = told(np.full(4, np.inf), Status.OPEN)
+    assert "nothing of 'low:top' lies opposite 'up:bottom'" in text

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from skfem import (
@@ -12,6 +14,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.prestress import LinearisedContact
 
 
 @pytest.mark.parametrize(
@@ -34,3 +37,34 @@ def test_block_turns_about_its_edge(slave, master, degrees, stands):
     angle = np.radians(degrees)
     load = sc.weight(basis, {"block": 1.0}, direction=(np.sin(angle), -np.cos(angle)))
     assert sc.Model(forms, basis.get_dofs("base:bottom").all()).is_stable(load) is stands
+
+
+@pytest.mark.parametrize("n", [2, 3, 7, 8])
+def test_joints_that_turn_about_a_point_inside_of_their_end_are_told(n) -> None:
+    """[X] The pressure is at the last of n Gauss points, or within .3 of the way to the next one;
+    rules of more than seven points have these close to the end.
+    """
+    xi, weight = np.polynomial.legendre.leggauss(n)
+    points = SimpleNamespace(
+        nodes=np.zeros((n, 2)), facet=np.zeros(n), xi=xi[:, None], weight=weight
+    )
+    pair = SimpleNamespace(slave=SimpleNamespace(dim=2, name="block:bottom"))
+    joint = SimpleNamespace(pair=pair, _points=points, _at=np.arange(n))
+
+    def told(share, last, following):
+        traction = np.zeros((2, n))
+        traction[0, [last, following]] = -(1.0 - share) / weight[last], -share / weight[following]
+        state = SimpleNamespace(traction=traction)
+        return [remark.figure for remark in LinearisedContact._remarks(joint, state)]
+
+    for last, following in ((0, 1), (-1, -2)):
+        assert told(0.0, last, following) == [1.0] * (n < 8)
+        assert told(0.29, last, following) == pytest.approx([0.71] * (n < 8))
+        assert not told(0.31, last, following)
+    # Nothing at the ends, in space, without pressure
+    for change in ({"nodes": np.zeros((n, 1))}, {"weight": 0.0 * weight}):
+        joint._points = SimpleNamespace(**(vars(points) | change))
+        assert not told(0.0, 0, 1)
+    joint._points = points
+    pair.slave.dim = 3
+    assert not told(0.0, 0, 1)

@@ -8,6 +8,7 @@ import re
 import sys
 import warnings
 from dataclasses import replace
+from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -31,7 +32,7 @@ from skfem import (
 import skfem_contact as sc
 import skfem_contact.plot as plot
 from skfem_contact import limit_analysis
-from skfem_contact.collapse.mechanism import within_bounds
+from skfem_contact.collapse.mechanism import warn_of_mesh, within_bounds
 from skfem_contact.limit_analysis import search
 from skfem_contact.limit_analysis.model import Site, vector_loads
 from tests.tools.helpers import analysis
@@ -672,3 +673,55 @@ def test_bounds_with_water_by_region(upper_soil):
     if upper_soil == "sand":
         wetter = bracket({"low": 1.5, "high": 1.9})
         assert wetter[0] < 0.999 * one[0] and wetter[1] < 0.999 * one[1]
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "value", "added", "told"),
+    [
+        # by the estimate of the mesh alone, from .5 to 2.6 of it
+        (None, None, 1.0, 0.02, ""),
+        (
+            None,
+            None,
+            1.0,
+            0.03,
+            r"factor 1 is about 3\.0% too high \(1\.5% to 7\.8%\).* elements: re",
+        ),
+        # bounds that are far apart limit the estimate
+        (0.5, 1.1, 1.0, 0.02, ""),
+        (0.5, 1.1, 1.0, 0.03, r"about 3\.0% too high \(1\.5% to 7\.8%\).* elements: refine"),
+        (0.5, 1.1, 1.11, 0.03, r"about 3\.0% too high \(1\.5% to 7\.8%\).* elements: refine"),
+        (0.625, 1.095, 1.1, 0.3, r"about 30\.0% too high \(15\.0% to 76\.0%\).* elements: refine"),
+        # between close ones the exact value is at .3, here 1.03, and two tolerances are free
+        (1.0, 1.1, 1.04, 0.02, ""),
+        (1.0, 1.1, 1.06, 0.005, ""),
+        (1.0, 1.1, 1.06, 0.02, r"about 2\.9% .* \(0\.0% to 6\.0%\).* bounds are \[1, 1\.1\]"),
+        (
+            1.0,
+            1.1,
+            1.105,
+            0.02,
+            r"about 7\.3% too high \(0\.5% to 10\.5%\).* bounds are \[1, 1\.1\]",
+        ),
+        # outside of them by more than a tolerance
+        (1.0, 1.1, 1.12, 0.02, r"1\.12 lies above \[1, 1\.1\], .* by at least 1\.8%"),
+        (1.0, 1.1, 0.995, 0.02, ""),
+        (1.0, 1.1, 0.985, 0.02, r"0\.985 lies below \[1, 1\.1\]"),
+    ],
+)
+def test_what_the_mesh_adds_is_told_by_bounds_that_are_close(
+    lower, upper, value, added, told, recwarn
+) -> None:
+    """[X] Once, by the first of these that applies; estimated lower bounds prove nothing below."""
+    proven = None
+    if lower is not None:
+        proven = SimpleNamespace(lower=lower, upper=upper, estimate=False)
+    warn_of_mesh("factor", value, added, proven, 0.01)
+    texts = [str(one.message) for one in recwarn]
+    assert len(texts) == bool(told)
+    assert all(re.search(told, text) for text in texts)
+    if value < 1.0 and proven is not None:
+        recwarn.clear()
+        proven.estimate = True
+        warn_of_mesh("factor", value, added, proven, 0.01)
+        assert not recwarn.list
