@@ -214,8 +214,8 @@ class Module:
 
     def __init__(self, path: str, source: str) -> None:
         self.path, self.docstrings, self.findings = path, [], []
-        tree, own = ast.parse(source), set()
-        for node in ast.walk(tree):
+        nodes, own = list(ast.walk(ast.parse(source))), set()
+        for node in nodes:
             body = getattr(node, "body", None)
             if (
                 not isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
@@ -229,7 +229,7 @@ class Module:
                 own.add(id(doc))
                 self.docstrings.append(prose_of_docstring(doc.value, doc.lineno))
                 self.findings += first_word(path, doc.lineno, doc.value)
-        self.messages = list(self._messages(tree, own))
+        self.messages = list(self._messages(nodes, own))
         self.comments = [
             [
                 (
@@ -245,9 +245,9 @@ class Module:
         self.findings += names_of(path, source)
 
     @staticmethod
-    def _messages(tree: ast.Module, docstrings: set[int]) -> Iterator[list[Line]]:
+    def _messages(nodes: list[ast.AST], docstrings: set[int]) -> Iterator[list[Line]]:
         inside: set[int] = set()
-        for node in ast.walk(tree):
+        for node in nodes:
             if isinstance(node, ast.JoinedStr):
                 inside |= {id(part) for part in ast.walk(node)} - {id(node)}
                 text = "".join(

@@ -191,6 +191,7 @@ def test_unstable_slope_is_warned_of():
         assert 0.75 < reduce(*problem).factor < 0.9
 
 
+@pytest.mark.slow
 def test_unstable_slope_collapses_in_a_stage():
     """[X] The error of a load stage says collapse, not stall, and from where to where: about the
     limit load.

@@ -56,6 +56,7 @@ def test_participation_of_a_layer():
     assert modes.stage(0).name == "mode 1, 2.5 Hz"
 
 
+@pytest.mark.slow
 def test_film_of_a_mode(tmp_path):
     """[X] A period begins and ends with the shape, and is upside down in its middle."""
     pytest.importorskip("imageio")

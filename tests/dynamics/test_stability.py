@@ -215,7 +215,8 @@ def grown(model, push, settings, n):
 
 
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
-@pytest.mark.parametrize("case", ["linear", pytest.param("contact", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ["linear", "contact"])
 def test_many_steps(case):
     """[X] Energy drifts by round-off alone, and a step adds its records to the memory."""
     if case == "linear":

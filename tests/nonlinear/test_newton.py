@@ -95,7 +95,7 @@ def test_penalty_bar(element, quadrature):
     assert len(result.iterations) == 1 and result.iterations[0] <= 3
 
 
-@pytest.mark.parametrize("ratio", [0.9, 1.1])
+@pytest.mark.parametrize("ratio", [0.9, pytest.param(1.1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 def test_frictional_patch(quadrature, ratio):
     """[X] Case A10: sides carry the shear; below mu p all points stick, above it no equilibrium

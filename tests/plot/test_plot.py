@@ -340,6 +340,7 @@ def test_free_surface_is_the_water_table():
 
 
 @needs_opengl
+@pytest.mark.slow
 def test_points_that_yield_and_contact_are_in_the_legend():
     from skfem_contact.demo import culvert
     from skfem_contact.plot.marks import Marks

@@ -105,6 +105,7 @@ def test_errors_are_raised():
         call(-4)
 
 
+@pytest.mark.slow
 def test_library_is_found_without_a_search_of_all_directories():
     """The installed package says where its library lies; a path of the user's own is kept."""
     script = (

@@ -191,6 +191,7 @@ def test_increments_are_cut_and_grow_again(caplog):
     )
 
 
+@pytest.mark.slow
 def test_failure_tells_how_far_where_and_why():
     """[X] A load beyond the strength: the error carries the last equilibrium, which is intact."""
     basis, forms, fixed = brace(strength=10.0)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.tools import unshown
 
 
+@pytest.mark.slow
 def test_all_names_and_options_are_shown() -> None:
     """The list that remains is empty; docs/guide/options.md is the place for special cases."""
     names, options = unshown.unshown()
