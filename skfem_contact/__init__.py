@@ -50,6 +50,7 @@ from .model import Model
 from .nonlinear.newton import Newton
 from .results import Cuts, load_result
 from .shells import Shell
+from .solvers.petsc import Petsc
 from .stages.new_meshes import Remeshing
 from .stages.remeshing import remeshed
 from .stages.stage import Stage
@@ -96,6 +97,7 @@ __all__ = [
     "NoEquilibrium",
     "NotConverged",
     "Outputs",
+    "Petsc",
     "PileSprings",
     "PoreWater",
     "Pressure",

@@ -33,9 +33,9 @@ class Model(Setup):
         Dofs that are held (or moved by ``Stage.prescribed``): numbers, dofs of a field such as
         ``water.dofs("top")``, or a list of both.
     solver
-        A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By
-        default a direct solver with an ordering of its own; for large bodies in space multigrid
-        where it is faster and installed.
+        A scikit-fem linear solver ``(A, b) -> x``; ``"amg"``, algebraic multigrid by pyamg; or
+        :class:`~skfem_contact.Petsc`, for several processes. By default a direct solver with an
+        ordering of its own; for large bodies in space multigrid where it is faster and installed.
     newton
         Settings of Newton's method; by default the settings of each method.
     gravity

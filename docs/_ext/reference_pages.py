@@ -37,7 +37,7 @@ ROOMS = {
     "Results": ("results", "collapse", "limit_analysis", "units"),
     "Design": ("design",),
     "Pictures": ("plot",),
-    "Equilibrium and errors": ("nonlinear", "errors", "versions"),
+    "Equilibrium and errors": ("nonlinear", "solvers", "errors", "versions"),
     "Checks of own laws and forms": ("testing",),
 }
 #: Names that no module of the top level exports, but that a method returns or refers to.

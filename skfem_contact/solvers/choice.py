@@ -15,6 +15,7 @@ from ..forms.base import Forms
 from ..sparse import FreeBlock
 from .direct import ENGINES, REFINE, DirectSolver, LinearSolver, Solve, fastest_engine
 from .multigrid import AmgOrDirect, iterations_that_pay
+from .petsc import Petsc, distributed
 from .schur import SchurSolver
 
 logger = logging.getLogger("skfem_contact")
@@ -113,14 +114,20 @@ def linear_solver(
 ) -> LinearSolver:
     """Choose the linear solver of an analysis by the dofs where the tangents of its forms change.
 
-    A function of the user and multigrid, if given, solve all systems.  None leaves the choice to
-    the installed packages, with multigrid where it pays.
+    A function of the user, multigrid and PETSc, if given, solve all systems.  None leaves the
+    choice to the installed packages, with multigrid where it pays.
     """
     interface, anywhere = _changing(forms)
+    displacements = not any(form.fields for form in forms.values())
+    if isinstance(solver, Petsc):
+        together = distributed(solver, locations, free, displacements)
+        if together is not None:
+            return together
+        solver = None
 
     # iterate where this pays, for displacements alone
     most = 0
-    if solver is None and not any(form.fields for form in forms.values()):
+    if solver is None and displacements:
         engine = fastest_engine()
         most = iterations_that_pay(locations, free, engine, anywhere)
     inner: LinearSolver

@@ -5,17 +5,15 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import bsr_matrix, csr_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from ..errors import NotConverged
-from ..layout import rigid_modes
-from ..sparse import FreeBlock
 from .direct import (
     REFINE,
     UNCHECKED,
@@ -28,6 +26,7 @@ from .direct import (
 )
 from .krylov import Fgmres, Preconditioner, conjugate_gradients
 from .levels import Levels, smoothed_aggregation
+from .whole_nodes import WholeNodes
 
 logger = logging.getLogger("skfem_contact")
 
@@ -51,8 +50,8 @@ FEWEST = 20
 #: Relative residual from which on a solution is rough: it may leave a tenth after the largest
 #: number of iterations. With rough residuals of .1 a footing of 10,000 dofs takes 29 iterations of
 #: Newton's method for 28.
-_ROUGH = 1e-3
-_ENOUGH = 0.1
+ROUGH = 1e-3
+ENOUGH = 0.1
 #: Residual from which on a solution is far from equilibrium, and iterations after which it ends
 #: with any residual. Mechanisms are about to form then, along which directions that are more
 #: accurate lead away.  After one that leaves more than a tenth the next may take twice as many.  A
@@ -99,15 +98,9 @@ class AmgSolver:
         most: int | None = None,
     ) -> None:
         smoothed_aggregation()
-        dim = len(locations)
-        nodes = np.unique(np.asarray(free) // dim)
-        self._locations = locations
-        self._dofs = (dim * nodes[:, None] + np.arange(dim)).ravel()  # of whole nodes
-        self._fixed = ~np.isin(self._dofs, free)
-        self._block = FreeBlock(self._dofs)
-        on_interface = np.isin(self._dofs, [] if interface is None else interface)
+        self._nodes = WholeNodes(locations, free)
+        on_interface = np.isin(self._nodes.dofs, [] if interface is None else interface)
         self._interface = np.flatnonzero(on_interface)
-        self._couplings: tuple[ndarray, ndarray] | None = None
         self._most = MOST if most is None else most
         # levels, the iterations that they took a digit, and the iterations spent beyond these
         self._levels: Levels | None = None
@@ -123,12 +116,12 @@ class AmgSolver:
 
         The callable raises NotConverged if it fails.
         """
-        if len(self._dofs) == 0:
+        if len(self._nodes.dofs) == 0:
             return nothing_free
 
-        A = self._without_fixed(self._block.gather(K))
+        A = self._nodes.gather(K)
         balanced = self._balance(A)
-        blocks = A.tobsr(2 * (len(self._locations),))
+        blocks = A.tobsr(2 * (self._nodes.dim,))
 
         # keep the levels of an earlier matrix as long as their iterations pay
         levels = self._levels
@@ -144,7 +137,7 @@ class AmgSolver:
             nonlocal cycle, fresh
             if rtol >= UNCHECKED:
                 rtol = REFINE
-            right = np.where(self._fixed, 0.0, b[self._dofs])
+            right = self._nodes.taken(b)
             far = rtol >= _FAR
             self._fgmres.forgets = far
             most = self._most
@@ -184,10 +177,7 @@ class AmgSolver:
                 self.iterations += result.count
             self._judge(result, rtol, most, fresh)
 
-            x = np.zeros(len(b))
-            x[self._dofs] = result.x
-            x[self._dofs[self._fixed]] = 0.0  # not the round-off of the blocks of nodes
-            return x
+            return self._nodes.placed(result.x, len(b))
 
         return solve
 
@@ -196,7 +186,7 @@ class AmgSolver:
         logger.debug(
             "multigrid: %d iterations to a residual of %.1e", self.iterations, result.error
         )
-        failed = rtol < _ROUGH or (most == self._most and result.error > _ENOUGH)
+        failed = rtol < ROUGH or (most == self._most and result.error > ENOUGH)
         if failed and not result.close:
             raise NotConverged(
                 f"algebraic multigrid does not converge, its relative residual is "
@@ -216,7 +206,7 @@ class AmgSolver:
         """Decide when the next solution far from equilibrium ends, and on its coarse matrices."""
         if result.close and self.iterations <= _EARLY:
             self._early = _EARLY
-        elif result.error > _ENOUGH:
+        elif result.error > ENOUGH:
             self._early *= 2
         if not (result.close or fresh):
             self._spent = KEPT + 1.0
@@ -239,33 +229,9 @@ class AmgSolver:
         self._levels = levels = self._built(A, blocks)
         return levels
 
-    def _without_fixed(self, A: csr_matrix) -> csr_matrix:
-        """Remove all but the diagonal from the rows and columns of prescribed dofs."""
-        if not np.isfinite(A.data).all():
-            raise ValueError("the stiffness has entries that are not finite")
-        if self._couplings is None or self._couplings[0] is not A.indices:
-            row = np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
-            fixed = self._fixed[row] | self._fixed[A.indices]
-            self._couplings = A.indices, fixed & (row != A.indices)
-        A.data[self._couplings[1]] = 0.0
-        loose = np.flatnonzero(A.diagonal() == 0.0)
-        if len(loose):
-            raise SingularSystem(
-                f"{len(loose)} dofs meet no stiffness, the first is {self._dofs[loose[0]]}",
-                self._dofs[loose],
-            )
-        return A
-
     def _built(self, A: csr_matrix, blocks: bsr_matrix) -> Levels:
         """Build the levels of a matrix."""
-        dim = len(self._locations)
-        graph = csr_matrix((np.ones(len(blocks.indices)), blocks.indices, blocks.indptr))
-        count, body = connected_components(graph, directed=False)
-        body = np.repeat(body, dim)
-        modes = np.empty((len(body), dim * (dim + 1) // 2))
-        for number in range(count):
-            modes[body == number] = rigid_modes(self._locations, self._dofs[body == number])
-        modes[self._fixed] = 0.0
+        modes, count = self._nodes.rigid_modes(A)
         levels = Levels(A, blocks, modes)
         logger.info(
             "multigrid: %d bodies, %s dofs on the levels", count, ", ".join(map(str, levels.sizes))
@@ -286,7 +252,7 @@ class AmgSolver:
             solve = splu(rows[:, indices].tocsc()).solve
         except RuntimeError as error:  # an exact zero among the pivots
             raise SingularSystem(
-                "the interface can move without force", self._dofs[indices]
+                "the interface can move without force", self._nodes.dofs[indices]
             ) from error
 
         def balanced(x: ndarray, b: ndarray) -> ndarray:
@@ -367,7 +333,47 @@ def _round_off(A: bsr_matrix, x: ndarray) -> float:
     return float(np.finfo(float).eps * np.linalg.norm(magnitudes))
 
 
-class AmgOrDirect:
+class InTurn:
+    """Linear solvers in turn: after the first failure of one the next takes over for good."""
+
+    def __init__(self, *makers: Callable[[], LinearSolver]) -> None:
+        self._makers = list(makers)
+        self._solver = self._makers.pop(0)()
+
+    @property
+    def name(self) -> str:
+        """Name of the solver in use."""
+        return self._solver.name
+
+    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Prepare the solution of K[free, free] x[free] = b[free]."""
+        solver = self._solver
+        try:
+            first = solver.factor(K, symmetric)
+        except NotConverged as error:
+            self._replace(solver, error)
+            return self.factor(K, symmetric)
+
+        def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
+            try:
+                return first(b, rtol)
+            except NotConverged as error:
+                self._replace(solver, error)
+                return self.factor(K, symmetric)(b)
+
+        return solve
+
+    def _replace(self, failed: LinearSolver, error: NotConverged) -> None:
+        """Let the next solver take over, unless it has; raise the error of the last one."""
+        if failed is not self._solver:
+            return
+        if not self._makers:
+            raise error
+        logger.info("%s; a direct solver takes over", error)
+        self._solver = self._makers.pop(0)()
+
+
+class AmgOrDirect(InTurn):
     """Algebraic multigrid up to a number of iterations; a direct solver after its first failure."""
 
     def __init__(
@@ -378,37 +384,10 @@ class AmgOrDirect:
         engine: str | None = None,
         most: int | None = None,
     ) -> None:
-        self._locations = locations
-        self._free = free
-        self._engine = engine
-        self._solver: LinearSolver = AmgSolver(locations, free, interface, most)
-
-    @property
-    def name(self) -> str:
-        """Name of the solver in use."""
-        return self._solver.name
-
-    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution of K[free, free] x[free] = b[free]."""
-        try:
-            first = self._solver.factor(K, symmetric)
-        except NotConverged as error:
-            return self._direct(error).factor(K, symmetric)
-
-        def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
-            try:
-                return first(b, rtol)
-            except NotConverged as error:
-                return self._direct(error).factor(K, symmetric)(b)
-
-        return solve
-
-    def _direct(self, error: NotConverged) -> LinearSolver:
-        """Return the direct solver, which takes over from now on."""
-        logger.info("%s; a direct solver takes over", error)
-        if isinstance(self._solver, AmgSolver):
-            self._solver = DirectSolver(self._locations, self._free, self._engine, single=True)
-        return self._solver
+        super().__init__(
+            partial(AmgSolver, locations, free, interface, most),
+            partial(DirectSolver, locations, free, engine, single=True),
+        )
 
 
 def iterations_that_pay(locations: ndarray, free: ndarray, engine: str, yielding: bool) -> int:

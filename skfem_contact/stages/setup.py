@@ -33,6 +33,7 @@ from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..results.files import StageData
 from ..solvers.choice import linear_solver
+from ..solvers.petsc import Petsc
 from .supports import check_supports
 
 #: Horizontal acceleration over that of gravity beyond which its unit cannot be meant.
@@ -47,7 +48,7 @@ class Setup:
         forms: Mapping[str, Any],
         fixed: Any = (),
         *,
-        solver: str | Callable[..., Any] | None = None,
+        solver: str | Petsc | Callable[..., Any] | None = None,
         newton: Newton | None = None,
         gravity: Sequence[float] | None = None,
         seismic: float | Sequence[float] = 0.0,

@@ -334,7 +334,7 @@ def test_coarse_matrices_are_computed_anew(rng):
     """
     basis, forms, fixed = cantilever(3)
     solver = AmgSolver(basis.doflocs, free_of(basis, fixed))
-    K = solver._without_fixed(solver._block.gather(forms["beam"].elastic_stiffness))
+    K = solver._nodes.gather(forms["beam"].elastic_stiffness)
     blocks, r = K.tobsr((3, 3)), rng.standard_normal(K.shape[0])
     own, other = solver._built(K, blocks), solver._built(K, 100.0 * blocks)
     expected = own.cycle(K, blocks)(r)
@@ -414,7 +414,7 @@ def test_rough_solutions_end(monkeypatch, rng):
     limited = multigrid.AmgSolver(basis.doflocs, free, most=2)
     for _ in range(2):  # the second one may take the largest number of iterations
         limited.factor(K)(b, 1e-3)
-    monkeypatch.setattr(multigrid, "_ENOUGH", 1e-3)
+    monkeypatch.setattr(multigrid, "ENOUGH", 1e-3)
     with pytest.raises(NotConverged, match="after 2 iterations"):
         limited.factor(K)(b, 1e-3)
 
