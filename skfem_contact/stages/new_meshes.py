@@ -11,7 +11,7 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh
 
-from ..errors import NotConverged
+from ..errors import NotConverged, Remarks
 from ..forms.base import solids_of
 from ..forms.solid import sharpened
 from ..results.result import Result
@@ -163,7 +163,8 @@ def run(
     checked(stages, [stage.name for stage in done])
     way = _Way(remesh, setup, list(stages), done, on_increment, progress)
     try:
-        way.follow()
+        with Remarks() as remarks:
+            way.follow(remarks)
     except BaseException as error:
         if getattr(error, "result", None) is None:
             error.result = Result(tuple(way.done))  # type: ignore[attr-defined]
@@ -217,7 +218,7 @@ class _Way:
         self.left = self.left[1:]
         self.used += 1
 
-    def follow(self) -> None:
+    def follow(self, remarks: Remarks) -> None:
         """Run the stages that are left."""
         while self.left:
             if self.used and self._remesh.due(self.done[-1], self.used):
@@ -229,6 +230,7 @@ class _Way:
                     start=Result(tuple(self.done)),
                     on_increment=self._on_increment,
                     progress=self._progress,
+                    remarks=remarks,
                 )
                 self.add(part)
             except NotConverged:

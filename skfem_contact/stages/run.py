@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -55,6 +56,9 @@ _MISSING, _GIVEN = 0.1, 0.02
 #: Displacements along a path over the size of all that moves: long bars may hold short ones.
 _SNAPS = 10.0
 
+#: Kinds of remarks of contact on overlaps of the mesh.
+_OVERLAPS = ("overlap", "deep overlap")
+
 #: Seconds between two updates of the bars.
 _SHOWN = 0.05
 
@@ -89,12 +93,16 @@ def run(
     start: Result | StageResult | None = None,
     on_increment: Observer | None = None,
     progress: bool | None = None,
+    remarks: Remarks | None = None,
 ) -> Result:
-    """Run stages one after the other on one mesh, see :meth:`Model.run`."""
+    """Run stages one after the other on one mesh, see :meth:`Model.run`.
+
+    Remarks are added to those that are given; else they become warnings when the run ends.
+    """
     accepted = _Accepted([start] if isinstance(start, StageResult) else list(start or ()))
     try:
-        with single_threaded:
-            return _run(setup, stages, accepted, on_increment, progress)
+        with single_threaded, Remarks() if remarks is None else nullcontext(remarks) as found:
+            return _run(setup, stages, accepted, on_increment, progress, found)
     except BaseException as error:
         if accepted.begun:
             error.result = accepted.result()  # type: ignore[attr-defined]
@@ -107,6 +115,7 @@ def _run(
     accepted: _Accepted,
     on_increment: Observer | None,
     progress: bool | None,
+    remarks: Remarks,
 ) -> Result:
     """Run stages, and record every increment that is accepted."""
     # Check everything, and plan all stages.
@@ -130,19 +139,19 @@ def _run(
 
     # Follow the stages.
     follower = _Follower(setup, accepted, on_increment, Bars(progress, len(stages)))
-    with Remarks() as remarks:
-        remarks.add(stages[-1].name, "the stage", timeless(setup, stages, phases[-1]))
-        accepted.begun = True
-        for stage, phase in zip(stages, phases, strict=True):
-            try:
-                last = follower.stage(stage, phase, last)
-            except BaseException:
-                if accepted.reached is not None:
-                    accepted.reached = _remarked(remarks, phase, accepted.reached, follower.parts)
-                raise
-            last = _remarked(remarks, phase, last, follower.parts, follower.buckling(last))
-            done.append(last)
-            accepted.reached = None
+    anew = any(stage.new_mesh is not None for stage in done)
+    remarks.add(stages[-1].name, "the stage", timeless(setup, stages, phases[-1]))
+    accepted.begun = True
+    for stage, phase in zip(stages, phases, strict=True):
+        try:
+            last = follower.stage(stage, phase, last)
+        except BaseException:
+            if accepted.reached is not None:
+                accepted.reached = _remarked(remarks, phase, accepted.reached, follower.parts, anew)
+            raise
+        last = _remarked(remarks, phase, last, follower.parts, anew, follower.buckling(last))
+        done.append(last)
+        accepted.reached = None
     return accepted.result()
 
 
@@ -394,11 +403,13 @@ def _remarked(
     phase: Phase,
     last: StageResult,
     parts: Parts,
+    anew: bool,
     slender: tuple[str, Remark] | None = None,
 ) -> StageResult:
     """Return the end of a stage, reached or not, with all remarks on it.
 
-    Contact may be the reason of a failure.
+    Contact may be the reason of a failure.  On new meshes (``anew``) overlaps are errors of their
+    curves, which the first increment removes.
     """
     # Collect the remarks of the plan, of the forms and of the way.
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
@@ -415,6 +426,8 @@ def _remarked(
     # Write them down, each once.
     texts = []
     for name, several in found.items():
+        if anew:
+            several = [remark for remark in several if remark.kind not in _OVERLAPS]
         remarks.add(last.name, name, several)
         texts += [f"{name}: {remark.text}" for remark in several]
     return replace(last, remarks=tuple(texts))

@@ -1,0 +1,155 @@
+r"""
+A wedge pushed into clay
+========================
+
+A smooth wedge is pushed into clay of the undrained strength :math:`s_u` in plane strain. The clay
+rises beside it to straight lips, and keeps its shape while it grows: Hill, Lee and Tupper (1947)
+found the exact solution of rigid and perfectly plastic bodies. With the wedge's semi-angle
+:math:`\theta` its slip lines turn by the angle :math:`\psi` between face and lip,
+
+.. math::
+
+    \cos(2 \theta - \psi) = \frac{\cos \psi}{1 + \sin \psi} ,
+    \qquad h = \frac{w}{\cos \theta - \sin(\theta - \psi)} ,
+    \qquad F = 4 s_u (1 + \psi) \, h \sin \theta ,
+
+with the penetration w and the length h of the contact on each face. The lip is as long as h, at the
+angle :math:`\theta - \psi` to the surface before.
+"""
+
+import json
+import sys
+from time import process_time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.optimize import brentq
+from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
+
+import skfem_contact as sc
+import skfem_contact.plot as plot
+
+su = 1.0
+numbers = [float(given) for given in sys.argv[1:] if not given.startswith("-")]
+h = numbers[0] if numbers else 0.08
+theta = np.radians(70.0)
+wide, deep = 5.0, 4.0
+WAY = 0.02  # of a stage
+N = 15  # stages
+
+
+def size(x):
+    """Return the size of elements: constant near the wedge, then growing."""
+    return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - 0.2) - 1.2)
+
+
+def model_of(mesh):
+    """Return the model of a half of the clay; the wedge stays and the bottom moves up."""
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    clay = sc.Tresca(E=2000.0 * su, nu=0.49, c=su)
+    end = 4.0 * np.array([np.sin(theta), np.cos(theta)])
+    wedge = sc.rigid.polyline([end, (0.0, 0.0), (-end[0], end[1])])
+    forms = {
+        "clay": sc.SolidForm(basis, clay, kinematics="finite"),
+        "wedge": sc.ContactPair(basis, "top", wedge, sc.Coulomb()),
+    }
+    sides = [basis.get_dofs(name).all("u^1") for name in ("left", "right")]
+    return sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
+
+
+def bottom_of(forms):
+    """Return the vertical dofs of the bottom."""
+    return forms["clay"].basis.get_dofs("bottom").all("u^2")
+
+
+# %%
+# The run makes a new mesh after every fifth stage and continues by itself.
+
+block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
+block = block.to_meshtri().with_defaults()
+began = process_time()
+at_rest = model_of(block).run([sc.Stage("at rest")])[-1]
+model = model_of(sc.remeshed(at_rest, size).mesh)
+stages = []
+for k in range(1, N + 1):
+    u = np.zeros(model.layout.size)
+    u[bottom_of(model.forms)] = k * WAY
+    stages.append(sc.Stage(f"w = {k * WAY:.2f}", prescribed=u))
+result = model.run(stages, remesh=sc.Remeshing(model_of, size, every=5))
+seconds = process_time() - began
+pushed = [stage for stage in result if stage.name.startswith("w")]
+
+# %%
+# The exact solution, and the surface as it was found.
+
+
+def slip_lines_differ(psi):
+    """Return the difference of the two sides of the equation for the angle psi."""
+    return np.cos(2.0 * theta - psi) - np.cos(psi) / (1.0 + np.sin(psi))
+
+
+psi = brentq(slip_lines_differ, 0.0, theta)
+w = WAY * np.arange(1, N + 1)
+length = w / (np.cos(theta) - np.sin(theta - psi))
+exact = 4.0 * su * (1.0 + psi) * length * np.sin(theta)
+force = np.array([2.0 * stage.reactions()[bottom_of(stage.forms)].sum() for stage in pushed])
+errors = force / exact - 1.0
+
+
+def surface_of(stage):
+    """Return the nodes of the surface, in the frame of the wedge, from the apex outwards."""
+    basis = stage.forms["clay"].basis
+    dofs = basis.get_dofs("top")
+    components = (dofs.all(f"u^{k + 1}") for k in range(2))
+    x = np.array([basis.doflocs[k, d] + stage.x[d] for k, d in enumerate(components)])
+    return x[:, np.argsort(x[0])]
+
+
+x, z = surface_of(pushed[-1])
+lip = z.max() / (length[-1] * np.cos(theta)) - 1.0
+for k in (4, 9, 14):
+    print(f"w = {w[k]:.1f}: F / (su w) = {force[k] / (su * w[k]):.2f}, {errors[k]:+.1%} off")
+print(f"the lip is {z.max() / w[-1]:.3f} w above the apex, {lip:+.1%} off")
+
+fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.5))
+left.plot(w, exact / su, "k-", label="Hill, Lee and Tupper 1947")
+left.plot(w, force / su, "o", ms=3, label="computed")
+left.set_xlabel("penetration w")
+left.set_ylabel("F / su")
+left.legend()
+tip = length[-1] * np.array([np.sin(theta), np.cos(theta)])
+foot = tip[0] + length[-1] * np.cos(theta - psi)
+right.plot([0.0, tip[0], foot, 1.3 * foot], [0.0, tip[1], w[-1], w[-1]], "k-", label="exact")
+right.plot(x[x < 1.3 * foot], z[x < 1.3 * foot], "o", ms=3, label="computed")
+right.set_aspect("equal")
+right.legend()
+plt.show()
+
+# %%
+# A contact of n elements is known to one of them, and its force is too high by about 1 / (4 n).
+
+plot.contour(pushed[-1], "mises")
+
+lost = np.max([s.series["loss"] for s in result if s.name.startswith("mesh")], axis=0)
+print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
+assert np.abs(errors[7:]).max() < 0.04
+assert abs(lip) < 0.01
+assert lost[0] < 1e-4
+assert lost[1] < 1e-3
+print(
+    json.dumps(
+        {
+            "case": "wedge_in_clay",
+            "rows": [
+                {
+                    "method": "T6, new meshes",
+                    "n": int(pushed[-1].forms["clay"].basis.nelems),
+                    "unknowns": int(pushed[-1].forms["clay"].basis.N),
+                    "error": float(np.abs(errors[7:]).max()),
+                    "cpu_s": seconds,
+                    "iterations": sum(sum(stage.iterations) for stage in pushed),
+                }
+            ],
+        }
+    )
+)
