@@ -115,6 +115,45 @@ def test_nail_is_pulled_out():
         )
 
 
+@pytest.mark.parametrize("T_max", [1e6, 40.0])
+def test_skin_of_a_pile_with_a_bend_acts_along_each_part(T_max):
+    """[X] A pile that moves through ground at rest: k times its motion along and across each part,
+    up to T_max along it, and the resultant of both.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(-2.0, 3.0, 4), np.linspace(-5.0, 0.0, 4))
+    basis = vector_basis(mesh.with_defaults(), "Q1", intorder=2)
+    beam = sc.Beam(None, [(0, 0), (0, -1), (0, -2), (1, -3), (2, -4)], EI=1e4, EA=1e6)
+    skin = sc.Embedded(basis, beam, T_max, stiffness=2e3)
+    forms = {"soil": sc.SolidForm(basis, ELASTIC), "pile": beam, "skin": skin}
+    model = sc.Model(forms, np.arange(basis.N))
+    form = model.forms["skin"]
+    motion = np.array([0.02, -0.03])
+    x = np.zeros(model.layout.size)
+    numbers = np.array([model.forms["pile"].numbers(point)[:2] for point in beam.points])
+    x[numbers] = motion
+    found = form.assemble(x, form.initial_state())
+    resultant = np.zeros(2)
+    for length, t, at in (
+        (2.0, np.array([0.0, -1.0]), form.positions < 2.0),
+        (np.sqrt(8.0), np.array([1.0, -1.0]) / np.sqrt(2.0), form.positions > 2.0),
+    ):
+        along = min(2e3 * float(motion @ t), T_max)
+        across = 2e3 * (motion - (motion @ t) * t)
+        np.testing.assert_allclose(found.state.skin[at][1:-1], -along, rtol=1e-9)
+        np.testing.assert_allclose(
+            form._lateral(x, found.state)[at][1:-1],
+            [-across] * (at.sum() - 2),
+            rtol=1e-9,
+            atol=1e-9,
+        )
+        resultant += length * (along * t + across)
+    force = np.zeros(model.layout.size)
+    force[form.acts_on] = found.force
+    np.testing.assert_allclose(force[numbers].sum(axis=0), resultant, rtol=1e-9)
+    on_ground = force[: basis.N].reshape(-1, 2).sum(axis=0)
+    np.testing.assert_allclose(on_ground, -resultant, rtol=1e-9)
+
+
 def test_tangent_and_reset():
     """The tangent is the derivative, of points that stick and slip; displacements counted anew
     change nothing.

@@ -9,7 +9,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
-from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementQuad1,
+    ElementQuad2,
+    ElementTetP1,
+    ElementTriP1,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshQuad2,
+    MeshTet,
+    MeshTri,
+)
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
@@ -483,3 +496,28 @@ def test_boundary_of_a_restricted_basis():
     part = whole.with_elements(np.arange(4))
     a, b = (sc.Surface.from_boundary(basis, "top") for basis in (whole, part))
     assert np.array_equal(a.dofs, b.dofs) and np.array_equal(a.nodes, b.nodes)
+
+
+@pytest.mark.parametrize("mesh", [MeshTri, MeshQuad, MeshTet, MeshHex])
+def test_points_within_facets_lie_on_no_side(mesh):
+    """[X] Centres and points half the way to corners; not middles of sides and corners, nor points
+    that face nothing.
+    """
+    both = mesh().with_defaults()
+    dim = both.dim()
+    mesh = sc.join_bodies({"low": both, "up": both.translated(np.eye(dim)[-1])})
+    element = {2: {3: ElementTriP1, 4: ElementQuad1}, 3: {4: ElementTetP1, 8: ElementHex1}}
+    basis = Basis(mesh, ElementVector(element[dim][len(mesh.t)]()), intorder=2)
+    names = ("up:bottom", "low:top")
+    pair = sc.ContactPair(basis, *names, sc.Coulomb(), "nodal", penalty=1e4)
+    shape = pair.interface.master.shape
+    centre = shape.centre
+    corners = shape.corners
+    inside = [centre, *(0.5 * (centre + corner) for corner in corners)]
+    on_sides = [*corners, *(corners[sides].mean(axis=0) for sides in shape.side_corners)]
+    xi = np.array([*inside, *on_sides, centre])
+    facet = np.zeros(len(xi), int)
+    facet[-1] = -1
+    state = replace(pair.initial_state(), facet=facet, position=xi.T)
+    within = pair.interface.within_facets(state)
+    assert within.tolist() == [True] * len(inside) + [False] * (len(on_sides) + 1)

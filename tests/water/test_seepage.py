@@ -437,3 +437,16 @@ def test_a_twentieth_of_the_flow_through_dry_ground_is_told(share, told, recwarn
     velocity = np.stack((np.where(left, 1.0 - share, share), np.zeros(2)))
     warn_of_dry_ground(basis, k, relative, velocity)
     assert bool(recwarn) == told
+
+
+@pytest.mark.parametrize(("coordinates", "area"), [("plane", 2.0), ("axisymmetric", 4.0)])
+def test_flow_through_a_boundary_of_one_facet(coordinates, area):
+    """[X] Darcy's flow down a column of one element, from 1 to 3: in axial symmetry by radian."""
+    mesh = MeshQuad.init_tensor([1.0, 3.0], [0.0, 0.5, 2.0]).with_defaults()
+    flow = sc.water.Flow(
+        Basis(mesh, ElementQuad1()), permeability=2e-3, unit_weight=10.0, coordinates=coordinates
+    )
+    water = flow.steady(sc.water.Conditions(head={"bottom": 3.0, "top": 4.0}))
+    for side, sign in (("top", 1.0), ("bottom", -1.0)):
+        np.testing.assert_allclose(water.flux(side)[1], sign * 1e-3, rtol=1e-12)
+        assert water.discharge(side) == pytest.approx(sign * 1e-3 * area, rel=1e-12)
