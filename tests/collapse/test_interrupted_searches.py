@@ -54,6 +54,7 @@ def stopped(search, calls, error):
 
 @pytest.mark.parametrize("error", ERRORS)
 @pytest.mark.parametrize("name", ["strength_reduction", "limit_load"])
+@pytest.mark.one_in(2)
 def test_accepted_equilibria_are_kept(column, name, error):
     """[X] All steps before the error, and the largest value among them below 2 c / q; the end
     starts another search.

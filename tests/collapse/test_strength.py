@@ -325,7 +325,10 @@ def test_elastic_body_has_nothing_to_reduce():
         reduce(elastic, fixed, load, reduce={"all"})
 
 
-@pytest.mark.parametrize(("phi", "c", "exact"), [(0.0, 25.0, 1.25), (10.0, 20.0, 1.16298)])
+@pytest.mark.parametrize(
+    ("phi", "c", "exact"),
+    [pytest.param(0.0, 25.0, 1.25, marks=pytest.mark.slow), (10.0, 20.0, 1.16298)],
+)
 def test_vertical_cut_without_tensile_strength(phi: float, c: float, exact: float) -> None:
     """[X] Drucker (1953): the face slides off behind a crack when gamma H = 2 c tan(45 + phi / 2),
     with the reduced strength; elements at the toe of H / 40 add 1 %.

@@ -149,6 +149,7 @@ def test_tangent_at_edges_and_vertices(element, law, rng):
         ("S2", 2),
     ],
 )
+@pytest.mark.one_in(2)
 def test_frame_indifference(element, quadrature, rng):
     """All turned by 120 degrees in steps with a stored state of friction: forces turn, tractions
     stay.

@@ -30,6 +30,7 @@ HELD = {
     # slaves finer than the master leave waves between its nodes by the augmented method
     [("Q1", (3, 3), 2e-3), ("Q1", (3, 4), 2e-2), ("P2", (7, 3), 2e-3), ("Hex8", (3, 2), 5e-3)],
 )
+@pytest.mark.one_in(2)
 def test_ends_that_supports_hold_on_both_sides(
     element: str, elements: tuple[int, int], accuracy: float, multipliers: bool
 ) -> None:

@@ -57,6 +57,7 @@ def test_facets_that_have_grown_keep_the_nearest_one_among_their_neighbours(
         ("P1", False, 0.3),
     ],
 )
+@pytest.mark.one_in(2)
 def test_kept_neighbours_serve_as_new_ones(
     element: str, closed: bool, alpha: float | None, rng
 ) -> None:

@@ -66,6 +66,7 @@ def fitted(disc: int, ring: int, *rule, **options):
 
 @pytest.mark.parametrize("rule", [2, "segments"])
 @pytest.mark.parametrize(("disc", "ring"), [(128, 100), (100, 128)])
+@pytest.mark.one_in(2)
 def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -> None:
     """[X] Facets of round meshes that do not match overlap by more than the load presses, where
     gaps count as rounded corners have them; as smooth curves and adjusted they do not.

@@ -108,6 +108,7 @@ def test_kept_neighbours_serve_as_new_ones(element, rng):
 
 
 @pytest.mark.parametrize("element", IN_SPACE)
+@pytest.mark.one_in(2)
 def test_points_of_pieces_stay_on_their_facets_without_a_search(element, rng):
     """[N] Their projections are those among all facets, also beyond their sides, while points and
     surface move.

@@ -183,6 +183,7 @@ def test_energy():
 
 
 @pytest.mark.parametrize("rho_inf", [1.0, 0.8, 0.0])
+@pytest.mark.one_in(3)
 def test_second_order(rho_inf):
     """[N] Half the step gives a quarter of the error."""
     basis, model = layer(1e-2, n=6)

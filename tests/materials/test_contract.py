@@ -440,6 +440,7 @@ ISOTROPIC = {name: law for name, law in LAWS.items() if name != "NgiAdp"} | {
 
 
 @pytest.mark.parametrize("name", ISOTROPIC)
+@pytest.mark.one_in(2)
 def test_laws_do_not_depend_on_the_axes(name: str) -> None:
     """[X] Two increments along turned axes, which differ, give the same principal stresses and
     memory as along the first axes.

@@ -156,6 +156,7 @@ def test_units(scale: float) -> None:
 
 
 @pytest.mark.parametrize("m", [0.0, 0.5, 1.0])
+@pytest.mark.one_in(3)
 def test_reversed_cycles_do_not_drift(m: float) -> None:
     """After the first cycle 200 more between the same strains, in three increments each, are
     elastic.
@@ -179,6 +180,7 @@ def test_reversed_cycles_do_not_drift(m: float) -> None:
 
 
 @pytest.mark.parametrize("ocr", [1.0, 5.0, 50.0])
+@pytest.mark.one_in(3)
 def test_triaxial_test_ends_on_the_failure_surface(ocr: float) -> None:
     p0 = np.array([1.0, 100.0, 1e4])
     test = sc.element_test(sand(OCR=ocr), -p0, triaxial(-0.5 * (p0 / 100) ** 0.5, increments=25))

@@ -28,6 +28,7 @@ def strength(s1, law):
 
 @pytest.mark.parametrize("a", [0.5, 0.51, 0.65])
 @pytest.mark.parametrize("psi", [0.0, 5.0, 40.0])
+@pytest.mark.one_in(3)
 def test_triaxial(a, psi):
     """[X] Compression: strength at the cell pressure, and the volume of a dilatancy that the
     friction caps.

@@ -193,6 +193,7 @@ def test_layer_that_creeps_for_years() -> None:
 
 
 @pytest.mark.parametrize("rate", [1e-4, 1e-2, 1.0])
+@pytest.mark.one_in(3)
 def test_constant_rate_of_strain(rate: float) -> None:
     """[X] Isotropic compression leaves the line of normal consolidation by a power of its rate:
     second order.

@@ -218,6 +218,7 @@ def made(path, gmsh, form, dim):
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.one_in(2)
 def test_names_and_sizes_of_every_format(tmp_path, model, form, dim, order, names):
     """[X] Areas, volumes and lengths of two boxes, to round-off of coordinates of 17 digits."""
     boxes(dim, order, names)

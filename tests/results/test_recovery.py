@@ -52,6 +52,7 @@ def node_at(basis, x, y):
         ("P2", 20, "full"),
     ],
 )
+@pytest.mark.one_in(3)
 def test_fibre_of_a_beam(element, columns, strain, layers):
     """[X] 30.0 within 1 % for one to four layers of elements; what is free of load has next to no
     stress across it.

@@ -180,6 +180,7 @@ def test_iterations_do_not_grow_with_the_mesh(iterations):
     "n, length, element, kind",
     [(4, 30, ElementHex1, MeshHex), (3, 100, ElementHex1, MeshHex), (2, 30, ElementTetP2, MeshTet)],
 )
+@pytest.mark.one_in(3)
 def test_slender_beam(n, length, element, kind, iterations, monkeypatch):
     """[N] Cantilevers of 1:30 and 1:100, of which round-off leaves residuals of 1e-8: 40 iterations
     are enough.

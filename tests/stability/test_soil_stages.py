@@ -246,6 +246,7 @@ def test_digging_and_filling_again_and_again():
 
 
 @pytest.mark.parametrize("increments", [1, 3, 50])
+@pytest.mark.one_in(3)
 def test_sizes_of_steps(increments):
     """[X] One step or fifty: the same pit within what the path may change."""
     _, forms, fixed, loads = pit()

@@ -101,6 +101,7 @@ def mean(values):
         ("def total", "def sum_of", 9),
     ],
 )
+@pytest.mark.one_in(2)
 def test_samples_stay_when_other_statements_change(
     project: Path, old: str, new: str, changed: int
 ) -> None:

@@ -150,6 +150,7 @@ def test_flow_in_time(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(RANDOM))
+@pytest.mark.one_in(3)
 def test_consolidation(seed: int) -> None:
     """[X] Rain, a well, a drain, a fill that is placed on the clay and dug away: what has entered
     is stored.
