@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from skfem import MeshHex, MeshTri
+from skfem import MeshHex, MeshQuad, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -280,6 +280,31 @@ def test_share_of_a_line_under_a_uniform_load():
     moved[..., 2] = u
     [remark] = of_a_line(length, cells, force.reshape(2, 9), moved.reshape(2, 9), G)
     assert remark.figure == pytest.approx(q * np.log(2.0) / (4.0 * np.pi * G * u), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "wanted"),
+    [
+        (MeshHex, {"bonded": True}, 1e4 / 2.6),
+        (MeshHex, {}, None),
+        (MeshQuad, {"bonded": True}, None),
+        (MeshQuad, {}, None),
+    ],
+)
+def test_lines_in_space_that_are_bonded_know_the_shear_modulus(kind, options, wanted):
+    """[X] E / (2 + 2 nu) of the stiffest ground; beams in the plane, and with nodes of their own,
+    are no lines without stiffness.
+    """
+    dim = 3 if kind is MeshHex else 2
+    mesh = kind.init_tensor(*[np.array([-1.0, 0.0, 1.0])] * dim).with_defaults()
+    mesh = mesh.with_subdomains({"soft": lambda x: x[0] < 0, "stiff": lambda x: x[0] > 0})
+    basis = vector_basis(mesh, "S2" if dim == 3 else "Q2", intorder=4)
+    line = [(0.0,) * dim, (0.0,) * (dim - 1) + (-1.0,)]
+    beam = sc.Beam(basis if options else None, line, EI=1.0, EA=1.0, **options)
+    laws = {"soft": sc.LinearElastic(E=1e3, nu=0.3), "stiff": sc.LinearElastic(E=1e4, nu=0.3)}
+    solid = sc.SolidForm(basis, laws)
+    found = sc.Model({"ground": solid, "beam": beam}, np.arange(basis.N)).forms["beam"]._ground
+    assert found == (wanted and pytest.approx(wanted, rel=1e-12))
 
 
 def test_points_and_names_of_a_line_are_the_same():

@@ -606,3 +606,24 @@ def test_a_gap_that_was_not_reached_is_warned_of() -> None:
     """The limit of the triangles."""
     with pytest.warns(sc.AnalysisWarning, match="allow more `elements`"):
         bounds_of(**CASES["Griffiths and Lane 1"][0], elements=100, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("gap", "elements", "solved"), [(0.9, 400, 1), (1e-9, 10, 1), (1e-9, 200, 2)]
+)
+def test_no_lower_bound_is_proven_twice_on_a_mesh(monkeypatch, gap, elements, solved) -> None:
+    """[X] The first one, where it is close enough or no finer mesh is allowed; one on each finer
+    mesh, or on the last of them.
+    """
+    meshes = []
+    solve = Search._solve_lower
+
+    def counted(self, model):
+        meshes.append(self.triangles.mesh)
+        return solve(self, model)
+
+    monkeypatch.setattr(Search, "_solve_lower", counted)
+    forms, fixed = column(SOIL, MeshTri().refined(1), ElementTriP2())
+    tractions = {"top": (0.0, -1.0)}
+    bounds(forms, fixed, tractions=tractions, live="top", gap=gap, elements=elements)
+    assert len(meshes) == len({id(mesh) for mesh in meshes}) >= solved

@@ -524,6 +524,7 @@ def test_weight_that_a_load_lacks_is_told(recwarn):
         ((push,), start),
         ((None,), start),
         ((own, own + push, push), None),
+        ((2 * own, push + 1e-15 * own), None),  # round-off of a difference
     ):
         assert len(told(loads, before)[1]) == 1
     for loads, before in (
