@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..checks import format_point
 from ..errors import Remark
 from .interface import ROUND_OFF, ContactState
 from .laws import Status
@@ -23,6 +24,11 @@ _AT_REST = 0.01
 #: .5 and .3 % on coarse facets that do not match, a penalty ten times as hard changes the
 #: displacements by 4.0, 1.6 and .5 %.
 _BETWEEN = 0.0025
+#: Difference of the pressure of the last points from that of the next facets that is remarked on,
+#: as a share of it: .9 and .6 under a uniform pressure, on elements of first and second order.
+_AT_ENDS = 0.4
+#: Share of the largest shape function of a held node by which points are the last ones.
+_LAST = 0.9
 #: Round-off of a traction that is the penalty times the gap, as a share of it.
 _ELASTIC = 1e-6
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked
@@ -69,6 +75,42 @@ def on_compliance(pair: Any, x: ndarray, state: ContactState) -> Iterator[Remark
             part,
             f"{which}penalty compliance is {part:.1%} of the largest displacement: increase the "
             f"penalty, {penalty:.3g}, refine the mesh or use AugmentedLagrangian()",
+        )
+
+
+def on_held_ends(pair: Any, state: ContactState) -> Iterator[Remark]:
+    """Yield a remark on ends that supports hold across the joint: nothing penetrates there."""
+    if pair.symmetry is None or not pair.symmetry.across.any():
+        return
+    # Facets with nodes that are held, and the ones beside them
+    facets = pair.slave.facets
+    held = pair.symmetry.across[facets].any(axis=1)
+    around = np.zeros(len(pair.slave.nodes), bool)
+    around[facets[held]] = True
+    beside = around[facets].any(axis=1) & ~held
+
+    # Find the forces that are missing beside these, and the pressure of the last points
+    points = pair.points(state)
+    at = held[points.facet]
+    next_to = beside[points.facet]
+    force = points.weight * -state.traction[0]
+    if not next_to.any() or not force.any():
+        return
+    expected = float(force[next_to].sum() / points.weight[next_to].sum())
+    missing = expected * points.weight[at].sum() - force[at].sum()
+    nearness = points.at(pair.symmetry.across.astype(float))
+    last = at & (nearness >= _LAST * nearness.max())
+    pressure = float(force[last].sum() / points.weight[last].sum())
+    wrong = abs(expected - pressure)
+    if wrong > _AT_ENDS * abs(expected) and abs(missing) > _COMPLIANCE * np.abs(force).sum():
+        node = np.flatnonzero(pair.symmetry.across)[0]
+        yield Remark(
+            "held ends",
+            wrong / abs(expected),
+            f"at {format_point(pair.slave.nodes[node])} supports hold the joint across, so that "
+            f"penalties do not act there: the last points have a pressure of {pressure:.3g}, and "
+            f"{expected:.3g} is the mean of the facets beside them; take "
+            "AugmentedLagrangian() or DualMultipliers()",
         )
 
 

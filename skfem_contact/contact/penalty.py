@@ -14,7 +14,7 @@ from typing_extensions import override
 from ..errors import Remark, warn
 from ..forms.base import Form, Response, as_forms
 from ..surfaces.surface import Surface
-from .compliance import on_compliance, on_penetration, on_round_off
+from .compliance import on_compliance, on_held_ends, on_penetration, on_round_off
 from .enforcement import Enforcement
 from .interface import ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
@@ -271,6 +271,7 @@ class Penalty(Enforcement):
     ) -> Iterator[Remark]:
         too_deep = list(on_penetration(pair, state))
         yield from too_deep or on_compliance(pair, x, state)
+        yield from on_held_ends(pair, state)
         yield from on_round_off(pair, state)
 
 

@@ -46,8 +46,8 @@ class Symmetry:
     that move the two sides apart are no such plane.
 
     Where supports hold both sides of an end across the surface, no equilibrium fixes the multiplier
-    of the node: its nodal force acts on supports alone. Tractions would ripple from there into the
-    joint. It follows its neighbours instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM
+    of the node: its nodal force acts on supports alone, and so it does where a node is held above a
+    rigid master. Tractions would ripple from there into the joint. It follows its neighbours instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM
     J. Numer. Anal. 38 (2000) 989-1012).
 
     Attributes
@@ -96,7 +96,11 @@ class Symmetry:
         normals = unit(np.where(crosses, 0.0, slave.normals))
         directions = frame(normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
         along = (directions**2 * held[:, None]).sum(axis=2) > _HELD
-        across = np.asarray((held * slave.normals**2).sum(axis=1) > _HELD)
+        if master.rigid:
+            stays = own >= 0
+        else:
+            stays = held
+        across = np.asarray((stays * slave.normals**2).sum(axis=1) > _HELD)
         return cls(
             along=along.T,
             across=across,

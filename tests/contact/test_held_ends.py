@@ -68,3 +68,50 @@ def test_ends_that_supports_hold_on_both_sides(
     assert found.pressure == pytest.approx(pressure, rel=accuracy)
     size = np.linalg.norm(found.shear.reshape(len(found.pressure), -1), axis=1)
     assert size == pytest.approx(shear, rel=accuracy)
+
+
+RIGID = {"Q1": (MeshQuad, ElementQuad1), "P2": (MeshTri, ElementTriP2)}
+
+
+def on_rigid_line(element: str, enforcement=None) -> sc.results.StageResult:
+    """A block whose sides and top are pressed and sheared uniformly, tied to a rigid line."""
+    kind, of_element = RIGID[element]
+    mesh = kind.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+    mesh = mesh.with_boundaries({"joint": lambda x: x[1] < 1e-9})
+    basis = Basis(mesh, ElementVector(of_element()), intorder=4)
+    E, nu, pressure, shear = 1e4, 0.3, 10.0, 2.0
+    line = sc.rigid.line((-1.0, 0.0), (2.0, 0.0))
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
+        "joint": sc.ContactPair(basis, "joint", line, sc.Tied(), enforcement=enforcement),
+    }
+    by_stress = np.array(
+        [shear * 2 * (1 + nu) / E, -pressure * (1 + nu) * (1 - 2 * nu) / (E * (1 - nu))]
+    )
+    uniform = basis.project(lambda x: by_stress.reshape(2, 1, 1) * x[-1])
+    others = np.setdiff1d(mesh.boundary_facets(), mesh.boundaries["joint"])
+    fixed = basis.get_dofs(others).all()
+    prescribed = basis.zeros()
+    prescribed[fixed] = uniform[fixed]
+    stages = [sc.Stage("deform", prescribed=prescribed)]
+    return sc.Model(forms, fixed).run(stages, progress=False)[-1]
+
+
+@pytest.mark.parametrize("element", RIGID)
+@pytest.mark.parametrize("enforcement", [sc.AugmentedLagrangian(), sc.DualMultipliers()])
+def test_ends_that_supports_hold_above_a_rigid_line(element, enforcement) -> None:
+    """[X] Uniform tractions on a rigid line up to its ends, where nodes move with supports alone."""
+    found = on_rigid_line(element, enforcement).tractions("joint")
+    accuracy = 1e-8 if isinstance(enforcement, sc.DualMultipliers) else 2e-3
+    assert found.pressure == pytest.approx(10.0, rel=accuracy)
+    assert np.abs(found.shear) == pytest.approx(2.0, rel=accuracy)
+
+
+@pytest.mark.parametrize("element", RIGID)
+def test_penalties_name_held_ends(element) -> None:
+    """[X] Half of the pressure on the last facets: nothing penetrates at nodes that supports hold.
+    Without supports along the joint nothing is said.
+    """
+    with pytest.warns(sc.AnalysisWarning, match=r"at \(0, 0\) supports hold the joint across"):
+        found = on_rigid_line(element).tractions("joint")
+    assert found.pressure.min() < 1.0
