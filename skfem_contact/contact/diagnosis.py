@@ -146,7 +146,8 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
         return
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
-    ripple = float(_within_facets(pair.slave, points, overlap) @ pair.slave.area)
+    rest = _without_wedge(points.positions(pair.slave.nodes), overlap)
+    ripple = float(_within_facets(pair.slave, points, rest) @ pair.slave.area)
     carried = in_series * ripple / float(force.sum())
     if carried > _RIPPLE:
         yield Remark(
@@ -285,6 +286,19 @@ def _on_flat_facets(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
             f"fit is about {error:.0%} too high; take curved elements, of MeshQuad2 or MeshHex2, "
             "or smaller ones",
         )
+
+
+def _without_wedge(x: ndarray, overlap: ndarray) -> ndarray:
+    """Return overlaps of points at x, (n, dim), without their linear part where they are not zero.
+
+    Straight surfaces at an angle overlap like a wedge, which matching facets do as well.
+    """
+    rest = np.zeros(len(overlap))
+    inside = overlap > 0.0
+    linear = np.column_stack((np.ones(int(inside.sum())), x[inside]))
+    wedge, *_ = np.linalg.lstsq(linear, overlap[inside], rcond=None)
+    rest[inside] = overlap[inside] - linear @ wedge
+    return rest
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:

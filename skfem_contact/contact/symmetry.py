@@ -47,8 +47,9 @@ class Symmetry:
 
     Where supports hold both sides of an end across the surface, no equilibrium fixes the multiplier
     of the node: its nodal force acts on supports alone, and so it does where a node is held above a
-    rigid master. Tractions would ripple from there into the joint. It follows its neighbours instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM
-    J. Numer. Anal. 38 (2000) 989-1012).
+    rigid master. Tractions would ripple from there into the joint. It follows its neighbours
+    instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000)
+    989-1012).
 
     Attributes
     ----------

@@ -237,7 +237,8 @@ def animate(
         File, or None with a warning where this machine cannot draw.
     """
     file = Path(file)
-    if file.suffix not in (".gif", ".mp4"):
+    ending = file.suffix.lower()
+    if ending not in (".gif", ".mp4"):
         raise ValueError(f"a film is a .gif or an .mp4 file, not '{file.name}'")
     picture = contours(list(result), quantity, window=window, **style)
     able, _ = can_draw(picture.title)
@@ -248,7 +249,7 @@ def animate(
     frame = picture.frame(window, views=1, titled=True, width=_WIDTH)
     frame.make_even()
     plotter = frame.sheet(False)
-    if file.suffix == ".gif":
+    if ending == ".gif":
         plotter.open_gif(str(file), fps=_FRAMES_A_SECOND)
     else:
         plotter.open_movie(str(file), framerate=_FRAMES_A_SECOND)

@@ -404,7 +404,7 @@ def _window(window: Window, low: ndarray, high: ndarray) -> tuple[ndarray, ndarr
 
 def finish(plotter: Any, file: Any, show: bool) -> Any:
     """Write the file, open the window where it is asked for, and return the plotter."""
-    if file and Path(file).suffix == ".png":
+    if file and Path(file).suffix.lower() == ".png":
         pixels = plotter.screenshot(None, return_img=True)
         Path(file).write_bytes(png(pixels))
     elif file:

@@ -100,7 +100,7 @@ def on_rigid_line(element: str, enforcement=None) -> sc.results.StageResult:
 @pytest.mark.parametrize("element", RIGID)
 @pytest.mark.parametrize("enforcement", [sc.AugmentedLagrangian(), sc.DualMultipliers()])
 def test_ends_that_supports_hold_above_a_rigid_line(element, enforcement) -> None:
-    """[X] Uniform tractions on a rigid line up to its ends, where nodes move with supports alone."""
+    """[X] Uniform tractions up to the ends of the joint, where nodes move with supports alone."""
     found = on_rigid_line(element, enforcement).tractions("joint")
     accuracy = 1e-8 if isinstance(enforcement, sc.DualMultipliers) else 2e-3
     assert found.pressure == pytest.approx(10.0, rel=accuracy)

@@ -81,6 +81,32 @@ def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -
         assert "do not match overlap" not in remarks
 
 
+@pytest.mark.parametrize("initial", ["ramped", "as meshed"])
+@pytest.mark.parametrize("nodes", [(4, 4), (4, 5)])
+@pytest.mark.parametrize("deeper", [0.0, 0.01, -0.005])
+def test_overlaps_like_a_wedge_are_no_ripple(initial: str, nodes: tuple[int, int], deeper) -> None:
+    """[X] Straight sides at an angle overlap evenly, whether their facets match or not."""
+    low = MeshQuad.init_tensor(np.linspace(0, 1, nodes[0] + 1), np.linspace(0, 1, 4))
+    up = MeshQuad.init_tensor(np.linspace(0, 1, nodes[1] + 1), np.linspace(1, 2, 4))
+    x, y = up.p
+    up = replace(up, doflocs=np.stack((x, y - (deeper + 0.01 * x) * (2.0 - y))))
+    bodies = {
+        "low": low.with_boundaries({"joint": lambda x: x[1] > 0.99, "end": lambda x: x[1] < 0.01}),
+        "up": up.with_boundaries({"joint": lambda x: x[1] < 1.1, "end": lambda x: x[1] > 1.99}),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "joint": sc.ContactPair(basis, "up:joint", "low:joint", sc.Coulomb(0.3), initial=initial),
+    }
+    fixed = [basis.get_dofs(side).all() for side in ("low:end", "up:end")]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = sc.Model(forms, fixed).run([sc.Stage("fit", increments=4)], progress=False)
+    assert result["fit"].tractions("joint").pressure.max() > 10.0
+    assert "do not match" not in "; ".join(str(warning.message) for warning in caught)
+
+
 def test_a_pressure_at_the_start_is_no_overlap() -> None:
     """[X] Ground at rest beside a wall, facet on facet: its pressure grows along each of them, and
     nothing overlaps.

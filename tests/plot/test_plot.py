@@ -114,6 +114,17 @@ def test_constant_fields_have_a_scale():
 
 
 @needs_opengl
+def test_names_in_capitals_give_the_same_files(tmp_path):
+    """A picture is the same file, to the byte, whatever the case of its ending."""
+    _, step = block(next(iter(ELEMENTS)))
+    files = []
+    for name in ("ux.png", "UX.PNG"):
+        plot.contour(step, "ux", file=tmp_path / name)
+        files.append((tmp_path / name).read_bytes())
+    assert files[0] == files[1]
+
+
+@needs_opengl
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_contour_shows_the_field(element, tmp_path):
     """Eight bands from pale to dark over a field that rises from left to right; the file is
