@@ -437,8 +437,10 @@ def _body_forces(
 
 
 def _uniform(form: Any, region: Any, component: int) -> ndarray:
-    """Return the load vector of a unit body force in a region."""
+    """Return the load vector of a unit body force in a region, in axial symmetry per radian."""
     part = form.basis
     density = np.zeros((2, *form.weight.shape))
     density[component, region.elements] = 1.0
+    if form.coordinates == "axisymmetric":
+        density *= np.asarray(part.global_coordinates())[0]
     return np.asarray(_FORCE.assemble(part, t=density))

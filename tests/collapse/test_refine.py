@@ -162,6 +162,21 @@ def test_all_elements_of_other_kinds_are_cut(element, second_order):
             finer.check(model, {"ground": form}, False, finer.CUT)
 
 
+def test_weights_in_axial_symmetry():
+    """[X] A weight per radian and a pressure are found again on the mesh whose elements are cut."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(-2, 0, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    clay = sc.Tresca(E=1e4, nu=0.3, c=1.0)
+    ground = sc.SolidForm(basis, clay, coordinates="axisymmetric", unit_weight=20.0)
+    model = sc.Model({"ground": ground}, sc.box_supports(basis))
+    load = sc.weight(ground, 3.0) + model.traction("top", (0.0, -5.0))
+    new, loads, _ = finer.finer(
+        model, model.forms, model.fixed, [load], {"ground": ground.initial_state()}
+    )
+    expected = sc.weight(new.forms["ground"], 3.0) + new.traction("top", (0.0, -5.0))
+    np.testing.assert_allclose(loads[0], expected, atol=1e-9 * np.abs(expected).max())
+
+
 def test_body_forces_given_as_a_load():
     """[X] A weight that is given as a load is found again on the finer mesh."""
     model = bank()
