@@ -38,8 +38,10 @@ _AVERAGES = np.array(
         [[0.5, 0.0, 0.5], [0.0, 1.0, 0.0], [0.5, 0.0, 0.5]],
     ]
 )
-# Modes in the order in which they are tried after the likely one.
-_ORDER = np.array(((0, 1, 2), (1, 0, 2), (2, 0, 1)))
+# Modes in the order in which they are tried: after the likely one, and after a face where c2 is
+# above c1.
+_ORDER = np.array(((0, 1, 2), (1, 0, 2), (2, 0, 1), (0, 2, 1)))
+_TO_MAJOR = 3
 # Positions in this order, each with the cap or without it, that are tried at once, and the shares
 # in which the solution of an increment is followed: four where Newton's method fails in one. A
 # handful of points is left after the first attempt, whose iterations cost as much as those of a
@@ -204,7 +206,7 @@ def _residual(
         c1 - c3 - q(c3, gamma) = 0,    ln(sqrt(q^2 / M^2 + p^2) / p_p) = 0,
         s - sin(psi_m) = 0,    scale - factor (scale_0 + scale(c3)) / 2 = 0
 
-    with Rowe's sin(psi_m) = (sin(phi_m) - sin(phi_cv)) / (1 - sin(phi_m) sin(phi_cv)).
+    The sine s is compared with :meth:`Constants.dilatancy`.
     """
     L, C, s, scale = z
     c1, c3 = state.c[:2]
@@ -218,16 +220,7 @@ def _residual(
     least = (1e-12 * trial.size) ** 2
     radius = np.sqrt(q * q / k.cap_slope + p * p + least)
     bound, harder = k.hardened(t.cap, 2 * p * C * rate)
-
-    # compute the mobilised dilatancy, all of it at failure
-    total = c1 + c3
-    pressed = total > 0
-    total = np.where(pressed, total, 1.0)
-    friction = np.minimum(np.maximum((c1 - c3) / total, -0.5), 1.0)
-    friction = np.where(pressed, friction, 1.0)
-    rowe = (friction - k.sin_cv) / (1 - friction * k.sin_cv)
-    rowe = np.where(to_gamma == 0, k.sin_psi, rowe)
-    dilatancy = np.minimum(np.maximum(rowe, 0.0), k.sin_psi)
+    dilatancy, to_major, to_minor = k.dilatancy(c1, c3, to_gamma == 0)
 
     # collect the residuals; the multiplier of an inactive mechanism is its error
     values = np.array(
@@ -248,9 +241,6 @@ def _residual(
     error = np.maximum(error, np.abs(values[3]) / scale)
 
     # differentiate them
-    moving = (rowe > 0) & (rowe < k.sin_psi) & pressed
-    slope = (1 - k.sin_cv**2) / ((1 - friction * k.sin_cv) ** 2 * total)
-    slope = np.where(moving, slope, 0.0)
     squares = radius * radius
     harder = 2 * harder / bound * rate
     shear_memory = np.where(active[0], to_gamma * L * rate, 0.0)
@@ -264,8 +254,8 @@ def _residual(
         to_q=q / (k.cap_slope * squares),
         to_p=p / squares - harder * C,
         to_cap=harder * p,
-        to_major=slope * (1 - friction),
-        to_minor=slope * (1 + friction),
+        to_major=to_major,
+        to_minor=to_minor,
         to_memory=np.array((shear_memory, cap_memory)),
         to_scale=-0.5 * t.factor * k.scale_slope(c3, reached),
     )
@@ -453,7 +443,7 @@ def hardening_return(t: Points, k: Constants) -> Returned:
     cap = t.cap.copy()
     scale = 0.5 * t.factor * (t.scale + k.scale(np.zeros(n)))
     remaining = np.flatnonzero(~beyond_apex(t, scale, k))
-    likely, start = likely_modes(t, k)
+    order, start = likely_modes(t, k)
     parts: list[_Part] = []
     for steps, attempts in _ATTEMPTS:
         if not remaining.size:
@@ -462,7 +452,7 @@ def hardening_return(t: Points, k: Constants) -> Returned:
         orders, caps = np.array(attempts).T
         which = np.repeat(remaining, len(orders))
         points = take(t, which)
-        modes = _Modes.of(_ORDER[likely[remaining]][:, orders].ravel(), k)
+        modes = _Modes.of(_ORDER[order[remaining]][:, orders].ravel(), k)
         with_cap = np.tile(caps > 0, remaining.size)
         z = _followed(points, modes, with_cap, k, steps, start[:, which])
         values, memory, holds, known = _checked(z, points, modes, k)
@@ -478,7 +468,30 @@ def hardening_return(t: Points, k: Constants) -> Returned:
         c[:, done] = values[:, kept]
         gamma[done], cap[done] = memory[:, kept]
         scale[done] = z[3, kept]
+        if len(parts) == 1:
+            _learn(order, start, which, np.flatnonzero(~found), z, *known)
     return Returned(c, gamma, cap, scale, remaining, lambda: _slopes(parts, n, k))
+
+
+def _learn(
+    order: NDArray[np.intp],
+    start: Array,
+    points: NDArray[np.intp],
+    wrong: NDArray[np.intp],
+    z: Array,
+    state: _State,
+    residual: _Residual,
+) -> None:
+    """Begin the second attempt at the solutions of the first one that are not admissible.
+
+    Where c2 exceeds c1 on a face, it is the one on the edge of both.
+    """
+    solved = wrong[residual.error[wrong] <= _SOLVED]
+    at = points[solved]
+    start[:, at] = z[:, solved]
+    c1, _, c2 = state.c[:, solved]
+    above = (order[at] == 0) & (c2 > c1)
+    order[at[above]] = _TO_MAJOR
 
 
 def _checked(
