@@ -21,6 +21,8 @@ from .search import normals_at_joint
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found,
 #: likewise.
 _RIPPLE = 0.05
+#: Square of the mean of a surface's normals from which it is flat.
+_FLAT_SURFACE = 0.9
 #: Mean overlap of the mesh where pressure acts, as a share of the facets, likewise: fits have a
 #: hundredth, indenters that start inside of their base up to .2. Blocks that were placed too low
 #: overlap by as much everywhere, to a tenth.
@@ -146,7 +148,7 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
         return
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
-    rest = _without_wedge(points.positions(pair.slave.nodes), overlap)
+    rest = _without_wedge(pair.slave, points, overlap)
     ripple = float(_within_facets(pair.slave, points, rest) @ pair.slave.area)
     carried = in_series * ripple / float(force.sum())
     if carried > _RIPPLE:
@@ -288,14 +290,22 @@ def _on_flat_facets(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
         )
 
 
-def _without_wedge(x: ndarray, overlap: ndarray) -> ndarray:
-    """Return overlaps of points at x, (n, dim), without their linear part where they are not zero.
+def _without_wedge(slave: Surface, points: SlavePoints, overlap: ndarray) -> ndarray:
+    """Return overlaps of points, (n,), without the part that is linear along a flat surface.
 
     Straight surfaces at an angle overlap like a wedge, which matching facets do as well.
     """
-    rest = np.zeros(len(overlap))
+    # Normals of a flat surface hardly differ from their mean
+    mean = slave.area @ slave.centres.normal / slave.area.sum()
+    if float(mean @ mean) < _FLAT_SURFACE:
+        return overlap
+
+    # Fit a plane over the coordinates along the surface
     inside = overlap > 0.0
-    linear = np.column_stack((np.ones(int(inside.sum())), x[inside]))
+    x = points.positions(slave.nodes)[inside]
+    along = x - np.outer(x @ mean, mean) / float(mean @ mean)
+    linear = np.column_stack((np.ones(len(x)), along))
+    rest = np.zeros(len(overlap))
     wedge, *_ = np.linalg.lstsq(linear, overlap[inside], rcond=None)
     rest[inside] = overlap[inside] - linear @ wedge
     return rest
