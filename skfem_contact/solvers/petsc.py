@@ -22,7 +22,7 @@ from scipy.sparse import csr_matrix
 from ..errors import NotConverged, warn
 from ..sparse import same_matrix
 from .direct import REFINE, UNCHECKED, WRONG, DirectSolver, LinearSolver, Solve, nothing_free
-from .multigrid import ENOUGH, MOST, ROUGH, InTurn
+from .multigrid import ENOUGH, KEPT, MOST, ROUGH, InTurn
 from .whole_nodes import WholeNodes
 
 logger = logging.getLogger("skfem_contact")
@@ -31,6 +31,9 @@ Method = Literal["gamg", "mumps"]
 
 #: Seconds between two looks for work: MPI's own waiting keeps a core busy.
 _PAUSE = 1e-3
+#: Residual over the one asked for to which the levels of an earlier matrix must lead: the residual
+#: of the recursion differs from the one of the solution.
+_CLOSE = 2.0
 #: Variables with the number of a process and of all, of Open MPI; of MPICH and Intel MPI.
 _NUMBERS = (("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_SIZE"))
 
@@ -126,38 +129,54 @@ class PetscSolver:
         if len(self._nodes.dofs) == 0:
             return nothing_free
 
-        # return the last solution if it belongs to K, else free the memory that nobody needs
+        # return the last solution if it belongs to K
         A = self._nodes.gather(K)
         last = self._last
         if last is not None and last.symmetric == symmetric and same_matrix(A, last.A):
             return last
+
+        # keep its preconditioner as long as it pays, else free its memory for the next one
+        earlier = None
+        if last is not None and self._method == "gamg":
+            earlier = last.serves(symmetric)
         self._last = last = None
-        modes = None
-        if self._method == "gamg":
-            modes, _ = np.linalg.qr(self._nodes.rigid_modes(A)[0])
-        self._last = _Solution(self._process, self._nodes, A, modes, symmetric, self.name)
+        self._last = _Solution(self._process, self._nodes, A, symmetric, self._method, earlier)
         return self._last
 
 
 class _Solution:
-    """Solution of a matrix that all processes hold together."""
+    """Solution of a matrix that all processes hold together.
+
+    Multigrid may have the levels of an earlier matrix, until their iterations beyond those of that
+    matrix have cost more than new ones.
+    """
 
     def __init__(
         self,
         process: _Process,
         nodes: WholeNodes,
         A: csr_matrix,
-        modes: ndarray | None,
         symmetric: bool,
-        name: str,
+        method: Method,
+        earlier: _Solution | None,
     ) -> None:
         self.A = A
         self.symmetric = symmetric
+        #: Iterations a digit with the own preconditioner, and those that others needed beyond them.
+        self.rate = 0.0
+        self.spent = 0.0
         self._process = process
         self._nodes = nodes
-        self._name = name
-        self._number = process.prepared(A, nodes.dim, modes, symmetric)
-        finalize(self, process.unused.append, self._number)
+        self._method = method
+        self._earlier = earlier
+        self.number = self._prepared()
+
+    def serves(self, symmetric: bool) -> _Solution | None:
+        """Return the solution whose preconditioner serves for the next matrix as well."""
+        own = self._earlier or self
+        if own.spent > KEPT or (symmetric and not own.symmetric):
+            return None
+        return own
 
     def __call__(self, b: ndarray, rtol: float = REFINE) -> ndarray:
         right = self._nodes.taken(b)
@@ -168,18 +187,51 @@ class _Solution:
             return np.zeros_like(b)
         if rtol >= UNCHECKED:
             rtol = REFINE
-
-        # solve on all processes, and check the residual on the first
-        x, count = self._process.solved(self._number, right, rtol)
-        error = float(np.linalg.norm(right - self.A @ x)) / size
-        logger.debug("%s: %d iterations to a residual of %.1e", self._name, count, error)
         enough = ENOUGH if rtol >= ROUGH else max(WRONG, rtol)
+
+        # solve with the levels of an earlier matrix, then with new ones if these fail
+        x, count, error = self._solved(right, size, rtol)
+        if self._earlier is not None and not error <= _CLOSE * rtol:
+            self._earlier = None
+            self.number = self._prepared()
+            x, count, error = self._solved(right, size, rtol)
         if not error <= enough:
             raise NotConverged(
-                f"{self._name}, does not converge, its relative residual is {error:.1e} after "
-                f"{count} iterations: bodies may be loose, very thin or nearly incompressible"
+                f"{self._method.upper()} of PETSc does not converge, its relative residual is "
+                f"{error:.1e} after {count} iterations: bodies may be loose, very thin or nearly "
+                "incompressible"
             )
         return self._nodes.placed(x, len(b))
+
+    def _prepared(self) -> int:
+        """Prepare the matrix on all processes, until this object is deleted; return its number."""
+        modes = None
+        earlier = 0
+        if self._earlier is not None:
+            earlier = self._earlier.number
+        elif self._method == "gamg":
+            modes, _ = np.linalg.qr(self._nodes.rigid_modes(self.A)[0])
+        process = self._process
+        number = process.prepared(self.A, self._nodes.dim, self.symmetric, earlier, modes)
+        finalize(self, process.unused.append, number)
+        return number
+
+    def _solved(self, b: ndarray, size: float, rtol: float) -> tuple[ndarray, int, float]:
+        """Return a solution with its iterations and its relative residual."""
+        own = self._earlier or self
+        most = MOST
+        if own is not self:
+            most = int(own.rate * -np.log10(rtol) + KEPT - own.spent) + 1
+        x, count = self._process.solved(self.number, b, rtol, most)
+        error = float(np.linalg.norm(b - self.A @ x)) / size
+        logger.debug("PETSc: %d iterations to a residual of %.1e", count, error)
+
+        # count the iterations that other levels would have saved
+        digits = max(-float(np.log10(max(error, REFINE))), 1.0)
+        if own is self:
+            self.rate = max(self.rate, count / digits)
+        own.spent += max(0.0, count - own.rate * digits)
+        return x, count, error
 
 
 class _Process:
@@ -209,18 +261,22 @@ class _Process:
         self,
         A: csr_matrix,
         block: int,
-        modes: ndarray | None,
         symmetric: bool,
+        earlier: int,
+        modes: ndarray | None,
     ) -> int:
-        """Return the number of a matrix that has been dealt out and prepared."""
+        """Return the number of a matrix that has been dealt out and prepared.
+
+        Its preconditioner is that of an earlier number, multigrid with modes, or a factor.
+        """
         self._count += 1
-        small = (self._count, A.shape[0], block, symmetric, modes is not None)
+        small = (self._count, A.shape[0], block, symmetric, earlier, modes is not None)
         self._call("prepare", small, A, modes)
         return self._count
 
-    def solved(self, number: int, b: ndarray, rtol: float) -> tuple[ndarray, int]:
+    def solved(self, number: int, b: ndarray, rtol: float, most: int) -> tuple[ndarray, int]:
         """Return the solution for b, and the number of iterations."""
-        x, count = self._call("solve", (number, rtol), b)
+        x, count = self._call("solve", (number, rtol, most), b)
         return x, count
 
     def end(self) -> None:
@@ -268,35 +324,46 @@ class _Process:
         n: int,
         block: int,
         symmetric: bool,
-        iterates: bool,
+        earlier: int,
+        levels: bool,
         A: csr_matrix | None = None,
         modes: ndarray | None = None,
     ) -> None:
-        """Deal out a matrix (n, n) and prepare its solution by iterations, or by factors."""
+        """Deal out a matrix (n, n) and prepare its preconditioner."""
         PETSc = self._PETSc
         matrix = self._dealt(A, n, block)
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         solver = PETSc.KSP().create()
         solver.setOperators(matrix)
-        if iterates:
-            matrix.setNearNullSpace(self._near_null_space(matrix, modes))
+        if earlier or levels:
             solver.setType("cg" if symmetric else "fgmres")
             solver.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        if levels:
+            matrix.setNearNullSpace(self._near_null_space(matrix, modes))
             solver.getPC().setType("gamg")
-        else:
+        elif not earlier:
             solver.setType("preonly")
             solver.getPC().setType("cholesky" if symmetric else "lu")
             solver.getPC().setFactorSolverType("mumps")
         solver.setFromOptions()
+        if earlier:
+            solver.getPC().setType("python")
+            solver.getPC().setPythonContext(_Kept(self._kept[earlier].getPC()))
         solver.setUp()
         self._kept[number] = solver
 
-    def solve(self, number: int, rtol: float, b: ndarray | None = None) -> tuple[ndarray, int]:
+    def solve(
+        self,
+        number: int,
+        rtol: float,
+        most: int,
+        b: ndarray | None = None,
+    ) -> tuple[ndarray, int]:
         """Solve by a prepared matrix; the solution is whole on the first process."""
         solver = self._kept[number]
         matrix, _ = solver.getOperators()
-        solver.setTolerances(rtol=rtol, max_it=MOST)
+        solver.setTolerances(rtol=rtol, max_it=most)
         x = matrix.createVecRight()
         solver.solve(self._vector(matrix, b), x)
 
@@ -352,6 +419,17 @@ class _Process:
         for rank in range(1, self.size):
             self._comm.Send(np.ascontiguousarray(parts[rank], dtype), rank)
         return np.ascontiguousarray(parts[0], dtype)
+
+
+class _Kept:
+    """Preconditioner of an earlier matrix, by the calls of PETSc."""
+
+    def __init__(self, preconditioner: Any) -> None:
+        self._preconditioner = preconditioner
+
+    def apply(self, _: Any, x: Any, y: Any) -> None:
+        """Write the image of x to y."""
+        self._preconditioner.apply(x, y)
 
 
 @lru_cache(1)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import diags
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
@@ -160,6 +161,25 @@ def test_same_as_direct(method, symmetric, rng):
     assert petsc._process()._count == prepared
     solver.factor(2.0 * K, symmetric)
     assert petsc._process()._count == prepared + 1
+
+
+@needs_petsc
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_levels_of_an_earlier_matrix(symmetric, rng):
+    """[N] They serve for a similar matrix, and are made anew where the next one differs much."""
+    basis, form, fixed = block(6)
+    free = np.setdiff1d(np.arange(basis.N), fixed)
+    K, b = form.elastic_stiffness, rng.standard_normal(basis.N)
+    solver = petsc.distributed(sc.Petsc(), basis.doflocs, free, displacements=True)
+    share = np.where(basis.doflocs[0] < 0.5, 1.0, 1e-4)
+    kinds = []
+    for scale in (np.ones(basis.N), 1.0 + 0.01 * share, np.sqrt(share)):
+        A = (diags(scale) @ K @ diags(scale)).tocsr()
+        x = solver.factor(A, symmetric)(b)
+        kept = petsc._process()._kept
+        kinds.append(kept[max(kept)].getPC().getType())
+        assert np.linalg.norm((b - A @ x)[free]) < 2e-10 * np.linalg.norm(b[free])
+    assert kinds == ["gamg", "python", "gamg"]
 
 
 @needs_petsc
