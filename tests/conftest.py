@@ -34,11 +34,25 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def _indices(item: pytest.Item) -> Iterator[int]:
-    """Yield the index of the cell in each of its lists of parameters."""
+    """Yield the place of the cell in each of its lists of parameters."""
     for given in item.iter_markers("parametrize"):
-        names = given.args[0]
-        first = names.split(",")[0].strip() if isinstance(names, str) else names[0]
-        yield item.callspec.indices[first]
+        names, cells = given.args[:2]
+        names = names.split(",") if isinstance(names, str) else names
+        own = [item.callspec.params[name.strip()] for name in names]
+        for index, cell in enumerate(cells):
+            if isinstance(cell, type(pytest.param())):
+                cell = cell.values
+            elif len(names) == 1:
+                cell = (cell,)
+            if all(map(_same, cell, own)):
+                yield index
+                break
+
+
+def _same(one: object, other: object) -> bool:
+    """Return whether two parameters are the same object or the same number or text."""
+    simple = isinstance(one, str | int | float | np.generic) and isinstance(other, type(one))
+    return one is other or (simple and one == other)
 
 
 @pytest.fixture

@@ -124,7 +124,7 @@ def test_broken_bond_is_warned_of(monkeypatch) -> None:
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])
 @pytest.mark.parametrize("angle", [10.0, 26.5, 26.6])
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_incline(angle: float, quadrature) -> None:
     """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its
     load.

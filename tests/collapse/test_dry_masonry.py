@@ -119,7 +119,7 @@ def test_joint_that_turns_inside_of_its_end_is_told(recwarn):
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])
 @pytest.mark.parametrize("share", [0.8, 0.9, 0.97])
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_push_that_is_small_beside_the_weight(quadrature, share, recwarn):
     """[X] Stacks of weight 32 slide in their middle joint under pushes of 0.2 to 1.5: collapses,
     closed brackets.

@@ -128,7 +128,7 @@ def test_uniaxial_tension_of_von_mises(ncomp: int) -> None:
 
 @pytest.mark.parametrize("psi", [0.0, 10.0, 30.0])
 @COMPONENTS
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_plane_strain_match(psi: float, ncomp: int) -> None:
     """[X] Plane-strain compression ends at the Mohr-Coulomb strength and flows with the dilatancy
     angle.

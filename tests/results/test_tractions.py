@@ -131,7 +131,7 @@ def test_state_of_another_form_is_refused():
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])
 @pytest.mark.parametrize("quadrature", [2, 4, "segments"])
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_pressure_does_not_ripple(element, quadrature):
     """[X] On a rigid circle raw tractions ripple within facets, by 4 % and more; those that the
     elements see do not.

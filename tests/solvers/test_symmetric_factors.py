@@ -98,7 +98,7 @@ def contact_skewness(law, quadrature, rng: np.random.Generator, springs: float =
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4, "segments"])
 @pytest.mark.parametrize("tangent", ["exact", "primary"])
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_contact_without_friction_has_a_symmetric_tangent(
     quadrature, tangent, rng: np.random.Generator
 ) -> None:

@@ -201,7 +201,7 @@ def test_free_surface_that_is_loaded_unloaded_and_loaded(soil):
 @pytest.mark.parametrize(
     "law", [lambda unit: sand(unit, c=5.0 * unit), lambda unit: clay(unit, attraction=5.0 * unit)]
 )
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_units(law, length, force):
     """[X] Displacements over the length and iterations are those in kN and m."""
     (known, counts), (found, others) = (

@@ -201,7 +201,7 @@ def test_contrast_of_cohesion(strength):
 
 @pytest.mark.parametrize("scale", [1e-6, 1e3, 1e6])
 @pytest.mark.parametrize("force", [1e-6, 1e6])
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_units(scale, force):
     """[X] Units of length and force change numbers, not answers."""
     reference = None

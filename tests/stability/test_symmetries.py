@@ -185,7 +185,7 @@ def test_two_runs(dim, quadrature):
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 def test_interrupted(quadrature, dim):
     """[X] Case S25: written to a file half-way, read and continued: the same, friction's memory
     included.
