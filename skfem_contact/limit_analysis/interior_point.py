@@ -178,7 +178,7 @@ class _Path:
         """Step until the end, or until round-off rules, at most so often."""
         while self.iterations < most and self.F <= HIGHEST and not self.arrived():
             try:
-                with np.errstate(over="ignore", invalid="ignore"):  # where no solution exists
+                with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # no solution
                     self.step()
             except (ArithmeticError, np.linalg.LinAlgError):  # no more accuracy to be had
                 break

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.regularisation import _start_soft_stick
 from tests.tools.helpers import grid, vector_basis
 
 
@@ -33,3 +36,41 @@ def test_a_disc_that_springs_hold_does_not_fall_through() -> None:
     assert abs(stage.contact("joint").force[1]) == pytest.approx(
         -load.sum(), rel=0.01
     )  # the springs carry a little
+
+
+def test_a_soft_stick_begins_where_points_chatter_and_none_has_begun():
+    """[X] Points that slip in one solution and stick in another, or slip to both sides; not without
+    them, within a soft stick, or with multipliers.
+    """
+
+    def seen(*slips):
+        found = []
+        for slip in slips:
+            slip = np.array(slip)
+            status = np.where(slip, Status.SLIP, Status.STICK)
+            traction = np.stack((-np.ones(len(slip)), np.where(slip, slip, 1)))
+            found.append(SimpleNamespace(status=status, traction=traction))
+        return SimpleNamespace(seen=found)
+
+    def begins(failure, **changes):
+        pair = SimpleNamespace(
+            softness=1.0,
+            saddle=False,
+            stiffness=None,
+            slave=SimpleNamespace(name="top"),
+            interface=SimpleNamespace(elastic_slip=lambda state: np.ones((1, 2))),
+            with_=lambda **new: new,
+        )
+        vars(pair).update(changes)
+        return _start_soft_stick(pair, None, failure)
+
+    for chatter in (seen([0, 1], [1, 1]), seen([1, -1], [1, 1], [1, -1])):
+        soft = begins(chatter)
+        softness = soft["softness"]
+        assert 0.0 < softness < 1.0
+        # the traction of an elastic slip e is that of the whole penalty: s (e + d) = e
+        np.testing.assert_allclose(softness * (1.0 + soft["slip_shift"]), 1.0, rtol=1e-12)
+        assert begins(chatter, softness=0.5) is None
+        assert begins(chatter, saddle=True) is None
+    for failure in (None, seen(), seen([0, 1]), seen([0, 1], [0, 1])):
+        assert begins(failure) is None

@@ -6,14 +6,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementTetP1,
+    ElementVector,
+    ElementWedge1,
+    MeshHex,
+    MeshTet,
+    MeshWedge1,
+)
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import NeighbourList, Neighbours
 from skfem_contact.contact.quadrature import _points_on, gauss, nodal, piecewise
-from skfem_contact.contact.search import project
+from skfem_contact.contact.search import on_sides, project
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import EXTENSION, Surface
 from tests.tools import space
@@ -437,3 +446,23 @@ def test_points_on_pieces_do_not_depend_on_the_first_corner(corners: int) -> Non
 def _monomials(x: np.ndarray) -> np.ndarray:
     """Monomials to the fourth degree, (n, 15)."""
     return np.stack([x[:, 0] ** i * x[:, 1] ** j for i in range(5) for j in range(5 - i)], axis=1)
+
+
+def test_sides_at_the_rim_end_at_the_reach_of_their_neighbours():
+    """[X] Beyond two sides of a square the closest point is as far beyond each of them as the
+    surface reaches there, whichever of them is looked at first.
+    """
+    basis = Basis(MeshHex().with_defaults(), ElementVector(ElementHex1()), intorder=2)
+    surface = Surface.from_boundary(basis, "top")
+    shape = surface.shape
+    reach = np.array([[0.1, 0.2, 0.3, 0.4]])
+    for side, (_, end) in enumerate(shape.side_corners):
+        (following,) = [k for k, (start, _) in enumerate(shape.side_corners) if start == end]
+        xi = shape.corners[[end]] + 0.9 * (shape.outward[[side]] + shape.outward[[following]])
+        beyond = shape.beyond(xi)
+        facet = np.zeros(1, int)
+        points = surface.at(facet, xi, surface.nodes).x[0]
+        found, feature, off = on_sides(surface, surface.nodes, points, facet, beyond, reach)
+        both = [side, following]
+        np.testing.assert_allclose(shape.beyond(found)[0, both], reach[0, both], rtol=1e-9)
+        assert feature == 5 and off

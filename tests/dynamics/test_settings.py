@@ -44,3 +44,12 @@ def test_bad_settings(call, text):
     """[X] One sentence about what is wrong."""
     with pytest.raises(ValueError, match=text):
         call()
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.01, 0.5, 0.99, 1.0])
+def test_spectral_radii_from_zero_to_one(rho_inf):
+    """Both ends are among them; others are refused."""
+    assert sc.Dynamic(0.1, rho_inf=rho_inf).rho_inf == rho_inf
+    for wrong in (-1.0 + rho_inf - 1e-9, 1.0 + rho_inf + 1e-9):
+        with pytest.raises(ValueError, match="rho_inf must be between 0 and 1"):
+            sc.Dynamic(0.1, rho_inf=wrong)

@@ -627,3 +627,35 @@ def test_no_lower_bound_is_proven_twice_on_a_mesh(monkeypatch, gap, elements, so
     tractions = {"top": (0.0, -1.0)}
     bounds(forms, fixed, tractions=tractions, live="top", gap=gap, elements=elements)
     assert len(meshes) == len({id(mesh) for mesh in meshes}) >= solved
+
+
+@pytest.mark.parametrize(("low", "overloaded"), [(0.0, True), (5.0, True), (20.0, False)])
+def test_least_multiplier_of_a_thrust(monkeypatch, low, overloaded) -> None:
+    """[X] A column under a pressure q stands where the thrust on its side is from q - 2 c to q + 2
+    c. Under 50 it needs 30, and one under 0, 5 or 20 bears 20, 25 or 40: there is none, or some.
+    """
+    found = []
+    monkeypatch.setattr(Search, "run", lambda self, *given: found.append(self))
+    square = MeshTri().refined(1).with_defaults()
+    mesh = sc.join_bodies({"a": square, "b": square.translated((3.0, 0.0))})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.hstack(
+        [
+            basis.get_dofs({"a:bottom", "b:bottom"}).all("u^2"),
+            basis.get_dofs({"a:left", "b:left"}).all("u^1"),
+        ]
+    )
+    forms = {"soil": sc.SolidForm(basis, sc.Tresca(E=1e5, nu=0.3, c=10.0))}
+    thrust = dict.fromkeys(("a:right", "b:right"), (-1.0, 0.0))
+    tractions = {"a:top": (0.0, -50.0), "b:top": (0.0, -low), **thrust}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)
+        bounds(forms, fixed, tractions=tractions, live=tuple(thrust))
+    (search_,) = found
+    assert bool(search_.overloaded) is overloaded
+    if overloaded:
+        assert search_.least == pytest.approx(30.0, rel=1e-3)
+        assert search_.fixed_factor == pytest.approx(2.0 * 10.0 / 50.0, rel=1e-3)
+    else:
+        assert search_.upper.proof.value == pytest.approx(low + 20.0, rel=1e-3)
+        assert (search_.least, search_.fixed_factor) == (-np.inf, np.inf)

@@ -11,6 +11,7 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.limit_analysis import certify, search
+from skfem_contact.limit_analysis.reading import _STRONG, _strong
 from skfem_contact.limit_analysis.strength import Strength
 from tests.tools.helpers import analysis
 from tests.tools.scenes import sliding_blocks
@@ -198,3 +199,18 @@ def test_factor_of_a_flow_makes_its_dilation_that_of_the_reduced_strength(joint:
     assert found[0] > 1.0 > found[1]
     fixed = strengths(10.0, t, tension, joint=joint, reduced=False).flow_factor(strain, round_off)
     np.testing.assert_array_equal(fixed, np.where(wanted <= 1.0, 0.0, inf))
+
+
+def test_soils_that_are_much_stronger_than_others_by_the_stress_they_carry() -> None:
+    """[X] c + t p, beyond a multiple of the least one of the elements that count; rigid ones are
+    not strong, they are rigid.
+    """
+    c = np.array([10.0, 10.0, 0.0, 1e4, np.inf])
+    soil = strengths(c, [0.0, 0.5, 10.0, 0.0, 0.0], np.inf)
+    strong = [
+        _strong(soil, 2.0 * _STRONG, elements).tolist() for elements in (np.r_[:5], np.r_[1:5])
+    ]
+    # strengths of 10, 40, 600, 1e4: more than 300 and 1200
+    assert _STRONG == 30.0
+    assert strong[0] == [False, False, True, True, False]
+    assert strong[1] == [False, False, False, True, False]

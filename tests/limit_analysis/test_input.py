@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.limit_analysis.model import _unit_tractions
 from tests.tools.helpers import analysis
 from tests.tools.scenes import sliding_blocks
 
@@ -112,3 +116,22 @@ def test_cohesion_that_begins_at_zero(below: float) -> None:
         return
     with pytest.raises(ValueError, match=r"must not be negative, got -0\.001 at \(.*, 1\)"):
         analysis("bounds", forms, fixed, **options)
+
+
+def test_boundaries_on_which_a_load_may_be_recognised() -> None:
+    """[X] Those with facets, all of them outer ones of the ground: forces of unit tractions are the
+    lengths.
+    """
+    mesh = MeshTri.init_tensor([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0]).with_defaults()
+    inner = mesh.facets_satisfying(lambda x: x[1] == 1.0)
+    part = mesh.facets_satisfying(lambda x: (x[1] == 2.0) & (x[0] < 2.0))
+    named = {**mesh.boundaries, "inner": inner, "none": inner[:0], "part": part}
+    named["both"] = np.append(inner, part)
+    basis = Basis(replace(mesh, _boundaries=named), ElementVector(ElementTriP2()), intorder=2)
+    # The right third is without ground
+    elements = np.flatnonzero(mesh.p[0, mesh.t].mean(axis=0) < 2.0)
+    found = _unit_tractions(SimpleNamespace(basis=basis, elements=elements))
+    assert set(found) == {"left", "part"}
+    for name in found:
+        forces = found[name].reshape(-1, 2, 6).sum(axis=0)
+        np.testing.assert_allclose(forces[[0, 1], [0, 3]], 2.0, rtol=1e-12)
