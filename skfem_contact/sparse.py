@@ -138,10 +138,9 @@ class Gathering:
             self._find(dofs)
         if len(self._first) < len(dofs):
             matrices = np.add.reduceat(matrices, self._first, axis=0)
-        data = np.bincount(
-            self._slots, matrices[self._moving], minlength=len(self._pattern.indices)
-        )
-        return with_data(self._pattern, data)
+        count = len(self._pattern.indices)
+        data = np.bincount(self._slots, matrices.ravel(), minlength=count + 1)
+        return with_data(self._pattern, data[:count])
 
     def _find(self, dofs: ndarray) -> None:
         """Find the slots of the entries, once for all points on the same dofs.
@@ -161,10 +160,9 @@ class Gathering:
         moving = free[:, :, None] & free[:, None]  # (n_blocks, m, m)
         keys = alike[:, :, None] * n + alike[:, None]
         entries, numbers = np.unique(keys[moving], return_inverse=True)
-        slots = np.zeros(moving.shape, numbers.dtype)
+        slots = np.full(moving.shape, len(entries))  # the last slot is of held dofs
         slots[moving] = numbers
-        self._moving = moving[number]
-        self._slots = slots[number][self._moving]
+        self._slots = slots[number].ravel()
 
         self._pattern = _with_entries(entries, n)
 

@@ -335,7 +335,7 @@ class Program:
         return replace(self, strengths=strengths, live=np.zeros(self.size))
 
     def factor(self, D: ndarray) -> Callable[[ndarray], ndarray]:
-        """Return the solution of A D A^T y = b for any b (m,), with D (n_points, 3, 3).
+        """Return the solution of A D A^T y = b for any b (..., m), with D (n_points, 3, 3).
 
         A matrix without a factor raises an ArithmeticError.
         """
@@ -356,14 +356,14 @@ class Program:
 
         def solve(b: ndarray) -> ndarray:
             y = np.empty_like(b)
-            y[order] = inverse(np.ascontiguousarray(b[order]))
+            y[..., order] = inverse(b[..., order].T).T
             return y
 
         # raise the diagonal until a factor exists
         for shift in _SHIFTS:
             A.setdiag(diagonal + shift * share)
             try:
-                inverse = self._engine.factor(A, symmetric=True)
+                inverse = self._engine.factor(A, symmetric=True, definite=True)
             except RuntimeError:
                 continue
             return solve
@@ -393,12 +393,14 @@ class Program:
         return self.matrix.T.tocsr()
 
     def forces(self, stress: ndarray) -> ndarray:
-        """Return A times stresses (n_points, 3), (m,)."""
-        return self.matrix @ stress.ravel()
+        """Return A times stresses (..., n_points, 3), (..., m)."""
+        columns = stress.reshape(*stress.shape[:-2], -1).T
+        return (self.matrix @ columns).T
 
     def strains(self, velocity: ndarray) -> ndarray:
-        """Return strains times weight of velocities (m,), (n_points, 3)."""
-        return (self.transposed @ velocity).reshape(-1, 3)
+        """Return strains times weight of velocities (..., m), (..., n_points, 3)."""
+        columns = self.transposed @ velocity.T
+        return columns.T.reshape(*velocity.shape[:-1], -1, 3)
 
     def round_off(self, velocity: ndarray) -> ndarray:
         """Return the round-off of the strains at every point, (n_points,)."""

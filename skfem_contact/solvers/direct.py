@@ -112,8 +112,13 @@ class Engine(Protocol):
         A: csr_matrix,
         symmetric: bool,
         careful: bool = False,
+        definite: bool = False,
     ) -> Callable[[ndarray], ndarray]:
-        """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
+        """Factor A and return its solution, for one column (n,) or several, (n, n_columns).
+
+        An exact zero among the pivots raises a RuntimeError; of a matrix that is said to be
+        positive definite a negative one may do so as well.
+        """
 
     def enlarged(self, A: csr_matrix) -> Callable[[ndarray], ndarray] | None:
         """Factor A with small pivots enlarged and return its solution, which wants refinement.

@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix, eye, triu
 from ..sparse import same_pattern, with_data
 from .threads import allowed
 
-UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
+UNSYMMETRIC, SYMMETRIC, DEFINITE = 11, -2, 2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
 FORWARD, BACKWARD = 331, 333  # parts of the solution
 OUT_OF_MEMORY = -2  # its error
@@ -27,6 +27,10 @@ OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}
 #: Smallest pivots of a matrix whose factor is wrong otherwise, after scaling and matching. Rows are
 #: exchanged within small blocks only, so that regular matrices may have pivots of round-off.
 ENLARGE = {10: 8}
+#: Of a positive definite matrix: no scaling and matching, and the parallel factor of two levels,
+#: which alone solves for three columns in the time of 1.6, not of 2.4. Factor and solution take .7
+#: of the time for indefinite matrices.
+CHOLESKY = {11: 0, 13: 0, 24: 1}
 #: Of a matrix that is condensed: its number of operations is estimated, and the Schur complement
 #: is computed beside the factors. It needs neither scaling nor matching.
 CONDENSE = {11: 0, 13: 0, 19: -1, 36: 2}
@@ -74,17 +78,22 @@ class Pardiso:
         A: csr_matrix,
         symmetric: bool,
         careful: bool = False,
+        definite: bool = False,
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; `careful` scales and matches by its values.
 
         No use is made of symmetry then.
         """
-        symmetric = symmetric and not careful
-        self._prepare(A, symmetric, careful)
+        kind = UNSYMMETRIC
+        if definite:
+            kind = DEFINITE
+        elif symmetric and not careful:
+            kind = SYMMETRIC
+        self._prepare(A, kind, careful)
 
         def solve(b: ndarray) -> ndarray:
             if self._factored is not A:  # another matrix was factored since
-                self._prepare(A, symmetric, careful)
+                self._prepare(A, kind, careful)
             assert self._analysis is not None
             return self._analysis.solve(b)
 
@@ -95,7 +104,7 @@ class Pardiso:
 
         An analysis of its own leaves the one for later matrices as it is.
         """
-        analysis = _Analysis(self._library, _complete(A), A, symmetric=False, enlarged=True)
+        analysis = _Analysis(self._library, _complete(A), A, UNSYMMETRIC, ENLARGE)
         analysis.factor(A)
         return analysis.solve
 
@@ -107,18 +116,19 @@ class Pardiso:
         """
         return Condensed.of(A, m, most)
 
-    def _prepare(self, A: csr_matrix, symmetric: bool, afresh: bool) -> None:
+    def _prepare(self, A: csr_matrix, kind: int, afresh: bool) -> None:
         """Factor A with the present analysis, or with a new one where it does not serve."""
         self._factored = None
         analysis = self._analysis
-        if analysis is None or afresh or not analysis.admits(A, symmetric):
+        if analysis is None or afresh or not analysis.admits(A, kind):
             pattern = _complete(A)
             if analysis is not None:
                 both = pattern + analysis.pattern
                 if both.nnz < SPARE * A.nnz:
                     pattern = both
             self._analysis = analysis = None  # its memory is free for the next one
-            analysis = _Analysis(self._library, pattern, A, symmetric)
+            options = CHOLESKY if kind == DEFINITE else {}
+            analysis = _Analysis(self._library, pattern, A, kind, options)
             self._analysis = analysis
         analysis.factor(A)
         self._factored = A
@@ -132,11 +142,11 @@ class _Analysis:
         library: _Library,
         pattern: csr_matrix,
         A: csr_matrix,
-        symmetric: bool,
-        enlarged: bool = False,
+        kind: int,
+        options: dict[int, int],
     ) -> None:
         self.pattern = _ones(pattern)
-        self._symmetric = symmetric
+        self._kind = kind
         self._dtype = A.dtype
         self._last: csr_matrix | None = None
         self._positions: ndarray | slice
@@ -144,28 +154,26 @@ class _Analysis:
         # store rows and columns as PARDISO does: from 1 on, the upper triangle if symmetric
         n = pattern.shape[0]
         row = np.repeat(np.arange(n), np.diff(pattern.indptr))
-        self._stored = np.flatnonzero(pattern.indices >= row) if symmetric else slice(None)
+        self._stored = slice(None)
+        if kind != UNSYMMETRIC:
+            self._stored = np.flatnonzero(pattern.indices >= row)
         entries = np.bincount(row[self._stored] + 1, minlength=n + 1)
         self._rows = np.cumsum(entries, dtype=np.int32) + 1
         self._columns = pattern.indices[self._stored].astype(np.int32) + 1
 
         # analyse, and release the memory with this object
-        kind = UNSYMMETRIC
-        if symmetric:
-            kind = SYMMETRIC
         self._call = _Call(library, kind, pattern.nnz, A.dtype == np.float32)
-        if enlarged:
-            self._call.set(ENLARGE)
-        self.admits(A, symmetric)
+        self._call.set(options)
+        self.admits(A, kind)
         self._run(ANALYSE, A)
         release = weakref.finalize(
             self, self._call, RELEASE, np.zeros(1), self._rows, self._columns
         )
         release.atexit = False
 
-    def admits(self, A: csr_matrix, symmetric: bool) -> bool:
+    def admits(self, A: csr_matrix, kind: int) -> bool:
         """Return True if A is of the analysed kind and its pattern lies within the analysed one."""
-        if symmetric != self._symmetric or A.dtype != self._dtype:
+        if kind != self._kind or A.dtype != self._dtype:
             return False
         if self._last is not None and same_pattern(A, self._last):
             return True
@@ -187,8 +195,8 @@ class _Analysis:
         self._run(FACTOR, A)
 
     def solve(self, b: ndarray) -> ndarray:
-        """Solve with the matrix factored last."""
-        b = np.ascontiguousarray(b)
+        """Solve with the matrix factored last, for one column b (n,) or several, (n, n_columns)."""
+        b = np.asfortranarray(b)
         x = np.empty_like(b)
         self._call(SOLVE, self._values, self._rows, self._columns, b, x)
         return x
@@ -356,7 +364,11 @@ class _Call:
             kept = self._zero
         else:
             kept = self._kept.ctypes.data
-        size = _integer(len(rows) - 1)
+        n = len(rows) - 1
+        size = _integer(n)
+        n_columns = one
+        if vectors and vectors[0] is not None:
+            n_columns = _integer(vectors[0].size // n)
 
         # Use the threads of the analysis for this call alone.
         before = self._library.limit(self._threads)
@@ -369,7 +381,7 @@ class _Call:
             size,
             *matrix,
             kept,
-            one,
+            n_columns,
             options,
             zero,
             b,

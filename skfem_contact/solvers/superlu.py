@@ -61,12 +61,13 @@ class SuperLU:
         A: csr_matrix,
         symmetric: bool,
         careful: bool = False,
+        definite: bool = False,
     ) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; `careful` pivots for accuracy.
 
-        SuperLU makes no use of symmetry. Where the entries that are not zero leave a row without a
-        pivot, whatever their values, it reads beyond its arrays: it prints errors of BLAS, or ends
-        the process.
+        SuperLU makes no use of symmetry and definiteness. Where the entries that are not zero leave
+        a row without a pivot, whatever their values, it reads beyond its arrays: it prints errors
+        of BLAS, or ends the process.
         """
         # refuse matrices without a pivot in a row
         if not A.diagonal().all():

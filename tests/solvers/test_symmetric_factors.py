@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import diags, kronsum
 
 import skfem_contact as sc
 from skfem_contact.contact.regularisation import Stabilised
 from skfem_contact.nonlinear.system import System
+from skfem_contact.solvers.direct import ENGINES, as_engine
 from tests.tools.helpers import grid, rough_pair, run_stages, vector_basis
 
 ASSOCIATED = {
@@ -164,9 +166,9 @@ def test_half_of_the_tangent_gives_the_same(name: str, monkeypatch: pytest.Monke
 
     kinds, analysis = [], pardiso._Analysis.__init__
 
-    def spy(self, library, pattern, A, symmetric):
-        kinds.append(symmetric)
-        analysis(self, library, pattern, A, symmetric)
+    def spy(self, library, pattern, A, kind, options):
+        kinds.append(kind != pardiso.UNSYMMETRIC)
+        analysis(self, library, pattern, A, kind, options)
 
     monkeypatch.setattr(pardiso._Analysis, "__init__", spy)
     scene, newton = SCENES[name](), sc.Newton(tolerance=1e-12)
@@ -178,3 +180,23 @@ def test_half_of_the_tangent_gives_the_same(name: str, monkeypatch: pytest.Monke
     assert kinds and not any(kinds)
     assert half.iterations == whole.iterations
     np.testing.assert_allclose(half.x, whole.x, rtol=0, atol=1e-9 * np.abs(whole.x).max())
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_definite_matrices_and_several_columns(name: str, rng: np.random.Generator) -> None:
+    """[N] Solutions for one column, and for three at once, are those of numpy."""
+    engine = as_engine(name)
+    A = kronsum(*2 * [diags([-1.0, 2.2, -1.0], [-1, 0, 1], shape=(12, 12))]).tocsr()
+    b = rng.standard_normal((144, 3))
+    solve = engine.factor(A, symmetric=True, definite=True)
+    exact = np.linalg.solve(A.toarray(), b)
+    np.testing.assert_allclose(solve(b), exact, rtol=1e-12, atol=1e-13)  # condition below 1e2
+    np.testing.assert_allclose(solve(b[:, 1]), exact[:, 1], rtol=1e-12, atol=1e-13)
+
+
+def test_negative_pivots_are_told() -> None:
+    """[X] A matrix that is not positive definite has no factor of Cholesky."""
+    pytest.importorskip("pypardiso")
+    A = diags([[-1.0] * 3, [2.0, 1.0, -2.0, 1.0], [-1.0] * 3], [-1, 0, 1]).tocsr()
+    with pytest.raises(RuntimeError, match="PARDISO"):
+        as_engine("pardiso").factor(A, symmetric=True, definite=True)
