@@ -154,7 +154,7 @@ class _Analysis:
         # store rows and columns as PARDISO does: from 1 on, the upper triangle if symmetric
         n = pattern.shape[0]
         row = np.repeat(np.arange(n), np.diff(pattern.indptr))
-        self._stored = slice(None)
+        self._stored: ndarray | slice = slice(None)
         if kind != UNSYMMETRIC:
             self._stored = np.flatnonzero(pattern.indices >= row)
         entries = np.bincount(row[self._stored] + 1, minlength=n + 1)
