@@ -296,21 +296,22 @@ def kind_of(hint: Any) -> Kind:
         hint = hint.__bound__ or Any
     origin = get_origin(hint)
     inner = get_args(hint)
-    if hint in _KINDS:
-        return _KINDS[hint]
-    if origin in _KINDS:
-        return _KINDS[origin]
+    known = _KINDS.get(hint) or _KINDS.get(origin)
+    if known:
+        return known
     if origin is Annotated:
         return kind_of(inner[1])  # types of the argument, where the attribute has others
     if origin is Literal:
         return _literal(inner)
     if origin in (Union, UnionType):
         return _union(inner)
-    if isinstance(origin, type) and issubclass(origin, Mapping):
+    if not inner:
+        return _class(hint)
+    if issubclass(origin, Mapping):
         return _mapping(kind_of(inner[1]))
-    if isinstance(origin, type) and issubclass(origin, Iterable):
+    if issubclass(origin, Iterable):
         return _sequence(origin, inner)
-    return _class(origin or hint)
+    return _class(origin)
 
 
 def _literal(words: tuple[Any, ...]) -> Kind:

@@ -320,6 +320,11 @@ def elements_of(basis: CellBasis) -> ndarray:
     return np.asarray(basis.tind)
 
 
+def facet_counts(mesh: Mesh, elements: ndarray) -> ndarray:
+    """Return how many of some elements meet at each facet of a mesh, (n_facets,)."""
+    return np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)
+
+
 def linear_element(mesh: Mesh) -> Element:
     """Return the linear element of a mesh, straight or curved."""
     return _LINEAR[mesh.dim(), len(mesh.t)]()

@@ -18,7 +18,7 @@ from typing_extensions import override
 
 from ..checks import finite, format_point, vector
 from ..errors import Remark
-from ..forms.base import Form, Forms, Kinematics, Outputs, Response
+from ..forms.base import Form, Forms, Kinematics, Outputs, Response, counted
 from ..forms.roles import Slender, Touching, having
 from ..layout import Field
 from ..sparse import Gathering, constant
@@ -485,17 +485,13 @@ class Beam(BeamNodes, Slender):
 
     @override
     def outputs(self, x: ndarray, state: BeamState) -> Outputs:
-        def yielding(before: BeamState) -> tuple[int, int]:
-            flowed = (before.free != state.free).any(axis=1)
-            return int(flowed.sum()), len(self.cells)
-
         return Outputs(
             summary=lambda: self._summary(state),
             remarks=lambda: self._remarks(x, state),
             parameters=self.parameters,
             lines=lambda: self._lines(state),
             points=lambda: self._line_points(x, state),
-            yielding=yielding,
+            yielding=lambda before: counted((before.free != state.free).any(axis=1)),
         )
 
     def _remarks(self, x: ndarray, state: BeamState) -> Iterable[Remark]:

@@ -16,7 +16,7 @@ from skfem import CellBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 from typing_extensions import override
 
 from ..checks import check_basis, finite, format_point, is_number, positive
-from ..forms.base import Form, Forms, Outputs, Response
+from ..forms.base import Form, Forms, Outputs, Response, counted
 from ..forms.roles import Couples, Regularised, Staged
 from ..layout import Field
 from ..sparse import constant
@@ -204,10 +204,10 @@ class Embedded(Form, Couples, Staged, Regularised):
         self.p_max = np.broadcast_to(lateral, len(self.positions))
         self.F_max = float(F_max)
         self.parameters = {
-            "T_max": skin if skin.ndim else float(skin),
+            "T_max": skin[()],
             "F_max": float(F_max),
             "radius": radius,
-            "p_max": lateral if lateral.ndim else float(lateral),
+            "p_max": lateral[()],
         }
 
         # Displacements of the ground less displacements of the beam at the points and the foot
@@ -385,15 +385,11 @@ class Embedded(Form, Couples, Staged, Regularised):
                 text += f", ground across up to {_share(size, self.p_max).max():.0%}"
             return f"{text}, foot {state.foot[0]:.4g}"
 
-        def yielding(before: EmbeddedState) -> tuple[int, int]:
-            flowed = (before.free != state.free).any(axis=1)
-            return int(flowed.sum()), len(self.positions)
-
         return Outputs(
             summary=summary,
             parameters=self.parameters,
             members=lambda: self._members(x, state),
-            yielding=yielding,
+            yielding=lambda before: counted((before.free != state.free).any(axis=1)),
         )
 
     def _used(self, state: EmbeddedState) -> ndarray:

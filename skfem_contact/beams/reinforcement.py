@@ -15,7 +15,7 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from ..checks import is_number
-from ..forms.base import Outputs, Response
+from ..forms.base import Outputs, Response, counted
 from ..forms.roles import Regularised
 from ..layout import Field
 from ..sparse import Gathering
@@ -219,15 +219,12 @@ class Reinforcement(BeamNodes, Regularised):
 
     @override
     def outputs(self, x: ndarray, state: ReinforcementState) -> Outputs:
-        def yielding(before: ReinforcementState) -> tuple[int, int]:
-            return int((before.free != state.free).sum()), before.free.size
-
         return Outputs(
             summary=f"N {state.force.min():.4g} to {state.force.max():.4g}",
             parameters=self.parameters,
             lines=lambda: self._lines(state),
             points=lambda: self._line_points(x, state),
-            yielding=yielding,
+            yielding=lambda before: counted(before.free != state.free),
         )
 
     def _lines(self, state: ReinforcementState) -> tuple[Any, ...]:

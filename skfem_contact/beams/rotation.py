@@ -14,7 +14,7 @@ from scipy.sparse import csr_matrix
 from typing_extensions import override
 
 from ..checks import finite, format_point, is_number
-from ..forms.base import Form, Outputs, Response
+from ..forms.base import Form, Outputs, Response, counted
 from ..forms.roles import Couples, Staged, with_force_kept
 from ..layout import Field
 from ..sparse import Gathering
@@ -204,16 +204,13 @@ class RotationSpring(Form, Couples, Staged):
 
     @override
     def outputs(self, x: ndarray, state: RotationState) -> Outputs:
-        def yielding(before: RotationState) -> tuple[int, int]:
-            return int((before.free != state.free).sum()), len(self._where)
-
         members: dict[str, Any] = dict(zip("xy", self._where.T, strict=True))
         members |= {"rotation": self._rotation(x), "moment": state.moment}
         return Outputs(
             summary=f"moments {state.moment.min():.4g} to {state.moment.max():.4g}",
             parameters=self.parameters,
             members=members,
-            yielding=yielding,
+            yielding=lambda before: counted(before.free != state.free),
         )
 
 

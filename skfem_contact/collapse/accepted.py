@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from ..forms.base import dilate_less
-from ..forms.roles import Reducible, having
 from ..results.stage import StageResult
 from .continuation import Branch, SearchStart
 from .mechanism import describe_mesh
-from .result import CollapseResult, Point, SearchLog, Stop
+from .result import CollapseResult, Point, SearchLog, Stop, released
 
 
 @contextmanager
@@ -108,10 +107,7 @@ class Accepted:
             return end
         try:
             system, load = self._branch.at(last.parameter)
-            forms = dict(system.forms)
-            states = dict(last.states)
-            for name, form in having(system.forms, Reducible).items():
-                forms[name], states[name] = form.released(last.x, last.states[name])
+            forms, states = released(system.forms, last)
         except Exception:  # the form or law that has ended the search
             return replace(end, x=last.x, states=last.states)
         iterations = sum(step.iterations for step in steps)

@@ -195,11 +195,10 @@ def loaded_start(
     weight = setup.weights(active)
     on_top = _load_on_top(setup, load, last, water, active)
     if not (weight + on_top).any():
-        if load is not None:
-            cause = "the load is zero"
-        else:
-            cause = "there is no load"
-        raise ValueError(f"{cause}: give a `load`, unit weights of the forms, or a loaded `start`")
+        raise ValueError(
+            "there is no load, or it is zero: give a `load`, unit weights of the forms, or a "
+            "loaded `start`"
+        )
     if last is not None and not undrained:
         warn_of_fresh_pressures(system, origin.x, origin.states, weight + on_top)
 

@@ -23,6 +23,7 @@ from skfem import (
 )
 from skfem.helpers import dot
 
+from ..arrays import max_abs
 from ..checks import format_point
 from ..errors import AnalysisWarning, NotConverged
 from ..forms.base import Forms, States, solids_of
@@ -359,7 +360,7 @@ def _load(
     rest, total = _body_forces(solids, built, load, whole.N)
 
     # Find the sides of loaded nodes.
-    loaded = np.abs(rest) > _INSIDE * np.abs(load).max()
+    loaded = np.abs(rest) > _INSIDE * max_abs(load)
     dofs = np.flatnonzero(loaded)
     if not len(dofs):
         return total
@@ -418,7 +419,7 @@ def _body_forces(
     inner = np.ones(basis.N, bool)
     inner[basis.get_dofs(mesh.boundary_facets()).all()] = False
     total = np.zeros(size)
-    if np.abs(load[inner]).max(initial=0.0) <= _INSIDE * np.abs(load).max():
+    if max_abs(load[inner]) <= _INSIDE * max_abs(load):
         return load, total
 
     # Fit one force in each region to the nodes inside.
@@ -432,7 +433,7 @@ def _body_forces(
     matrix = np.array(columns).T
     forces, *_ = np.linalg.lstsq(matrix[inner], load[inner], rcond=None)
     rest = load - matrix @ forces
-    rest[np.abs(rest) <= 1e-9 * np.abs(load).max()] = 0.0
+    rest[np.abs(rest) <= 1e-9 * max_abs(load)] = 0.0
     return rest, np.array(fine).T @ forces
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
+from ..arrays import max_abs
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, Forms, Response, States, solids_of
 from ..limit_analysis import Bounds
@@ -263,7 +264,7 @@ def lost_power(
         mean = (stress * flow).sum(axis=2) / flow.sum(axis=1)
         varies = ((stress - mean[:, :, None]) * strain).sum(axis=0)
         varied = (form.weight * varies).sum(axis=1)
-        if np.ptp(strain, axis=2).max() <= _UNIFORM * np.abs(strain).max():
+        if np.ptp(strain, axis=2).max() <= _UNIFORM * max_abs(strain):
             varied[:] = np.inf
 
         # int tau (gamma^2 - eps_V^2) / gamma

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
-from ..forms.base import States, dilate_less
+from ..forms.base import Form, Forms, States, dilate_less
 from ..forms.roles import Body, Reducible, having
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
@@ -56,6 +57,15 @@ def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
     if isinstance(error, PeakPassed):
         return "peak"
     return "stall"
+
+
+def released(forms: Forms, last: Point) -> tuple[dict[str, Form], dict[str, Any]]:
+    """Return forms whose geometry follows the displacements again, and their states at a point."""
+    followed = dict(forms)
+    states = dict(last.states)
+    for name, form in having(forms, Reducible).items():
+        followed[name], states[name] = form.released(last.x, last.states[name])
+    return followed, states
 
 
 @dataclass(frozen=True)
@@ -139,7 +149,7 @@ class SearchLog:
         if x is None:
             return np.nan
         displacements = (x - self._origin)[self._displacements]
-        return float(np.abs(displacements).max(initial=0.0))
+        return max_abs(displacements)
 
     @property
     def straight(self) -> bool:
@@ -288,14 +298,14 @@ class CollapseResult:
     reduced: tuple[str, ...]
     mesh: str
     steps: tuple[Step, ...]
-    end: StageResult = field(repr=False)
-    mechanism: ndarray = field(repr=False)
-    bands: Mapping[str, ndarray] = field(repr=False)
+    end: StageResult
+    mechanism: ndarray
+    bands: Mapping[str, ndarray]
     added: float
-    path: tuple[tuple[float, ndarray], ...] = field(repr=False)
+    path: tuple[tuple[float, ndarray], ...]
     dilates_less: bool = False
-    davis: CollapseResult | None = field(default=None, repr=False)
-    proven: Bounds | None = field(default=None, repr=False)
+    davis: CollapseResult | None = None
+    proven: Bounds | None = None
     unproven: str = ""
     meshes: tuple[tuple[int, float, float], ...] = ()
 
@@ -486,7 +496,7 @@ def conclude(
     motion = search.motion
     if motion is None:
         motion = search.points[-1].x - search.points[-2].x
-    mechanism = motion / (np.abs(motion).max() or 1.0)
+    mechanism = motion / (max_abs(motion) or 1.0)
     bands = _bands(system, mechanism)
     power = None
     if multiplied is not None:
@@ -495,10 +505,7 @@ def conclude(
     added = added_by_mesh(lost, power)
 
     # make a stage of the last equilibrium, with geometry that follows the displacements again
-    forms = dict(system.forms)
-    states = dict(last.states)
-    for name, form in having(system.forms, Reducible).items():
-        forms[name], states[name] = form.released(last.x, last.states[name])
+    forms, states = released(system.forms, last)
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
     end = StageResult(

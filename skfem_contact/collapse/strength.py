@@ -11,6 +11,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import names_of
 from ..display import progress_bar
 from ..errors import AnalysisWarning, NoEquilibrium, NotConverged, warn
@@ -429,7 +430,7 @@ def _on_finer(
     """Return the model with elements cut, by default all, and the start of its search."""
     begun = found.begun
     on_top = begun.load - setup.water_on(begun.forms, water)
-    on_top[np.abs(on_top) < _ROUND_OFF * np.abs(begun.load).max()] = 0.0
+    on_top[np.abs(on_top) < _ROUND_OFF * max_abs(begun.load)] = 0.0
     setup, (on_top,), states = finer.finer(
         setup,
         begun.forms,

@@ -13,6 +13,7 @@ from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import lsqr, spsolve
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..checks import is_number
 from ..errors import Remark
 from ..surfaces.surface import Surface
@@ -191,7 +192,7 @@ class AugmentedLagrangian(Penalty):
         settled = state is accepted
         if not settled:
             margin = 10.0 * _SETTLED
-            settled = progress.error <= _SETTLED * np.abs(found.traction[0]).max(initial=0.0)
+            settled = progress.error <= _SETTLED * max_abs(found.traction[0])
         if settled:
             overload = pair.law.take(pair.points(accepted)).overload(found.traction, found.internal)
             worst = overload.max(initial=0.0)
@@ -247,7 +248,7 @@ class AugmentedLagrangian(Penalty):
             state, state.multiplier, points, penalties, stiffness, moves, followed
         )
         error = np.where(kept, 0.0, error)
-        largest = np.abs(state.traction[0]).max(initial=0.0)
+        largest = max_abs(state.traction[0])
         return float(error.max() / max(largest, np.finfo(float).tiny))
 
     def _augment(
@@ -267,7 +268,7 @@ class AugmentedLagrangian(Penalty):
         after, correction, error = self._corrected(
             found, accepted.multiplier, points, penalties, stiffness, moves, followed
         )
-        limit = self.tolerance * np.abs(found.traction[0]).max(initial=0.0)
+        limit = self.tolerance * max_abs(found.traction[0])
         unfinished = (error > limit) & ~kept
         if progress.error == np.inf:
             # Take up again multipliers left to the penalty before, where they have changed: errors
@@ -312,7 +313,7 @@ class AugmentedLagrangian(Penalty):
         pressure = found.traction[0]
         largest = pressure.max(initial=0.0)
         size = _nodal_mean(points, np.abs(pressure))
-        none = _ROUND_OFF * np.abs(pressure).max(initial=0.0)
+        none = _ROUND_OFF * max_abs(pressure)
         closed = size > 0.0
         if largest <= none:
             closed = before[0] + _excess(points, pressure, before[0]) < largest - none

@@ -90,8 +90,6 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         tangent: Literal["exact", "primary"] = "exact",
     ) -> None:
         # Find the surfaces, and smooth the master.
-        if basis is not None or isinstance(slave, str) or isinstance(master, str):
-            check_basis(basis)
         self.mesh_dofs = 0 if basis is None else int(basis.N)
         self.slave = _surface(basis, slave)
         self.folds = master is slave or (isinstance(master, str) and master == slave)
@@ -99,9 +97,8 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
             self.facets = self.slave
         else:
             self.facets = _surface(basis, master)
-        if smoothing is None:
-            curves = self.facets
-        else:
+        curves = self.facets
+        if smoothing is not None:
             curves = smoothed(self.facets, smoothing)
         self.master = curves.facing(self.slave)
         # Check how they are to be joined.
@@ -478,6 +475,8 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
 
 def _surface(basis: CellBasis | None, side: str | Surface) -> Surface:
     """Return a side of a pair: a surface, or a boundary of the mesh."""
+    if basis is not None or isinstance(side, str):
+        check_basis(basis)
     if isinstance(side, Surface):
         return side
     return Surface.from_boundary(basis, side)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import format_point
 from ..errors import Remark
 from .interface import ROUND_OFF, ContactState
@@ -118,9 +119,9 @@ def on_round_off(pair: Any, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on a tangential penalty so hard that round-off of the slip counts."""
     penalty = pair.penalties(state)[1]
     centre = pair.slave.nodes.mean(axis=0)
-    extent = np.abs(pair.master.nodes - centre).max()
+    extent = max_abs(pair.master.nodes - centre)
     lost = penalty * ROUND_OFF * float(extent)
-    largest = float(np.abs(state.traction).max(initial=0.0))
+    largest = max_abs(state.traction)
     sticks = (state.status == Status.STICK).any()
     if sticks and _NONE * lost < largest < lost / _LOST:
         yield Remark(
@@ -171,7 +172,7 @@ def _compliance(pair: Any, x: ndarray, state: ContactState) -> ndarray:
     # Bodies at rest have none
     penalties = pair.penalties(state)
     largest = _largest(pair, x)
-    traction = float(np.abs(state.traction).max(initial=0.0))
+    traction = max_abs(state.traction)
     compressed = traction / (pair.stiffness or penalties[0])
     moves = depth.any() or slip.any()
     if largest <= _AT_REST * compressed or not moves:
@@ -216,7 +217,7 @@ def _largest(pair: Any, x: ndarray) -> float:
     parts = [x[: pair.mesh_dofs]]
     for surface in (pair.slave, pair.master):
         parts.append(x[surface.dofs[surface.dofs >= 0]])
-    return max(float(np.abs(part).max(initial=0.0)) for part in parts)
+    return max(max_abs(part) for part in parts)
 
 
 def _moved_apart(pair: Any, x: ndarray, state: ContactState) -> ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..surfaces.faceting import Faceting, alike
 from ..surfaces.material_points import (
     MaterialPoints,
@@ -321,7 +322,7 @@ class Interface:
         around = self._around(self._meshed, points, nodes, positions)
         unlimited = np.full(len(positions), np.inf)
         found = self.project(points, nodes, positions, unlimited, None, around)
-        behind = found.found & (found.gap < -ROUND_OFF * np.abs(nodes).max())
+        behind = found.found & (found.gap < -ROUND_OFF * max_abs(nodes))
         return np.where(behind, -0.5 * found.gap, np.inf)
 
     def project(

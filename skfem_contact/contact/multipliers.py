@@ -27,6 +27,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array, vstack
 
+from ..arrays import max_abs
 from ..forms.base import Response
 from ..sparse import float_bincount
 from ..surfaces.shape import Shape
@@ -146,7 +147,7 @@ def respond(pair: Any, x: ndarray, accepted: ContactState) -> Response:
     state = pair.effective(accepted)
     points = pair.points(accepted)
     slave, nodes = pair.interface.positions(x)
-    round_off = ROUND_OFF * float(np.abs(nodes).max())
+    round_off = ROUND_OFF * max_abs(nodes)
     eps_N, eps_T = pair.penalties(state)
     eps = np.array([eps_N] + [eps_T] * (pair.slave.dim - 1))
 
@@ -348,7 +349,7 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
     x = facing.positions(pair.slave.nodes)
     if len(x):
         x = x - x.mean(axis=0)
-    size = np.abs(x).max(initial=0.0) or 1.0
+    size = max_abs(x) or 1.0
     normal = pair.slave.at(facing.facet, facing.xi, pair.slave.nodes).normal
     tractions = state.traction.copy()
     pressed = area * np.abs(tractions[0, at])

@@ -10,6 +10,7 @@ from numpy import ndarray
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..checks import check_size
 from ..errors import Failure, IncrementTooLarge
 from ..forms.base import Form, Outputs, Response
@@ -281,7 +282,7 @@ class ContactPair(ContactBase):
         pressure = np.abs(found.traction[0])
         change = np.abs(rounded - accepted.rounded)[pressure > 0.0].max(initial=0.0)
         stiffness = self.stiffness or self.penalties(accepted)[0]
-        matched = np.abs(accepted.rounded).max(initial=0.0) <= _NONE * self.slave.size.max()
+        matched = max_abs(accepted.rounded) <= _NONE * self.slave.size.max()
         left = _MATCHED if matched else _ROUNDED
         if stiffness * change <= left * pressure.max(initial=0.0):
             return None
@@ -350,7 +351,7 @@ class ContactPair(ContactBase):
     def check_start(self, x: ndarray, state: ContactState) -> None:
         new = self.assemble(x, state).state
         pressure = state.traction[0]
-        counts = np.abs(pressure) > _COUNTS * np.abs(pressure).max(initial=0.0)
+        counts = np.abs(pressure) > _COUNTS * max_abs(pressure)
         both = (new.status != Status.OPEN) & counts
         if not both.any():
             return

@@ -11,6 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..errors import Remark, warn
 from ..forms.base import Form, Response, as_forms
 from ..surfaces.surface import Surface
@@ -191,7 +192,7 @@ class Penalty(Enforcement):
         points = pair.points(state)
         eps_N, eps_T = pair.penalties(state)
         slave, nodes = pair.interface.positions(x)
-        round_off = ROUND_OFF * float(np.abs(nodes).max())
+        round_off = ROUND_OFF * max_abs(nodes)
 
         # Project the points that are closed or near; multipliers shift gap and slip
         closing = state.clearance - points.at(state.multiplier[0]) / eps_N

@@ -17,6 +17,7 @@ from numpy import ndarray
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
+from ..arrays import max_abs
 from ..surfaces.shape import Shape, divided_rule, gauss_points, rule
 from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import across, cross, determinant, dot, products, solve, unit
@@ -500,7 +501,7 @@ def _back(
         jacobian = a @ to_plane[:, :, :2]
         step = solve(jacobian.transpose(0, 2, 1), points - position)
         xi = xi + step
-        if np.abs(step).max(initial=0.0) < _LAST_STEP:
+        if max_abs(step) < _LAST_STEP:
             break
     return xi, np.abs(determinant(jacobian))
 
@@ -542,4 +543,4 @@ def _area_changed(old: ndarray, new: ndarray) -> float:
     n = len(old)
     before = np.bincount(number[:n], old[:, 3], minlength=len(pairs))
     after = np.bincount(number[n:], new[:, 3], minlength=len(pairs))
-    return float(np.abs(after - before).max() / before.max())
+    return float(max_abs(after - before) / before.max())

@@ -15,6 +15,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..errors import Failure, warn
 from .base import ContactBase
 from .compliance import PENETRATION
@@ -272,7 +273,7 @@ def _harden_stick(
     elastic = pair.interface.elastic_slip(found) * pair.softness
     change = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)
     wrong = change[:, found.status == Status.STICK].max(initial=0.0)
-    harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
+    harder = _CHANGE * max_abs(elastic) / max(wrong, 1e-300)
     softness = max(harder, pair.softness * _GROWTH)
     if softness < 1.0:
         return _soft(pair, softness, elastic), True

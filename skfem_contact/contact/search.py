@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import across, determinant, dot, products, solve, unit
@@ -225,7 +226,7 @@ def _foot(
     low = corners.min(axis=0) - _BEYOND * width
     high = corners.max(axis=0) + _BEYOND * width
     xi = np.clip(xi, low, high)
-    exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
+    exact = _ROUND_OFF * float(max_abs(nodes) / surface.size.min())
     # Iterate at the points that still move.
     remaining = np.arange(len(facet))
     for _ in range(NEWTON_STEPS):

@@ -12,9 +12,10 @@ from numpy import ndarray
 from ..checks import look_up, vector
 from ..display import Table
 from ..errors import warn
-from ..forms.base import solids_of
 from ..forms.roles import Touching, having
 from ..materials.base import parameters_of
+from ..results.fields import basis_of
+from ..results.fields import solids as solids_in
 from ..results.stage import StageResult
 from ..results.tractions import interfaces
 from .bearing import BearingResistance, bearing_resistance
@@ -266,11 +267,8 @@ class _Forces:
 
 def _body(stage: StageResult, name: str) -> tuple[ndarray, Mapping[str, ndarray]]:
     """Return dofs, (n, 2), of a solid or region, and its elements by solid."""
-    solids = {}
-    for key, form in solids_of(stage.forms).items():
-        if key in stage.states and form.materials:
-            solids[key] = form
-    if not solids or next(iter(solids.values())).coordinates != "plane":
+    solids = solids_in(stage)
+    if {form.coordinates for form in solids.values()} != {"plane"}:
         raise ValueError("checks of footings and walls need plane bodies")
     existing = dict.fromkeys(solids)
     for form in solids.values():
@@ -351,7 +349,7 @@ def _forces(stage: StageResult, dofs: ndarray, toe: ndarray, heel: ndarray) -> _
         raise ValueError(
             f"no contact point of the body lies on the base from {toe.tolist()} to {heel.tolist()}"
         )
-    coordinates = np.asarray(next(iter(solids_of(stage.forms).values())).basis.doflocs)
+    coordinates = np.asarray(basis_of(stage).doflocs)
     return _Forces(
         at[on_base],
         force[on_base],

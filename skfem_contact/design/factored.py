@@ -15,6 +15,7 @@ from ..errors import warn
 from ..forms.base import Form
 from ..forms.roles import Body, Reducible, Touching, having
 from ..materials.base import as_given, parameters_of
+from ..materials.elastic import angle_over
 from ..model import Model
 from .factors import PartialFactors
 
@@ -127,19 +128,16 @@ def divided(material: Any, factors: PartialFactors) -> Any:
         return replace(own, soil=divided(existing["soil"], factors))
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
-    changed: dict[str, Any] = {}
-    of_cohesion = factors.undrained
+    by = dict.fromkeys(_UNDRAINED, factors.undrained)
+    by["c"] = by["c_end"] = factors.undrained
     if "phi" in existing and _has_friction(existing["phi"]):
-        of_cohesion = factors.cohesion
+        by["c"] = by["c_end"] = factors.cohesion
+    changed: dict[str, Any] = {}
     for name, value in existing.items():
-        if value is None:
-            continue
-        if name in ("c", "c_end"):
-            changed[name] = _over(value, of_cohesion)
-        elif name in ("phi", "phi_end"):
+        if value is not None and name in by:
+            changed[name] = _over(value, by[name])
+        elif value is not None and name in ("phi", "phi_end"):
             changed[name] = _angle_over(value, factors.phi)
-        elif name in _UNDRAINED:
-            changed[name] = _over(value, factors.undrained)
     if not changed:
         if material.reducible:
             return material.reduced(factors.phi)
@@ -164,7 +162,7 @@ def _angle_over(value: Any, factor: float) -> Any:
     """Return the angle in degrees whose tangent is divided by a factor."""
     if callable(value):
         return lambda x: _angle_over(np.asarray(value(x)), factor)
-    angle = np.degrees(np.arctan(np.tan(np.radians(value)) / factor))
+    angle = angle_over(value, factor)
     if isinstance(value, ndarray):
         return angle
     return float(angle)

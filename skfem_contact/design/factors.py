@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import is_number
+from ..materials.elastic import angle_over
 
 
 @dataclass(frozen=True)
@@ -113,8 +114,7 @@ class PartialFactors:
 
     def friction_angle(self, phi: float) -> float:
         """Return the design value of a friction angle, in degrees."""
-        tan_phi = np.tan(np.radians(phi)) / self.phi
-        return float(np.degrees(np.arctan(tan_phi)))
+        return float(angle_over(phi, self.phi))
 
     def effect(self, value: float) -> float:
         """Return the design effect of a force or moment of the analysis."""

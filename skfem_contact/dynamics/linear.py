@@ -20,6 +20,7 @@ from numpy import ndarray
 from scipy.linalg.blas import daxpy
 from scipy.sparse import csr_matrix
 
+from ..arrays import max_abs
 from ..errors import NotConverged
 from ..forms.base import Forms, Response, responses_of
 from ..forms.roles import Regularised, having
@@ -50,7 +51,7 @@ def is_linear(forms: Forms, x: ndarray, states: Mapping[str, object]) -> bool:
         return False
     # Compare the forces at random displacements with the linear ones.
     random = np.random.default_rng(0)
-    size = _TRIED * max(float(np.abs(x).max(initial=0.0)), 1.0)
+    size = _TRIED * max(max_abs(x), 1.0)
     first = x + size * random.standard_normal(len(x))
     second = x + size * random.standard_normal(len(x))
     before = responses_of(forms, x, states)
@@ -60,9 +61,9 @@ def is_linear(forms: Forms, x: ndarray, states: Mapping[str, object]) -> bool:
     # Forces must not depend on the path, either.
     for name, direct in responses_of(forms, second, states).items():
         linear = before[name].force + before[name].stiffness @ (second - x)
-        scale = _SAME * float(np.abs(linear).max(initial=0.0))
+        scale = _SAME * max_abs(linear)
         for other in (from_there[name].force, linear):
-            if np.abs(direct.force - other).max(initial=0.0) > scale:
+            if max_abs(direct.force - other) > scale:
                 return False
     return True
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import max_abs
 from ..checks import finite, format_point, positive
 from ..display import Table
 from ..results.motion import History
@@ -196,7 +197,7 @@ class Record:
     @property
     def peak(self) -> float:
         """Largest acceleration, without its sign."""
-        return float(np.abs(self.values).max())
+        return max_abs(self.values)
 
     @property
     def velocity(self) -> ndarray:

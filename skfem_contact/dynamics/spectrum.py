@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import is_number
 from ..display import Table
 
@@ -92,5 +93,5 @@ def response_spectrum(step: float, values: ndarray, periods: ndarray, ratio: flo
         system = (A, np.array([[0.0], [-1.0]]), np.array([[1.0, 0.0]]), np.zeros((1, 1)))
         Ad, Bd, Cd, Dd, _ = cont2discrete(system, step, "foh")
         b, a = ss2tf(Ad, Bd, Cd, Dd)
-        found.append(np.abs(lfilter(b[0], a, values)).max())
+        found.append(max_abs(lfilter(b[0], a, values)))
     return Spectrum(periods, np.array(found), float(ratio))

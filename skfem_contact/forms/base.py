@@ -244,6 +244,11 @@ class Outputs:
         return self._yielding(before)
 
 
+def counted(flowed: ndarray) -> tuple[int, int]:
+    """Return the number of points of a mask, (n,), and of all: values of `Outputs.yielding`."""
+    return int(flowed.sum()), flowed.size
+
+
 def _value(given: Any) -> Any:
     """Return a value that may be given as a function."""
     if callable(given):

@@ -14,6 +14,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..checks import check_basis, facets_of, vector
 from ..errors import Remark
 from ..layout import Field, rigid_modes
@@ -158,7 +159,7 @@ class RigidBoundary(MatrixForm):
         first_end = modes[n : n + dim]
         second_end = modes[n + dim :]
         turn = (second_end - first_end) @ free
-        return bool(np.abs(turn).max(initial=0.0) > _TURNS)
+        return max_abs(turn) > _TURNS
 
     def _plane_of_symmetry(self, axis: int, fixed: ndarray) -> float | None:
         """Return the coordinate of a plane at one end, held across beside the boundary as well."""
@@ -179,7 +180,7 @@ class RigidBoundary(MatrixForm):
         others = others[others % dim == axis]
         size = np.ptp(self._locations[axis])
         near = np.abs(self._locations[axis] - end) < _SAME * size
-        last = np.abs(self._locations[axis] - end).max() > (1.0 - _SAME) * size
+        last = max_abs(self._locations[axis] - end) > (1.0 - _SAME) * size
         if last and near[others].any():
             return end
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..checks import (
     check_basis,
     check_quadrature,
@@ -419,7 +420,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         if self._finite is not None:
             # The reference of finite kinematics is the mesh: warn if the body has grown since.
             gradient = self._finite.gradient(np.zeros(self.basis.N) if x is None else x)
-            growth = np.abs(self._finite.growth(gradient)).max(initial=0.0)
+            growth = max_abs(self._finite.growth(gradient))
             if growth > _GROWN:
                 warn(
                     f"a body is activated where displacements have changed its volume by up to "
@@ -502,17 +503,26 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         updates, stress = _updates(calls)
         force = self._force_matrix @ stress.ravel()
 
-        # estimate round-off; stresses that vanish are differences of the last ones
-        summed = float(np.linalg.norm(self._diagonal * x))
-        if np.abs(stress).max(initial=0.0) < _UNLOADED * np.abs(state.stress).max(initial=0.0):
-            summed += float(np.linalg.norm(self._force_matrix @ state.stress.ravel()))
         return Response(
             force,
             lambda: SolidState(strain, stress, self._internal(state, given, updates)),
             stiffness=lambda: self._tangent(given, updates),
             damped=lambda: self._tangent(given, updates, damping=True),
-            round_off=_ROUND_OFF * summed,
+            round_off=self._lost(x, stress, state.stress, self._force_of),
         )
+
+    def _lost(
+        self,
+        x: ndarray,
+        stress: ndarray,
+        before: ndarray,
+        force_of: Callable[[ndarray], ndarray],
+    ) -> float:
+        """Return the round-off; stresses that vanish are differences of the ones before."""
+        summed = float(np.linalg.norm(self._diagonal * x))
+        if max_abs(stress) < _UNLOADED * max_abs(before):
+            summed += float(np.linalg.norm(force_of(before)))
+        return _ROUND_OFF * summed
 
     def _assemble_linear(self, x: ndarray, state: SolidState) -> Response:
         """Return the response of linear laws, ``f = K x + f_0``.
@@ -583,11 +593,6 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         updates, stress = _updates(self._calls(given, increment))
         force = deformation.force(stress)
 
-        # estimate round-off as for small strains
-        summed = float(np.linalg.norm(self._diagonal * x))
-        if np.abs(stress).max(initial=0.0) < _UNLOADED * np.abs(state.stress).max(initial=0.0):
-            summed += float(np.linalg.norm(deformation.force(state.stress)))
-
         def accepted() -> FiniteState:
             internal = self._internal(state, given, updates)
             return FiniteState(state.strain + increment, stress, internal, deformation.gradient)
@@ -600,7 +605,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             accepted,
             stiffness=stiffness,
             damped=lambda: stiffness(damping=True),
-            round_off=_ROUND_OFF * summed,
+            round_off=self._lost(x, stress, state.stress, deformation.force),
         )
 
     def _elastic_part(self, state: FiniteState) -> tuple[ndarray, ndarray]:
@@ -843,7 +848,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
                 "kinematics",
             )
         # Large strains may be an error of units.
-        strain = float(np.abs(state.strain).max(initial=0.0))
+        strain = max_abs(state.strain)
         if strain > _STRAIN:
             advice = ": take finite kinematics"
             if strain > 1.0:

@@ -125,9 +125,10 @@ class SpaceStretch:
         de[:, 3:] *= 2.0
 
         # dS = U^-1 dt U^-1 - (U^-1 dU S + S dU U^-1)
-        dS = _both_sides(self._V) @ (D @ de)
-        VS = _tensor(S), self._V
-        dS -= _between(*VS) @ dU
+        V = self._V
+        dS = _between(V, V) @ (D @ de)
+        S = _tensor(S)
+        dS -= (_between(V, S) + _between(S, V)) @ dU
         return dS
 
 
@@ -159,21 +160,7 @@ def _products(A: ndarray) -> ndarray:
     return out
 
 
-def _both_sides(V: ndarray) -> ndarray:
-    """Return the map of T to ``V T V``, (m, 6, 6), V symmetric."""
-    first = V[:, ROW]
-    second = V[:, COLUMN]
-    out = first[:, :, ROW] * second[:, :, COLUMN]
-    out[:, :, 3:] += first[:, :, COLUMN[3:]] * second[:, :, ROW[3:]]
-    return out
-
-
-def _between(S: ndarray, V: ndarray) -> ndarray:
-    """Return the map of T to ``V T S + S T V``, (m, 6, 6), S and V symmetric."""
-    return _polarised(V, S) + _polarised(S, V)
-
-
-def _polarised(V: ndarray, S: ndarray) -> ndarray:
+def _between(V: ndarray, S: ndarray) -> ndarray:
     """Return the map of T to ``V T S``, (m, 6, 6), rows of its upper components."""
     first = V[:, ROW]
     second = S[:, COLUMN]

@@ -277,15 +277,13 @@ def _borehole(
             f"'{name}': the description begins at {np.nanmin(tops):g} m; the first layer "
             "is continued from the surface"
         )
-    for position_of, k in enumerate(order):
+    following = np.append(tops, np.nan)[[*order[1:], len(tops)]]
+    for k, next_top in zip(order, following, strict=True):
         text = str(rows[k].get(soil, "")).strip()
         if not text:
             raise ValueError(f"a layer of '{name}' at {tops[k]:g} has no {soil}")
         # Find its lower end beside the layer that follows, and join layers of the same soil.
-        following = float("nan")
-        if position_of + 1 < len(order):
-            following = tops[order[position_of + 1]]
-        lower, told = _lower_end(text, ends[k], following)
+        lower, told = _lower_end(text, ends[k], float(next_top))
         remarks += [f"'{name}': {remark}" for remark in told]
         if np.isnan(lower):
             raise ValueError(f"the last layer of '{name}' has no GEOL_BASE")

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import finite, look_up
 from ..materials import Material
 from .paths import PathStep
@@ -129,7 +130,7 @@ class Measured:
         for name, measured in self.columns.items():
             if name != self.along:
                 difference = np.interp(measured_x, x, getattr(test, name)[:, 0]) - measured
-                largest = np.abs(measured).max() or 1.0
+                largest = max_abs(measured) or 1.0
                 parts.append(difference / largest)
         return np.concatenate(parts)
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..materials import Material
 from ..materials.spectral import mean_and_shear
 from .paths import COMPONENTS
@@ -131,8 +132,8 @@ class ElementTest:
         }
 
         # choose pore pressure or volume strain for the third diagram
-        least = 1e-3 * np.abs(self.strain).max()
-        undrained = np.abs(self.volume).max() < least
+        least = 1e-3 * max_abs(self.strain)
+        undrained = max_abs(self.volume) < least
         third = "volume"
         if undrained:
             third = "pore_pressure"

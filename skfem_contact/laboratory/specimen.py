@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import max_abs
 from ..checks import finite
 from ..errors import IncrementTooLarge, NotConverged
 from ..materials import Material
@@ -166,7 +167,7 @@ def _newton(law: Material, state: _State, conditions: _Conditions, dt: float) ->
     """Solve the conditions for the strain increment; return the state and the iterations."""
     S, E, stresses, strains = conditions
     elasticity = elasticity_at(law, state.stress, state.internal)
-    scale = np.abs(elasticity).max()
+    scale = max_abs(elasticity)
     strain_rows = np.broadcast_to(E, (len(elasticity), *E.shape))  # (n_samples, n, ncomp)
     largest_goal = np.abs(stresses).max(axis=0, initial=1e-300)
     increment = np.zeros_like(state.strain)
@@ -256,7 +257,7 @@ def _check_start(law: Material, state: _State) -> None:
     drift = np.abs(new.stress[:, :, 0] - state.stress).max(axis=0)
     worst = int(np.argmax(drift))
     stress = state.stress[:, worst]
-    if drift[worst] > _DRIFT * np.abs(stress).max():
+    if drift[worst] > _DRIFT * max_abs(stress):
         raise ValueError(
             f"{law.label} does not admit the initial stress of sample {worst}, {_listed(stress)}: "
             f"it lies outside the yield surface, by {drift[worst]:.3g} in a component"

@@ -12,6 +12,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import Mesh, MeshTri
 
+from ..arrays import max_abs
 from ..checks import format_point, names_of
 from ..display import progress_bar
 from ..errors import AnalysisWarning, warn
@@ -447,7 +448,7 @@ def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds
         what="limit load" if search.live else "factor of safety",
         reduced=problem.reduced,
         mesh=_named(problem, high.triangles),
-        mechanism=velocity / (np.abs(velocity).max() or 1.0),
+        mechanism=velocity / (max_abs(velocity) or 1.0),
         dissipation=_shares(high, search.live),
         stress_mesh=_named(problem, low.triangles),
         stress=stress,

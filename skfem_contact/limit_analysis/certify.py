@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import max_abs
 from .elements import Program
 from .interior_point import HIGHEST, Solution
 
@@ -65,7 +66,7 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     else:
         return Proof(-np.inf, stress, residual)
     # Scale the stresses until they are admissible everywhere.
-    round_off = _NO_STRESS * np.abs(stress).max(initial=0.0)
+    round_off = _NO_STRESS * max_abs(stress)
     if not live:
         return Proof(_admitted(program, stress, round_off), stress, residual)
     # With a dead load the stresses are admissible or prove nothing.
@@ -95,7 +96,7 @@ def _balanced(
     inverse = program.factor(metric)
     for _ in range(_REPETITIONS):
         r = f - program.forces(stress)
-        if np.abs(r).max(initial=0.0) < _BALANCED * scale:
+        if max_abs(r) < _BALANCED * scale:
             break
         strain = program.strains(inverse(r))
         stress = stress + np.einsum("nij,nj->ni", metric, strain)
@@ -185,7 +186,7 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     # measure the change of volume where it must vanish
     kept = program.incompressible
     rates = (strain[kept] * program.volume[kept]).sum(1)
-    change = np.abs(rates).max(initial=0.0)
+    change = max_abs(rates)
     largest = np.abs(strain).max(initial=1e-300)
     return Proof(value, velocity, float(change / largest))
 
@@ -211,8 +212,8 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
             strain = program.strains(velocity)
             missing = _overlap(program, strain, found.factor)
             missing[kept] = -(strain[kept] * volume[kept]).sum(1)
-            largest = np.abs(strain).max(initial=0.0)
-            if np.abs(missing).max(initial=0.0) <= _SHAPED * largest:
+            largest = max_abs(strain)
+            if max_abs(missing) <= _SHAPED * largest:
                 break
             stress = (stiffness * missing)[:, None] * volume
             velocity = velocity + inverse(program.forces(stress))

@@ -12,9 +12,10 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, Mesh
 
+from ..arrays import max_abs
 from ..checks import format_point, is_number, look_up
 from ..errors import AnalysisWarning
-from ..layout import linear_element
+from ..layout import facet_counts, linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
 from .elements import Block, Elements, Joint, Program, Reduction
 from .strength import Profile, Strength
@@ -82,7 +83,7 @@ class Loads(NamedTuple):
     def largest_stress(self, triangles: Triangles, centre: ndarray, size: float) -> float:
         """Return the stress of the weights over the whole height, plus the largest tractions."""
         mesh = triangles.mesh
-        heaviest = np.abs(self.dead + self.live).max(initial=0.0)
+        heaviest = max_abs(self.dead + self.live)
         stress = float(heaviest * size * np.ptp(mesh.p[1]))
         for tag, value, _ in self.tractions:
             ends = mesh.facets[:, triangles.tags[tag]]
@@ -359,7 +360,7 @@ def _unit_tractions(site: Site) -> dict[str, ndarray]:
     """Return loads of unit tractions, constant and linear in x and y, on boundaries, (N, 6)."""
     mesh = site.basis.mesh
     units = np.eye(6).reshape(6, 2, 3)
-    count = np.bincount(mesh.t2f[:, site.elements].ravel(), minlength=mesh.nfacets)
+    count = facet_counts(mesh, site.elements)
     columns = {}
     for name, facets in (mesh.boundaries or {}).items():
         if len(facets) and (count[facets] == 1).all():

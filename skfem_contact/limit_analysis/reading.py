@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, Mesh
 
+from ..arrays import max_abs
 from ..checks import format_point
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
@@ -339,7 +340,7 @@ def _cohesion(
     values = np.asarray(material.cohesion_at(points))
 
     # refuse negative values, but not round-off
-    largest = np.abs(values).max(initial=0.0)
+    largest = max_abs(values)
     if (values < -_ROUND_OFF * largest).any():
         least = points.reshape(2, -1)[:, values.argmin()]
         where = format_point(least)
@@ -363,7 +364,7 @@ def _unit_of_stress(soil: Strength, given: Loads, shape: Geometry) -> float:
     c = soil.c[np.isfinite(soil.c) & (soil.c > 0)]
     if len(c):
         return float(np.median(c))
-    heaviest = float(np.abs(given.dead + given.live).max())
+    heaviest = max_abs(given.dead + given.live)
     return heaviest * shape.size or 1.0
 
 

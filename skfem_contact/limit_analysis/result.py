@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from numpy import ndarray
 from skfem import MeshTri
@@ -74,12 +74,12 @@ class Bounds:
     safe: float | None
     what: str
     reduced: tuple[str, ...]
-    mesh: MeshTri = field(repr=False)
-    mechanism: ndarray = field(repr=False)
-    dissipation: ndarray = field(repr=False)
-    stress_mesh: MeshTri = field(repr=False)
-    stress: ndarray = field(repr=False)
-    history: tuple[Certificate, ...] = field(repr=False)
+    mesh: MeshTri
+    mechanism: ndarray
+    dissipation: ndarray
+    stress_mesh: MeshTri
+    stress: ndarray
+    history: tuple[Certificate, ...]
     remarks: tuple[str, ...] = ()
 
     @property

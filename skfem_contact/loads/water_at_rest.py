@@ -11,9 +11,10 @@ from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from skfem.generic_utils import OrientedBoundary
 
+from ..arrays import max_abs
 from ..checks import finite, format_point, look_up, names_of
 from ..errors import warn
-from ..layout import elements_of, linear_element
+from ..layout import elements_of, facet_counts, linear_element
 from .sides import Sides, facing
 from .vectors import Body, Load, basis_of, hydrostatic
 
@@ -379,7 +380,7 @@ def _bounding(mesh: Mesh, solids: Iterable[Any]) -> OrientedBoundary:
 def _warn_of_suction(pressure: Any, inside: ndarray) -> None:
     """Report a user's function of coordinates that gives suction."""
     given = callable(pressure) and getattr(pressure, "__self__", None) is None
-    if given and inside.min() < -_SUCTION * np.abs(inside).max():
+    if given and inside.min() < -_SUCTION * max_abs(inside):
         warn(
             f"the function of the water has pressures down to {inside.min():.3g}: this suction "
             "counts as strength; return np.maximum(pressure, 0) where it is not meant"
@@ -419,7 +420,7 @@ def _warn_of_flooding(basis: CellBasis, pressure: Pressure, pressed: ndarray) ->
     """Report surfaces under water without pressure on them."""
     # Find facets with porous ground below and none above.
     mesh = basis.mesh
-    count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
+    count = facet_counts(mesh, elements_of(basis))
     free = (count == 1) & (mesh.f2t[1] < 0)
     facets = np.setdiff1d(np.flatnonzero(free), pressed)
     if len(facets) == 0:
@@ -427,7 +428,7 @@ def _warn_of_flooding(basis: CellBasis, pressure: Pressure, pressed: ndarray) ->
     surface = FacetBasis(mesh, basis.elem, facets=facets)
     values = at_points(surface, pressure)
     upwards = np.asarray(surface.normals)[-1] > _UPWARDS
-    wet = upwards & (values > _DRY * np.abs(values).max())
+    wet = upwards & (values > _DRY * max_abs(values))
     if not wet.any():
         return
     where = format_point(np.asarray(surface.global_coordinates())[:, wet].T[0])

@@ -41,12 +41,10 @@ class ConePlasticity(IsotropicPlasticity):
         return bool(np.all(constants.alpha == constants.beta))
 
     @override
-    def yield_bound(self, stress: Array, constants: ConeConstants) -> Array:
-        return _excess(*mean_and_shear(stress), constants)
-
-    @override
     def yield_function(self, values: Array, constants: ConeConstants) -> Array:
         return _excess(*mean_and_shear(values), constants)
+
+    yield_bound = yield_function
 
     @override
     def return_map(self, trial: Array, constants: ConeConstants) -> Return:

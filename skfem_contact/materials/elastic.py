@@ -207,6 +207,11 @@ def davis_factor(friction: Parameter, dilatancy: Parameter) -> Parameter:
     return np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction))
 
 
+def angle_over(angle: Parameter, factor: float) -> Parameter:
+    """Return the angle in degrees whose tangent is divided by a factor."""
+    return np.degrees(np.arctan(np.tan(np.radians(angle)) / factor))
+
+
 def reduced_dilatancy(
     dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter
 ) -> Parameter:

@@ -36,7 +36,7 @@ from .base import (
     require,
     warn_of_radians,
 )
-from .elastic import LinearElastic
+from .elastic import LinearElastic, angle_over
 
 #: Excess over a surface, as a share of the largest stress, that is round-off.
 _ROUND_OFF = 1e-11
@@ -93,8 +93,7 @@ class Joint:
 
     def reduced(self, factor: float, associated: bool) -> Joint:
         """Return the joint with its strength over a factor."""
-        tan_phi = np.tan(np.radians(self.phi)) / factor
-        phi = float(np.degrees(np.arctan(tan_phi)))
+        phi = float(angle_over(self.phi, factor))
         if associated or self.psi == self.phi:
             psi = phi
         else:

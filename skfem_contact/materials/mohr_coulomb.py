@@ -27,7 +27,7 @@ from .base import (
     require,
     warn_of_radians,
 )
-from .elastic import at_points, davis_factor, reduced_dilatancy
+from .elastic import angle_over, at_points, davis_factor, reduced_dilatancy
 from .plastic import IsotropicPlasticity, Return
 from .pyramid import PyramidConstants, cut_off_excess, return_with_cut_off
 from .spectral import extremes, principal_stresses
@@ -147,7 +147,7 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         if flow == "davis_b":
             return weaker._davis(weaker.psi)
         if flow == "davis_c":
-            psi = np.degrees(np.arctan(np.tan(np.radians(self.psi)) / factor))
+            psi = angle_over(self.psi, factor)
             return weaker._davis(np.minimum(psi, weaker.phi))
         if flow == "lagged" and not weaker.symmetric:
             return AssociatedSubstitute(weaker)
@@ -155,7 +155,7 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
     def _divided(self, factor: float) -> MohrCoulomb:
         """Return the soil with c, tan(phi) and tensile strength divided by a factor."""
-        phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
+        phi = angle_over(self.phi, factor)
         psi = reduced_dilatancy(self.psi, self.phi, phi)
         if self.tension is None:
             tension = None

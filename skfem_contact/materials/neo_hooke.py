@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from typing_extensions import override
 
+from ..arrays import max_abs
 from .base import Array, Parameter, Update, along_elements, check_shapes
 from .elastic import Isotropic
 from .spectral import COLUMN, ROW, rotation
@@ -91,8 +92,8 @@ class NeoHooke(Isotropic):
             slope = 0.5 * lam / mu * inverse + 1.0
             change = residual / slope
             growth = growth + change
-            largest = np.abs(growth).max(initial=0.0)
-            if not np.abs(change).max(initial=0.0) > 1e-15 * largest:
+            largest = max_abs(growth)
+            if not max_abs(change) > 1e-15 * largest:
                 break
         z = (stress - (lam * growth)[..., None]) / mu[..., None]
         return 0.5 * np.log1p(z)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
+from ..arrays import max_abs
 from ..checks import format_point
 from ..errors import warn
 from .connections import (
@@ -129,7 +130,7 @@ def check_elements(mesh: Mesh) -> None:
         raise _error("inverted elements", "element", inverted, centres)
 
     middle = corners.mean(axis=(1, 2))
-    if np.abs(middle).max() > _FAR * size.max():
+    if max_abs(middle) > _FAR * size.max():
         warn(
             f"the mesh lies at {format_point(middle)}, more than {_FAR:g} of its elements from the "
             "origin, where `with_defaults` takes wrong facets and quadrilaterals fail: move it by "

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import max_abs
 from .kinds import KINDS, Floats, Integers
 
 #: Random odd number of 64 bits, which is added to nodes in the key of an element.
@@ -412,7 +413,7 @@ def without_middles(content: Content, format_name: str) -> None:
             continue
         if len(cells):
             x = content.points[cells]
-            off = np.abs(x[:, count:] - middles_of(x, kind)).max()
+            off = max_abs(x[:, count:] - middles_of(x, kind))
             if (
                 KINDS[kind].dim == content_dim(content, kind)
                 and off > _SAME * np.ptp(x, axis=1).max()

@@ -122,6 +122,13 @@ N_NODES = {kind: n for (_, n), kind in BY_NODES.items()}
 N_NODES |= {"vertex": 1, "pyramid14": 14, "wedge18": 18}
 
 
+#: Nodes in the order of VTK of formats that have the middles of upright edges before upper ones.
+UPRIGHT_FIRST = {
+    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
+}
+
+
 def signed_size(points: Floats, cells: Integers, kind: str) -> Floats:
     """Return the area or volume of the corners of elements, (n,), negative where mirrored.
 

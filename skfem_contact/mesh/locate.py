@@ -9,6 +9,7 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh
 
+from ..arrays import max_abs
 from ..checks import format_point
 
 #: Elements nearest to a point by their centres that are tried first. On 1e5 triangles of one size
@@ -193,7 +194,7 @@ def _inverse(geometry: _Elements, elements: ndarray, points: ndarray) -> tuple[n
             local = local + step
             break
         local = local + np.clip(step, -_STEP, _STEP)
-        if np.abs(step).max(initial=0.0) < _CHANGE:
+        if max_abs(step) < _CHANGE:
             break
     inside = _contains(geometry.kind, local)
     if nodes.shape[1] > dim + 1:

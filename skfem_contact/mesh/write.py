@@ -26,8 +26,8 @@ _WRITERS: dict[str, Callable[[Content, str], None]] = {
 }
 #: Corners of the edges whose middles are nodes of elements of second order, in their order.
 _EDGES = {
-    "triangle6": ((0, 1), (1, 2), (2, 0)),
-    "quad9": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "triangle6": KINDS["triangle6"].sides,
+    "quad9": KINDS["quad9"].sides,
     "tetra10": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
     "hexahedron27": (
         *((0, 1), (1, 2), (2, 3), (3, 0)),

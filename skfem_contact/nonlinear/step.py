@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..arrays import max_abs
 from ..checks import trusted_calls
 from ..errors import NoEquilibrium, NotConverged
 from ..solvers.direct import REFINE, SingularSystem, Solve
@@ -160,7 +161,7 @@ class _Balance(Problem):
     def evaluate(self, z: ndarray) -> Evaluation:
         step = self._step
         new = step.system.evaluate(z, step.states, step.load)
-        lag = np.abs(step.prescribed - z[step.system.fixed]).max(initial=0.0)
+        lag = max_abs(step.prescribed - z[step.system.fixed])
         return replace(new, lag=float(lag))
 
     def direction(self, now: Evaluation, damped: bool) -> ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..arrays import max_abs
 from ..errors import Failure, IncrementTooLarge, NotConverged
 from ..forms.base import Forms, Response, States, responses_of
 from ..forms.roles import Body, Reducible, Regularised, Stiff, Timed, changed, having
@@ -118,7 +119,7 @@ class System:
 
     def responses(self, x: ndarray, states: States) -> dict[str, Response]:
         """Return the responses of all forms at displacements, unless these have run away."""
-        if not np.abs(x).max(initial=0.0) < _ENDLESS:
+        if not max_abs(x) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
         try:
             return responses_of(self.forms, x, states, self._slots)

@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import max_abs
 from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
 from ..errors import warn
@@ -429,7 +430,7 @@ def _on_structure(
     points = np.vstack([line.axis for line in lines])
     size = float(np.ptp(points, axis=0).max())
     if scale is None:
-        largest = max(float(np.abs(line.ordinate).max()) for line in lines)
+        largest = max(max_abs(line.ordinate) for line in lines)
         scale = _LONGEST * size / (largest or 1.0)
 
     # Draw the ordinates.
@@ -545,7 +546,7 @@ def _write_extremes(ax: Axes, line: _Ordinates, tips: ndarray) -> None:
     """Write the largest and the smallest value next to their ordinates."""
     # Write the value on the outer side; one that is small beside the other says nothing.
     extremes = (int(line.ordinate.argmax()), int(line.ordinate.argmin()))
-    least = _LEAST * float(np.abs(line.ordinate).max())
+    least = _LEAST * max_abs(line.ordinate)
     for i in dict.fromkeys(extremes):
         value = line.ordinate[i]
         if abs(value) < least:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector
 
+from ..arrays import max_abs
 from ..checks import check_plane
 from ..collapse.mechanism import LOAD
 from ..forms.solid import SolidForm
@@ -89,7 +90,7 @@ def mechanism(
     scene = Scene(stage)
     if deformed:
         size = np.ptp(scene.coordinates[scene.nodes], axis=0).max()
-        scene.factor = _MOVED * size / float(np.abs(scene.displacement).max())
+        scene.factor = _MOVED * size / max_abs(scene.displacement)
     largest = quantile(strain, scene.area, 0.99) or float(strain.max())
     scene.values = strain / (largest or 1.0)
     scale = make_scale(*scene.samples, (0.0, 1.0), levels, "YlOrRd")

@@ -13,7 +13,6 @@ from string import Template
 from typing import Any
 
 import numpy as np
-from numpy import ndarray
 
 from ..display import Table
 from ..forms.base import solids_of
@@ -125,12 +124,14 @@ def report(
         raise ValueError("a report needs a result with a stage")
     sections = sections or {}
     searches = searches or {}
+    pictures = pictures or {}
     kind = Path(file).suffix.lower()
-    if kind not in (".html", ".htm", ".docx") or (kind == ".docx" and template is not None):
+    word = kind == ".docx" and template is None
+    if not word and kind not in (".html", ".htm"):
         raise ValueError(
             f"a report is an .html file, or a .docx file without template, not '{file}'"
         )
-    if kind == ".docx":
+    if word:
         return document.write(
             result,
             Path(file),
@@ -138,7 +139,7 @@ def report(
             quantity,
             sections,
             searches,
-            pictures or {},
+            pictures,
         )
     text = template_of(template)
     table = result.table(sections=sections, searches=searches)
@@ -146,7 +147,7 @@ def report(
 
     # Fill the template; empty parts say so.
     parts = {
-        "pictures": _figures((pictures or {}).items()),
+        "pictures": _figures(pictures.items()),
         "title": escape(title),
         "facts": _facts(facts_of(result, table, searches)),
         "model": _model(result, colors),
@@ -264,20 +265,8 @@ def _listed(values: Mapping[str, Any]) -> str:
     texts = []
     for name, value in values.items():
         if np.ndim(value) or value not in (0, None, np.inf, False, ""):
-            texts.append(f"{name} {_value(value)}")
+            texts.append(f"{name} {report_tables.written(value)}")
     return ", ".join(texts)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, ndarray):
-        return f"{value.min():.4g} to {value.max():.4g}"
-    if is_dataclass(value):
-        return f"{type(value).__name__}({_parameters(value)})"
-    if isinstance(value, tuple):
-        return " and ".join(map(_value, value))
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return str(value)
 
 
 def _stages(result: Result, colors: Mapping[str, Shade], quantity: str) -> Iterator[str]:

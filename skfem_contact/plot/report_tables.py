@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..display import Table
 from ..forms.base import solids_of
 from ..forms.roles import Loaded, having, materials_of
@@ -102,7 +103,7 @@ def loads(result: Result) -> Table:
     rows: list[tuple[Any, ...]] = []
     for stage in result:
         found = _resultants(stage)
-        largest = max(float(np.abs(part).max()) for _, part, _ in found)
+        largest = max(max_abs(part) for _, part, _ in found)
         for what, force, where in found:
             force = np.where(np.abs(force) < _ZERO * largest, 0.0, force)
             rows.append((stage.name, what, *force.tolist(), where))
@@ -244,7 +245,7 @@ def at_rest(result: Result) -> Table:
                 continue
             effective, _ = region.material.drained(stress, internal)
             vertical = effective[dim - 1]
-            counts = vertical < -_SMALL * np.abs(vertical).max(initial=0.0)
+            counts = vertical < -_SMALL * max_abs(vertical)
             if counts.any():
                 ratio = (effective[0] / np.where(counts, vertical, -1.0))[counts]
                 weight = form.weight[region.elements][counts]

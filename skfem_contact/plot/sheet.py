@@ -20,6 +20,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from PIL import Image
 
+from ..arrays import max_abs
 from ..checks import format_point
 from ..errors import warn
 
@@ -165,7 +166,7 @@ def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
     smaller = min(-low, high)
     larger = max(-low, high)
     if colors is None and smaller > max(0.0, _BOTH * larger):
-        largest = float(np.abs(middle).max())
+        largest = max_abs(middle)
         return np.asarray(_DIVERGING(0.5 + 0.5 * middle / largest))
 
     # Use the whole colour map otherwise, dark for large magnitudes.
@@ -242,7 +243,7 @@ def fitting(text: str, width: float) -> float:
 def _figures(value: float, levels: ndarray) -> str:
     """Return a level with the digits that distinguish it from its neighbours, and a true minus."""
     step = float(np.diff(levels).min())
-    largest = float(np.abs(levels).max())
+    largest = max_abs(levels)
     exponent = int(np.floor(np.log10(step) + 1e-9))
     if largest >= 1e5 or largest < 1e-3:
         power = int(np.floor(np.log10(largest)))

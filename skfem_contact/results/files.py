@@ -69,7 +69,7 @@ _MAGIC = b"skfem-contact records\n"
 _PREFIX = struct.Struct("<QI")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StageData:
     """Data at the end of a stage or increment, see :class:`~skfem_contact.results.StageResult`."""
 
@@ -81,26 +81,26 @@ class StageData:
     residual: float
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
-    forms: Forms = field(default_factory=dict, repr=False)
+    forms: Forms = field(default_factory=dict)
     time: float = 0.0
-    increments: tuple[Self, ...] = field(default=(), repr=False)
-    unreleased: ndarray | None = field(default=None, repr=False)
-    layout: Layout | None = field(default=None, repr=False)
-    water: Any = field(default=None, repr=False)
-    water_unit_weight: float | None = field(default=None, repr=False)
-    placed: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
+    increments: tuple[Self, ...] = ()
+    unreleased: ndarray | None = None
+    layout: Layout | None = None
+    water: Any = None
+    water_unit_weight: float | None = None
+    placed: Mapping[str, ndarray] = field(default_factory=dict)
     next_step: float = np.inf
-    remarks: tuple[str, ...] = field(default=(), repr=False)
-    seconds: float = field(default=0.0, repr=False)
-    changed: Forms = field(default_factory=dict, repr=False)
-    supports: ndarray | None = field(default=None, repr=False)
-    before: tuple[ndarray, ndarray, float] | None = field(default=None, repr=False)
-    velocity: ndarray | None = field(default=None, repr=False)
-    acceleration: ndarray | None = field(default=None, repr=False)
-    inertial: ndarray | None = field(default=None, repr=False)
-    series: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
-    gravity: tuple[float, ...] | None = field(default=None, repr=False)
-    new_mesh: Mesh | None = field(default=None, repr=False)
+    remarks: tuple[str, ...] = ()
+    seconds: float = 0.0
+    changed: Forms = field(default_factory=dict)
+    supports: ndarray | None = None
+    before: tuple[ndarray, ndarray, float] | None = None
+    velocity: ndarray | None = None
+    acceleration: ndarray | None = None
+    inertial: ndarray | None = None
+    series: Mapping[str, ndarray] = field(default_factory=dict)
+    gravity: tuple[float, ...] | None = None
+    new_mesh: Mesh | None = None
 
     def outputs(self, name: str) -> Outputs:
         """Return values of a form for tables and pictures, see :class:`skfem_contact.Outputs`."""

@@ -12,6 +12,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import Mesh
 
+from ..arrays import max_abs
 from ..checks import finite, look_up, nearest
 from ..display import Table
 from ..forms.base import States, as_forms
@@ -233,14 +234,14 @@ class Result:
             states[name] = form.rebased(last.x, states[name])
 
         # Check that forms without a rule of their own keep their forces.
-        scale = float(np.abs(last.load).max(initial=0.0))
+        scale = max_abs(last.load)
         for name, form in last.forms.items():
             if isinstance(form, Staged) and type(form).rebased is not Staged.rebased:
                 continue
             before = form.assemble(last.x[: form.size], last.states[name]).force
             after = form.assemble(x[: form.size], states[name]).force
-            change = float(np.abs(after - before).max(initial=0.0))
-            scale = max(scale, float(np.abs(before).max(initial=0.0)))
+            change = max_abs(after - before)
+            scale = max(scale, max_abs(before))
             if change > _SAME_FORCE * scale:
                 raise ValueError(
                     f"the force of '{name}' changes by {change:.3g} when displacements are reset: "

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import finite, look_up
 from ..errors import Remark
 from ..forms.base import Forms, States, solids_of
@@ -79,7 +80,7 @@ def point_status(form: SolidForm, state: SolidState) -> ndarray:
             limit = limit.reshape(len(limit), -1)
         # Those whose largest principal stress is the tensile strength are torn.
         effective, _ = region.material.drained(stress, internal)
-        scale = np.abs(effective[:3]).max(initial=0.0)
+        scale = max_abs(effective[:3])
         largest = spectral.principal_stresses(effective)[0]
         torn = largest >= limit - _AT_YIELD * (scale + limit)
         status[region.elements][torn] = PointStatus.TENSION

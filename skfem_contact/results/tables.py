@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import format_point, look_up
 from ..contact.laws import Status
 from ..display import Table
@@ -267,5 +268,5 @@ def located(values: ndarray, points: ndarray) -> tuple[int, str]:
     known = np.where(np.isfinite(values), values, -np.inf)
     largest = known.max()
     index = int(np.argmax(known >= largest - _EQUAL * np.abs(largest)))
-    is_zero = np.abs(points[index]) < _ZERO * np.abs(points).max()
+    is_zero = np.abs(points[index]) < _ZERO * max_abs(points)
     return index, format_point(np.where(is_zero, 0.0, points[index]))

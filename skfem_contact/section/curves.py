@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import format_point
 from ..sparse import parts_of
 from .outline import cross, turn
@@ -176,7 +177,7 @@ def _arc_between(points: ndarray, tolerance: float) -> float | None:
         radius = 0.5 * chord / np.sin(half)
         below = np.sqrt(np.maximum(radius**2 - along**2, 0.0))
         height = radius * np.cos(half) - np.sign(radius) * below
-    if np.abs(across - height).max() > tolerance:
+    if max_abs(across - height) > tolerance:
         return None
     return float(np.tan(0.5 * half))
 

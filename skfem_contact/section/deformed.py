@@ -14,7 +14,7 @@ from skfem import Mesh, MeshTri, MeshTri2
 
 from ..checks import format_point
 from ..sparse import parts_of
-from .kernel import gmsh_model
+from .kernel import gmsh_model, nodes_of
 from .outline import cross, turn
 
 #: Size of elements at coordinates (2, n): (n,).
@@ -362,16 +362,13 @@ def _prepare(gmsh: Any, chains: list[Chain], lines: list[list[int]], faces: list
 
 def _elements(gmsh: Any, faces: list[int]) -> tuple[ndarray, ndarray, ndarray]:
     """Return coordinates, elements and their parts of the current mesh."""
-    tags, places, _ = gmsh.model.mesh.getNodes()
-    row = np.zeros(int(tags.max()) + 1, int)
-    row[tags.astype(int)] = np.arange(len(tags))
+    coordinates, row = nodes_of(gmsh)
     cells = []
     part_of = []
     for part, face in enumerate(faces):
         nodes = gmsh.model.mesh.getElementsByType(2, face)[1]
         cells.append(row[nodes.astype(int)].reshape(-1, 3))
         part_of.append(np.full(len(cells[-1]), part))
-    coordinates = np.reshape(places, (-1, 3))[:, :2]
     return coordinates, np.vstack(cells), np.concatenate(part_of)
 
 

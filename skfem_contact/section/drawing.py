@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import format_point, positive
 from .curves import TEXTS, Chain, chain_of, entities, joined, open_gap, position, snapped
 from .outline import Outline
@@ -331,7 +332,7 @@ def _in_metres(
     size = (high - low).max()
     origin = np.zeros(2)
     # Move drawings in coordinates of a map to the origin, where round-off is small.
-    if np.abs(x).max() > _FAR * size:
+    if max_abs(x) > _FAR * size:
         far = np.abs(0.5 * (low + high)) > _FAR * size
         origin = np.where(far, np.round(low), 0.0)
         remarks.append(f"moved: {format_point(origin)} m of the drawing is the origin")

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from numpy import ndarray
 
 from ..checks import format_point
 from .outline import Outline
@@ -87,6 +88,14 @@ _OPTIONS = {
     "Mesh.SubdivisionAlgorithm": 0,
     "Mesh.SaveAll": 0,
 }
+
+
+def nodes_of(gmsh: Any) -> tuple[ndarray, ndarray]:
+    """Return the coordinates of the nodes of the current mesh, (n, 2), and their rows by tag."""
+    tags, x, _ = gmsh.model.mesh.getNodes()
+    row = np.zeros(int(tags.max()) + 1, int)
+    row[tags.astype(int)] = np.arange(len(tags))
+    return np.reshape(x, (-1, 3))[:, :2], row
 
 
 def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:

@@ -11,7 +11,7 @@ from skfem import Mesh
 
 from ..checks import format_point
 from ..errors import warn
-from .kernel import gmsh_model
+from .kernel import gmsh_model, nodes_of
 from .naming import name_outside, separate
 from .pieces import Pieces, Plan, cut_up
 from .sizes import Sizes
@@ -74,7 +74,7 @@ def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[
     from skfem.io.meshio import from_meshio
 
     # Read the elements face by face
-    tags, points, _ = gmsh.model.mesh.getNodes()
+    points, row = nodes_of(gmsh)
     kind = "triangle"
     nodes_of_element = 3
     if order == 2:
@@ -89,15 +89,13 @@ def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[
     t = np.vstack(cells)
 
     # Number the corners in the order of Gmsh, then the other nodes, as scikit-fem wants it
-    row = np.zeros(int(tags.max()) + 1, int)
-    row[tags.astype(int)] = np.arange(len(tags))
     corners = np.unique(row[t[:, :3]])
     others = np.setdiff1d(row[t], corners)
     kept = np.concatenate((corners, others))
-    number = np.full(len(tags), -1)
+    number = np.full(len(points), -1)
     number[kept] = np.arange(len(kept))
     number = number[row]
-    x = np.reshape(points, (-1, 3))[kept, :2]
+    x = points[kept]
     mesh = from_meshio(meshio.Mesh(x, [(kind, number[t])]))
 
     # Find the facets of curves by their ends

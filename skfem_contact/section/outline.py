@@ -10,6 +10,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import max_abs
 from ..checks import finite, format_point, positive, vector
 
 #: Points nearer than this share of the size of an outline are one point.
@@ -63,7 +64,7 @@ class Outline:
         size = np.ptp(points, axis=0).max()
 
         # Drop a last point that repeats the first one
-        repeated = self.closed and np.abs(points[0] - points[-1]).max() <= _SAME * size
+        repeated = self.closed and max_abs(points[0] - points[-1]) <= _SAME * size
         if repeated:
             points = points[:-1]
         segments = len(points) - (not self.closed)

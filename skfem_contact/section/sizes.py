@@ -10,6 +10,7 @@ import scipy
 from numpy import ndarray
 
 from ..checks import format_point
+from .kernel import nodes_of
 from .pieces import Pieces, Plan, sides_of
 
 #: Growth of the size of elements per distance along curves.
@@ -185,13 +186,10 @@ class Sizes:
         """
         # Find the ends of the elements of curves
         mesh = gmsh.model.mesh
-        tags, x, _ = mesh.getNodes()
-        row = np.zeros(int(tags.max()) + 1, int)
-        row[tags.astype(int)] = np.arange(len(tags))
+        x, row = nodes_of(gmsh)
         nodes = [mesh.getElements(1, curve)[2][0] for curve in self._curves.tags]
         rows = row[np.concatenate(nodes).astype(int)]
-        points = np.reshape(x, (-1, 3))[rows, :2]
-        ends = points.reshape(-1, 2, 2)  # (elements, ends, 2)
+        ends = x[rows].reshape(-1, 2, 2)  # (elements, ends, 2)
         length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         tree = scipy.spatial.cKDTree(ends.mean(axis=1))
         count = min(_NEIGHBOURS, len(length))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
+from ..arrays import max_abs
 from ..sparse import FreeBlock, same_matrix, with_data
 from .krylov import Fgmres
 from .pardiso import Pardiso
@@ -464,7 +465,7 @@ class _Factor:
         motion = any_motion(len(self._scale))
         for _ in range(2):
             motion = self._solve(self._scale * motion)
-            stiffness = 1.0 / float(np.abs(motion).max())
+            stiffness = 1.0 / max_abs(motion)
             if stiffness > SOFT:
                 break
             motion *= stiffness
@@ -480,7 +481,7 @@ class _Factor:
             motion = any_motion(len(self._scale))
             for _ in range(2):
                 motion = solve(self._scale * motion)
-                motion /= np.abs(motion).max()
+                motion /= max_abs(motion)
             if np.isfinite(motion).all():
                 break
         moving = ~(np.abs(motion) <= MOVES)  # all of them without numbers
@@ -489,12 +490,12 @@ class _Factor:
 
 def _in_single(engine: Engine, A: csr_matrix, symmetric: bool) -> Callable[[ndarray], ndarray]:
     """Factor A in single precision and return its solution, in any units."""
-    largest = float(np.abs(A.data).max())
+    largest = max_abs(A.data)
     scaled = (A.data / largest).astype(np.float32)
     solve = engine.factor(with_data(A, scaled), symmetric)
 
     def solution(b: ndarray) -> ndarray:
-        size = float(np.abs(b).max()) or 1.0
+        size = max_abs(b) or 1.0
         x = solve((b / size).astype(np.float32))
         return x.astype(float) * (size / largest)
 

@@ -10,6 +10,8 @@ from numpy import ndarray
 from scipy.linalg import eigh, solve_triangular
 from scipy.sparse import spmatrix
 
+from ..arrays import max_abs
+
 #: Directions of FGMRES that are kept, two vectors each.
 RESTART = 100
 #: Share of a vector that is left of it by projections, below which round-off asks for others.
@@ -132,7 +134,7 @@ class _Space:
         """Return the space of directions alone."""
         Q, R = np.linalg.qr(A @ directions.T)
         none = np.zeros((0, 0))
-        least = _DEPENDENT * np.abs(R).max(initial=0.0)
+        least = _DEPENDENT * max_abs(R)
         independent = np.abs(np.diagonal(R)) > least
         if len(R) == 0 or not independent.all():
             directions = directions[:0]

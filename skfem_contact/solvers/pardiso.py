@@ -15,6 +15,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, eye, triu
 
+from ..arrays import max_abs
 from ..sparse import same_pattern, with_data
 from .threads import allowed
 
@@ -253,7 +254,7 @@ class Condensed:
         # memory where diagonal entries are missing
         inner = A.shape[0] - m
         difference = A[:inner] - A[:, :inner].T
-        largest = np.abs(A.data).max()
+        largest = max_abs(A.data)
         if abs(difference).max() > SAME * largest or not (A.diagonal()[:inner] > 0.0).all():
             return None
         new = cls(A, m)

@@ -21,6 +21,7 @@ from numpy import ndarray
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
+from ..arrays import max_abs
 from ..sparse import FreeBlock, same_pattern, widened
 from .direct import REFINE, SOFT, Condensed, Engine, LinearSolver, Solve, any_motion, as_engine
 
@@ -172,7 +173,7 @@ class _Base:
         """Prepare solutions with the condensed tangent; `other` where a motion has no stiffness."""
         solve = self.updated(self.K, csr_matrix(self.K.shape), other)
         scale = np.abs(self.K.diagonal())
-        if np.abs(solve(scale * any_motion(len(scale)))).max() < 1.0 / SOFT:
+        if max_abs(solve(scale * any_motion(len(scale)))) < 1.0 / SOFT:
             return solve
         return other()
 
@@ -204,7 +205,7 @@ class _Base:
             return other()
         # leave tangents with a motion that hardly anything resists to the other solver
         motion = lu_solve(dense, scale * any_motion(len(scale)))
-        if not np.abs(motion).max(initial=0.0) < 1.0 / SOFT:
+        if not max_abs(motion) < 1.0 / SOFT:
             return other()
 
         # eliminate the interior, solve on the interface, and insert

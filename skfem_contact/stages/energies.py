@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..dynamics.mass import lumped
 from ..dynamics.scheme import Motion
 from ..forms.roles import Dissipating, Touching, Wet, having
@@ -81,10 +82,9 @@ class Log:
         # Supports react to the forces of forms, inertia and load.
         at = self._fixed
         reaction = motion.force[at] - load[at]
-        inner = {name: force for name, force in forces.items() if name != INERTIA}
-        for force in inner.values():
+        for force in forces.values():
             reaction += force[at]
-        now = _End(motion.x, load, reaction, inner)
+        now = _End(motion.x, load, reaction, forces)
         if self._last is not None:
             self._add_work(self._last, now, self._states if states is None else states)
         self._last = now
@@ -166,7 +166,7 @@ class Log:
         _, kinetic, elastic, plastic, friction, damped, work = self._energies.T
         inner = elastic + plastic + friction
         lost = kinetic[0] + work[-1] - kinetic[-1] - inner[-1] - damped[-1]
-        largest = max(float(np.abs(each).max()) for each in (kinetic, inner, work))
+        largest = max(max_abs(each) for each in (kinetic, inner, work))
         if largest > 0.0:
             return float(lost / largest)
         return 0.0
@@ -178,7 +178,7 @@ class Log:
         """
         _, kinetic, _, _, friction, _, work = self._energies.T
         gained = -float(np.minimum(np.diff(friction), 0.0).sum())
-        largest = max(float(kinetic.max()), float(np.abs(work).max()))
+        largest = max(float(kinetic.max()), max_abs(work))
         return gained / max(largest, 1e-300)
 
     def summary(self) -> str:

@@ -15,6 +15,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from typing_extensions import override
 
+from ..arrays import max_abs
 from ..contact.laws import Status
 from ..dynamics.boundaries import Masses
 from ..dynamics.explicit import Explicit
@@ -124,7 +125,7 @@ class InTime:
         return Inertia(self.M, self.C, Scheme.of(self.settings.rho_inf))
 
 
-def inertia_of(setup: Setup, stage: Stage, forms: Forms, fixed: ndarray) -> InTime:
+def inertia_of(setup: Setup, stage: Stage, forms: Forms, fixed: ndarray) -> InTime | None:
     """Return the inertia of a stage.
 
     Raises
@@ -134,7 +135,8 @@ def inertia_of(setup: Setup, stage: Stage, forms: Forms, fixed: ndarray) -> InTi
         the stage.
     """
     settings = stage.dynamic
-    assert settings is not None
+    if settings is None:
+        return None
     # Make the matrices and the motion of the base.
     try:
         check_materials(forms)
@@ -195,8 +197,6 @@ def _base(
 
     Supports shake by their acceleration, rock by the velocity of its outcrop.
     """
-    if stage.base is None:
-        return ()
     # Records act on rigid bases as inertia, on rock as the wave that arrives.
     of_rock = {k: form for k, form in having(forms, Absorbing).items() if form.of_rock}
     axes = "xyz"[: len(setup.layout.coordinates)]
@@ -229,17 +229,18 @@ def _base(
 
 def _records(stage: Stage) -> Mapping[str, Any]:
     """Return the records of a base that moves, by their axes."""
-    if isinstance(stage.base, Mapping):
-        return stage.base
+    if stage.base is None or isinstance(stage.base, Mapping):
+        return stage.base or {}
     return {"x": stage.base}
 
 
 def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
     """Yield remarks on records in another unit, and on bases that move twice."""
-    if stage.base is None or setup.gravity_acceleration is None:
+    records = _records(stage).values()
+    if not records or setup.gravity_acceleration is None:
         return
     # Report records in another unit.
-    for record in _records(stage).values():
+    for record in records:
         times = record.peak / setup.gravity_acceleration
         if times > _STRONGEST:
             yield Remark(
@@ -250,7 +251,7 @@ def remarks_on_base(setup: Setup, stage: Stage) -> Iterator[Remark]:
             )
         # Report records that do not end at rest.
         end = abs(float(record.velocity[-1]))
-        largest = float(np.abs(record.velocity).max())
+        largest = max_abs(record.velocity)
         if end > _DRIFT * largest:
             yield Remark(
                 "drift",
@@ -392,7 +393,9 @@ class _Iterated:
         new = solve_increment(step, replace(self._newton, tolerance=tolerance))
         found = dict(new.states)
         moved = found.pop(INERTIA)
-        return _Taken(moved, new.forces, found, new.iterations, new.residuals[-1])
+        forces = dict(new.forces)
+        del forces[INERTIA]
+        return _Taken(moved, forces, found, new.iterations, new.residuals[-1])
 
     def check(self, taken: int, log: Log) -> None:
         """Check the energy now and then."""

@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import finite, format_point, look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
@@ -454,7 +455,7 @@ def state_of(
 def _warn_of_returned(name: str, points: ndarray, given: ndarray, borne: ndarray) -> None:
     """Warn of given stresses, (n_components, n_elements, n_points), that a solid cannot resist."""
     change = np.abs(borne - given).max(axis=0)
-    largest = np.abs(given).max(initial=0.0)
+    largest = max_abs(given)
     returned = change > _RETURNED * largest
     if returned.any():
         worst = np.unravel_index(change.argmax(), change.shape)
@@ -523,7 +524,7 @@ def _check_surface(x: ndarray, pressure: ndarray, surcharge: float) -> None:
     highest = x[-1] > x[-1].max() - _SAME * np.ptp(x[-1])
     values = np.where(highest, given, 0.0)
     k = values.argmax()
-    if values[k] - surcharge > _SAME * np.abs(given).max():
+    if values[k] - surcharge > _SAME * max_abs(given):
         raise ValueError(
             f"water presses with {values[k]:.4g} on the surface at {format_point(x[:, k])}, where "
             f"the surcharge is {surcharge:.4g}: it counts water above the ground too, give "

@@ -11,6 +11,7 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh
 
+from ..arrays import max_abs
 from ..errors import NotConverged, Remarks
 from ..forms.base import solids_of
 from ..forms.solid import sharpened
@@ -394,7 +395,7 @@ class _Supports:
 def _between(at: ndarray, values: ndarray, places: ndarray) -> ndarray:
     """Return values at points (n, 2), linear between the two nearest points of a boundary."""
     spread = float(np.ptp(values))
-    if len(values) < 2 or spread <= _EVEN * float(np.abs(values).max()):
+    if len(values) < 2 or spread <= _EVEN * max_abs(values):
         return np.full(len(places), values[0])
     nearest = np.asarray(scipy.spatial.cKDTree(at).query(places, 2)[1])
     first, second = at[nearest[:, 0]], at[nearest[:, 1]]

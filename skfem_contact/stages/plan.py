@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import look_up, names_of, trusted_calls
 from ..errors import Remark
 from ..forms.base import Form, Forms, solids_of
@@ -134,13 +135,9 @@ class Planner:
 
         # Add up weights, water and the load on top of them
         self._set_water(stage, changes)
-        in_time = None
-        if stage.dynamic is not None:
-            in_time = inertia_of(self._setup, stage, self._active, fixed)
+        in_time = inertia_of(self._setup, stage, self._active, fixed)
         load, on_top = self._loads(stage)
-        jump = None
-        if on_top is not None and in_time is None:
-            jump = self._jump(on_top(0.0), on_top_before)
+        jump = self._jump(stage, on_top, on_top_before)
         prescribed = self._prescribed(stage)
 
         # Compare with the stage before
@@ -324,12 +321,20 @@ class Planner:
             water = stage.water
         return load - setup.weights(self._active) - setup.water_on(self._active, water)
 
-    def _jump(self, first: ndarray, on_top_before: ndarray) -> ndarray | None:
+    def _jump(
+        self,
+        stage: Stage,
+        on_top: Callable[[float], ndarray] | None,
+        on_top_before: ndarray,
+    ) -> ndarray | None:
         """Return the difference between the first load of a function and the load before."""
+        if on_top is None or stage.dynamic is not None:
+            return None
+        first = on_top(0.0)
         jump = first - self._rest - on_top_before
         jump[self._inactive] = 0.0
-        largest = np.abs([first, on_top_before]).max(initial=0.0)
-        if np.abs(jump).max(initial=0.0) > _JUMP * largest:
+        largest = max_abs([first, on_top_before])
+        if max_abs(jump) > _JUMP * largest:
             return jump
         return None
 
@@ -455,7 +460,7 @@ class Planner:
         n = self._setup.layout.n_displacements
         then = self._on_top[:n].reshape(-1, len(gravity)) @ gravity  # weight at the nodes
         now = on_top[:n].reshape(-1, len(gravity)) @ gravity
-        least = _NO_LOAD * np.abs(then).max(initial=0.0)
+        least = _NO_LOAD * max_abs(then)
         remaining = {name: form for name, form in self._active.items() if name in before}
         for name, form in solids_of(remaining).items():
             own = np.unique(nodes(form.basis))
@@ -546,8 +551,8 @@ def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Rema
     """Yield a remark on a load that is a function and does not begin with the load before."""
     if jump is None:
         return
-    size = float(np.abs(jump).max())
-    largest = max(float(np.abs(load).max()), size)
+    size = max_abs(jump)
+    largest = max(max_abs(load), size)
     yield Remark(
         "jump",
         size / largest,
@@ -559,7 +564,7 @@ def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Rema
 
 def _of_removal(stage: Stage, before: ndarray) -> Iterator[Remark]:
     """Yield a remark on a stage with inertia that lacks the load before."""
-    largest = float(np.abs(before).max(initial=0.0))
+    largest = max_abs(before)
     if stage.dynamic is not None and stage.load is None and largest > 0.0:
         yield Remark(
             "removal",
@@ -598,6 +603,4 @@ def _of_idle_input(
 
 def acts_on(load: ndarray, dofs: ndarray) -> bool:
     """Return True if a load is more than round-off at some dofs."""
-    if not len(dofs):
-        return False
-    return bool(np.abs(load[dofs]).max() > _NO_LOAD * np.abs(load).max())
+    return max_abs(load[dofs]) > _NO_LOAD * max_abs(load)

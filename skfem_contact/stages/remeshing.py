@@ -13,6 +13,7 @@ from skfem import Mesh
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
+from ..arrays import max_abs
 from ..checks import is_number, look_up
 from ..display import Table
 from ..errors import warn
@@ -331,8 +332,8 @@ def _carried(form: Any, old: Any, stage: StageResult, key: str) -> tuple[Any, fl
     start = form.initial_state(stress=values[:n])
     start = replace(start, internal=values[n:])
     resisted = form.assemble(np.zeros(form.size), start).state
-    largest = float(np.abs(values[:n]).max(initial=0.0))
-    change = float(np.abs(resisted.stress - values[:n]).max(initial=0.0))
+    largest = max_abs(values[:n])
+    change = max_abs(resisted.stress - values[:n])
     return resisted, change / largest if largest else 0.0
 
 

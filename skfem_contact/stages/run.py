@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..checks import trusted_calls
 from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, warn
@@ -436,7 +437,7 @@ def _remarked(
 def _moved(stage: StageResult, since: ndarray | float = 0.0) -> float:
     """Return the largest displacement; rotations, pressures and multipliers do not count."""
     moves = slice(None) if stage.layout is None else stage.layout.displacements
-    return float(np.abs((stage.x - since)[moves]).max(initial=0.0))
+    return max_abs((stage.x - since)[moves])
 
 
 def among(setup: Setup, start: StageResult) -> StageResult:
@@ -678,8 +679,8 @@ def _extent(coordinates: ndarray) -> float:
 
 def _check_begin(stage: Stage, given: ndarray, held: ndarray) -> None:
     """Refuse prescribed displacements that jump at the start of a stage."""
-    jump = float(np.abs(given - held).max(initial=0.0))
-    if jump > _JUMP * float(np.abs(held).max(initial=0.0)):
+    jump = max_abs(given - held)
+    if jump > _JUMP * max_abs(held):
         raise ValueError(
             f"stage '{stage.name}': prescribed(0) differs by {jump:.3g} from the displacements at "
             "the end of the stage before: begin with those"
@@ -698,7 +699,7 @@ def _values(phase: Phase, held: ndarray, fixed: ndarray) -> Callable[[float], nd
 def _pushed(values: Callable[[float], ndarray]) -> float:
     """Return how far supports move in a stage, which may end where it begins."""
     start = values(0.0)
-    moved = [np.abs(values(share) - start).max(initial=0.0) for share in _SHARES]
+    moved = [max_abs(values(share) - start) for share in _SHARES]
     return float(max(moved))
 
 

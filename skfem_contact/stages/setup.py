@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from typing_extensions import Self
 
 from .. import loads
+from ..arrays import max_abs
 from ..checks import is_number, positive, unit_vector
 from ..errors import warn
 from ..forms.base import Form, Forms, as_forms, solids_of
@@ -167,7 +168,7 @@ class Setup:
                 "in axial symmetry weights act along the axis: gravity or seismic across it needs "
                 "a model in space"
             )
-        if np.abs(horizontal).max() > _STRONGEST:
+        if max_abs(horizontal) > _STRONGEST:
             warn(
                 f"seismic is {seismic}: it is the acceleration over that of gravity, neither in "
                 f"per cent nor in m/s²"

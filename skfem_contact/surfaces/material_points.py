@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from .shape import gauss_points
 from .surface import Surface
 from .vectors import products, solve
@@ -106,7 +107,7 @@ def offset_back(
         missing = np.einsum("nic,nc->ni", tangents, start - mapping.x[0]) - slip
         step = solve(products(tangents, mapping.x[1]), missing)
         xi = xi + step
-        if surface.shape.affine or np.abs(step).max(initial=0.0) < _EXACT:
+        if surface.shape.affine or max_abs(step) < _EXACT:
             break
     return MaterialPoints(point.facet, np.where(point.exist[:, None], xi, np.nan))
 

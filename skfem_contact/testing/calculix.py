@@ -13,28 +13,14 @@ import scipy
 from numpy import ndarray
 
 from ..mesh.content import to_vtk
+from ..mesh.kinds import N_NODES, UPRIGHT_FIRST
 from ..results.fields import basis_of, solids
 
-#: Kinds of elements by their numbers in .frd files, and nodes in the order of VTK.
-_KINDS = {
-    1: ("hexahedron", 8),
-    2: ("wedge", 6),
-    3: ("tetra", 4),
-    4: ("hexahedron20", 20),
-    5: ("wedge15", 15),
-    6: ("tetra10", 10),
-    7: ("triangle", 3),
-    8: ("triangle6", 6),
-    9: ("quad", 4),
-    10: ("quad8", 8),
-    11: ("line", 2),
-    12: ("line3", 3),
-}
-#: The last two groups of nodes of bricks and wedges are swapped against the .inp file and VTK.
-_ORDER = {
-    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
-    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
-}
+#: Kinds of elements by their numbers in .frd files, from one on.
+_KINDS = (
+    *("hexahedron", "wedge", "tetra", "hexahedron20", "wedge15", "tetra10"),
+    *("triangle", "triangle6", "quad", "quad8", "line", "line3"),
+)
 #: Order of components here: xx, yy, zz, xy, yz, xz; .dat files have xz before yz, .frd files not.
 _FROM_DAT = [0, 1, 2, 3, 5, 4]
 #: Widths of the fields of lines of .frd files.
@@ -129,7 +115,7 @@ def read_frd(file: str | Path) -> Frd:
     # Put the nodes of elements into the order of VTK.
     cells = {}
     for kind, rows in blocks.elements.items():
-        cells[kind] = to_vtk(np.array(rows), _ORDER.get(kind))
+        cells[kind] = to_vtk(np.array(rows), UPRIGHT_FIRST.get(kind))
     ids = np.array(blocks.ids)
     points = np.array(blocks.points)
     return Frd(ids, points, cells, tuple(blocks.steps))
@@ -318,12 +304,12 @@ def _read_elements(
     """Read the lines of elements: head, then ten or fifteen nodes a line."""
     while lines[position][:3] == " -1":
         number = int(lines[position].split()[2])
-        if number not in _KINDS:
+        if not 1 <= number <= len(_KINDS):
             raise ValueError(f"elements of type {number} are not read")
-        kind, count = _KINDS[number]
+        kind = _KINDS[number - 1]
         nodes: list[int] = []
         position += 1
-        while len(nodes) < count:
+        while len(nodes) < N_NODES[kind]:
             line = lines[position]
             nodes += [int(line[k : k + 10]) for k in range(3, len(line.rstrip()), 10)]
             position += 1

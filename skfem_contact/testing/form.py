@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..arrays import max_abs
 from ..errors import Remark
 from ..forms.base import Form, Outputs, Response, as_forms
 from ..forms.roles import Regularised, arrays_of
@@ -117,8 +118,8 @@ def _checked_arrays(form: Form, x: ndarray, state: Any) -> tuple[ndarray, Any]:
 def _check_candidate(form: Form, x: ndarray, state: Any, candidate: Any, force: ndarray) -> None:
     """Check the force of the candidate state, and the types that depend on it."""
     # Check the force of the candidate.
-    scale = max(float(np.abs(force).max()), 1e-300)
-    drift = np.abs(_among_all(form, x, candidate).force - force).max()
+    scale = max(max_abs(force), 1e-300)
+    drift = max_abs(_among_all(form, x, candidate).force - force)
     require(drift <= 1e-7 * scale, "the accepted candidate gives another force")
 
     # Check the types of the outer loop and of the outputs.
@@ -152,9 +153,9 @@ def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> No
     stiffness = max(float(abs(K).max()), 1e-300)
 
     # Check resultant and rigid shifts.
-    require(np.abs(f.sum(axis=0)).max() <= 1e-8 * total, "the forces do not balance")
+    require(max_abs(f.sum(axis=0)) <= 1e-8 * total, "the forces do not balance")
     shifts = np.tile(np.eye(dim), len(f)).T
-    require(np.abs(K @ shifts).max() <= 1e-8 * stiffness, "a rigid shift meets resistance")
+    require(max_abs(K @ shifts) <= 1e-8 * stiffness, "a rigid shift meets resistance")
 
     # Compute moments and resistances to rigid rotations in both configurations.
     points = locations[:, ::dim].T
@@ -171,7 +172,7 @@ def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> No
             moment = max(moment, abs((spin * f).sum()))
             turned_force = (f @ turn.T).ravel()
             change = K @ spin.ravel() - follows * turned_force
-            resistance = max(resistance, np.abs(change).max())
+            resistance = max(resistance, max_abs(change))
         moments.append(moment / (total * arms + 1e-300))
         resistances.append(resistance / (stiffness * arms))
 
@@ -191,7 +192,7 @@ def _form_tangent(
     tolerance: float,
 ) -> float:
     """Return the largest error of the tangent in all directions, at smooth points."""
-    size = max(float(np.abs(x).max()), 1e-6)
+    size = max(max_abs(x), 1e-6)
     error = np.zeros(len(x))
     kink = np.zeros(len(x))
     for d in directions:
@@ -202,7 +203,7 @@ def _form_tangent(
         # Compare K d with the differences along d.
         slope, gap = differences(force, STEP * size)
         tangent = K @ d
-        largest = max(float(np.abs(tangent).max()), float(np.abs(slope).max()), 1e-300)
+        largest = max(max_abs(tangent), max_abs(slope), 1e-300)
         error = np.maximum(error, np.abs(slope - tangent) / largest)
         kink = np.maximum(kink, gap / largest)
     message = "the tangent differs from the differences of the force"

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..contact.laws import InterfaceLaw, Status
 from ..contact.laws import LawUpdate as Traction
 from ..materials.base import Material, Update, as_material, updated
@@ -157,7 +158,7 @@ def check_material(
         # Repeat the update without strain.
         again = updated(material, np.zeros_like(increment), new.stress, new.internal, 0.0)
         drift = np.abs(again.stress - new.stress).max(axis=0)
-        largest = np.abs(new.stress).max()
+        largest = max_abs(new.stress)
         message = "the stress is not admissible: a zero increment changes it"
         require_all(drift <= 1e-7 * largest, message)
 
@@ -179,7 +180,7 @@ def check_material(
         tangent = D.reshape(-1, ncomp, ncomp).copy()
         if len(new.plastic):
             tangent[new.plastic] = new.tangent()
-        error = _material_tangent(update, increment, tangent, np.abs(D).max(), strain, tolerance)
+        error = _material_tangent(update, increment, tangent, max_abs(D), strain, tolerance)
         worst = max(worst, error)
         stress = new.stress
         internal = new.internal
@@ -190,8 +191,8 @@ def _check_elasticity(D: ndarray, ncomp: int, n_elements: int) -> None:
     """Check shape, symmetry and sign of an elastic stiffness."""
     shapes = (ncomp, ncomp), (n_elements, ncomp, ncomp)
     require(D.shape in shapes, f"elasticity has the shape {D.shape}")
-    skew = np.abs(D - np.swapaxes(D, -1, -2)).max()
-    require(skew <= EXACT * np.abs(D).max(), "the elasticity is not symmetric")
+    skew = max_abs(D - np.swapaxes(D, -1, -2))
+    require(skew <= EXACT * max_abs(D), "the elasticity is not symmetric")
     require(np.linalg.eigvalsh(D).min() > 0, "the elasticity is not positive definite")
 
 
@@ -371,7 +372,7 @@ def _check_traction(
     require_all(known, "`status` has values that are no Status")
 
     # Check that the elastic slip gives the same traction, and the opposite slip the opposite one.
-    force = max(float(np.abs(new.traction).max(initial=0.0)), 1e-300)
+    force = max(max_abs(new.traction), 1e-300)
     again = traction(new.elastic_slip, new.internal)
     drift = np.abs(again - new.traction).max(axis=0)
     message = "the traction is not admissible: the elastic slip gives another one"

@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Basis, CellBasis, FacetBasis, LinearForm, Mesh
 
+from ..arrays import max_abs
 from ..checks import finite, format_point, look_up, names_of, positive
 from ..layout import elements_of
 from .darcy import radius
@@ -131,7 +132,7 @@ def conditions(
 def _refuse_axis(mesh: Mesh, nodes: Mapping[str, ndarray], tolerance: float) -> None:
     """Refuse boundaries on the axis."""
     for name, indices in nodes.items():
-        if np.abs(mesh.p[0, indices]).max() <= tolerance:
+        if max_abs(mesh.p[0, indices]) <= tolerance:
             raise ValueError(
                 f"boundary '{name}' lies on the axis and has no area: no water passes through "
                 "it; a well has a radius"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy import ndarray
@@ -177,21 +177,25 @@ class DarcyFlow:
     def relative(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         """Return the relative permeability at the points and its slope over the heads."""
         suction = (self.elevation - head)[self.dofs] @ self._shape.T
-        relative = np.ones_like(suction)
-        slope = np.zeros_like(suction)
-        for part, law in laws:
-            relative[part], falling = law.relative(suction[part], self._size[part])
-            slope[part] = -falling
-        return relative, slope[:, :, None] * self._shape
+        relative, slope = self._by_laws(laws, "relative", suction)
+        return relative, -slope[:, :, None] * self._shape
 
     def filled(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         """Return the effective saturation and its slope, (n_elements, n_corners)."""
-        suction = (self.elevation - head)[self.dofs]
-        filled = np.ones_like(suction)
+        return self._by_laws(laws, "saturation", (self.elevation - head)[self.dofs])
+
+    def _by_laws(
+        self,
+        laws: Laws,
+        curve: Literal["relative", "saturation"],
+        suction: ndarray,
+    ) -> tuple[ndarray, ndarray]:
+        """Return the values of a curve of the laws and their slopes over suctions."""
+        values = np.ones_like(suction)
         slope = np.zeros_like(suction)
         for part, law in laws:
-            filled[part], slope[part] = law.saturation(suction[part], self._size[part])
-        return filled, slope
+            values[part], slope[part] = getattr(law, curve)(suction[part], self._size[part])
+        return values, slope
 
     def gathered(self, corners: ndarray) -> ndarray:
         """Return the integral around each node of values at the corners, (N,)."""

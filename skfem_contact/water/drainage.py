@@ -10,6 +10,7 @@ import scipy
 from numpy import ndarray
 from skfem import CellBasis, Mesh
 
+from ..arrays import max_abs
 from ..errors import Remark
 from ..layout import elements_of
 from ..sparse import parts_of
@@ -84,7 +85,7 @@ def check_step(
     def holds(x: ndarray) -> bool:
         p = x[first + own.corners]
         error = excess * np.ptp(p[:, element], axis=0)
-        return float(error.max()) > _EXCESS * np.abs(p).max()
+        return float(error.max()) > _EXCESS * max_abs(p)
 
     yield Remark(
         "short",
@@ -199,7 +200,7 @@ def _beside_thin(
     def holds(x: ndarray) -> bool:
         p = x[first + own.corners]
         differs = np.ptp(x[first + beside], axis=0)
-        return float(differs.max()) > _EXCESS * np.abs(p).max()
+        return float(differs.max()) > _EXCESS * max_abs(p)
 
     longest = float(times[chosen].max())
     yield Remark(

@@ -10,6 +10,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from skfem import CellBasis, FacetBasis
 
+from ..arrays import max_abs
 from ..forms.assembly import strain_operator
 from ..forms.base import Coordinates
 from ..layout import elements_of
@@ -167,7 +168,7 @@ class Porous:
         dofs = self.basis.element_dofs.T.ravel()
         by_element = self.coupling.sum(axis=2).ravel()
         thrust = np.abs(np.bincount(dofs, by_element, minlength=self.basis.N))
-        largest = max(thrust.max(), np.abs(self.coupling).max())
+        largest = max(thrust.max(), max_abs(self.coupling))
         thrust[fixed] = 0.0
         return bool(thrust.max() > _RIGID * largest)
 

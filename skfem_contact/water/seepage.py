@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
@@ -50,13 +50,13 @@ class Seepage:
     inflow: ndarray
     velocity: ndarray
     iterations: tuple[int, ...]
-    _passing: Mapping[str, ndarray] = field(repr=False)
-    _flux: Mapping[str, Given] = field(repr=False)
-    _from_sources: ndarray = field(repr=False)
-    _by_element: ndarray = field(repr=False)
-    _saturation: ndarray = field(repr=False)
-    _unit_weight: float = field(repr=False)
-    _axisymmetric: bool = field(repr=False)
+    _passing: Mapping[str, ndarray]
+    _flux: Mapping[str, Given]
+    _from_sources: ndarray
+    _by_element: ndarray
+    _saturation: ndarray
+    _unit_weight: float
+    _axisymmetric: bool
 
     def __str__(self) -> str:
         rows = [

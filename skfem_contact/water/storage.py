@@ -82,10 +82,7 @@ class StoringFlow(DarcyFlow):
     @override
     def relative(self, head: ndarray, laws: Laws) -> tuple[ndarray, ndarray]:
         suction = (self.elevation - head)[self.dofs]
-        relative = np.ones_like(suction)
-        slope = np.zeros_like(suction)
-        for part, law in laws:
-            relative[part], slope[part] = law.relative(suction[part], self._size[part])
+        relative, slope = self._by_laws(laws, "relative", suction)
         return relative @ self._shape.T, -slope[:, None, :] * self._shape
 
     @override

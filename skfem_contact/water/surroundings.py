@@ -15,7 +15,7 @@ from ..checks import format_point
 from ..errors import Remark
 from ..forms.base import Coordinates, Forms, solids_of
 from ..forms.roles import Draining, Touching, having
-from ..layout import elements_of
+from ..layout import elements_of, facet_counts
 
 #: Distance of points that coincide, over the size of the mesh.
 _ROUND_OFF = 1e-9
@@ -132,7 +132,7 @@ def _stiffness(basis: CellBasis, forms: Forms) -> tuple[ndarray, ndarray, tuple[
 def _crossed(basis: CellBasis, forms: Forms) -> Iterator[Remark]:
     """Yield remarks on plane beams along facets inside of porous ground: water passes them."""
     mesh = basis.mesh
-    count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
+    count = facet_counts(mesh, elements_of(basis))
     inner = mesh.facets[:, count == 2]
     middles = scipy.spatial.cKDTree(mesh.p[:, inner].mean(axis=1).T)
     tolerance = _ROUND_OFF * np.ptp(mesh.p)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import max_abs
 from ..errors import NotConverged
 from ..nonlinear.increment import PART
 from ..solvers.direct import SingularSystem
@@ -53,7 +54,7 @@ class TransientSeepage(Sequence[Seepage]):
     stored: ndarray
     entered: ndarray
     steps: int
-    _states: tuple[Seepage, ...] = field(repr=False)
+    _states: tuple[Seepage, ...]
 
     def __len__(self) -> int:
         return len(self._states)
@@ -75,7 +76,7 @@ class TransientSeepage(Sequence[Seepage]):
     @property
     def balance_error(self) -> float:
         """Largest difference between entered and additional stored water, over the stored."""
-        error = np.abs(self.stored - self.stored[0] - self.entered).max()
+        error = max_abs(self.stored - self.stored[0] - self.entered)
         return float(error / self.stored.max())
 
 
@@ -261,7 +262,7 @@ class March:
         """Return the volumes that nodes can store, by saturation and pressure, (2, N)."""
         pressed = np.maximum(head - self.flow.elevation, 0.0)
         before = np.maximum(self._start - self.flow.elevation, 0.0)
-        return self.flow.span(float(np.abs(pressed - before).max()))
+        return self.flow.span(max_abs(pressed - before))
 
     def _accepted(
         self,

@@ -24,32 +24,20 @@ from ..content import (
     without_middles,
 )
 from ..find_sides import normals
-from ..kinds import KINDS, Floats, Integers
+from ..kinds import BY_NODES, KINDS, Floats, Integers
 
-#: Kinds by the dimension of the family and the number of nodes; families by the start of the type.
-_PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8", 9: "quad9"}
-_SPACE = {
-    4: "tetra",
-    10: "tetra10",
-    5: "pyramid",
-    6: "wedge",
-    15: "wedge15",
-    8: "hexahedron",
-    20: "hexahedron20",
-    27: "hexahedron27",
-}
 #: Nodes of bodies of 27 nodes in the order of VTK: the middle comes before the faces.
 _ORDER = {"hexahedron27": [*range(20), 26, 24, 23, 25, 21, 22, 20]}
-_LINES = {2: "line", 3: "line3"}
+#: Dimensions of the elements of families, which are known by the start of their type.
 _FAMILIES = (
-    (r"C3D|DC3D|AC3D|SC[68]", _SPACE),
-    (r"CP[ES]|CGAX|CAX|CPEG|AC2D|DC2D|DCAX|STRI|SFM3D|M3D|S[3468]|R3D[34]|WARP2D|DS", _PLANE),
-    (r"T[23]D|B[23]|R2D|RAX|SAX|MAX", _LINES),
+    (r"C3D|DC3D|AC3D|SC[68]", 3),
+    (r"CP[ES]|CGAX|CAX|CPEG|AC2D|DC2D|DCAX|STRI|SFM3D|M3D|S[3468]|R3D[34]|WARP2D|DS", 2),
+    (r"T[23]D|B[23]|R2D|RAX|SAX|MAX", 1),
 )
 #: Local nodes of the faces of elements, by kind, from face 1 on (corners only, counted from 0).
 _FACES = {
-    "triangle": ((0, 1), (1, 2), (2, 0)),
-    "quad": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "triangle": KINDS["triangle"].sides,
+    "quad": KINDS["quad"].sides,
     "tetra": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
     "pyramid": ((0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)),
     "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
@@ -380,13 +368,13 @@ def _read_elements(part: _Part, card: _Card) -> None:
 def _kind_of(name: str) -> tuple[str, int]:
     """Return kind and number of nodes of a type such as "CPE8R"; none of springs, masses."""
     digits = re.findall(r"\d+", re.sub(r"(2D|3D)(?=\d)|^B(?=\d{2})", "", name))
-    for pattern, kinds in _FAMILIES:
+    for pattern, dim in _FAMILIES:
         if re.match(pattern, name) and digits:
             n_nodes = int(digits[0])
             if name.startswith("B") and n_nodes > 9:
                 n_nodes = 2 + (n_nodes % 10 == 2)
-            if n_nodes in kinds:
-                return kinds[n_nodes], n_nodes
+            if (dim, n_nodes) in BY_NODES:
+                return BY_NODES[dim, n_nodes], n_nodes
             raise _not_read(name)
     if re.match(r"C(?!ONN)|S\d|M\d", name):
         raise _not_read(name)

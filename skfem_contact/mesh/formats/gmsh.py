@@ -5,7 +5,7 @@ from __future__ import annotations
 import mmap
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -346,12 +346,21 @@ def _check_partitions(partitions: _Tags, groups: _Tags, found: set[tuple[int, in
     every = [key for key in partitions if key[0] == dim]
     # Entities without a group have no elements where others have groups.
     named = [key for key in every if len(groups[key])] or every
-    wanted = {int(part) for key in named for part in partitions[key]}
-    there = {int(part) for key in found & set(every) for part in partitions[key]}
+    wanted = _numbers_in(partitions[key] for key in named)
+    there = _numbers_in(partitions[key] for key in found & set(every))
+    _refuse_parts(there, wanted, f"{len(wanted)}")
+
+
+def _numbers_in(parts: Iterable[Integers]) -> set[int]:
+    """Return the different numbers of several arrays."""
+    return set(np.concatenate([np.zeros(0, int), *(part.ravel() for part in parts)]).tolist())
+
+
+def _refuse_parts(there: set[int], wanted: set[int], count: str) -> None:
+    """Refuse a file that lacks partitions."""
     if wanted - there:
-        raise ValueError(
-            f"it has partition {', '.join(map(str, sorted(there)))} of {len(wanted)} alone{_WHOLE}"
-        )
+        numbers = ", ".join(map(str, sorted(there)))
+        raise ValueError(f"it has partition {numbers} of {count} alone{_WHOLE}")
 
 
 def _check_partitions_22(blocks: list[_Blocks]) -> None:
@@ -361,18 +370,10 @@ def _check_partitions_22(blocks: list[_Blocks]) -> None:
     missing is known from ghost elements alone, and a single first one may be all.
     """
     dim = max((KINDS[block.kind].dim for block in blocks), default=0)
-    there = set()
-    wanted = set()
-    for block in blocks:
-        if KINDS[block.kind].dim == dim and block.partitions.size:
-            there.update(np.unique(block.partitions[:, 0]).tolist())
-            wanted.update(np.unique(block.partitions).tolist())
-    last = max(wanted, default=0)
-    if set(range(1, last + 1)) - there:
-        raise ValueError(
-            f"it has partition {', '.join(map(str, sorted(there)))} of at least {last} alone"
-            f"{_WHOLE}"
-        )
+    parts = [block.partitions for block in blocks if KINDS[block.kind].dim == dim]
+    there = _numbers_in(part[:, :1] for part in parts)
+    last = max(_numbers_in(parts), default=0)
+    _refuse_parts(there, set(range(1, last + 1)), f"at least {last}")
     if last == 1:
         warn(f"the file has partition 1, which may be a part of the mesh{_WHOLE}")
 

@@ -23,12 +23,12 @@ from ..content import (
     to_vtk,
     whole,
 )
-from ..kinds import BY_NODES, KINDS, Integers
+from ..kinds import BY_NODES, KINDS, UPRIGHT_FIRST, Integers
 
 #: Kratos' nodes in the order of VTK, where the two differ: upright edges come before upper ones.
 _ORDER = {
-    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
-    "hexahedron27": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26],
+    "hexahedron20": UPRIGHT_FIRST["hexahedron20"],
+    "hexahedron27": [*UPRIGHT_FIRST["hexahedron20"], 24, 22, 21, 23, 20, 25, 26],
 }
 #: Blocks of elements, whose numbers are counted apart.
 _TABLES = ("Elements", "Conditions", "Geometries")

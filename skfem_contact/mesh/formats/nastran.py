@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..content import Content, decoded, members_by_tag, numbers_of, read_included, read_text, to_vtk
+from ..kinds import UPRIGHT_FIRST
 
 #: Kinds of elements by card and number of nodes.
 _CARDS = {
@@ -52,11 +53,6 @@ _NAMES = tuple(
 )
 #: Numbers of corners of bodies.
 _CORNERS = {"CTETRA": 4, "CPYRAM": 5, "CPENTA": 6, "CHEXA": 8}
-#: Nodes in the order of VTK, where the two differ: upright edges come before upper ones.
-_ORDER = {
-    "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
-    "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
-}
 
 
 def read(path: str) -> Content:
@@ -89,7 +85,7 @@ def read(path: str) -> Content:
     content = Content(np.array(points), {}, left_out=sorted(left_out))
     for kind, rows_of in cells.items():
         numbers = numbers_of(np.array(ids), np.array(rows_of, dtype=int), "grid point")
-        content.cells[kind] = to_vtk(numbers, _ORDER.get(kind))
+        content.cells[kind] = to_vtk(numbers, UPRIGHT_FIRST.get(kind))
         for tag, members in members_by_tag(np.array(properties[kind])).items():
             content.add(names.get(tag, f"property {tag}"), kind, members)
     return content
