@@ -320,6 +320,21 @@ def elements_of(basis: CellBasis) -> ndarray:
     return np.asarray(basis.tind)
 
 
+def elements_in(forms: Iterable[Any]) -> ndarray:
+    """Return the elements of several bodies, one after the other."""
+    return np.concatenate([form.elements for form in forms])
+
+
+def centroids(mesh: Mesh, elements: ndarray) -> ndarray:
+    """Return the means of the corners of elements, (dim, n)."""
+    return np.asarray(mesh.p[:, mesh.t[:, elements]].mean(axis=1))
+
+
+def facet_corners(mesh: Mesh, facets: ndarray) -> ndarray:
+    """Return the coordinates of the corners of facets, (dim, corners, n)."""
+    return np.asarray(mesh.p[:, mesh.facets[:, facets]])
+
+
 def facet_counts(mesh: Mesh, elements: ndarray) -> ndarray:
     """Return how many of some elements meet at each facet of a mesh, (n_facets,)."""
     return np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)

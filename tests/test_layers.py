@@ -17,6 +17,7 @@ PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing
 #: of each other.
 ROOMS = (
+    {"arrays"},
     {"checks"},
     {"errors"},
     {"units"},

@@ -28,9 +28,9 @@ from functools import cached_property
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import left_of
 from ..errors import IncrementTooLarge
 from ..surfaces.vectors import dot
-from .element import left_of
 
 #: Dofs of displacements and of rotations of start, end and middle.
 _MOVES = 6

@@ -19,6 +19,7 @@ import scipy
 from numpy import ndarray
 from typing_extensions import override
 
+from ..arrays import left_of
 from ..errors import Remark
 
 GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
@@ -47,11 +48,6 @@ def shapes(xi: float) -> tuple[ndarray, ndarray]:
     N = np.array([0.5 * xi * (xi - 1.0), 0.5 * xi * (xi + 1.0), 1.0 - xi * xi])
     dN = np.array([xi - 0.5, xi + 0.5, -2.0 * xi])
     return N, dN
-
-
-def left_of(t: ndarray) -> ndarray:
-    """Return the vectors to the left of others in the plane, (..., 2)."""
-    return np.stack((-t[..., 1], t[..., 0]), axis=-1)
 
 
 def across(t: ndarray) -> tuple[ndarray, ndarray]:

@@ -15,6 +15,7 @@ from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix, hstack, kron
 from skfem import CellBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 from typing_extensions import override
 
+from ..arrays import left_of, quotient
 from ..checks import check_basis, finite, format_point, is_number, positive
 from ..forms.base import Form, Forms, Outputs, Response, counted
 from ..forms.roles import Couples, Regularised, Staged
@@ -382,7 +383,7 @@ class Embedded(Form, Couples, Staged, Regularised):
             text = f"skin up to {self._used(state).max():.0%} of its resistance"
             if np.isfinite(self.p_max).any():
                 size = np.linalg.norm(self._lateral(x, state), axis=1)
-                text += f", ground across up to {_share(size, self.p_max).max():.0%}"
+                text += f", ground across up to {quotient(size, self.p_max).max():.0%}"
             return f"{text}, foot {state.foot[0]:.4g}"
 
         return Outputs(
@@ -393,7 +394,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         )
 
     def _used(self, state: EmbeddedState) -> ndarray:
-        return _share(abs(state.skin), self.T_max)
+        return quotient(abs(state.skin), self.T_max)
 
     def _lateral(self, x: ndarray, state: EmbeddedState) -> ndarray:
         """Return the forces across the beam that the ground exerts on it, (n, dim)."""
@@ -416,11 +417,11 @@ class Embedded(Form, Couples, Staged, Regularised):
         rows = [("t", points, along[:-1], -state.skin, self._used(state))]
         if self._bends:
             forces = self._lateral(x, state)
-            used = _share(np.linalg.norm(forces, axis=1), self.p_max)
+            used = quotient(np.linalg.norm(forces, axis=1), self.p_max)
             lateral = (moved - along[:, None] * self._along)[:-1]
             directions = {f"p{axis}": direction for axis, direction in zip("xyz", np.eye(3))}
             if self._along.shape[1] == 2:
-                left = np.column_stack((-self._along[:-1, 1], self._along[:-1, 0]))
+                left = left_of(self._along[:-1])
                 directions = {"p": left}
             across = []
             for kind, to in directions.items():
@@ -471,11 +472,6 @@ class _AtLimit(NamedTuple):
     def key(self) -> bytes:
         """The points as bytes."""
         return self.slips.tobytes() + self.flows.tobytes() + bytes([int(self.stands)])
-
-
-def _share(force: ndarray, limit: ndarray) -> ndarray:
-    """Return forces over limits, zero where these are zero."""
-    return np.divide(force, limit, out=np.zeros(len(limit)), where=limit > 0.0)
 
 
 def _limit(

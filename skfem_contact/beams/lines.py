@@ -12,13 +12,13 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis, Mesh
 
+from ..arrays import left_of
 from ..checks import check_plane, facets_of, finite, format_point, names_of
-from ..layout import elements_of
+from ..layout import centroids, elements_of, facet_corners
 from ..mesh.check import check_topology, own_tags
 from ..mesh.join import moved, owners_of, renumbered
 from ..sparse import parts_of
 from ..surfaces.topology import ordered
-from .element import left_of
 
 #: Largest distance of a boundary from the side of a beam on which it lies, in facets.
 _NEAR = 0.1
@@ -280,10 +280,10 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     facets = np.unique(facets_of(mesh, name))
     if (mesh.f2t[1, facets] >= 0).any():
         return None
-    ends = mesh.p[:, mesh.facets[:, facets]].transpose(2, 1, 0)  # (facets, 2, dim)
+    ends = facet_corners(mesh, facets).transpose(2, 1, 0)  # (facets, 2, dim)
     middle = ends.mean(axis=1)
     owner = mesh.f2t[0, facets]
-    inner = mesh.p[:, mesh.t[:, owner]].mean(axis=1).T
+    inner = centroids(mesh, owner).T
 
     # Tangents t and normals n of the chords of both halves of the elements
     start = points[:, [0, 2]].reshape(-1, 2)
@@ -405,7 +405,7 @@ def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
 
     # Find the elements on their left
     first, second = mesh.f2t[:, line]
-    inner = mesh.p[:, mesh.t[:, first]].mean(axis=1) - start
+    inner = centroids(mesh, first) - start
     first_is_left = along[0] * inner[1] > along[1] * inner[0]
     left = np.where(first_is_left, first, second)
     right = np.where(first_is_left, second, first)

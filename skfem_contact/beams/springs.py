@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from typing_extensions import override
 
+from ..arrays import left_of
 from ..checks import finite
 from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Couples, Staged
@@ -113,7 +114,7 @@ class PileSprings(Form, Couples, Staged):
 
         # Find the nodes in their order, their directions and the lengths that belong to them.
         order, position, along, length = _along(pile)
-        across = np.column_stack((-along[:, 1], along[:, 0]))
+        across = left_of(along)
         rows = [
             (p_y, across, length, "p"),
             (t_z, along, length, "t"),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
-from ..arrays import max_abs
+from ..arrays import max_abs, quotient
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, Forms, Response, States, solids_of
 from ..limit_analysis import Bounds
@@ -269,7 +269,7 @@ def lost_power(
 
         # int tau (gamma^2 - eps_V^2) / gamma
         volume = strain[:3].sum(axis=0)
-        less = np.divide(volume**2, slip, out=np.zeros_like(slip), where=slip > 0.0)
+        less = quotient(volume**2, slip)
         largest, _, smallest = principal_stresses(stress)
         spent = form.weight * (largest - smallest) * np.maximum(slip - less, 0.0)
         parts.append(Lost(form.elements, added, varied, 0.5 * spent.sum(axis=1)))

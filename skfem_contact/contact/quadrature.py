@@ -17,7 +17,7 @@ from numpy import ndarray
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
-from ..arrays import max_abs
+from ..arrays import cross_in_plane, max_abs
 from ..surfaces.shape import Shape, divided_rule, gauss_points, rule
 from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import across, cross, determinant, dot, products, solve, unit
@@ -401,8 +401,7 @@ def _overlap(polygons: ndarray, others: ndarray) -> ndarray:
 def _area(polygons: ndarray) -> ndarray:
     """Return areas of anticlockwise polygons, shape (n, corners, 2)."""
     after = np.roll(polygons, -1, axis=1)
-    cross = polygons[..., 0] * after[..., 1] - polygons[..., 1] * after[..., 0]
-    return np.asarray(0.5 * cross.sum(axis=1))
+    return np.asarray(0.5 * cross_in_plane(polygons, after).sum(axis=1))
 
 
 def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
@@ -418,7 +417,7 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
         number = np.arange(corners)
         valid = number < count[:, None]
         offset = polygons - start
-        side = along[..., 0] * offset[..., 1] - along[..., 1] * offset[..., 0]
+        side = cross_in_plane(along, offset)
         side[np.abs(side) <= _ON_EDGE * (along**2).sum(axis=2)] = 0.0
 
         # Intersect the polygon's edges with the clipping edge
@@ -481,7 +480,7 @@ def _about_centres(polygons: ndarray, corners: ndarray) -> tuple[ndarray, ndarra
     many = np.flatnonzero(corners > 4)
     x = polygons[many]
     after = np.roll(x, -1, axis=1)
-    twice = x[..., 0] * after[..., 1] - x[..., 1] * after[..., 0]
+    twice = cross_in_plane(x, after)
     moment = ((x + after) * twice[..., None]).sum(axis=1)
     centre = moment / (3.0 * twice.sum(axis=1))[:, None]
     polygon, side = np.nonzero((x != after).any(axis=2))

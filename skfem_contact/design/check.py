@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import left_of
 from ..checks import look_up, vector
 from ..display import Table
 from ..errors import warn
@@ -374,7 +375,7 @@ def _turned(forces: ndarray, resultant: ndarray) -> ndarray:
     missing = resultant - total
     across = np.array([-total[1], total[0]])
     turn = float(missing @ across) / max(float(total @ total), np.finfo(float).tiny)
-    turned = forces + turn * np.column_stack((-forces[:, 1], forces[:, 0]))
+    turned = forces + turn * left_of(forces)
     rest = missing - turn * across
     return turned + rest * (size / size.sum())[:, None]
 

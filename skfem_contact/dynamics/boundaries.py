@@ -16,6 +16,7 @@ from ..checks import facets_of, format_point, number, positive
 from ..forms.base import Form, Response
 from ..forms.roles import Absorbing, Couples
 from ..forms.solid import SolidForm
+from ..layout import facet_corners
 from .settings import Rayleigh
 
 
@@ -119,7 +120,7 @@ class ViscousBoundary(Form, Couples, Absorbing):
             raise ValueError("the solid of a viscous boundary needs its unit_weight")
         inside = facets[mesh.f2t[1, facets] >= 0]
         if len(inside):
-            middle = mesh.p[:, mesh.facets[:, inside[0]]].mean(axis=1)
+            middle = facet_corners(mesh, inside[0]).mean(axis=1)
             raise ValueError(
                 f"boundary '{boundary}' lies inside of the mesh at {format_point(middle)}, where "
                 "no wave leaves the ground"

@@ -17,7 +17,7 @@ from ..checks import facets_of, format_point
 from ..forms.base import Form, Response, States
 from ..forms.roles import Absorbing, Couples, Staged
 from ..forms.solid import SolidForm, SolidState
-from ..layout import Field, dofs_at
+from ..layout import Field, dofs_at, facet_corners
 from ..sparse import scattered
 from .boundaries import Bedrock, Masses, ViscousBoundary
 
@@ -110,7 +110,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
         # Find the layers of the side
         mesh = basis.mesh
         facets = facets_of(mesh, self._boundary)
-        ends = mesh.p[:, mesh.facets[:, facets]]  # (2, 2, n_facets)
+        ends = facet_corners(mesh, facets)  # (2, 2, n_facets)
         height = float(np.ptp(ends[1]))
         x = float(ends[0].mean())
         offset = np.abs(ends[0] - x)

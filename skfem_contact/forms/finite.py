@@ -35,7 +35,7 @@ from numpy import ndarray
 from skfem import Basis, CellBasis
 
 from ..errors import IncrementTooLarge
-from ..layout import elements_of
+from ..layout import centroids, elements_of
 from .assembly import Pattern, shape_gradients
 from .base import Coordinates
 from .stretch_plane import PlaneStretch
@@ -210,7 +210,7 @@ class FiniteKinematics:
             # Name the coordinates of the worst element.
             worst = int(np.argmin(growth)) // gradient.shape[2]
             element = elements_of(self.basis)[worst]
-            at = self.basis.mesh.p[:, self.basis.mesh.t[:, element]].mean(axis=1)
+            at = centroids(self.basis.mesh, element)
             where = ", ".join(f"{value:.4g}" for value in at)
             raise IncrementTooLarge(f"the element at ({where}) turns inside out")
         return growth

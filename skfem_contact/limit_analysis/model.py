@@ -15,7 +15,7 @@ from skfem import CellBasis, Mesh
 from ..arrays import max_abs
 from ..checks import format_point, is_number, look_up
 from ..errors import AnalysisWarning
-from ..layout import facet_counts, linear_element
+from ..layout import facet_corners, facet_counts, linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
 from .elements import Block, Elements, Joint, Program, Reduction
 from .strength import Profile, Strength
@@ -426,7 +426,7 @@ class LimitModel:
         total = [elements.of_body(f[origin]) for f in (self.loads.dead, self.loads.live)]
         for tag, value, live in self.loads.tractions:
             facets = triangles.tags[tag]
-            x = mesh.p[:, mesh.facets[:, facets]]  # (2, 2 ends, n)
+            x = facet_corners(mesh, facets)  # (2, 2 ends, n)
             values = np.asarray(value(x.reshape(2, -1)))
             total[live] += elements.of_tractions(facets, values.reshape(x.shape).T)
         for water in self.loads.water:

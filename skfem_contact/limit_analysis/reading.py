@@ -20,6 +20,7 @@ from ..forms.base import as_forms, dilate_less, part_names, reduced_parts
 from ..forms.regions import Region
 from ..forms.roles import Touching, having, materials_of
 from ..forms.solid import SolidForm
+from ..layout import elements_in
 from ..materials.base import Flow, Material
 from ..sparse import parts_of
 from .model import LimitModel, Loads, Site
@@ -75,7 +76,7 @@ def read(
         targets = {}
     else:
         targets = reduced_parts(forms, reduce, exclude)
-    elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
+    elements = np.sort(elements_in(solids.values()))
     rigid = _strengths(solids, targets, "associated", 1.0).rigid
     if rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
@@ -206,7 +207,7 @@ def _check_solids(solids: Mapping[str, SolidForm]) -> None:
                 )
 
     # compare the elements of all solids
-    elements = np.concatenate([form.elements for form in solids.values()])
+    elements = elements_in(solids.values())
     if len(np.unique(elements)) < len(elements):
         raise ValueError(
             f"the solids {', '.join(solids)} share elements: each must belong to one of them"

@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..layout import facet_corners
 from .carried import carried
 from .certify import UNBALANCED, Proof, dissipation, prove_lower, prove_upper
 from .elements import Joint, Program, stress_elements, velocity_elements
@@ -393,7 +394,7 @@ def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndar
     normal = outward_normals(mesh, joint.slave, mesh.f2t[0, joint.slave])
 
     # find the corner of the triangle at each end
-    ends = mesh.p[:, mesh.facets[:, joint.slave]]  # (2, 2 ends, n)
+    ends = facet_corners(mesh, joint.slave)  # (2, 2 ends, n)
     corners = mesh.p[:, mesh.t[:, owner]]  # (2, 3, n)
     away = ends[:, :, None] - corners[:, None]  # (2, 2 ends, 3, n)
     corner = np.linalg.norm(away, axis=0).argmin(axis=1)  # (2 ends, n)

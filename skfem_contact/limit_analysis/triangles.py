@@ -12,6 +12,7 @@ from numpy import ndarray
 from skfem import CellBasis, Mesh, MeshTri
 
 from ..checks import format_point
+from ..layout import centroids, facet_corners
 
 #: Name of some facets: a boundary of the user's, ("held", component), or the surface.
 Tag = str | tuple[str, int]
@@ -178,10 +179,10 @@ def facet_lengths(mesh: MeshTri) -> ndarray:
 
 def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarray:
     """Return unit normals of facets, away from one of their elements each, (2, n)."""
-    a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
+    a, b = facet_corners(mesh, facets).transpose(1, 0, 2)
     along = (b - a) / np.linalg.norm(b - a, axis=0)
     normal = np.stack([along[1], -along[0]])
-    inward = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
+    inward = centroids(mesh, elements) - a
     return normal * -np.sign((normal * inward).sum(axis=0))
 
 
@@ -278,7 +279,7 @@ def _curved(mesh: Mesh, facets: ndarray) -> bool:
     """Return True if a facet of a mesh of second order is curved."""
     if mesh.doflocs.shape[1] == mesh.nvertices:
         return False
-    ends = mesh.p[:, mesh.facets[:, facets]]
+    ends = facet_corners(mesh, facets)
     middle_dofs = mesh.dofs.facet_dofs[0, facets]
     chord_middle = ends.mean(axis=1)
     off = np.linalg.norm(mesh.doflocs[:, middle_dofs] - chord_middle, axis=0)
@@ -326,7 +327,7 @@ def _with_nodes(triangles: Triangles, side: str, opposite: str) -> Triangles:
 def _local(triangles: Triangles, facets: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
     """Return coordinates of nodes along and off facets, over their lengths, (n_facets, n_nodes)."""
     mesh = triangles.mesh
-    a, b = mesh.p[:, mesh.facets[:, facets]].transpose(1, 0, 2)
+    a, b = facet_corners(mesh, facets).transpose(1, 0, 2)
     d = (b - a)[:, :, None]  # (2, n_facets, 1)
     points = mesh.p[:, None, nodes]
     x = points - a[:, :, None]  # (2, n_facets, n_nodes)
@@ -354,7 +355,7 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
 
 def middles(mesh: MeshTri, facets: ndarray) -> ndarray:
     """Return the middles of facets, (2, n)."""
-    return np.asarray(mesh.p[:, mesh.facets[:, facets]].mean(axis=1))
+    return np.asarray(facet_corners(mesh, facets).mean(axis=1))
 
 
 def closest(among: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
@@ -392,7 +393,7 @@ def check_closed(contacts: tuple[Contact, ...], triangles: Triangles) -> None:
         of_slave = outward_normals(mesh, slave, mesh.f2t[0, slave])
 
         # middles of the slave's facets, along and off the master's, (n_master, n_slave)
-        a, b = mesh.p[:, mesh.facets[:, master]].transpose(1, 0, 2)
+        a, b = facet_corners(mesh, master).transpose(1, 0, 2)
         d = b - a
         x = middles(mesh, slave)[:, None] - a[:, :, None]  # (2, n_master, n_slave)
         square = (d**2).sum(axis=0)

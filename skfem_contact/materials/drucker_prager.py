@@ -44,7 +44,9 @@ class ConePlasticity(IsotropicPlasticity):
     def yield_function(self, values: Array, constants: ConeConstants) -> Array:
         return _excess(*mean_and_shear(values), constants)
 
-    yield_bound = yield_function
+    @override
+    def yield_bound(self, stress: Array, constants: ConeConstants) -> Array:
+        return self.yield_function(stress, constants)
 
     @override
     def return_map(self, trial: Array, constants: ConeConstants) -> Return:

@@ -8,6 +8,8 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 
+from ..arrays import cross_in_plane
+
 Integers = NDArray[np.integer]
 Floats = NDArray[np.float64]
 
@@ -139,7 +141,7 @@ def signed_size(points: Floats, cells: Integers, kind: str) -> Floats:
     x = points[cells[:, : shape.corners]]  # (n, corners, dim)
     if shape.dim == 2:
         after = np.roll(x, -1, axis=1)
-        return 0.5 * (x[..., 0] * after[..., 1] - x[..., 1] * after[..., 0]).sum(axis=1)
+        return 0.5 * cross_in_plane(x, after).sum(axis=1)
 
     # Add the volumes of the pyramids between the sides and the middle of each element
     middle = x.mean(axis=1)

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..arrays import max_abs
+from ..arrays import left_of, max_abs
 from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
 from ..errors import warn
@@ -486,7 +486,7 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     else:
         tangent = np.gradient(axis, axis=0)
     tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
-    left = np.column_stack((-tangent[:, 1], tangent[:, 0]))
+    left = left_of(tangent)
 
     # Give both values at a node the mean of their directions.
     n = len(axis)

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy import ndarray
 
-from ..layout import elements_of
+from ..layout import centroids, elements_of, facet_corners
 from ..units import labelled
 from ..water import Seepage
 from ..water.points import simplices
@@ -94,12 +94,12 @@ def flow_diagram(
     # Draw the outline, the free surface and the flow.
     sides = mesh.t2f[:, elements].ravel()
     is_outline = np.bincount(sides, minlength=mesh.nfacets) == 1
-    outline = mesh.p[:, mesh.facets[:, is_outline]].transpose(2, 1, 0)  # (n, 2, 2)
+    outline = facet_corners(mesh, is_outline).transpose(2, 1, 0)  # (n, 2, 2)
     ax.add_collection(LineCollection(outline, colors="black"))
     for line in water.free_surface:
         ax.plot(*line.T, color=WATER, linewidth=2.0)
     if arrows:
-        centres = mesh.p[:, mesh.t[:, elements]].mean(axis=1)
+        centres = centroids(mesh, elements)
         _draw_arrows(ax, centres, water.velocity)
     ax.set(aspect="equal")
     figure = ax.get_figure()

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import left_of
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
 from ..loads import hydrostatic
@@ -350,7 +351,7 @@ def _draw_contact(plotter: Any, scene: Scene, stage: StageResult) -> None:
         if largest > 0.0:
             # The shear of the slave on the master is positive along the master's chain, which runs
             # against the slave's chain.
-            along = np.column_stack((-pair.normal[:, 1], pair.normal[:, 0]))
+            along = left_of(pair.normal)
             traction = t.pressure[:, None] * pair.normal + t.shear[:, None] * along
             lines = _LONG_TRACTION * scene.pixel * (traction / largest)
             _segments(plotter, scene, points - lines, points, _TRACTION, 2.5)
@@ -366,7 +367,7 @@ def _arrows(plotter: Any, scene: Scene, tails: ndarray, tips: ndarray, color: st
     vectors = tips - tails
     length = np.linalg.norm(vectors, axis=1)
     along = vectors / length[:, None]
-    across = np.column_stack((-along[:, 1], along[:, 0]))
+    across = left_of(along)
     # Heads of 12 pixels, or half of a short arrow.
     head = np.minimum(12.0 * scene.pixel, 0.5 * length)[:, None]
     half = 0.45 * head * across

@@ -8,6 +8,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import left_of
 from ..surfaces.vectors import dot
 
 
@@ -196,7 +197,7 @@ class Cuts:
     @property
     def left(self) -> ndarray:
         """Unit normals to the left of the axis, (n, 2): outward on a ring."""
-        return np.column_stack((-self.axis[:, 1], self.axis[:, 0]))
+        return left_of(self.axis)
 
     def moved(self, distance: ndarray) -> Cuts:
         """Return cuts that are moved along the curved axis, each by a distance, (n,)."""

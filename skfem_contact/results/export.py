@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..forms.solid import SolidForm
+from ..layout import elements_in
 from ..mesh import bodies as joined_bodies
 from ..mesh.kinds import BY_NODES, HEXAHEDRON, oriented
 from .fields import basis_of, has_excess, has_solids, nodal_field, quantities, solids
@@ -227,7 +228,7 @@ def _of_elements(stage: StageData, bodies: Mapping[str, SolidForm]) -> dict[str,
     body = np.empty(mesh.nelements, dtype=int)
     for number, members in enumerate(joined_bodies(mesh).values()):
         body[members] = number
-    elements = np.concatenate([form.elements for form in bodies.values()])
+    elements = elements_in(bodies.values())
     return {
         "stress": np.concatenate(stress),
         "plastic_strain": np.concatenate(plastic),

@@ -11,6 +11,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis
 
+from ..arrays import quotient
 from ..checks import look_up
 from ..forms.base import solids_of
 from ..forms.roles import Wet, having
@@ -104,7 +105,7 @@ def nodal_field(
     n = basis.N // basis.mesh.dim()
     total = np.bincount(nodes, values, n)
     count = np.bincount(nodes, minlength=n)
-    return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
+    return quotient(total, count, np.nan)
 
 
 def region_field(

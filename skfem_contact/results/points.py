@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..checks import finite, look_up, names
 from ..display import Table
+from ..layout import elements_in
 from ..mesh.locate import locate, outside
 from .fields import Shown, basis_of, quantities, region_field, solids
 from .files import StageData
@@ -238,7 +239,7 @@ def _values(
     bodies = solids(stage)
     forms = list(bodies.values())
     mesh = region_mesh(*forms)
-    numbers = np.concatenate([form.elements for form in forms])
+    numbers = elements_in(forms)
     allowed = _allowed(stage, bodies, numbers, mesh.region, of)
     if not len(allowed):
         raise ValueError(f"'{of}' has no active elements in stage '{stage.name}'")

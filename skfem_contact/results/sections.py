@@ -22,6 +22,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import quotient
 from ..checks import format_point
 from ..errors import warn
 from ..forms.solid import SolidForm, SolidState
@@ -58,7 +59,7 @@ def section_forces(form: SolidForm, state: SolidState, sections: Cuts | None) ->
     # Interpolate linearly between the lines of nodes behind and in front of each section.
     behind = _at(form, state, sections.moved(back))
     ahead = _at(form, state, sections.moved(front))
-    share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
+    share = quotient(-back, front - back)
     forces = {}
     for name in behind.names:
         forces[name] = (1.0 - share) * getattr(behind, name) + share * getattr(ahead, name)

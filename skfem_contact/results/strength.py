@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
-from ..arrays import max_abs
+from ..arrays import max_abs, quotient
 from ..checks import finite, look_up
 from ..errors import Remark
 from ..forms.base import Forms, States, solids_of
@@ -61,9 +61,8 @@ def mobilised(form: SolidForm, state: SolidState) -> ndarray:
         if measured is not None:
             measure, limit = np.broadcast_arrays(*measured)
             # Points without a strength have no share.
-            ratio = np.divide(measure, limit, out=np.ones(measure.shape), where=limit > 0.0)
-            can_fail = np.isfinite(limit)
-            share[region.elements] = np.where(can_fail, np.clip(ratio, 0.0, 1.0), 0.0)
+            used = np.clip(quotient(measure, limit, 1.0), 0.0, 1.0)
+            share[region.elements] = np.where(np.isfinite(limit), used, 0.0)
     return share
 
 
@@ -217,7 +216,7 @@ def shansep(
         vertical = np.maximum(-effective[axis], 0.0)
         part = region.elements
         largest = ratio[part] * vertical + excess[part]
-        over = np.divide(largest, vertical, out=np.ones_like(vertical), where=vertical > 0.0)
+        over = quotient(largest, vertical, 1.0)
         values = S * vertical * over**m
         weight = form.weight[part]
         strength[region.name] = (values * weight).sum(axis=1) / weight.sum(axis=1)
@@ -300,8 +299,7 @@ def _consolidation(stress: ndarray, phi: float, plane: ndarray | None) -> tuple[
     shear = np.abs((stress[1] - stress[0]) * x * y + stress[3] * (x**2 - y**2))
     largest = normal + shear * (np.sin(phi) + 1.0) / np.cos(phi)
     smallest = normal + shear * (np.sin(phi) - 1.0) / np.cos(phi)
-    ratio = np.divide(largest, smallest, out=np.full_like(normal, np.inf), where=smallest > 0.0)
-    return normal, ratio
+    return normal, quotient(largest, smallest, np.inf)
 
 
 def _on_failure_plane(stress: ndarray, phi: float) -> tuple[ndarray, ndarray]:
@@ -314,10 +312,7 @@ def _on_failure_plane(stress: ndarray, phi: float) -> tuple[ndarray, ndarray]:
     radius = np.hypot(0.5 * (stress[0] - stress[1]), stress[3])
     normal = centre - radius * np.sin(phi)
     smallest = centre - radius
-    ratio = np.divide(
-        centre + radius, smallest, out=np.full_like(centre, np.inf), where=smallest > 0.0
-    )
-    return normal, ratio
+    return normal, quotient(centre + radius, smallest, np.inf)
 
 
 def _undrained(
@@ -346,12 +341,7 @@ def _undrained(
     sine = np.sin(phi)
     held = c * np.cos(phi)
     below = (normal - held) * (1.0 - sine)
-    at_failure = np.divide(
-        (normal + held) * (1.0 + sine),
-        below,
-        out=np.full_like(normal, np.inf),
-        where=below > 0.0,
-    )
+    at_failure = quotient((normal + held) * (1.0 + sine), below, np.inf)
     usual = np.isfinite(at_failure) & np.isfinite(ratio) & (at_failure > 1.0)
     way = np.clip(
         np.divide(ratio - 1.0, at_failure - 1.0, out=np.ones_like(normal), where=usual), 0.0, 1.0

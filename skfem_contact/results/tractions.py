@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import quotient
 from ..contact import ContactPair, ContactState
 from ..contact.consistent import consistent
 from ..contact.laws import Status
@@ -249,15 +250,14 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     # Sum up forces, status and mobilised friction.
     resultants = _resultants(pair, x, state)
     counts = np.bincount(state.status, minlength=3)
-    none = np.zeros(len(normal))
-    ratio = np.divide(friction, -normal, out=none, where=normal < 0)
+    mobilised = quotient(friction, -normal)
     return ContactReport(
         name=f"{pair.slave.name} on {pair.master.name}",
         normal=resultants[0],
         tangential=resultants[1],
         pressure=-float(weight @ normal),
         friction=float(weight @ friction),
-        mobilised=float(ratio.max(initial=0.0)),
+        mobilised=float(mobilised.max(initial=0.0)),
         penetration=pair.penetration(state),
         open=int(counts[Status.OPEN]),
         stick=int(counts[Status.STICK]),

@@ -9,10 +9,10 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
-from ..arrays import max_abs
+from ..arrays import cross_in_plane, max_abs
 from ..checks import format_point
 from ..sparse import parts_of
-from .outline import cross, turn
+from .outline import turn
 
 #: Largest distance of the arcs of ellipses and splines, and of the chords of curves in space, from
 #: the curve, as a share of the drawing; share of it that the chords have through which arcs go.
@@ -171,7 +171,7 @@ def _arc_between(points: ndarray, tolerance: float) -> float | None:
     # circle has the centre at the height chord / 2 / tan(half).
     probes = np.vstack((points[1:-1], 0.5 * (points[1:] + points[:-1])))
     along = (probes - start) @ (end - start) / chord - 0.5 * chord
-    across = cross(end - start, probes - start) / chord
+    across = cross_in_plane(end - start, probes - start) / chord
     height = np.zeros(len(probes))
     if abs(half) > _STRAIGHT:
         radius = 0.5 * chord / np.sin(half)

@@ -12,10 +12,12 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh, MeshTri, MeshTri2
 
+from ..arrays import cross_in_plane
 from ..checks import format_point
+from ..layout import centroids
 from ..sparse import parts_of
 from .kernel import gmsh_model, nodes_of
-from .outline import cross, turn
+from .outline import turn
 
 #: Size of elements at coordinates (2, n): (n,).
 SizeField = Callable[[ndarray], ndarray]
@@ -138,10 +140,10 @@ def _directed(mesh: Mesh, facet: int, sides: ndarray) -> tuple[int, ...]:
     """Return start and end of a facet in the plane, and the parts on its left and right."""
     a, b = (int(vertex) for vertex in mesh.facets[:, facet])
     element = mesh.f2t[0, facet]
-    centre = mesh.p[:, mesh.t[:, element]].mean(axis=1)
+    centre = centroids(mesh, element)
     along = mesh.p[:, b] - mesh.p[:, a]
     aside = centre - mesh.p[:, a]
-    is_left = along[0] * aside[1] - along[1] * aside[0] > 0
+    is_left = bool(cross_in_plane(along, aside) > 0)
     left, right = (int(side) for side in (sides if is_left else sides[::-1]))
     # Facets of one outline have the same direction: the smaller part, or the outside, at the right
     if left < right:
@@ -285,10 +287,10 @@ def _check_crossings(chains: list[_Resampled]) -> None:
         b = chain.vertices[1:]
         along = b - a
         offset = a[None] - a[:, None]  # from segment i to segment j, (n, n, 2)
-        bent = cross(along[:, None], along[None])
+        bent = cross_in_plane(along[:, None], along[None])
         with np.errstate(divide="ignore", invalid="ignore"):
-            own = cross(offset, along[None]) / bent
-            other = cross(offset, along[:, None]) / bent
+            own = cross_in_plane(offset, along[None]) / bent
+            other = cross_in_plane(offset, along[:, None]) / bent
         inside = (own > 0.0) & (own < 1.0) & (other > 0.0) & (other < 1.0)
         n = len(a)
         apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
@@ -406,7 +408,7 @@ def _loops(chains: list[Chain], new: list[_Resampled], part: int) -> list[list[t
         points = np.concatenate(pieces)
         loops.append(loop)
         following = np.roll(points, -1, axis=0)
-        areas.append(0.5 * cross(points, following).sum())
+        areas.append(0.5 * cross_in_plane(points, following).sum())
     return [loops[k] for k in np.argsort(areas)[::-1]]
 
 
@@ -458,7 +460,7 @@ def _check_curved(mesh: MeshTri2) -> None:
     bad |= turned.any(axis=1)
     if bad.any():
         element = np.flatnonzero(bad)[0]
-        at = mesh.p[:, mesh.t[:, element]].mean(axis=1)
+        at = centroids(mesh, element)
         raise ValueError(
             f"curved triangles fold over near {format_point(at)}, where the outline bends within "
             "an element: take smaller elements there, or order=1"

@@ -12,6 +12,7 @@ from skfem.generic_utils import OrientedBoundary
 
 from ..beams.lines import split_along
 from ..checks import format_point
+from ..layout import centroids
 from ..mesh.join import join_bodies
 
 Tags = dict[str, ndarray]
@@ -61,7 +62,7 @@ def _loops(mesh: Mesh, free: ndarray) -> list[tuple[ndarray, ndarray]]:
     # Turn the facets so that the mesh is on their left
     ends = mesh.facets[:, free]
     owner = mesh.f2t[0, free]
-    centre = mesh.p[:, mesh.t[:, owner]].mean(axis=1)
+    centre = centroids(mesh, owner)
     inner = centre - mesh.p[:, ends[0]]
     along = mesh.p[:, ends[1]] - mesh.p[:, ends[0]]
     is_left = along[0] * inner[1] > along[1] * inner[0]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..arrays import max_abs
+from ..arrays import cross_in_plane, left_of, max_abs
 from ..checks import finite, format_point, positive, vector
 
 #: Points nearer than this share of the size of an outline are one point.
@@ -116,7 +116,7 @@ class Outline:
         """Centres of the arcs, (m, 2); not finite for straight segments."""
         a, b = self.ends
         chord = b - a
-        normal = np.column_stack((-chord[:, 1], chord[:, 0]))
+        normal = left_of(chord)
         t = self.bulges[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             return 0.5 * (a + b) + normal * (1.0 - t * t) / (4.0 * t)
@@ -183,7 +183,7 @@ class Outline:
         u = (b - a)[before]
         v = (b - a)[(before + 1) % n]
         scale = _SAME * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-        parallel = np.abs(cross(u, v)) <= scale
+        parallel = np.abs(cross_in_plane(u, v)) <= scale
         opposite = (u * v).sum(axis=1) < 0.0
         back = parallel & opposite
         if n > 2 and back.any():
@@ -255,14 +255,9 @@ def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
     return tuple(outlines)
 
 
-def cross(u: ndarray, v: ndarray) -> ndarray:
-    """Return the cross products of vectors in the plane, (..., 2) each."""
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
-
-
 def turn(u: ndarray, v: ndarray) -> float:
     """Return the angle by which the second of two vectors is turned, anticlockwise."""
-    return float(np.arctan2(cross(u, v), u @ v))
+    return float(np.arctan2(cross_in_plane(u, v), u @ v))
 
 
 def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
@@ -271,7 +266,7 @@ def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
     v = c - a
     length = np.linalg.norm(u, axis=1)
     scale = length * np.maximum(np.linalg.norm(v, axis=1), length)
-    value = cross(u, v)
+    value = cross_in_plane(u, v)
     return np.where(np.abs(value) <= _SAME * scale, 0.0, np.sign(value))
 
 

@@ -18,7 +18,7 @@ from ..contact.prestress import prestressed
 from ..errors import warn
 from ..forms.base import Forms, States, internal_force, summaries
 from ..forms.roles import Touching, having, joined_by
-from ..layout import linear_element, others
+from ..layout import elements_in, linear_element, others
 from ..loads import by_element
 from ..loads.water_at_rest import as_pressure
 from ..materials import LinearElastic, Material
@@ -145,7 +145,7 @@ def k0_state(
     # Vertical stresses by the weight of the layers above.
     solids = setup.solids
     mesh = next(iter(solids.values())).basis.mesh
-    elements = np.concatenate([form.elements for form in solids.values()])
+    elements = elements_in(solids.values())
     overburden = _overburden(mesh, _layers(setup, elements, unit_weights))
     ratios = _ratios(mesh, elements, K0)
     pressure = _pressure_field(setup, mesh, elements, water, surcharge)

@@ -15,7 +15,7 @@ from ..checks import look_up, names_of, trusted_calls
 from ..errors import Remark
 from ..forms.base import Form, Forms, solids_of
 from ..forms.roles import Couples, Slender, Staged, Wet, having, joined_by
-from ..layout import nodes
+from ..layout import elements_in, nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
 from ..shells.hinges import hinged
@@ -398,7 +398,7 @@ class Planner:
 
     def _of_drained(self, waters: Mapping[str, Wet]) -> Iterator[Remark]:
         """Report ground whose pore water is not active."""
-        ground = np.concatenate([form.elements for form in solids_of(self._active).values()])
+        ground = elements_in(solids_of(self._active).values())
         dry = []
         for name, water in waters.items():
             if np.isin(water.elements, ground).any():

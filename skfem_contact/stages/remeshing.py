@@ -19,6 +19,7 @@ from ..display import Table
 from ..errors import warn
 from ..forms.base import internal_force, solids_of
 from ..forms.roles import Touching, having
+from ..layout import elements_in
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.tractions import tractions as tractions_of
@@ -157,7 +158,7 @@ def remeshed(
     # Outline the deformed bodies, and fill the outline anew.
     solids = solids_of(stage.forms)
     mesh = mesh_of(solids, f"stage '{stage.name}'")
-    elements = np.unique(np.concatenate([form.elements for form in solids.values()]))
+    elements = np.unique(elements_in(solids.values()))
     basis = next(iter(solids.values())).basis
     vertices, middles = _displaced(basis, stage.x)
     new = triangles(outline(mesh, elements, vertices, middles), field, order)

@@ -27,7 +27,7 @@ from ..forms.roles import (
     having,
     joined_by,
 )
-from ..layout import Field, FieldDofs, Layout, different, others
+from ..layout import Field, FieldDofs, Layout, different, elements_in, others
 from ..loads.water_at_rest import loads_at_rest, one_pressure
 from ..mesh.check import check_connections, check_elements
 from ..nonlinear.newton import Newton
@@ -136,7 +136,7 @@ class Setup:
         """
         self.refuse_finite("water acts on undeformed boundaries: give total stresses and loads")
         porous = [form for form in self.solids.values() if form.porous]
-        elements = np.concatenate([form.elements for form in porous])
+        elements = elements_in(porous)
         ground = loads.Domain(porous[0].basis.with_elements(elements), self.coordinates)
         return loads.water_load(ground, pressure, boundaries)
 
@@ -514,7 +514,7 @@ def _check_joints(forms: Forms) -> None:
             joined[dofs[(dofs >= 0) & (dofs < basis.N)]] = True
     # Bodies that meet at other nodes alone are hinged by mistake.
     nodes = np.flatnonzero(joined[basis.nodal_dofs].any(axis=0))
-    elements = np.concatenate([form.elements for form in solids.values()])
+    elements = elements_in(solids.values())
     check_connections(basis.mesh, nodes, elements)
 
 

@@ -12,7 +12,7 @@ from skfem import CellBasis
 from ..checks import format_point
 from ..forms.base import Form, Forms, solids_of
 from ..forms.roles import Couples, joined_by
-from ..layout import different, others, rigid_modes
+from ..layout import different, elements_in, others, rigid_modes
 from ..mesh import bodies
 
 
@@ -38,7 +38,7 @@ def check_supports(forms: Forms, fixed: ndarray) -> None:
     if not solids:
         return
     basis = next(solid.basis for solid in solids.values())
-    covered = np.concatenate([form.elements for form in solids.values()])
+    covered = elements_in(solids.values())
     _check_elements(solids, basis, covered, fixed, holding)
     if not holding:
         axial = all(form.coordinates == "axisymmetric" for form in solids.values())

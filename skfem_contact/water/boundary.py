@@ -13,7 +13,7 @@ from skfem import Basis, CellBasis, FacetBasis, LinearForm, Mesh
 
 from ..arrays import max_abs
 from ..checks import finite, format_point, look_up, names_of, positive
-from ..layout import elements_of
+from ..layout import elements_of, facet_corners
 from .darcy import radius
 
 #: Head or pressure on a boundary: a number, or a function of coordinates (dim, ...).
@@ -371,7 +371,7 @@ def _ties(mesh: Mesh, pair: tuple[str, str], held: ndarray) -> tuple[ndarray, nd
 
 
 def _mean_size(mesh: Mesh, facets: ndarray) -> float:
-    ends = mesh.p[:, mesh.facets[:, facets]]
+    ends = facet_corners(mesh, facets)
     return float(np.ptp(ends, axis=1).max(axis=0).mean())
 
 
@@ -394,7 +394,7 @@ def exchange(basis: CellBasis, connected: Sequence[tuple[str, str]]) -> tuple[cs
                 f"connected boundaries have porous ground on both sides, but not on '{name}'"
             )
         # Facets across are counted once, by the nearest of the other side.
-        middles = mesh.p[:, mesh.facets[:, side]].mean(axis=1)
+        middles = facet_corners(mesh, side).mean(axis=1)
         near = _nearest(mesh, middles, np.asarray(mesh.boundaries[opposite]))[2]
         facets.append(side[near])
     return apart, np.unique(np.concatenate(facets))

@@ -12,7 +12,7 @@ from skfem import CellBasis, Mesh
 
 from ..arrays import max_abs
 from ..errors import Remark
-from ..layout import elements_of
+from ..layout import elements_of, facet_corners
 from ..sparse import parts_of
 from .surroundings import Ground
 
@@ -222,7 +222,7 @@ def _parts(corners: ndarray, n_nodes: int) -> ndarray:
 
 def _areas(mesh: Mesh, facets: ndarray) -> ndarray:
     """Return lengths or areas of facets, (n,)."""
-    p = mesh.p[:, mesh.facets[:, facets]]  # (dim, n_corners, n)
+    p = facet_corners(mesh, facets)  # (dim, n_corners, n)
     if mesh.dim() == 2:
         normal = p[:, 1] - p[:, 0]
     else:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
+from ..arrays import quotient
 from ..checks import facets_of, look_up, number, positive
 from ..layout import elements_of
 from .balance import Balance
@@ -91,7 +92,7 @@ class Seepage:
         passing = np.unique(np.concatenate(list(self._passing.values())))
         own_size = self._size(np.intersect1d(facets, passing))
         size = self._size(passing)
-        share = np.divide(own_size, size, out=np.zeros_like(size), where=size > 0.0)
+        share = quotient(own_size, size)
         # Take given rates by boundary; rain that the ground does not take runs off.
         entering = self.inflow - self._from_sources
         own_rates = self._rates(facets)

@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix, diags
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..arrays import quotient
 from .darcy import DarcyFlow
 from .retention import Laws
 
@@ -70,8 +71,7 @@ class StoringFlow(DarcyFlow):
         """Return how far stored volumes, (2, N), exceed the possible ones, over the span."""
         least = self.gathered(self.least)
         off = np.maximum(least - stored[0], stored[0] - least - span[0])
-        none = np.zeros_like(off)
-        share = np.divide(off, span[0], out=none, where=span[0] > 0.0)
+        share = quotient(off, span[0])
         return float(share.max(initial=0.0))
 
     def room(self, head: ndarray) -> float:
