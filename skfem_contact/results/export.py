@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
 
 def frame(stage: StageData) -> Any:
-    """Return coordinates and all fields at the nodes of solids as a pandas data frame."""
+    """Return fields at the nodes of solids as a pandas data frame.
+
+    ``DataFrame(vars(stage.tractions(name)))`` holds tractions.
+    """
     import pandas
 
     basis = basis_of(stage)

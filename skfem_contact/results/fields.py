@@ -95,9 +95,36 @@ def nodal_field(
     stage: StageData,
     name: str,
     since: StageData | None = None,
+    *,
     water: Shown | None = None,
 ) -> ndarray:
-    """Return a field at the nodes, see :meth:`~skfem_contact.results.StageResult.field`."""
+    """Return a field at the nodes, shape (N / dim,), the mesh's vertices first.
+
+    Nodes of no solid have NaN. Stresses are recovered at the nodes of every region from its
+    elements' forces and stresses (:doc:`theory </theory/recovery>`), invariants follow from
+    these. A node between regions has the mean of their values. Stresses are effective where
+    water acts, but contain the excess pressure of :class:`Undrained` ground.
+
+    Parameters
+    ----------
+    name
+        ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``,
+        ``"szz"``, ``"sxy"``; principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``,
+        ``"mises"``; strains ``"exx"``, ``"eyy"``, ``"exy"`` (engineering shear), ``"gamma"``
+        (largest shear strain, in the plane), ``"ev"`` (volumetric); ``"plastic"``, the
+        equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the
+        shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater`
+        or of undrained ground, with the pressure of `water`. In three dimensions also ``"uz"``,
+        ``"syz"``, ``"szx"``.
+    since
+        Earlier stage from which the change is returned; displacements of bodies that it does
+        not hold count from their activation. Invariants of strains follow from the change of
+        the strains; invariants of stresses are subtracted.
+    water
+        Further pore pressure: a level, a line or water by region, a
+        :class:`~skfem_contact.water.Seepage`, a function of coordinates such as
+        :func:`hydrostatic`, or True, the stage's own water; False: none.
+    """
     values = region_field(stage, name, since, water)
     bodies = solids(stage)
     nodes = region_mesh(*bodies.values()).nodes

@@ -176,15 +176,27 @@ def energy_table(series: Mapping[str, ndarray], name: str) -> Table:
 def history(
     stage: Any,
     point: ArrayLike | FieldDofs,
-    quantity: Quantity,
+    quantity: Quantity = "displacement",
+    *,
     absolute: bool = False,
 ) -> History:
-    """Return the motion of a node in a stage, from its records or its kept steps.
+    """Return the motion of a node in a stage with ``dynamic``.
+
+    Parameters
+    ----------
+    point : array_like, shape (dim,)
+        Coordinates of the node in the mesh; or the node of a beam, :meth:`Beam.at`.
+    quantity
+        ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
+    absolute
+        True for the motion with the motion of the base, ``Stage(base=...)``; only of recorded
+        nodes.
 
     Raises
     ------
     ValueError
-        No node at these coordinates, or neither records nor kept steps.
+        No node at these coordinates, a stage without inertia, or a node that is not among
+        ``Dynamic(points=...)`` in a stage that keeps no steps.
     """
     # Find the node
     if quantity not in _QUANTITIES:

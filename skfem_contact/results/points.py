@@ -109,12 +109,51 @@ class PointValues:
 def at_points(
     stage: StageData,
     points: Mapping[str, ArrayLike] | ArrayLike,
-    quantity: Sequence[str],
+    *quantity: str,
     since: StageData | None = None,
     water: Shown | None = None,
     of: str | None = None,
 ) -> PointValues:
-    """Return values at points, see :meth:`~skfem_contact.results.StageResult.at`."""
+    """Return fields at points of the bodies as a table, also within elements.
+
+    Fields are interpolated between their values at the nodes of a region, see :meth:`field`.
+    Points that lie on a boundary between regions or bodies have the values of the first one.
+
+    Parameters
+    ----------
+    points
+        Coordinates of one point, of several, (n, dim), or of points by their labels.
+    quantity
+        Names of fields, as of :meth:`field`.
+    since, water
+        Earlier stage from which changes are returned, and further pore pressure, as of
+        :meth:`field`.
+    of
+        Solid, region or subdomain to which the values belong; by default any.
+
+    Raises
+    ------
+    ValueError
+        Points outside of the active bodies: their number, and the distance of the first one.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> stage = sc.Model({"block": block}, fixed).run([sc.Stage("weight")])["weight"]
+    >>> print(stage.at({"top": (.3, 1.), "middle": (.3, .5)}, "uy", "syy"))
+    weight
+    point     x    y     uy  syy
+    top     0.3    1  -0.01  -10
+    middle  0.3  0.5 -0.005  -10
+    >>> stage.at((2., 1.), "uy")
+    Traceback (most recent call last):
+        ...
+    ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
+    """
     titles = _titles(stage, quantity, water)
     labels, coordinates = _points(stage, points)
     columns: dict[str, ndarray] = {}
@@ -128,13 +167,27 @@ def at_points(
 def along_line(
     stage: StageData,
     line: ArrayLike,
-    quantity: Sequence[str],
+    *quantity: str,
     n: int = N_LINE,
     since: StageData | None = None,
     water: Shown | None = None,
     of: str | None = None,
 ) -> PointValues:
-    """Return values along a line, see :meth:`~skfem_contact.results.StageResult.along`."""
+    """Return fields along a line through the bodies: a settlement trough, stresses in a cut.
+
+    Parameters
+    ----------
+    line
+        Ends of the line, and corners between them, (m, dim).
+    quantity, since, water, of
+        As of :meth:`at`.
+    n
+        Number of points at equal distances; corners are added.
+
+    Examples
+    --------
+    See :class:`PointValues`.
+    """
     titles = _titles(stage, quantity, water)
     position, coordinates = _line(stage, line, n)
     columns = {"position": position} | dict(zip("xyz", coordinates.T))
@@ -154,7 +207,7 @@ def through_stages(
     parts: list[StageData] = []
     for stage in stages:
         parts += (increments and stage.increments) or (stage,)
-    found = [at_points(part, points, quantity, None, water, of) for part in parts]
+    found = [at_points(part, points, *quantity, water=water, of=of) for part in parts]
 
     # Put the stage and its time before the columns of every part.
     columns: dict[str, list[Any]] = {"stage": [], "time": [], "load": []}

@@ -16,13 +16,11 @@ from ..checks import finite, look_up, number
 from ..display import Table
 from ..forms.base import Forms, internal_force, solids_of
 from ..forms.roles import Touching, having
-from ..layout import FieldDofs
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
-from . import points as points_
 from .cuts import Cuts, SectionForces
-from .motion import History, Quantity, energy_table, history
-from .points import PointValues
+from .motion import energy_table, history
+from .points import along_line, at_points
 from .sections import section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
 
@@ -120,32 +118,7 @@ class StageResult(files.StageData):
         """
         return energy_table(self.series, self.name)
 
-    def history(
-        self,
-        point: ArrayLike | FieldDofs,
-        quantity: Quantity = "displacement",
-        *,
-        absolute: bool = False,
-    ) -> History:
-        """Return the motion of a node in a stage with ``dynamic``.
-
-        Parameters
-        ----------
-        point : array_like, shape (dim,)
-            Coordinates of the node in the mesh; or the node of a beam, :meth:`Beam.at`.
-        quantity
-            ``"displacement"``, ``"velocity"`` or ``"acceleration"``.
-        absolute
-            True for the motion with the motion of the base, ``Stage(base=...)``; only of recorded
-            nodes.
-
-        Raises
-        ------
-        ValueError
-            No node at these coordinates, a stage without inertia, or a node that is not among
-            ``Dynamic(points=...)`` in a stage that keeps no steps.
-        """
-        return history(self, point, quantity, absolute)
+    history = history
 
     def tractions(self, pair: str) -> Tractions:
         """Return tractions, gaps and slips of a contact pair."""
@@ -194,159 +167,13 @@ class StageResult(files.StageData):
             return SectionForces(*along)
         return section_forces(*self._solid(body), sections)
 
-    def table(self, name: str, sections: Cuts | None = None) -> Table:
-        """Return the forces along a beam, a contact pair or bars as a table with their coordinates.
+    table = tables.of_form
 
-        Parameters
-        ----------
-        name
-            Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact
-            pairs columns of :class:`Tractions`, bars their ends and ``force``, embedded beams
-            and springs along piles ``deflection`` and ``resistance`` by ``kind``: p, t and q.
-        sections
-            Cuts through a solid, as for :meth:`section_forces`.
+    field = fields.nodal_field
 
-        Raises
-        ------
-        ValueError
-            A form that does not exist or has no such forces.
+    at = at_points
 
-        Examples
-        --------
-        >>> import skfem_contact as sc
-        >>> beam = sc.Beam(None, [[0., 0.], [1., 0.], [2., 0.]], EI=100., EA=1e4)
-        >>> model = sc.Model({"beam": beam}, beam.dofs((0., 0.)))
-        >>> load = model.forms["beam"].load((0., -3.), at=(2., 0.))
-        >>> stage = model.run([sc.Stage("tip", load)])["tip"]
-        >>> print(stage.table("beam"))
-        beam, tip
-        position  x  y  N  V   M
-               0  0  0  0  -3  6
-               1  1  0  0  -3  3
-               1  1  0  0  -3  3
-               2  2  0  0  -3  0
-        """
-        return tables.of_form(self, name, sections)
-
-    def field(
-        self,
-        name: str,
-        since: StageResult | None = None,
-        *,
-        water: fields.Shown | None = None,
-    ) -> ndarray:
-        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first.
-
-        Nodes of no solid have NaN. Stresses are recovered at the nodes of every region from its
-        elements' forces and stresses (:doc:`theory </theory/recovery>`), invariants follow from
-        these. A node between regions has the mean of their values. Stresses are effective where
-        water acts, but contain the excess pressure of :class:`Undrained` ground.
-
-        Parameters
-        ----------
-        name
-            ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``,
-            ``"szz"``, ``"sxy"``; principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``,
-            ``"mises"``; strains ``"exx"``, ``"eyy"``, ``"exy"`` (engineering shear), ``"gamma"``
-            (largest shear strain, in the plane), ``"ev"`` (volumetric); ``"plastic"``, the
-            equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the
-            shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater`
-            or of undrained ground, with the pressure of `water`. In three dimensions also ``"uz"``,
-            ``"syz"``, ``"szx"``.
-        since
-            Earlier stage from which the change is returned; displacements of bodies that it does
-            not hold count from their activation. Invariants of strains follow from the change of
-            the strains; invariants of stresses are subtracted.
-        water
-            Further pore pressure: a level, a line or water by region, a
-            :class:`~skfem_contact.water.Seepage`, a function of coordinates such as
-            :func:`hydrostatic`, or True, the stage's own water; False: none.
-        """
-        return fields.nodal_field(self, name, since, water)
-
-    def at(
-        self,
-        points: Mapping[str, ArrayLike] | ArrayLike,
-        *quantity: str,
-        since: StageResult | None = None,
-        water: fields.Shown | None = None,
-        of: str | None = None,
-    ) -> PointValues:
-        """Return fields at points of the bodies as a table, also within elements.
-
-        Fields are interpolated between their values at the nodes of a region, see :meth:`field`.
-        Points that lie on a boundary between regions or bodies have the values of the first one.
-
-        Parameters
-        ----------
-        points
-            Coordinates of one point, of several, (n, dim), or of points by their labels.
-        quantity
-            Names of fields, as of :meth:`field`.
-        since, water
-            Earlier stage from which changes are returned, and further pore pressure, as of
-            :meth:`field`.
-        of
-            Solid, region or subdomain to which the values belong; by default any.
-
-        Raises
-        ------
-        ValueError
-            Points outside of the active bodies: their number, and the distance of the first one.
-
-        Examples
-        --------
-        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-        >>> import skfem_contact as sc
-        >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-        >>> block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
-        >>> fixed = basis.get_dofs("bottom").all()
-        >>> stage = sc.Model({"block": block}, fixed).run([sc.Stage("weight")])["weight"]
-        >>> print(stage.at({"top": (.3, 1.), "middle": (.3, .5)}, "uy", "syy"))
-        weight
-        point     x    y     uy  syy
-        top     0.3    1  -0.01  -10
-        middle  0.3  0.5 -0.005  -10
-        >>> stage.at((2., 1.), "uy")
-        Traceback (most recent call last):
-            ...
-        ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
-        """
-        return points_.at_points(self, points, quantity, since, water, of)
-
-    def along(
-        self,
-        line: ArrayLike,
-        *quantity: str,
-        n: int = points_.N_LINE,
-        since: StageResult | None = None,
-        water: fields.Shown | None = None,
-        of: str | None = None,
-    ) -> PointValues:
-        """Return fields along a line through the bodies: a settlement trough, stresses in a cut.
-
-        Parameters
-        ----------
-        line
-            Ends of the line, and corners between them, (m, dim).
-        quantity, since, water, of
-            As of :meth:`at`.
-        n
-            Number of points at equal distances; corners are added.
-
-        Examples
-        --------
-        See :class:`PointValues`.
-        """
-        return points_.along_line(
-            self,
-            line,
-            quantity,
-            n,
-            since,
-            water,
-            of,
-        )
+    along = along_line
 
     def pore_pressure(self, solid: str) -> ndarray:
         """Return the excess pore pressure of :class:`Undrained` soil, (n_elements, n_points).
@@ -532,12 +359,7 @@ class StageResult(files.StageData):
 
         return pyvista.from_meshio(export.grid(self))
 
-    def to_frame(self) -> Any:
-        """Return fields at the nodes of solids as a pandas data frame.
-
-        ``DataFrame(vars(stage.tractions(name)))`` holds tractions.
-        """
-        return export.frame(self)
+    to_frame = export.frame
 
     def contour(self, quantity: str, **options: Any) -> Any:
         """Draw a field, see :func:`~skfem_contact.plot.contour`."""

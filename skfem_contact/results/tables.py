@@ -89,7 +89,37 @@ class Envelope:
 
 
 def of_form(stage: StageData, name: str, sections: Cuts | None = None) -> Table:
-    """Return the table of a form, see :meth:`~skfem_contact.results.StageResult.table`."""
+    """Return the forces along a beam, a contact pair or bars as a table with their coordinates.
+
+    Parameters
+    ----------
+    name
+        Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact
+        pairs columns of :class:`Tractions`, bars their ends and ``force``, embedded beams
+        and springs along piles ``deflection`` and ``resistance`` by ``kind``: p, t and q.
+    sections
+        Cuts through a solid, as for :meth:`section_forces`.
+
+    Raises
+    ------
+    ValueError
+        A form that does not exist or has no such forces.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> beam = sc.Beam(None, [[0., 0.], [1., 0.], [2., 0.]], EI=100., EA=1e4)
+    >>> model = sc.Model({"beam": beam}, beam.dofs((0., 0.)))
+    >>> load = model.forms["beam"].load((0., -3.), at=(2., 0.))
+    >>> stage = model.run([sc.Stage("tip", load)])["tip"]
+    >>> print(stage.table("beam"))
+    beam, tip
+    position  x  y  N  V   M
+           0  0  0  0  -3  6
+           1  1  0  0  -3  3
+           1  1  0  0  -3  3
+           2  2  0  0  -3  0
+    """
     form = look_up(name, stage.forms, f"form in stage '{stage.name}'")
     along = _along(stage, name, sections)
     if not along:
