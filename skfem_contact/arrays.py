@@ -26,3 +26,8 @@ def cross_in_plane(u: ndarray, v: ndarray) -> ndarray:
 def left_of(t: ndarray) -> ndarray:
     """Return the vectors to the left of others in the plane, (..., 2)."""
     return np.stack((-t[..., 1], t[..., 0]), axis=-1)
+
+
+def row_norms(vectors: ndarray) -> ndarray:
+    """Return the lengths of vectors, (n,), or norms along the second axis, of (n, dim, ...)."""
+    return np.linalg.norm(vectors, axis=1)

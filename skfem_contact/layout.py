@@ -16,6 +16,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
 
+from .arrays import row_norms
 from .checks import finite, format_point, look_up
 
 #: Linear elements by the numbers of dimensions and of corners.
@@ -399,13 +400,13 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     nearest = []
     for point, begin, end in zip(x, begins, ends):
         beside = order[begin:end]
-        found = beside[np.linalg.norm(nodes[:, beside].T - point, axis=1) <= near]
+        found = beside[row_norms(nodes[:, beside].T - point) <= near]
         nearest.extend(found)
         if len(found) == 1:
             continue
         hint = "say by `part` which body is meant"
         if not len(found):
-            node = np.argmin(np.linalg.norm(nodes.T - point, axis=1))
+            node = np.argmin(row_norms(nodes.T - point))
             hint = f"the nearest one is at {format_point(nodes[:, node])}"
         raise ValueError(f"there are {len(found)} nodes at {format_point(point)}; {hint}")
     return numbers[np.array(nearest, int)][:, None] + np.arange(dim)

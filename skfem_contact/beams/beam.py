@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..arrays import row_norms
 from ..checks import finite, format_point, vector
 from ..errors import Remark
 from ..forms.base import Form, Forms, Kinematics, Outputs, Response, counted
@@ -503,7 +504,7 @@ class Beam(BeamNodes, Slender):
     def _summary(self, state: BeamState) -> str:
         N, _, M = self._lines(state)[3:6]
         if M.ndim == 2:
-            M = np.linalg.norm(M, axis=1)
+            M = row_norms(M)
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
     @override

@@ -19,7 +19,7 @@ import scipy
 from numpy import ndarray
 from typing_extensions import override
 
-from ..arrays import left_of
+from ..arrays import left_of, row_norms
 from ..errors import Remark
 
 GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
@@ -53,7 +53,7 @@ def shapes(xi: float) -> tuple[ndarray, ndarray]:
 def across(t: ndarray) -> tuple[ndarray, ndarray]:
     """Return two unit vectors across unit tangents in space, (m, 3) each."""
     first = np.cross(t, np.eye(3)[np.abs(t).argmin(axis=1)])
-    first /= np.linalg.norm(first, axis=1)[:, None]
+    first /= row_norms(first)[:, None]
     return first, np.cross(t, first)
 
 
@@ -68,10 +68,10 @@ def _along(points: ndarray, xi: float) -> tuple[ndarray, ndarray, ndarray, ndarr
     along = np.einsum("k,mkc->mc", dN, points)
     # The axis must lead from the start to the end.
     chord = points[:, 1] - points[:, 0]
-    least = _NO_LENGTH * np.ptp(points) * np.linalg.norm(chord, axis=1)
+    least = _NO_LENGTH * np.ptp(points) * row_norms(chord)
     if not ((along * chord).sum(axis=1) > least).all():
         raise ValueError("an element of a beam has no length, or its middle lies beyond its ends")
-    J = np.linalg.norm(along, axis=1)[:, None]
+    J = row_norms(along)[:, None]
     return J[:, 0], along / J, N, dN / J
 
 
@@ -406,7 +406,7 @@ class Hinges:
             faces = self._faces[e]
             # Return to the nearest point of the surface, in the norm of the energy.
             way = faces @ self._root[e]
-            size = np.linalg.norm(way, axis=1)
+            size = row_norms(way)
 
             # Solve in units of the largest distance: the solution is of order one
             far = (excess[e] / size).max()

@@ -15,7 +15,7 @@ from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix, hstack, kron
 from skfem import CellBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 from typing_extensions import override
 
-from ..arrays import left_of, quotient
+from ..arrays import left_of, quotient, row_norms
 from ..checks import check_basis, finite, format_point, is_number, positive
 from ..forms.base import Form, Forms, Outputs, Response, counted
 from ..forms.roles import Couples, Regularised, Staged
@@ -300,7 +300,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         # Springs across, p = k u, in the direction of u where they flow at p_max
         lateral = moved - slip[:, None] * t
         trial = self._across[:, None] * lateral
-        size = np.linalg.norm(trial, axis=1)
+        size = row_norms(trial)
         flows = size > self.p_max
         share = np.where(flows, self.p_max / np.where(flows, size, 1.0), 1.0)
         across = share[:, None] * trial
@@ -382,7 +382,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         def summary() -> str:
             text = f"skin up to {self._used(state).max():.0%} of its resistance"
             if np.isfinite(self.p_max).any():
-                size = np.linalg.norm(self._lateral(x, state), axis=1)
+                size = row_norms(self._lateral(x, state))
                 text += f", ground across up to {quotient(size, self.p_max).max():.0%}"
             return f"{text}, foot {state.foot[0]:.4g}"
 
@@ -417,7 +417,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         rows = [("t", points, along[:-1], -state.skin, self._used(state))]
         if self._bends:
             forces = self._lateral(x, state)
-            used = quotient(np.linalg.norm(forces, axis=1), self.p_max)
+            used = quotient(row_norms(forces), self.p_max)
             lateral = (moved - along[:, None] * self._along)[:-1]
             directions = {f"p{axis}": direction for axis, direction in zip("xyz", np.eye(3))}
             if self._along.shape[1] == 2:
@@ -512,7 +512,7 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
     tangents = np.einsum("qk,mkc->mqc", dN, corners)
     at_foot = np.einsum("k,kc->c", dN_foot, corners[-1])
     t = np.vstack((tangents.reshape(-1, beam.dim), at_foot))
-    t /= np.linalg.norm(t, axis=1)[:, None]
+    t /= row_norms(t)[:, None]
     along = np.tile(N, (len(corners), 1))
     values = np.vstack((along, N_foot))
     cells = np.repeat(beam.cells, len(xi), axis=0)

@@ -12,6 +12,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix, eye_array
 from scipy.sparse.linalg import splu
 
+from ..arrays import row_norms
 from ..checks import format_point
 from ..errors import Remark
 from ..forms.base import Form
@@ -267,9 +268,9 @@ def of_a_line(
     part = np.bincount(nodes, np.outer(length, _OF_LENGTH).ravel())
 
     # Compare the works of the line load q
-    q = np.linalg.norm(f, axis=1) / part
+    q = row_norms(f) / part
     q = np.minimum(q, _SINGLE * np.median(q))
-    work = part @ (q * np.linalg.norm(u, axis=1)) + abs((f * u).sum())
+    work = part @ (q * row_norms(u)) + abs((f * u).sum())
     compliance = np.log(2.0) / (2.0 * np.pi * G)
     more = float(compliance * (part @ q**2) / (work or 1.0))
     if more > _TOLD:
@@ -298,7 +299,7 @@ def turning_ends(corners: ndarray, rows: ndarray, met: ndarray, fixed: ndarray) 
     for end in (0, 1):
         # The direction of the axis at the end, by the quadratic shape functions.
         tangent = 3.0 * corners[:, end] - 4.0 * corners[:, 2] + corners[:, 1 - end]
-        along = np.abs(tangent) / np.linalg.norm(tangent, axis=1)[:, None]
+        along = np.abs(tangent) / row_norms(tangent)[:, None]
         held = np.isin(rows[:, 2 * end : 2 * end + 2], fixed)
         theta = rows[:, 6 + end]
         # Held in one direction, along the beam, and free to turn.

@@ -12,7 +12,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis, Mesh
 
-from ..arrays import left_of
+from ..arrays import left_of, row_norms
 from ..checks import check_plane, facets_of, finite, format_point, names_of
 from ..layout import centroids, elements_of, facet_corners
 from ..mesh.check import check_topology, own_tags
@@ -186,13 +186,13 @@ def _vertices_along(mesh: Mesh, vertices: ndarray, points: ndarray) -> ndarray:
         length = np.linalg.norm(b - a)
         t = (b - a) / (length or 1.0)
         s = (x - a) @ t
-        off = np.linalg.norm(x - a - s[:, None] * t, axis=1)
+        off = row_norms(x - a - s[:, None] * t)
         found = np.flatnonzero((off < near) & (s > -near) & (s < length + near))
         found = found[np.argsort(s[found])]
 
         # Refuse ends that are no vertex, or several
         for point, end in ((a, found[:1]), (b, found[-1:])):
-            distance = np.linalg.norm(x - point, axis=1)
+            distance = row_norms(x - point)
             count = (distance < near).sum()
             if not len(end) or count != 1 or distance[end[0]] > near:
                 raise ValueError(
@@ -288,7 +288,7 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     # Tangents t and normals n of the chords of both halves of the elements
     start = points[:, [0, 2]].reshape(-1, 2)
     end = points[:, [2, 1]].reshape(-1, 2)
-    length = np.linalg.norm(end - start, axis=1)
+    length = row_norms(end - start)
     t = (end - start) / length[:, None]
     n = left_of(t)
 
@@ -305,7 +305,7 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     normal = n[nearest]
     away = np.einsum("fc,fc->f", offset[each, nearest], normal)
     sides = np.sign(np.einsum("fc,fc->f", inner - middle, normal))
-    size = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    size = row_norms(ends[:, 1] - ends[:, 0])
     near = np.abs(away - half * sides) <= _NEAR * size
     within = beyond[each, nearest] <= _NEAR * length[nearest]
     one_side = sides == sides[0]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 from typing_extensions import override
 
-from ..arrays import left_of
+from ..arrays import left_of, row_norms
 from ..checks import finite
 from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Couples, Staged
@@ -283,13 +283,13 @@ def _along(pile: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     """Return nodes from the head on, distances, directions, (n, 2), and lengths of nodes, (n,)."""
     corners = pile.points[pile.cells]  # (m, 3, 2)
     chord = corners[:, 1] - corners[:, 0]
-    size = np.linalg.norm(chord, axis=1)
+    size = row_norms(chord)
     n = len(pile.points)
     total = np.zeros(n)
     direction = np.zeros((n, 2))
     np.add.at(total, pile.cells, size[:, None] * _SHARES)
     np.add.at(direction, pile.cells, np.repeat(chord[:, None], 3, axis=1))
-    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    direction /= row_norms(direction)[:, None]
 
     # Follow the elements from the head.
     start = np.concatenate(([0.0], np.cumsum(size)[:-1]))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..arrays import max_abs
+from ..arrays import max_abs, row_norms
 from ..checks import format_point
 from ..errors import Remark
 from .interface import ROUND_OFF, ContactState
@@ -226,4 +226,4 @@ def _moved_apart(pair: Any, x: ndarray, state: ContactState) -> ndarray:
     slave_0, master_0 = pair.interface.positions(None)
     points = pair.points(state).positions(slave - slave_0)
     closest = state.closest.positions(pair.master, master - master_0)
-    return np.asarray(np.linalg.norm(points - closest, axis=1))
+    return np.asarray(row_norms(points - closest))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..checks import format_point
 from ..errors import Remark
 from ..surfaces.surface import Surface
@@ -253,7 +254,7 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
     force = points.weight[on] * np.abs(state.traction[0, on])
     centre = pair.slave.nodes.mean(axis=0)
     arm = (points.positions(pair.slave.nodes) - centre)[on]
-    friction = mu * float(force @ np.linalg.norm(arm, axis=1))
+    friction = mu * float(force @ row_norms(arm))
     lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
     torque = float(force @ lever)
     carried = abs(torque) / friction
@@ -332,5 +333,5 @@ def _slope_at_joints(pair: ContactBase, state: ContactState) -> ndarray:
     at, side = np.nonzero(at_joint)
     own, neighbour = normals_at_joint(master, master.nodes, state.facet[at], side)
     sine = np.zeros(len(state.gap))
-    np.maximum.at(sine, at, 0.5 * np.linalg.norm(own - neighbour, axis=1))
+    np.maximum.at(sine, at, 0.5 * row_norms(own - neighbour))
     return sine

@@ -9,6 +9,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from ..arrays import row_norms
 from ..surfaces.surface import Surface
 
 #: Distance along the surface, as a multiple of the largest penetration, within which facets are
@@ -105,7 +106,7 @@ def _within(surface: Surface, reach: ndarray) -> csr_matrix:
     first, second = np.triu_indices(k, 1)
     start = surface.facets[:, first].ravel()
     end = surface.facets[:, second].ravel()
-    length = np.linalg.norm(surface.nodes[start] - surface.nodes[end], axis=1)
+    length = row_norms(surface.nodes[start] - surface.nodes[end])
     n = len(surface.nodes)
     pairs = np.sort(np.stack((start, end)), axis=0)
     once = np.unique(pairs, axis=1, return_index=True)[1]

@@ -17,7 +17,7 @@ from numpy import ndarray
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
-from ..arrays import cross_in_plane, max_abs
+from ..arrays import cross_in_plane, max_abs, row_norms
 from ..surfaces.shape import Shape, divided_rule, gauss_points, rule
 from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import across, cross, determinant, dot, products, solve, unit
@@ -89,7 +89,7 @@ class SlavePoints:
         # Multiply areas |x_,1 x x_,2| by the weights of the rule, and by the radius about an axis.
         mapping = surface.at(facet, xi, surface.nodes)
         x, a = mapping.x[:2]
-        area = np.linalg.norm(across(a), axis=1)
+        area = row_norms(across(a))
         if surface.axisymmetric:
             area = area * x[:, 0]
         return cls(

@@ -20,6 +20,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 
+from ..arrays import row_norms
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import across, cross
 from .laws import InterfaceLaw, LawUpdate
@@ -50,9 +51,9 @@ class Stretch(NamedTuple):
         """Return the stretch at present coordinates of the nodes, (n_nodes, dim)."""
         before = surface.at(facet, xi, surface.nodes)
         now = surface.at(facet, xi, nodes)
-        area = np.linalg.norm(across(before.x[1]), axis=1)
+        area = row_norms(across(before.x[1]))
         normal = across(now.x[1])
-        size = np.linalg.norm(normal, axis=1)
+        size = row_norms(normal)
         values = size / area
 
         # Differentiate the length of the normal by the tangents.

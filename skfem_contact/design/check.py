@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..arrays import left_of
+from ..arrays import left_of, row_norms
 from ..checks import look_up, vector
 from ..display import Table
 from ..errors import warn
@@ -369,7 +369,7 @@ def _turned(forces: ndarray, resultant: ndarray) -> ndarray:
     which they differ first: :math:`f' = f + \theta\, e_z \times f`. The rest is shared.
     """
     total = forces.sum(axis=0)
-    size = np.linalg.norm(forces, axis=1)
+    size = row_norms(forces)
     if not size.any():
         return forces
     missing = resultant - total
@@ -399,7 +399,7 @@ def _check_balance(forces: _Forces, body: str) -> None:
     """Warn of forces that are neither contact nor load."""
     parts = (forces.base, forces.thrust, forces.loads)
     total = sum(part.sum(axis=0) for part in parts)
-    size = sum(float(np.linalg.norm(part, axis=1).sum()) for part in parts)
+    size = sum(float(row_norms(part).sum()) for part in parts)
     missing = float(np.linalg.norm(total))
     if missing > _UNBALANCED * size:
         warn(

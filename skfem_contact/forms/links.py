@@ -13,6 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix, sparray, spmatrix
 from skfem import CellBasis
 from typing_extensions import override
 
+from ..arrays import row_norms
 from ..checks import finite, is_number, positive
 from ..layout import Field, FieldDofs, dofs_at
 from ..sparse import Gathering
@@ -247,7 +248,7 @@ class Bar(Form, Couples, Staged, Regularised):
         self.kinematics = kinematics
         self._set_strength(EA, yield_force, tension_only, compression_only)
         a, b = np.broadcast_arrays(_points(start, "start", basis), _points(end, "end", basis))
-        length = np.linalg.norm(b - a, axis=1)
+        length = row_norms(b - a)
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")
         self.symmetric = True
@@ -348,7 +349,7 @@ class Bar(Form, Couples, Staged, Regularised):
             moved = moves[:, 1] - moves[:, 0]
         before = self._where[:, dim:] - self._where[:, :dim]
         now = before + moved
-        length = np.linalg.norm(now, axis=1)
+        length = row_norms(now)
         elongation = ((before + now) * moved).sum(axis=1) / (length + self._length)
         axis = now / length[:, None]
         ends = np.hstack((-axis, axis))

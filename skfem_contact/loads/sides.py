@@ -9,6 +9,8 @@ import scipy
 from numpy import ndarray
 from skfem import FacetBasis
 
+from ..arrays import row_norms
+
 #: Number of near facets that are tried first as the one that another facet faces.
 _NEAR = 16
 #: Distance from the plane of a facet that touches it, over its size: the rise of an arc of 16
@@ -67,7 +69,7 @@ def facing(sides: Sides, porous: ndarray) -> ndarray:
 def _faces(sides: Sides, facet: Any, near: ndarray) -> ndarray:
     """Return which of the near facets a facet faces, (n,)."""
     offset = sides.middle[near] - sides.middle[facet]
-    distance = np.linalg.norm(offset, axis=1)
+    distance = row_norms(offset)
     ahead = offset @ sides.normal[facet]
     cosine = sides.normal[near] @ sides.normal[facet]
     # Facets that touch lie in one plane and look at each other.

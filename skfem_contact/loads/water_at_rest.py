@@ -11,7 +11,7 @@ from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..arrays import max_abs
+from ..arrays import max_abs, row_norms
 from ..checks import finite, format_point, look_up, names_of
 from ..errors import warn
 from ..layout import elements_of, facet_counts, linear_element
@@ -305,8 +305,8 @@ def _beside_facets(outside: FacetBasis, pressure: Any, facets: ndarray, points: 
         values[wet] = pressure.pressure_at(points[wet].T, head[wet])
         return values
     # Take levels at the points, and values at vertices at the nearest points.
-    distance = np.linalg.norm(a + s[:, None] * along - points, axis=1)
-    off = distance > _OFF * np.linalg.norm(along, axis=1)
+    distance = row_norms(a + s[:, None] * along - points)
+    off = distance > _OFF * row_norms(along)
     if isinstance(pressure, Mapping):
         by_region = pressure
     else:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from skfem import Mesh
 
+from ..arrays import row_norms
 from ..sparse import parts_of
 
 Indices = NDArray[np.integer]
@@ -76,7 +77,7 @@ def lies_on(points: Floats, corners: Floats, size: Floats) -> NDArray[np.bool_]:
     near = _ON * size
     if points.shape[1] == 2:
         along = corners[:, 1] - corners[:, 0]
-        length = np.linalg.norm(along, axis=1)
+        length = row_norms(along)
         from_first = points - corners[:, 0]
         position = (from_first * along).sum(axis=1) / length
         area = from_first[:, 0] * along[:, 1] - from_first[:, 1] * along[:, 0]
@@ -170,7 +171,7 @@ def touching_sides(outside: Outside) -> tuple[Indices, Indices]:
     first = np.repeat(np.arange(len(middles)), count)
     second = nearest.ravel()
     # Leave out the side itself, and neighbours, whose size does not reach so far
-    distance = np.linalg.norm(middles[first] - middles[second], axis=1)
+    distance = row_norms(middles[first] - middles[second])
     possible = (first != second) & (distance <= outside.size[second] * (1.0 + _ON))
     first = first[possible]
     second = second[possible]

@@ -9,7 +9,7 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh
 
-from ..arrays import max_abs
+from ..arrays import max_abs, row_norms
 from ..checks import format_point
 
 #: Elements nearest to a point by their centres that are tried first. On 1e5 triangles of one size
@@ -108,7 +108,7 @@ def outside(mesh: Mesh, elements: ndarray, points: ndarray) -> str:
     point = points[0]
 
     # Take the elements that may hold the nearest point.
-    distance = np.linalg.norm(geometry.center - point, axis=1)
+    distance = row_norms(geometry.center - point)
     near = np.flatnonzero(distance - geometry.radius <= (distance + geometry.radius).min())
 
     # Search their points on a grid, then on a finer one around the best.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import row_norms
 from .content import Content, without_doubles
 from .kinds import KINDS, Floats, Integers
 
@@ -81,8 +82,8 @@ def _shorter(cells: Integers, points: Floats) -> np.ndarray:
     """
     x = points[cells[:, :4]]
     if np.ptp(x[..., 2]) == 0.0:
-        first = np.linalg.norm(x[:, 2] - x[:, 0], axis=1)
-        second = np.linalg.norm(x[:, 3] - x[:, 1], axis=1)
+        first = row_norms(x[:, 2] - x[:, 0])
+        second = row_norms(x[:, 3] - x[:, 1])
         return np.asarray(first <= second)
     return np.argmin(cells[:, :4], axis=1) % 2 == 0
 

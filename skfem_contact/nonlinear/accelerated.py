@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..errors import NotConverged
 from ..solvers.direct import SingularSystem, Solve
 from .newton import Evaluation, Problem
@@ -86,7 +87,7 @@ class Anderson:
 
         # solve the normal equations with differences of unit length
         changes = np.array(self._changes)
-        length = np.linalg.norm(changes, axis=1)
+        length = row_norms(changes)
         changes /= length[:, None]
         gram = changes @ changes.T
         gram[np.diag_indices_from(gram)] += _ROUND_OFF

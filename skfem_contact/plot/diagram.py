@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..arrays import left_of, max_abs
+from ..arrays import left_of, max_abs, row_norms
 from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
 from ..errors import warn
@@ -239,10 +239,10 @@ def _at_point(
         raise ValueError(
             f"point '{label}' has {coordinates.shape[1]} coordinates in these bodies, not {point!r}"
         )
-    distance = np.linalg.norm(coordinates - wanted, axis=1)
+    distance = row_norms(coordinates - wanted)
     node = int(distance.argmin())
     elements = coordinates[nodes[(nodes == node).any(axis=1)]]  # (elements, nodes, dim)
-    lengths = np.linalg.norm(np.ptp(elements, axis=1), axis=1)
+    lengths = row_norms(np.ptp(elements, axis=1))
     reach = float(lengths.max(initial=0.0))
     if distance[node] > reach:
         raise ValueError(
@@ -251,7 +251,7 @@ def _at_point(
         )
 
     # Compare the values of all bodies at the node.
-    from_node = np.linalg.norm(coordinates - coordinates[node], axis=1)
+    from_node = row_norms(coordinates - coordinates[node])
     same = values[:, from_node < _SAME * reach]
     apart = np.ptp(np.nan_to_num(same), axis=1).max()
     if apart > _DIFFERENT * np.nanmax(np.abs(np.append(same, 0.0))):
@@ -475,7 +475,7 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
     axis = np.column_stack((values.x, values.y))[order]
 
     # An axis is closed where its ends are neighbours; two values at a node have no distance.
-    steps = np.linalg.norm(np.diff(axis, axis=0), axis=1)
+    steps = row_norms(np.diff(axis, axis=0))
     steps = steps[steps > 0.0]
     gap = np.linalg.norm(axis[0] - axis[-1])
     closed = bool(len(steps) > 2 and gap < 2.5 * np.median(steps))
@@ -485,20 +485,20 @@ def _ordinates(values: Any, quantity: str) -> _Ordinates:
         tangent = np.roll(axis, -1, axis=0) - np.roll(axis, 1, axis=0)
     else:
         tangent = np.gradient(axis, axis=0)
-    tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
+    tangent = tangent / row_norms(tangent)[:, None]
     left = left_of(tangent)
 
     # Give both values at a node the mean of their directions.
     n = len(axis)
     first = np.arange(n if closed else n - 1)
     second = (first + 1) % n
-    apart = np.linalg.norm(axis[second] - axis[first], axis=1)
+    apart = row_norms(axis[second] - axis[first])
     smooth = (left[first] * left[second]).sum(axis=1) > _SMOOTH
     at_node = (apart <= _ROUND_OFF * np.ptp(axis)) & smooth
     first = first[at_node]
     second = second[at_node]
     mean = left[first] + left[second]
-    mean = mean / np.linalg.norm(mean, axis=1)[:, None]
+    mean = mean / row_norms(mean)[:, None]
     left[first] = mean
     left[second] = mean
     if not isinstance(values, SectionForces):

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
-from ..arrays import left_of
+from ..arrays import left_of, row_norms
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
 from ..loads import hydrostatic
@@ -246,7 +246,7 @@ def water_tables(scene: Scene, water: Water) -> list[ndarray]:
 
 def _evenly(line: ndarray, step: float) -> ndarray:
     """Return points (n, 2) along a polyline, about `step` from each other."""
-    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    lengths = row_norms(np.diff(line, axis=0))
     arc = np.append(0.0, lengths.cumsum())
     even = np.linspace(0.0, arc[-1], max(2, round(arc[-1] / step)))
     return np.column_stack([np.interp(even, arc, values) for values in line.T])
@@ -321,7 +321,7 @@ def _draw_vectors(plotter: Any, scene: Scene) -> None:
     nodes = _thinned(scene, np.unique(scene.sides.mesh))
     moves = scene.displacement[nodes]
     # A few nodes at an edge of a rigid body may move far beyond all others.
-    size = np.linalg.norm(moves, axis=1)
+    size = row_norms(moves)
     usual = np.sort(size)[-min(len(size), _FEW + 1)]
     if usual > 0.0:
         lengths = np.where(size > 0.0, size, usual)
@@ -333,7 +333,7 @@ def _draw_vectors(plotter: Any, scene: Scene) -> None:
 
 def _scaled(vectors: ndarray, longest: float) -> tuple[ndarray, ndarray]:
     """Return True for vectors (n, 2) that are large enough, and these vectors at a length."""
-    size = np.linalg.norm(vectors, axis=1)
+    size = row_norms(vectors)
     largest = size.max(initial=0.0)
     seen = size > _SMALL * largest
     return seen, vectors[seen] / largest * longest
@@ -365,7 +365,7 @@ def _arrows(plotter: Any, scene: Scene, tails: ndarray, tips: ndarray, color: st
     """Draw flat arrows with heads of one size."""
     # Directions along and across.
     vectors = tips - tails
-    length = np.linalg.norm(vectors, axis=1)
+    length = row_norms(vectors)
     along = vectors / length[:, None]
     across = left_of(along)
     # Heads of 12 pixels, or half of a short arrow.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import override
 
+from ..arrays import row_norms
 from ..results.export import vtk_cells
 from ..results.fields import reference, solids
 from ..results.patch_recovery import region_mesh
@@ -88,7 +89,7 @@ class Scene:
 
     def _round_factor(self) -> float:
         """Return a factor with which displacements are seen: 1, 2 or 5 times a power of ten."""
-        largest = np.linalg.norm(self.displacement[self.nodes], axis=1).max()
+        largest = row_norms(self.displacement[self.nodes]).max()
         if largest == 0.0:
             return 1.0
         size = np.ptp(self.coordinates[self.nodes], axis=0).max()

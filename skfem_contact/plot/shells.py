@@ -10,6 +10,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import override
 
+from ..arrays import row_norms
 from ..checks import look_up, names_of
 from ..results.stage import StageResult
 from ..shells.element import normals
@@ -148,7 +149,7 @@ class _ShellScene(SpaceScene):
         self.displacement = np.concatenate([part.displacement for part in parts])
         self.nodes = np.arange(len(self.coordinates))
         if quantity == "u":
-            self.values = np.linalg.norm(self.displacement, axis=1)
+            self.values = row_norms(self.displacement)
         elif quantity in ("ux", "uy", "uz"):
             self.values = self.displacement[:, "xyz".index(quantity[1])]
         else:
@@ -158,7 +159,7 @@ class _ShellScene(SpaceScene):
 
         # A third of each triangle belongs to each of its corners
         normal = normals(self.coordinates.reshape(-1, 3, 3))
-        area = 0.5 * np.linalg.norm(normal, axis=1)
+        area = 0.5 * row_norms(normal)
         self.area = np.repeat(area / 3.0, 3)
         if towards is None:
             from_above = 0.5 * np.abs(normal[:, 2]).sum() > _LEVEL * area.sum()

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..results.fields import basis_of, has_solids
 from ..results.stage import StageResult
 
@@ -53,7 +54,7 @@ def structures(stage: StageResult) -> Iterator[Lines]:
         displacement = np.zeros_like(points)
         if len(nodes):
             distance, nearest = scipy.spatial.cKDTree(nodes).query(points)
-            length = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
+            length = row_norms(points[:, 1] - points[:, 0])
             held = distance < _SAME * length[:, None]
             displacement[held] = moves[np.asarray(nearest)[held]]
         yield Lines(name, BAR, points, displacement)

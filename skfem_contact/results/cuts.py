@@ -8,7 +8,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..arrays import left_of
+from ..arrays import left_of, row_norms
 from ..surfaces.vectors import dot
 
 
@@ -79,7 +79,7 @@ class SectionForces:
         # Take the part of the direction across the axis.
         direction = np.asarray(left, float)
         side = direction - (self.axis @ direction)[:, None] * self.axis
-        length = np.linalg.norm(side, axis=1)
+        length = row_norms(side)
         if not (length > 1e-9 * np.linalg.norm(direction)).all():
             raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
         side = side / length[:, None]
@@ -222,7 +222,7 @@ class Cuts:
         axis = self.axis[section]
         s = np.einsum("mc,mc->m", offset, axis)
         if points.shape[1] == 3:
-            return s, np.linalg.norm(offset - s[:, None] * axis, axis=1)
+            return s, row_norms(offset - s[:, None] * axis)
         y = np.einsum("mc,mc->m", offset, self.left[section])
 
         # Take angle and radius, in units of 1 / k, about the centre of curvature.

@@ -13,6 +13,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from typing_extensions import override
 
+from ..arrays import row_norms
 from ..checks import format_point
 from ..display import Table
 from ..forms.base import solids_of
@@ -139,7 +140,7 @@ class History:
     @property
     def largest(self) -> float:
         """Largest length of the vector."""
-        return float(np.linalg.norm(self.values, axis=1).max())
+        return float(row_norms(self.values).max())
 
     def table(self) -> Table:
         """Return the history as a table, with the time in its first column."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..arrays import row_norms
 from ..checks import finite, look_up, names
 from ..display import Table
 from ..layout import elements_in
@@ -263,7 +264,7 @@ def _points(
 def _line(stage: StageData, line: ArrayLike, n: int) -> tuple[ndarray, ndarray]:
     """Return distances along a line, (m,), and coordinates, (m, dim), its corners among them."""
     _, corners = _points(stage, line)
-    length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    length = row_norms(np.diff(corners, axis=0))
     if len(corners) < 2 or not (length > 0.0).all():
         raise ValueError("a line has two or more corners, each different from the one before")
     if n < 2:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..arrays import max_abs
+from ..arrays import max_abs, row_norms
 from ..checks import format_point, look_up
 from ..contact.laws import Status
 from ..display import Table
@@ -288,7 +288,7 @@ def _moved(stage: StageData) -> tuple[ndarray, ndarray] | None:
 def _largest(values: ndarray, points: ndarray) -> tuple[float, str]:
     """Return the value of the largest magnitude, the length of a vector, and its coordinates."""
     if values.ndim == 2:
-        values = np.linalg.norm(values, axis=1)
+        values = row_norms(values)
     index, where = located(np.abs(values), points)
     return float(values[index]), where if values[index] else ""
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
-from ..arrays import cross_in_plane, max_abs
+from ..arrays import cross_in_plane, max_abs, row_norms
 from ..checks import format_point
 from ..sparse import parts_of
 from .outline import turn
@@ -121,7 +121,7 @@ def _chords(entity: Any, tolerance: float) -> Chain:
 
 def _through(points: ndarray, tolerance: float) -> Chain | None:
     """Return arcs through some of the points of a smooth curve, as near to it as allowed."""
-    length = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    length = row_norms(np.diff(points, axis=0))
     points = points[np.append(True, length > 0.0)]
     last = len(points) - 1
     if last < 1:

@@ -12,7 +12,7 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh, MeshTri, MeshTri2
 
-from ..arrays import cross_in_plane
+from ..arrays import cross_in_plane, row_norms
 from ..checks import format_point
 from ..layout import centroids
 from ..sparse import parts_of
@@ -252,7 +252,7 @@ def _resampled(chain: Chain, size: SizeField) -> _Resampled:
     """Return new vertices on a smooth curve through the nodes of a chain, by the sizes there."""
     # Put a smooth curve through the nodes by the lengths between them
     points = chain.points
-    sides = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    sides = row_norms(np.diff(points, axis=0))
     s = np.concatenate(([0.0], np.cumsum(sides)))
     curve = _curve(s, points, chain.closed)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..checks import format_point
 from .outline import Outline
 
@@ -100,7 +101,7 @@ def nodes_of(gmsh: Any) -> tuple[ndarray, ndarray]:
 
 def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:
     """Add the segments and arcs of an outline, moved by a shift, and return their numbers."""
-    lengths = np.linalg.norm(np.subtract(*outline.ends), axis=1)
+    lengths = row_norms(np.subtract(*outline.ends))
     for point, length in zip(outline.points, lengths):
         if length <= ONE_POINT:
             raise ValueError(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..arrays import cross_in_plane, left_of, max_abs
+from ..arrays import cross_in_plane, left_of, max_abs, row_norms
 from ..checks import finite, format_point, positive, vector
 
 #: Points nearer than this share of the size of an outline are one point.
@@ -125,7 +125,7 @@ class Outline:
     def length(self) -> float:
         """Length of all segments."""
         # Arc with the tangent t of a quarter of its angle: l = chord (1 + t**2) / t arctan(t)
-        chord = np.linalg.norm(np.subtract(*self.ends), axis=1)
+        chord = row_norms(np.subtract(*self.ends))
         bulge = np.abs(self.bulges)
         t = np.where(bulge > 0.0, bulge, 1.0)
         arc = chord * (1.0 + t * t) / t * np.arctan(t)
@@ -182,7 +182,7 @@ class Outline:
         before = np.arange(n if self.closed else n - 1)
         u = (b - a)[before]
         v = (b - a)[(before + 1) % n]
-        scale = _SAME * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
+        scale = _SAME * row_norms(u) * row_norms(v)
         parallel = np.abs(cross_in_plane(u, v)) <= scale
         opposite = (u * v).sum(axis=1) < 0.0
         back = parallel & opposite
@@ -264,8 +264,8 @@ def _side(a: ndarray, b: ndarray, c: ndarray) -> ndarray:
     """Return the side of lines through a and b on which points c lie: -1, 0 or 1."""
     u = b - a
     v = c - a
-    length = np.linalg.norm(u, axis=1)
-    scale = length * np.maximum(np.linalg.norm(v, axis=1), length)
+    length = row_norms(u)
+    scale = length * np.maximum(row_norms(v), length)
     value = cross_in_plane(u, v)
     return np.where(np.abs(value) <= _SAME * scale, 0.0, np.sign(value))
 

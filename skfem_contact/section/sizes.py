@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..checks import format_point
 from .kernel import nodes_of
 from .pieces import Pieces, Plan, sides_of
@@ -190,7 +191,7 @@ class Sizes:
         nodes = [mesh.getElements(1, curve)[2][0] for curve in self._curves.tags]
         rows = row[np.concatenate(nodes).astype(int)]
         ends = x[rows].reshape(-1, 2, 2)  # (elements, ends, 2)
-        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        length = row_norms(ends[:, 1] - ends[:, 0])
         tree = scipy.spatial.cKDTree(ends.mean(axis=1))
         count = min(_NEIGHBOURS, len(length))
 

@@ -24,6 +24,7 @@ from functools import cached_property
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..checks import format_point
 from ..surfaces.vectors import across, cross, unit
 
@@ -112,7 +113,7 @@ class Triangles:
     @cached_property
     def areas(self) -> ndarray:
         """Areas that the triangles stand for, (m,)."""
-        return np.asarray(0.5 * np.linalg.norm(self._normal, axis=1) * self.shares)
+        return np.asarray(0.5 * row_norms(self._normal) * self.shares)
 
     @cached_property
     def centres(self) -> ndarray:
@@ -124,7 +125,7 @@ class Triangles:
         """Axes 1 and 2 and the normal of each triangle, (m, 3, 3)."""
         normal = unit(self._normal)
         first = self.axis - (normal @ self.axis)[:, None] * normal
-        size = np.linalg.norm(first, axis=1)
+        size = row_norms(first)
         if (size < _ACROSS).any():
             where = format_point(self.centres[size < _ACROSS][0])
             raise ValueError(
@@ -178,7 +179,7 @@ def _bending(strains: ndarray, gradients: ndarray, local: ndarray) -> None:
         slopes[:, node, 1, 1, node, 0] = -1.0
     for k, (i, j) in enumerate(_SIDES):
         side = local[:, j] - local[:, i]
-        length = np.linalg.norm(side, axis=1)
+        length = row_norms(side)
         s = side / length[:, None]
         n = np.stack((-s[:, 1], s[:, 0]), axis=1)
         across = n[:, :, None] * n[:, None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..checks import format_point
 from ..sparse import parts_of
 from ..surfaces.vectors import unit
@@ -90,7 +91,7 @@ def turned(points: ndarray, cells: ndarray) -> ndarray:
 def _upwards(normal: ndarray, centre: ndarray) -> float:
     """Return how far normals point upwards, or else along y or x, or else away from the middle."""
     total = normal.sum(axis=0)
-    small = 1e-9 * np.linalg.norm(normal, axis=1).sum()
+    small = 1e-9 * row_norms(normal).sum()
     for component in total[::-1]:
         if abs(component) > small:
             return float(component)

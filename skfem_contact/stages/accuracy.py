@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..arrays import row_norms
 from ..errors import InadmissibleStress, IncrementTooLarge, Remark
 from ..forms.roles import Body, having
 from ..laboratory.specimen import elasticity_at, tangent_at
@@ -231,7 +232,7 @@ def followed(
 def _sizes(values: Sequence[ndarray]) -> ndarray:
     """Return the sizes of the largest changes, (n,)."""
     steps = np.diff(values, axis=0)
-    return np.linalg.norm(steps, axis=1).max(axis=0)
+    return row_norms(steps).max(axis=0)
 
 
 class _Part(NamedTuple):
@@ -288,7 +289,7 @@ def _solve(
         )
         missing = goal.stress[rows].T + z[:, -1:] * target - new.stress[rows, :, 0].T
         missing += np.einsum("nij,nj->ni", around, (known - z)[:, :-1])
-        size = np.linalg.norm(missing, axis=1) / sizes[1]
+        size = row_norms(missing) / sizes[1]
         worse = ~(size < least)
         least = np.where(worse, least, size)
         best = np.where(worse[:, None], best, z)
@@ -302,7 +303,7 @@ def _solve(
         right = np.column_stack((missing, ((known - z) * last).sum(axis=1)))
         newton = np.linalg.solve(K, right[:, :, None])[:, :, 0]
         longest = _LONGEST * sizes[0]
-        length = np.linalg.norm(newton[:, :-1], axis=1) / longest
+        length = row_norms(newton[:, :-1]) / longest
         limited = newton / np.maximum(length, 1.0)[:, None]
         step = np.where(worse[:, None], 0.5 * step, limited)
         z = best + step

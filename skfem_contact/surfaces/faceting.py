@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 from numpy import ndarray
 
+from ..arrays import row_norms
 from .material_points import MaterialPoints
 from .surface import Surface
 from .vectors import dot, unit
@@ -134,8 +135,8 @@ def _stencils(surface: Surface) -> list[_Stencil]:
     curved = np.zeros(m, bool)
     if surface.facets.shape[1] == 3:
         start, end, middle = surface.nodes[surface.facets.T]
-        off = np.linalg.norm(middle - 0.5 * (start + end), axis=1)
-        curved = off > _STRAIGHT * np.linalg.norm(end - start, axis=1)
+        off = row_norms(middle - 0.5 * (start + end))
+        curved = off > _STRAIGHT * row_norms(end - start)
     return [_around(surface, facet, continues, curved) for facet in range(m)]
 
 
@@ -166,7 +167,7 @@ def _around(surface: Surface, facet: int, continues: ndarray, curved: ndarray) -
 def _curve(surface: Surface, stencil: _Stencil, xi: ndarray) -> ndarray:
     """Return points of the curve at local coordinates, (n,), of a facet: shape (n, 2)."""
     x = surface.nodes[stencil.nodes]
-    chords = np.linalg.norm(np.diff(x, axis=0), axis=1)
+    chords = row_norms(np.diff(x, axis=0))
     # The length along the chords is the parameter of the curve.
     t = np.concatenate(([0.0], np.cumsum(chords)))
     own = t[stencil.own]

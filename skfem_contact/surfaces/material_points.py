@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from ..arrays import max_abs
+from ..arrays import max_abs, row_norms
 from .shape import gauss_points
 from .surface import Surface
 from .vectors import products, solve
@@ -57,7 +57,7 @@ def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
     inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
     facets = np.repeat(facet, len(t))
     tangent = surface.at(facets, inner.reshape(-1, 1), nodes).x[1][:, 0]
-    density = np.linalg.norm(tangent, axis=1).reshape(-1, len(t))
+    density = row_norms(tangent).reshape(-1, len(t))
     return np.asarray(start + half * (density @ w))
 
 

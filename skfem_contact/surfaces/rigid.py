@@ -26,6 +26,7 @@ from skfem import (
     MeshTet,
 )
 
+from ..arrays import row_norms
 from ..checks import is_number, look_up
 from .shape import Shape
 from .smoothing import smoothed
@@ -175,7 +176,7 @@ def level_set(
     if closed:
         points = points[:-1]
     # merge points that coincide
-    spacing = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    spacing = row_norms(np.diff(points, axis=0))
     points = points[np.concatenate(([True], spacing > 1e-6 * spacing.max()))]
     # turn the line so that the body lies to the right
     middle = 0.5 * (points[0] + points[1])

@@ -17,6 +17,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis
 
+from ..arrays import row_norms
 from .shape import Shape, rule
 from .topology import Numbers, arms_of, boundary, joined_cells, numbers_of
 from .vectors import across, unit
@@ -327,7 +328,7 @@ class Surface:
         total = np.zeros(self.nodes.shape)
         np.add.at(total, node, normal * area[:, None])
         around = np.bincount(node, area, minlength=len(total))
-        opposed = (np.linalg.norm(total, axis=1) <= _OPPOSED * around)[node]
+        opposed = (row_norms(total) <= _OPPOSED * around)[node]
         total[node[opposed]] = normal[opposed]
         return unit(total)
 
@@ -398,7 +399,7 @@ class Surface:
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:
         """Return reference area by unit of the local coordinates, shape (n,)."""
         tangents = self.at(facet, xi, self.nodes).x[1]
-        return np.asarray(np.linalg.norm(across(tangents), axis=1))
+        return np.asarray(row_norms(across(tangents)))
 
 
 def _combined(factors: ndarray, coordinates: ndarray) -> ndarray:

@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Basis, CellBasis, FacetBasis, LinearForm, Mesh
 
-from ..arrays import max_abs
+from ..arrays import max_abs, row_norms
 from ..checks import finite, format_point, look_up, names_of, positive
 from ..layout import elements_of, facet_corners
 from .darcy import radius
@@ -414,7 +414,7 @@ def _nearest(mesh: Mesh, points: ndarray, facets: ndarray) -> tuple[ndarray, nda
     p = mesh.p[:, parts]  # (dim, n_corners, m)
     along = (p[:, 1:] - p[:, :1]).transpose(2, 0, 1)  # (m, dim, n_corners - 1)
     project = np.linalg.pinv(along)  # (m, n_corners - 1, dim)
-    size = np.linalg.norm(along, axis=1).max(axis=1)
+    size = row_norms(along).max(axis=1)
     corners = []
     weights = []
     near = []

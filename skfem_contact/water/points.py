@@ -7,6 +7,7 @@ import scipy
 from numpy import ndarray
 from skfem import Mesh
 
+from ..arrays import row_norms
 from ..checks import format_point
 
 #: Corners of the triangles of a quadrilateral and of the tetrahedra of a hexahedron, as in
@@ -102,7 +103,7 @@ def zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
 
 def _steps(line: ndarray) -> ndarray:
     """Return the lengths of the pieces of a line, (n - 1,)."""
-    return np.asarray(np.linalg.norm(np.diff(line, axis=0), axis=1))
+    return np.asarray(row_norms(np.diff(line, axis=0)))
 
 
 def _cleaned(line: ndarray) -> ndarray:
