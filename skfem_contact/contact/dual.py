@@ -16,10 +16,9 @@ from ..layout import Field
 from ..surfaces.surface import Surface
 from .compliance import on_gaps_between_nodes
 from .enforcement import Enforcement, check_corners
-from .growth import foreseen
 from .interface import ContactState
 from .laws import InterfaceLaw, Status
-from .multipliers import balanced, nodal_forces, respond
+from .multipliers import balanced, foreseen, nodal_forces, respond
 
 
 @dataclass(frozen=True)

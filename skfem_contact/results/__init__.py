@@ -1,10 +1,9 @@
 """Results of stages: fields, tractions, section forces, tables, reports and files."""
 
 from ..display import Table
-from .buckling import Buckling
 from .cuts import Cuts, SectionForces
 from .files import Append
-from .modes import Modes
+from .modes import Buckling, Modes
 from .motion import History
 from .points import PointValues
 from .result import Result, load_result, of

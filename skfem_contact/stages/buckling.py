@@ -14,7 +14,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from ..errors import NotConverged, Remark
 from ..forms.roles import Slender, having
 from ..nonlinear.system import System
-from ..results import buckling as results
+from ..results import modes as results
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem, Solve

@@ -3,12 +3,11 @@
 from .conditions import Conditions
 from .conductivity import Permeability
 from .flow import Flow
-from .inflow import Inflow
+from .inflow import Inflow, SeepageFace
 from .pore_water import PoreWater
 from .porous import PoreState
 from .retention import BrooksCorey, Ramp, Retention, VanGenuchten
 from .seepage import Seepage
-from .seepage_face import SeepageFace
 from .transient import TransientSeepage
 
 __all__ = [

@@ -1,8 +1,9 @@
-"""Water that enters or leaves consolidating ground at given rates: rain, wells, leaks."""
+"""Water that enters or leaves consolidating ground: rain, wells, leaks and seepage faces."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from typing import Any
 
@@ -12,14 +13,18 @@ from scipy.sparse import csr_matrix
 from skfem import FacetBasis
 from typing_extensions import Self, override
 
-from ..checks import format_point, look_up
+from ..checks import format_point, look_up, names_of
 from ..errors import Remark
-from ..forms.base import Outputs, Response
+from ..forms.base import Form, Forms, Outputs, Response
+from ..forms.roles import Couples, Draining, Regularised, Staged, Timed
 from ..layout import Field
-from .at_nodes import AtNodes
 from .boundary import Given, sourced, through
 from .pore_water import PoreWater
 
+#: Conductance of the face over the conductance of the ground at it: pressures exceed zero by a
+#: hundredth of the drop in an element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to
+#: pass LAPACK illegal sizes.
+_OPEN = 1e2
 #: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
 _IDLE = 0.2
 _ALL = 1e-9
@@ -27,6 +32,39 @@ _ALL = 1e-9
 #: that look up.
 _PONDS = 0.01
 _UPWARDS = 0.01
+
+
+class AtNodes(Form, Couples, Staged, Timed):
+    """Water that enters or leaves consolidating ground at nodes."""
+
+    kinematics = "small"
+
+    symmetric = True
+    second_order = True
+    #: Water of the ground, and dofs of its pressures at the nodes.
+    water: PoreWater
+    _dofs: ndarray
+    _duration = 0.0
+
+    @override
+    def completed(self, forms: Forms) -> Self:
+        return self._in(self.water.completed(forms))
+
+    @override
+    def continues(self, old: Form) -> Self:
+        super().continues(old)
+        assert isinstance(old, AtNodes)
+        return self._in(old.water)
+
+    @abstractmethod
+    def _in(self, water: PoreWater) -> Self:
+        """Return the form with the properties of its ground."""
+
+    @override
+    def over(self, duration: float) -> Self:
+        new = copy(self)
+        new._duration = duration
+        return new
 
 
 class Inflow(AtNodes):
@@ -174,3 +212,93 @@ class Inflow(AtNodes):
         force = np.zeros(n)
         force[self._dofs] = self._duration * self._rates
         return Response(force, lambda: None, lambda: csr_matrix((n, n)))
+
+
+class SeepageFace(AtNodes, Regularised, Draining):
+    r"""Boundary that water leaves if its pressure would be positive, and does not enter.
+
+    The condition is that of contact, with the pressure for the gap: the outflow at the nodes is
+    :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess
+    p of :class:`PoreWater`. Fixed dofs, such as dofs under a level, are not affected.
+
+    Parameters
+    ----------
+    water
+        Water of the ground.
+    boundaries
+        Names of boundaries.
+    pressure
+        Pore pressure there at the beginning, a number or a function of coordinates (dim, n):
+        :func:`hydrostatic`.
+
+    Examples
+    --------
+    Water leaves a layer under load, and none returns after the load: the ground keeps its
+    settlement.
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 6)).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    >>> pores = sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)
+    >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
+    ...          "face": sc.water.SeepageFace(pores, "top", 0.)}
+    >>> load = sc.traction(basis, "top", (0., -100.))
+    >>> stages = [sc.Stage("load", load, duration=100.),
+    ...           sc.Stage("unload", 0 * load, duration=100.)]
+    >>> result = sc.Model(forms, sc.box_supports(basis, base="rollers")).run(stages)
+    >>> top = basis.get_dofs("top").all("u^2")
+    >>> [round(float(stage.x[top].mean()), 4) for stage in result]
+    [-0.01, -0.01]
+    """
+
+    unilateral = True
+    leaks: ndarray
+    _conductance: ndarray
+
+    def __init__(
+        self,
+        water: PoreWater,
+        boundaries: str | Collection[str],
+        pressure: Given = 0.0,
+    ) -> None:
+        names = names_of(boundaries)
+        self.water = water
+        self.size = water.ground.N
+        self.borrowed = water.fields
+        if names:
+            self.leaks = water.dofs(*names).indices
+        else:
+            self.leaks = np.zeros(0, int)
+        # The excess pressure is -p_0 where the pressure is zero.
+        self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self.leaks]
+
+    def __repr__(self) -> str:
+        return f"<SeepageFace {len(self.leaks)} nodes>"
+
+    @override
+    def _in(self, water: PoreWater) -> Self:
+        new = copy(self)
+        new.water = water
+        new._conductance = _OPEN * water.porous.conductance[self.leaks]
+        return new
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> SeepageFace:
+        new = copy(self)
+        new._dofs = numbers[self.borrowed[0]][self.leaks]
+        new.joins = new._dofs
+        new.size = None
+        return new
+
+    @override
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        n = len(x)
+        above = x[self._dofs] - self._limit
+        leaking = above > 0.0
+        slope = np.where(leaking, -self._duration * self._conductance, 0.0)
+        force = np.zeros(n)
+        force[self._dofs] = slope * above
+        stiffness = csr_matrix((slope, (self._dofs, self._dofs)), shape=(n, n))
+        return Response(force, lambda: None, lambda: stiffness, active=leaking.tobytes())

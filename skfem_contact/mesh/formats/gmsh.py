@@ -220,12 +220,19 @@ def _nodes_22(section: _Numbers) -> tuple[Integers, Floats]:
 
 
 def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
+    """Return blocks of elements; runs with the same kind and number of tags are read at once.
+
+    Texts have lines "id kind n_tags tags nodes". Binary files have blocks, mostly of one element:
+    "kind n_elements n_tags", then "id tags nodes" of each element.
+    """
     count = section.count_of_22()
     if section.is_text:
         text = data[section.file.tell() : section.end]
-        return _lines_22(np.asarray(parsed(text, "elements", np.int64)), count)
-    # Heads "kind, number of elements, number of tags" are before blocks, mostly of one element
-    numbers = section.ints((section.end - section.file.tell()) // 4)
+        numbers = np.asarray(parsed(text, "elements", np.int64))
+    else:
+        numbers = section.ints((section.end - section.file.tell()) // 4)
+    # Kind and tags are in the same columns; the number of elements is one in a text, without a head
+    first = int(section.is_text)
     blocks = []
     position = 0
     done = 0
@@ -233,51 +240,26 @@ def _elements_22(section: _Numbers, data: mmap.mmap) -> list[_Blocks]:
         head = numbers[position : position + 3]
         if len(head) < 3:
             raise ValueError("it is not complete: the section of elements ends too early")
-        kind = _kind(int(head[0]))
-        many = check_count(int(head[1]), section.size, "elements")
+        kind = _kind(int(head[first]))
+        many = 1
+        if not section.is_text:
+            many = check_count(int(head[1]), section.size, "elements")
         n_tags = check_count(int(head[2]), section.size, "tags")
-        width = 1 + n_tags + N_NODES[kind]
+        before = 1 - first  # number of an element before its tags
+        width = before + n_tags + N_NODES[kind]
         # Read the blocks that follow with the same head at once
         length = 3 + many * width
         longest = min((len(numbers) - position) // length, (count - done) // max(many, 1))
         if longest == 0:
             raise ValueError("it is not complete: an element has too few nodes")
         run = numbers[position : position + longest * length].reshape(longest, length)
-        same = (run[:, :3] == head).all(axis=1)
+        same = (run[:, first:3] == head[first:]).all(axis=1)
         repeated = longest if same.all() else int(np.argmin(same))
-        table = run[:repeated, 3:].reshape(-1, width)
-        tag = table[:, 1] if n_tags else np.zeros(len(table), int)
-        parts = np.abs(table[:, 4 : 1 + n_tags])
-        blocks.append(_Blocks(kind, table[:, 1 + n_tags :], (tag,), parts))
+        table = run[:repeated, 3:].reshape(-1, width)[:, before:]
+        tag = table[:, 0] if n_tags else np.zeros(len(table), int)
+        blocks.append(_Blocks(kind, table[:, n_tags:], (tag,), np.abs(table[:, 3:n_tags])))
         position += repeated * length
         done += repeated * max(many, 1)
-    return blocks
-
-
-def _lines_22(numbers: Integers, count: int) -> list[_Blocks]:
-    """Return blocks of the lines "id kind n_tags tags nodes"; runs of one kind are read at once."""
-    blocks = []
-    position = 0
-    done = 0
-    while done < count:
-        if position + 3 > len(numbers):
-            raise ValueError("it is not complete: the section of elements ends too early")
-        kind = _kind(int(numbers[position + 1]))
-        n_tags = int(numbers[position + 2])
-        width = 3 + n_tags + N_NODES[kind]
-        # Count the rows that follow with the same kind and number of tags
-        longest = min((len(numbers) - position) // width, count - done)
-        table = numbers[position : position + longest * width].reshape(-1, width)
-        same = (table[:, 1:3] == numbers[position + 1 : position + 3]).all(axis=1)
-        many = longest if same.all() else int(np.argmin(same))
-        if many == 0:
-            raise ValueError("it is not complete: an element has too few nodes")
-        table = table[:many]
-        tag = table[:, 3] if n_tags else np.zeros(many, int)
-        parts = np.abs(table[:, 6 : 3 + n_tags])
-        blocks.append(_Blocks(kind, table[:, 3 + n_tags :], (tag,), parts))
-        position += many * width
-        done += many
     return blocks
 
 
