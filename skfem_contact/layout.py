@@ -397,7 +397,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     begins = np.searchsorted(nodes[0, order], x[:, 0] - near)
     ends = np.searchsorted(nodes[0, order], x[:, 0] + near, side="right")
     # Refuse points without a node, and with several.
-    nearest = []
+    nearest: list[int] = []
     for point, begin, end in zip(x, begins, ends):
         beside = order[begin:end]
         found = beside[row_norms(nodes[:, beside].T - point) <= near]

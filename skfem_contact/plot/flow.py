@@ -95,7 +95,7 @@ def flow_diagram(
     sides = mesh.t2f[:, elements].ravel()
     is_outline = np.bincount(sides, minlength=mesh.nfacets) == 1
     outline = facet_corners(mesh, is_outline).transpose(2, 1, 0)  # (n, 2, 2)
-    ax.add_collection(LineCollection(outline, colors="black"))
+    ax.add_collection(LineCollection(list(outline), colors="black"))
     for line in water.free_surface:
         ax.plot(*line.T, color=WATER, linewidth=2.0)
     if arrows:
