@@ -134,9 +134,9 @@ def divided(material: Any, factors: PartialFactors) -> Any:
         by["c"] = by["c_end"] = factors.cohesion
     changed: dict[str, Any] = {}
     for name, value in existing.items():
-        if value is not None and name in by:
+        if name in by:
             changed[name] = _over(value, by[name])
-        elif value is not None and name in ("phi", "phi_end"):
+        elif name in ("phi", "phi_end"):
             changed[name] = _angle_over(value, factors.phi)
     if not changed:
         if material.reducible:
@@ -152,14 +152,18 @@ def _has_friction(phi: Any) -> bool:
 
 
 def _over(value: Any, factor: float) -> Any:
-    """Return a number, an array or a function over a factor."""
+    """Return a number, an array or a function over a factor; None remains."""
+    if value is None:
+        return None
     if callable(value):
         return lambda x: np.asarray(value(x)) / factor
     return value / factor
 
 
 def _angle_over(value: Any, factor: float) -> Any:
-    """Return the angle in degrees whose tangent is divided by a factor."""
+    """Return the angle in degrees whose tangent is divided by a factor; None remains."""
+    if value is None:
+        return None
     if callable(value):
         return lambda x: _angle_over(np.asarray(value(x)), factor)
     angle = angle_over(value, factor)
