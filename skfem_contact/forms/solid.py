@@ -936,7 +936,7 @@ def _linear(laws: Mapping[str, Material]) -> bool:
 
 
 def _is_constant(law: Material) -> bool:
-    """Return True if the update of a law is that of linear elasticity, with a constant tangent."""
+    """Return True if the tangent is constant, by the update of linear elasticity."""
     varies = law.n_internal or law.stress_dependent or law.time_dependent
     return not varies and type(law).update is LinearElastic.update
 

@@ -196,7 +196,7 @@ class Buckling(Shapes):
     Attributes
     ----------
     factors : ndarray, shape (n,)
-        Thrusts of buckling over those of the start.
+        Thrusts of buckling over the thrusts at the start.
     shapes : ndarray, shape (N, n)
         Displacements of the modes, the largest component 1.
     start

@@ -42,8 +42,8 @@ _NUMBERS = (("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_
 class Petsc:
     """Linear solver of PETSc on all processes of ``mpiexec -n 4 python script.py``.
 
-    The script is that of one process. Create the solver in its first lines: the other processes
-    wait there, take part in each solution, and end with the script. The first process assembles
+    The script is the same for one process. Create the solver in its first lines: the other
+    processes wait, take part in each solution, and end with the script. The first one assembles
     and deals out the rows of each matrix, in slabs across the longest side of the mesh. Each
     solution is checked by its residual. A solution that fails is repeated by MUMPS, then by the
     direct solver of the first process, which then stays; the log says so.
@@ -267,7 +267,7 @@ class _Process:
     ) -> int:
         """Return the number of a matrix that has been dealt out and prepared.
 
-        Its preconditioner is that of an earlier number, multigrid with modes, or a factor.
+        Its preconditioner has an earlier number, or is multigrid with modes, or a factor.
         """
         self._count += 1
         small = (self._count, A.shape[0], block, symmetric, earlier, modes is not None)

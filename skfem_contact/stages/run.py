@@ -98,7 +98,7 @@ def run(
 ) -> Result:
     """Run stages one after the other on one mesh, see :meth:`Model.run`.
 
-    Remarks are added to those that are given; else they become warnings when the run ends.
+    Without `remarks`, to which they are added, remarks become warnings when the run ends.
     """
     accepted = _Accepted([start] if isinstance(start, StageResult) else list(start or ()))
     try:

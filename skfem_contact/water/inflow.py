@@ -217,7 +217,7 @@ class Inflow(AtNodes):
 class SeepageFace(AtNodes, Regularised, Draining):
     r"""Boundary that water leaves if its pressure would be positive, and does not enter.
 
-    The condition is that of contact, with the pressure for the gap: the outflow at the nodes is
+    The condition resembles contact, with the pressure for the gap: the outflow at the nodes is
     :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess
     p of :class:`PoreWater`. Fixed dofs, such as dofs under a level, are not affected.
 
@@ -228,7 +228,7 @@ class SeepageFace(AtNodes, Regularised, Draining):
     boundaries
         Names of boundaries.
     pressure
-        Pore pressure there at the beginning, a number or a function of coordinates (dim, n):
+        Their pore pressure at the beginning, a number or a function of coordinates (dim, n):
         :func:`hydrostatic`.
 
     Examples
