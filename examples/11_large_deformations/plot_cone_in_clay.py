@@ -17,8 +17,8 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from into_clay import force_of, losses_of, model_of, pushed, stages_of, surface_of
 from numpy.polynomial import Polynomial
-from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -37,44 +37,24 @@ def size(x):
     return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - 0.2) - 1.2)
 
 
-def model_of(mesh):
+def build(mesh):
     """Return the model of the clay, in axial symmetry; the cone stays and the bottom moves up."""
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
     clay = sc.Tresca(E=500.0 * su, nu=0.49, c=su)
-    profile = [(3.0, 3.0 * np.tan(gamma)), (0.0, 0.0), (-0.5, 0.5 * np.tan(gamma))]
-    cone = sc.rigid.polyline(profile)
-    forms = {
-        "clay": sc.SolidForm(basis, clay, kinematics="finite", coordinates="axisymmetric"),
-        "cone": sc.ContactPair(basis, "top", cone, sc.Coulomb(), 3, 5000.0 * su),
-    }
-    sides = [basis.get_dofs(name).all("u^1") for name in ("left", "right")]
-    return sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
-
-
-def bottom_of(forms):
-    """Return the vertical dofs of the bottom."""
-    return forms["clay"].basis.get_dofs("bottom").all("u^2")
+    cone = sc.rigid.polyline([(3.0, 3.0 * np.tan(gamma)), (0.0, 0.0), (-0.5, 0.5 * np.tan(gamma))])
+    contact = sc.Coulomb(), 3, 5000.0 * su
+    return model_of(mesh, clay, cone, *contact, coordinates="axisymmetric")
 
 
 # %%
 # The run makes a new mesh after every fifth stage and continues by itself.
 
-block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
-block = block.to_meshtri().with_defaults()
 began = process_time()
-at_rest = model_of(block).run([sc.Stage("at rest")])[-1]
-model = model_of(sc.remeshed(at_rest, size).mesh)
-stages = []
-for k in range(1, N + 1):
-    u = np.zeros(model.layout.size)
-    u[bottom_of(model.forms)] = k * WAY
-    stages.append(sc.Stage(f"w = {k * WAY:.2f}", prescribed=u))
-result = model.run(stages, remesh=sc.Remeshing(model_of, size, every=5))
+result = pushed(build, size, wide, deep, WAY, N)
 seconds = process_time() - began
-pushed = [stage for stage in result if stage.name.startswith("w")]
+stages = stages_of(result)
 w = WAY * np.arange(1, N + 1)
-force = [2.0 * np.pi * stage.reactions()[bottom_of(stage.forms)].sum() for stage in pushed]
-C = np.array(force) / (su * w**2)
+force = 2.0 * np.pi * np.array([force_of(stage) for stage in stages])
+C = force / (su * w**2)
 
 
 # %%
@@ -156,11 +136,7 @@ assert abs(flat / 5.693 - 1.0) < 2e-3
 
 def deformed_surface(stage):
     """Return the radius of the rim and the free surface as a polynomial."""
-    basis = stage.forms["clay"].basis
-    dofs = basis.get_dofs("top")
-    r, z = (
-        basis.doflocs[k, dofs.all(f"u^{k + 1}")] + stage.x[dofs.all(f"u^{k + 1}")] for k in (0, 1)
-    )
+    r, z = surface_of(stage)
     rim = r[z - r * np.tan(gamma) > -0.01 * h].max()
     outside = (r > rim) & (r < 1.5 * rim)
     surface = Polynomial.fit(r[outside], z[outside], 3).convert()
@@ -171,7 +147,7 @@ def deformed_surface(stage):
 
 errors = []
 for k in (9, 14, 19):
-    a, surface = deformed_surface(pushed[k])
+    a, surface = deformed_surface(stages[k])
     expected = slip_line_force(a, gamma, surface)
     errors.append(force[k] / expected - 1.0)
     rim = a * np.tan(gamma) / w[k]
@@ -190,9 +166,9 @@ right.legend()
 plt.show()
 
 # %%
-plot.contour(pushed[-1], "mises")
+plot.contour(stages[-1], "mises")
 
-lost = np.max([s.series["loss"] for s in result if s.name.startswith("mesh")], axis=0)
+lost = losses_of(result)
 print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
 assert np.abs(errors).max() < 0.025
 assert np.abs(C[12:] / C[12:].mean() - 1.0).max() < 0.02
@@ -205,11 +181,11 @@ print(
             "rows": [
                 {
                     "method": "T6, new meshes",
-                    "n": int(pushed[-1].forms["clay"].basis.nelems),
-                    "unknowns": int(pushed[-1].forms["clay"].basis.N),
+                    "n": int(stages[-1].forms["clay"].basis.nelems),
+                    "unknowns": int(stages[-1].forms["clay"].basis.N),
                     "error": float(np.abs(errors).max()),
                     "cpu_s": seconds,
-                    "iterations": sum(sum(stage.iterations) for stage in pushed),
+                    "iterations": sum(sum(stage.iterations) for stage in stages),
                 }
             ],
         }

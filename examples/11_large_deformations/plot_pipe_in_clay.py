@@ -18,11 +18,13 @@ The force of the rough pipe is compared with proven bounds of the limit load of 
 
 import json
 import sys
+from functools import partial
 from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from skfem import Basis, ElementTriP2, ElementVector, MeshQuad, MeshTri
+from into_clay import force_of, losses_of, model_of, pushed, stages_of
+from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -53,48 +55,22 @@ def size(x):
 LAWS = {"smooth": sc.Coulomb(), "rough": sc.Coulomb(adhesion=su, heals=True)}
 
 
-def model_of(mesh, law):
+def build(mesh, law):
     """Return the model of the right half of the clay."""
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
     clay = sc.Tresca(E=500.0 * su, nu=0.49, c=su)
     circle = sc.rigid.circle((0.0, D / 2), D / 2)
-    forms = {
-        "clay": sc.SolidForm(basis, clay, kinematics="finite"),
-        "pipe": sc.ContactPair(basis, "top", circle, law, 3, 5000.0 * su / D),
-    }
-    sides = [basis.get_dofs(name).all("u^1") for name in ("left", "right")]
-    return sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
-
-
-def bottom_of(forms):
-    """Return the vertical dofs of the bottom."""
-    return forms["clay"].basis.get_dofs("bottom").all("u^2")
+    return model_of(mesh, clay, circle, law, 3, 5000.0 * su / D)
 
 
 # %%
 # The stages give the way of the bottom on the first mesh. ``remesh=`` makes a new one after every
 # fifth stage, and the run goes on with the stresses and the contact of the last mesh.
 
-block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
-block = block.to_meshtri().with_defaults()
-at_rest = model_of(block, LAWS["smooth"]).run([sc.Stage("at rest")])[-1]
-fine = sc.remeshed(at_rest, size).mesh
-
-
-def pushed(law):
-    """Return the stages of a pipe: a mesh of its own for each tenth of the diameter."""
-    model = model_of(fine, law)
-    stages = []
-    for k in range(1, round(depth * D / WAY) + 1):
-        u = np.zeros(model.layout.size)
-        u[bottom_of(model.forms)] = k * WAY
-        stages.append(sc.Stage(f"w = {k * WAY:.2f}", prescribed=u))
-    new_meshes = sc.Remeshing(lambda mesh: model_of(mesh, law), size, every=5)
-    return model.run(stages, remesh=new_meshes)
-
-
 began = process_time()
-results = {name: pushed(law) for name, law in LAWS.items()}
+results = {
+    name: pushed(partial(build, law=law), size, wide, deep, WAY, round(depth * D / WAY))
+    for name, law in LAWS.items()
+}
 seconds = process_time() - began
 
 
@@ -144,9 +120,9 @@ ax.plot(w, 7.4 * w**0.4, "k--", lw=0.8, label=r"7.4 $(w / D)^{0.4}$")
 rows = []
 errors = {}
 for name, result in results.items():
-    stages = [stage for stage in result if stage.name.startswith("w")]
+    stages = stages_of(result)
     w = WAY * np.arange(1, len(stages) + 1)
-    V = np.array([2.0 * stage.reactions()[bottom_of(stage.forms)].sum() for stage in stages])
+    V = 2.0 * np.array([force_of(stage) for stage in stages])
     ax.plot(w / D, V / (D * su), "o-", ms=3, label=f"{name}, computed")
     tenths = np.arange(4, len(stages), 5)
     if name == "smooth":
@@ -164,7 +140,7 @@ for name, result in results.items():
     errors[name] = V[tenths] / reference - 1.0
     for at, force, error in zip(w[tenths], V[tenths], errors[name]):
         print(f"{name}, w / D = {at:.1f}: V / (D su) = {force:.3f}, {error:+.1%} off")
-    lost = np.max([s.series["loss"] for s in result if s.name.startswith("mesh")], axis=0)
+    lost = losses_of(result)
     print(f"{name}: largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
     rows.append(
         {

@@ -23,8 +23,8 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from into_clay import force_of, losses_of, model_of, pushed, stages_of, surface_of
 from scipy.optimize import brentq
-from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -43,41 +43,21 @@ def size(x):
     return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - 0.2) - 1.2)
 
 
-def model_of(mesh):
+def build(mesh):
     """Return the model of a half of the clay; the wedge stays and the bottom moves up."""
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
     clay = sc.Tresca(E=2000.0 * su, nu=0.49, c=su)
     end = 4.0 * np.array([np.sin(theta), np.cos(theta)])
     wedge = sc.rigid.polyline([end, (0.0, 0.0), (-end[0], end[1])])
-    forms = {
-        "clay": sc.SolidForm(basis, clay, kinematics="finite"),
-        "wedge": sc.ContactPair(basis, "top", wedge, sc.Coulomb()),
-    }
-    sides = [basis.get_dofs(name).all("u^1") for name in ("left", "right")]
-    return sc.Model(forms, np.concatenate([basis.get_dofs("bottom").all(), *sides]))
-
-
-def bottom_of(forms):
-    """Return the vertical dofs of the bottom."""
-    return forms["clay"].basis.get_dofs("bottom").all("u^2")
+    return model_of(mesh, clay, wedge, sc.Coulomb())
 
 
 # %%
 # The run makes a new mesh after every fifth stage and continues by itself.
 
-block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
-block = block.to_meshtri().with_defaults()
 began = process_time()
-at_rest = model_of(block).run([sc.Stage("at rest")])[-1]
-model = model_of(sc.remeshed(at_rest, size).mesh)
-stages = []
-for k in range(1, N + 1):
-    u = np.zeros(model.layout.size)
-    u[bottom_of(model.forms)] = k * WAY
-    stages.append(sc.Stage(f"w = {k * WAY:.2f}", prescribed=u))
-result = model.run(stages, remesh=sc.Remeshing(model_of, size, every=5))
+result = pushed(build, size, wide, deep, WAY, N)
 seconds = process_time() - began
-pushed = [stage for stage in result if stage.name.startswith("w")]
+stages = stages_of(result)
 
 # %%
 # The exact solution, and the surface as it was found.
@@ -92,20 +72,9 @@ psi = brentq(slip_lines_differ, 0.0, theta)
 w = WAY * np.arange(1, N + 1)
 length = w / (np.cos(theta) - np.sin(theta - psi))
 exact = 4.0 * su * (1.0 + psi) * length * np.sin(theta)
-force = np.array([2.0 * stage.reactions()[bottom_of(stage.forms)].sum() for stage in pushed])
+force = 2.0 * np.array([force_of(stage) for stage in stages])
 errors = force / exact - 1.0
-
-
-def surface_of(stage):
-    """Return the nodes of the surface, in the frame of the wedge, from the apex outwards."""
-    basis = stage.forms["clay"].basis
-    dofs = basis.get_dofs("top")
-    components = (dofs.all(f"u^{k + 1}") for k in range(2))
-    x = np.array([basis.doflocs[k, d] + stage.x[d] for k, d in enumerate(components)])
-    return x[:, np.argsort(x[0])]
-
-
-x, z = surface_of(pushed[-1])
+x, z = surface_of(stages[-1])
 lip = z.max() / (length[-1] * np.cos(theta)) - 1.0
 for k in (4, 9, 14):
     print(f"w = {w[k]:.1f}: F / (su w) = {force[k] / (su * w[k]):.2f}, {errors[k]:+.1%} off")
@@ -128,9 +97,9 @@ plt.show()
 # %%
 # A contact of n elements is known to one of them, and its force is too high by about 1 / (4 n).
 
-plot.contour(pushed[-1], "mises")
+plot.contour(stages[-1], "mises")
 
-lost = np.max([s.series["loss"] for s in result if s.name.startswith("mesh")], axis=0)
+lost = losses_of(result)
 print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
 assert np.abs(errors[7:]).max() < 0.04
 assert abs(lip) < 0.01
@@ -143,11 +112,11 @@ print(
             "rows": [
                 {
                     "method": "T6, new meshes",
-                    "n": int(pushed[-1].forms["clay"].basis.nelems),
-                    "unknowns": int(pushed[-1].forms["clay"].basis.N),
+                    "n": int(stages[-1].forms["clay"].basis.nelems),
+                    "unknowns": int(stages[-1].forms["clay"].basis.N),
                     "error": float(np.abs(errors[7:]).max()),
                     "cpu_s": seconds,
-                    "iterations": sum(sum(stage.iterations) for stage in pushed),
+                    "iterations": sum(sum(stage.iterations) for stage in stages),
                 }
             ],
         }
