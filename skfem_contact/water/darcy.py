@@ -193,8 +193,9 @@ class DarcyFlow:
         """Return the values of a curve of the laws and their slopes over suctions."""
         values = np.ones_like(suction)
         slope = np.zeros_like(suction)
-        for part, law in laws:
-            values[part], slope[part] = getattr(law, curve)(suction[part], self._size[part])
+        for part, conductivity in laws:
+            found = getattr(conductivity, curve)(suction[part], self._size[part])
+            values[part], slope[part] = found
         return values, slope
 
     def gathered(self, corners: ndarray) -> ndarray:

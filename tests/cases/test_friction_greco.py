@@ -72,10 +72,11 @@ def plate(n: int, element: str, increments: int = 1, **options) -> Plate:
     return Plate(n, element, increments, **options)
 
 
-@pytest.mark.parametrize(("n", "element", "tolerance"), [(64, "Q1", 2e-4), (16, "Q2", 5e-4)])
+@pytest.mark.parametrize(("n", "element", "tolerance"), [(64, "Q1", 2e-4), (32, "Q2", 5e-4)])
 def test_augmented(n: int, element: str, tolerance: float) -> None:
     """[N], [P] C3: without penetration the converged values, whose digits end at 3e-5, are met as
-    the mesh can.
+    the mesh can. Tractions of the corner, which is held, follow its neighbours: friction is off by
+    1.7e-3 and 4e-4 with 16 and 32 facets.
     """
     one = plate(n, element, quadrature="segments", enforcement=AUGMENTED)
     np.testing.assert_allclose(one.displacements, CONVERGED, rtol=tolerance)
