@@ -359,11 +359,11 @@ class Program:
             y[..., order] = inverse(b[..., order].T).T
             return y
 
-        # raise the diagonal until a factor exists
-        for shift in _SHIFTS:
+        # take Cholesky's factor, else raise the diagonal until another one exists
+        for shift, definite in ((_SHIFTS[0], True), *((shift, False) for shift in _SHIFTS)):
             A.setdiag(diagonal + shift * share)
             try:
-                inverse = self._engine.factor(A, symmetric=True, definite=True)
+                inverse = self._engine.factor(A, symmetric=True, definite=definite)
             except RuntimeError:
                 continue
             return solve
