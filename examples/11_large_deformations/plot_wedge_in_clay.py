@@ -34,8 +34,8 @@ numbers = [float(given) for given in sys.argv[1:] if not given.startswith("-")]
 h = numbers[0] if numbers else 0.08
 theta = np.radians(70.0)
 wide, deep = 5.0, 4.0
-WAY = 0.02  # of a stage
-N = 15  # stages
+WAY = 0.03  # of a stage
+N = 10  # stages
 
 
 def size(x):
@@ -76,8 +76,8 @@ force = 2.0 * np.array([force_of(stage) for stage in stages])
 errors = force / exact - 1.0
 x, z = surface_of(stages[-1])
 lip = z.max() / (length[-1] * np.cos(theta)) - 1.0
-for k in (4, 9, 14):
-    print(f"w = {w[k]:.1f}: F / (su w) = {force[k] / (su * w[k]):.2f}, {errors[k]:+.1%} off")
+for k in (4, 6, 9):
+    print(f"w = {w[k]:.2f}: F / (su w) = {force[k] / (su * w[k]):.2f}, {errors[k]:+.1%} off")
 print(f"the lip is {z.max() / w[-1]:.3f} w above the apex, {lip:+.1%} off")
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.5))
@@ -95,13 +95,14 @@ right.legend()
 plt.show()
 
 # %%
-# A contact of n elements is known to one of them, and its force is too high by about 1 / (4 n).
+# A contact ends within an element, here a 16th of its length, and few elements are too stiff: on the
+# exact shape of a wedge of 45 degrees, 10, 20 and 40 of them on a face give 7, 4 and 2 % too much.
 
 plot.contour(stages[-1], "mises")
 
 lost = losses_of(result)
 print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
-assert np.abs(errors[7:]).max() < 0.04
+assert np.abs(errors[4:]).max() < 0.05
 assert abs(lip) < 0.01
 assert lost[0] < 1e-4
 assert lost[1] < 1e-3
@@ -114,7 +115,7 @@ print(
                     "method": "T6, new meshes",
                     "n": int(stages[-1].forms["clay"].basis.nelems),
                     "unknowns": int(stages[-1].forms["clay"].basis.N),
-                    "error": float(np.abs(errors[7:]).max()),
+                    "error": float(np.abs(errors[4:]).max()),
                     "cpu_s": seconds,
                     "iterations": sum(sum(stage.iterations) for stage in stages),
                 }
