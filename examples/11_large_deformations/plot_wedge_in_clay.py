@@ -95,8 +95,9 @@ right.legend()
 plt.show()
 
 # %%
-# A contact ends within an element, here a 16th of its length, and few elements are too stiff: on the
-# exact shape of a wedge of 45 degrees, 10, 20 and 40 of them on a face give 7, 4 and 2 % too much.
+# A contact ends within an element, here a 16th of its length, and few elements are too stiff: on
+# the exact shape of a wedge of 45 degrees, 10, 20 and 40 of them on a face give 7, 4 and 2 % too
+# much.
 
 plot.contour(stages[-1], "mises")
 
