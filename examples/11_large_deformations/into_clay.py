@@ -6,6 +6,15 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 import skfem_contact as sc
 
 
+def sizes(h, centre, radius):
+    """Return the size of elements: h within a radius of a point of the axis, then growing."""
+
+    def size(x):
+        return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - centre) - radius)
+
+    return size
+
+
 def model_of(mesh, clay, tool, *contact, coordinates="plane"):
     """Return a model: the tool stays and the bottom moves up; `contact` has law and penalty."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)

@@ -17,7 +17,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from into_clay import force_of, losses_of, model_of, pushed, stages_of, surface_of
+from into_clay import force_of, losses_of, model_of, pushed, sizes, stages_of, surface_of
 from numpy.polynomial import Polynomial
 
 import skfem_contact as sc
@@ -30,11 +30,7 @@ gamma = np.radians(30.0)  # angle of the cone's face from the horizontal
 wide, deep = 6.0, 5.0
 WAY = 0.02  # of a stage
 N = 20  # stages
-
-
-def size(x):
-    """Return the size of elements: constant near the cone, then growing."""
-    return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - 0.2) - 1.2)
+size = sizes(h, 0.2, 1.2)
 
 
 def build(mesh):

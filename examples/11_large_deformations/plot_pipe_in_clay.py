@@ -23,7 +23,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from into_clay import force_of, losses_of, model_of, pushed, stages_of
+from into_clay import force_of, losses_of, model_of, pushed, sizes, stages_of
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
@@ -36,12 +36,7 @@ depth = numbers[0] if numbers else 0.5  # 1.0 takes twice as long
 full = "--full" in sys.argv
 wide, deep = 5.0 * D, 4.0 * D
 WAY = 0.02 * D  # of a stage
-
-
-def size(x):
-    """Return the size of elements: constant within .8 D of the pipe's centre, then growing."""
-    distance = np.hypot(x[0], x[1] - D / 2)
-    return h + 0.3 * np.maximum(0.0, distance - 0.8 * D)
+size = sizes(h, D / 2, 0.8 * D)
 
 
 # %%

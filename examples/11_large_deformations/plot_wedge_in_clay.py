@@ -23,7 +23,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from into_clay import force_of, losses_of, model_of, pushed, stages_of, surface_of
+from into_clay import force_of, losses_of, model_of, pushed, sizes, stages_of, surface_of
 from scipy.optimize import brentq
 
 import skfem_contact as sc
@@ -36,11 +36,7 @@ theta = np.radians(70.0)
 wide, deep = 5.0, 4.0
 WAY = 0.03  # of a stage
 N = 10  # stages
-
-
-def size(x):
-    """Return the size of elements: constant near the wedge, then growing."""
-    return h + 0.3 * np.maximum(0.0, np.hypot(x[0], x[1] - 0.2) - 1.2)
+size = sizes(h, 0.2, 1.2)
 
 
 def build(mesh):

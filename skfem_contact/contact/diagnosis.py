@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
-from ..arrays import row_norms
+from ..arrays import cross_in_plane, row_norms
 from ..checks import format_point
 from ..errors import Remark
 from ..surfaces.surface import Surface
@@ -22,6 +22,10 @@ from .search import normals_at_joint
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found,
 #: likewise.
 _RIPPLE = 0.05
+#: Kinds of remarks on overlaps of the mesh.
+_DEEP_OVERLAP = "deep overlap"
+_OVERLAP = "overlap"
+OVERLAPS = (_DEEP_OVERLAP, _OVERLAP)
 #: Square of the mean of a surface's normals from which it is flat.
 _FLAT_SURFACE = 0.9
 #: Mean overlap of the mesh where pressure acts, as a share of the facets, likewise: fits have a
@@ -136,7 +140,7 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     deep = float(force @ (overlap / points.size) / force.sum())
     if deep > limit:
         yield Remark(
-            "deep overlap",
+            _DEEP_OVERLAP,
             deep,
             f"'{pair.slave.name}' lies inside '{pair.facets.name}' by {deep:.0%} of its facets in "
             f"the mesh, up to {overlap.max():.3g}: pressure and displacements contain this "
@@ -154,7 +158,7 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     carried = in_series * ripple / float(force.sum())
     if carried > _RIPPLE:
         yield Remark(
-            "overlap",
+            _OVERLAP,
             carried,
             f"facets of '{pair.slave.name}' and '{pair.facets.name}' that do not match overlap by "
             f"up to {overlap.max():.3g} in the mesh, which alone causes about {carried:.1g} times "
@@ -255,7 +259,7 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
     centre = pair.slave.nodes.mean(axis=0)
     arm = (points.positions(pair.slave.nodes) - centre)[on]
     friction = mu * float(force @ row_norms(arm))
-    lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
+    lever = cross_in_plane(arm, normal)
     torque = float(force @ lever)
     carried = abs(torque) / friction
     if carried > _TURNED:

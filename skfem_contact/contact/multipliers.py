@@ -495,6 +495,10 @@ def foreseen(
 ) -> ndarray:
     """Return a start with tension at nodes that stay open although the start closes their gaps.
 
+    Newton's method closes all nodes whose gaps are negative at its start. These are too many,
+    because the bodies yield near the contact, and it opens them again row by row, one in each
+    iteration.
+
     An extrapolated start moves the edge of the contact evenly.  Without displacements `before` the
     start is the first step from the accepted ones.
     """

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..arrays import left_of, row_norms
+from ..arrays import cross_in_plane, left_of, row_norms
 from ..checks import look_up, vector
 from ..display import Table
 from ..errors import warn
@@ -411,7 +411,7 @@ def _check_balance(forces: _Forces, body: str) -> None:
 def _moment(points: ndarray, forces: ndarray, toe: ndarray) -> float:
     """Return the moment about the toe, anticlockwise positive."""
     arm = points - toe
-    moments = arm[:, 0] * forces[:, 1] - arm[:, 1] * forces[:, 0]
+    moments = cross_in_plane(arm, forces)
     return float(moments.sum())
 
 

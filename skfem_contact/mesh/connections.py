@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from skfem import Mesh
 
-from ..arrays import row_norms
+from ..arrays import cross_in_plane, row_norms
 from ..sparse import parts_of
 
 Indices = NDArray[np.integer]
@@ -80,7 +80,7 @@ def lies_on(points: Floats, corners: Floats, size: Floats) -> NDArray[np.bool_]:
         length = row_norms(along)
         from_first = points - corners[:, 0]
         position = (from_first * along).sum(axis=1) / length
-        area = from_first[:, 0] * along[:, 1] - from_first[:, 1] * along[:, 0]
+        area = cross_in_plane(from_first, along)
         off = np.abs(area) / length
         between = (position >= -near) & (position <= length + near)
         return (off <= near) & between

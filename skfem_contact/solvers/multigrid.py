@@ -121,7 +121,7 @@ class AmgSolver:
 
         A = self._nodes.gather(K)
         balanced = self._balance(A)
-        blocks = A.tobsr(2 * (self._nodes.dim,))
+        blocks = self._nodes.blocks(A)
 
         # keep the levels of an earlier matrix as long as their iterations pay
         levels = self._levels
@@ -231,7 +231,7 @@ class AmgSolver:
 
     def _built(self, A: csr_matrix, blocks: bsr_matrix) -> Levels:
         """Build the levels of a matrix."""
-        modes, count = self._nodes.rigid_modes(A)
+        modes, count = self._nodes.rigid_modes(blocks)
         levels = Levels(A, blocks, modes)
         logger.info(
             "multigrid: %d bodies, %s dofs on the levels", count, ", ".join(map(str, levels.sizes))

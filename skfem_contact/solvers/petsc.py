@@ -210,7 +210,8 @@ class _Solution:
         if self._earlier is not None:
             earlier = self._earlier.number
         elif self._method == "gamg":
-            modes, _ = np.linalg.qr(self._nodes.rigid_modes(self.A)[0])
+            motions, _ = self._nodes.rigid_modes(self._nodes.blocks(self.A))
+            modes, _ = np.linalg.qr(motions)
         process = self._process
         number = process.prepared(self.A, self._nodes.dim, self.symmetric, earlier, modes)
         finalize(self, process.unused.append, number)

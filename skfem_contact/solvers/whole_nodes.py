@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..layout import rigid_modes
@@ -72,9 +72,12 @@ class WholeNodes:
         placed[self.dofs[self.fixed]] = 0.0
         return placed
 
-    def rigid_modes(self, A: csr_matrix) -> tuple[ndarray, int]:
+    def blocks(self, A: csr_matrix) -> bsr_matrix:
+        """Return the block of K in blocks of nodes."""
+        return A.tobsr(2 * (self.dim,))
+
+    def rigid_modes(self, blocks: bsr_matrix) -> tuple[ndarray, int]:
         """Return the rigid motions of all bodies, (n, 3) or (n, 6), and the number of bodies."""
-        blocks = A.tobsr(2 * (self.dim,))
         graph = csr_matrix((np.ones(len(blocks.indices)), blocks.indices, blocks.indptr))
         count, body = connected_components(graph, directed=False)
         body = np.repeat(body, self.dim)

@@ -14,6 +14,7 @@ from numpy import ndarray
 
 from ..arrays import max_abs
 from ..checks import trusted_calls
+from ..contact.diagnosis import OVERLAPS
 from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, warn
 from ..forms.base import Forms, solids_of, summaries
@@ -56,9 +57,6 @@ _MISSING, _GIVEN = 0.1, 0.02
 
 #: Displacements along a path over the size of all that moves: long bars may hold short ones.
 _SNAPS = 10.0
-
-#: Kinds of remarks of contact on overlaps of the mesh.
-_OVERLAPS = ("overlap", "deep overlap")
 
 #: Seconds between two updates of the bars.
 _SHOWN = 0.05
@@ -428,7 +426,7 @@ def _remarked(
     texts = []
     for name, several in found.items():
         if anew:
-            several = [remark for remark in several if remark.kind not in _OVERLAPS]
+            several = [remark for remark in several if remark.kind not in OVERLAPS]
         remarks.add(last.name, name, several)
         texts += [f"{name}: {remark.text}" for remark in several]
     return replace(last, remarks=tuple(texts))
