@@ -317,9 +317,7 @@ class ContactPair(ContactBase):
             raise ValueError("its surfaces are others")
         if self.saddle != old.saddle:
             raise ValueError("it has multipliers, or the old one has: keep the enforcement")
-        new = self
-        if old.complete and not self.complete:
-            new = self._about_axis(old.axisymmetric).with_(complete=True, finite=old.finite)
+        new = self._about_axis(old.axisymmetric).with_(complete=old.complete, finite=old.finite)
         if new.penalty is not None or old.penalty is None:
             return new
         return new.with_penalty(*old.penalty, stiffness=old.stiffness)

@@ -113,6 +113,7 @@ def settled(layers, duration, load, cells=600, steps=400):
 @pytest.mark.parametrize(
     ("ratio", "layer", "part", "told"),
     [
+        (4.0, 0.05, 0.3, True),
         (10.0, 0.02, 0.05, True),
         (30.0, 0.05, 0.15, True),
         (99.0, 0.02, 0.6, True),
