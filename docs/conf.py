@@ -1,7 +1,6 @@
 """Sphinx configuration: MyST pages, numpydoc reference, executed gallery."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -91,7 +90,7 @@ sphinx_gallery_conf = {
     "ignore_pattern": r"(^|/)(?!plot_)[^/]*\.py$",
     "subsection_order": ExplicitOrder([*CHAPTERS, "../examples/benchmarks"]),
     "within_subsection_order": "NumberOfCodeLinesSortKey",
-    "image_scrapers": ("pyvista", "matplotlib"),
+    "image_scrapers": ("pyvista", "matplotlib", "example_reports.write"),
     "capture_repr": ("__repr__",),
     "ignore_repr_types": r"matplotlib|pyvista|skfem_contact\.plot",
     "remove_config_comments": True,
@@ -113,16 +112,8 @@ def skip_tuple_fields(app, what, name, obj, skip, options):
     return skip or (type(obj).__name__ == "_tuplegetter")
 
 
-def write_reports(app):
-    """Write the reports that the guide links to, in a process of their own."""
-    environment = {k: v for k, v in os.environ.items() if k != "PYVISTA_BUILDING_GALLERY"}
-    script = Path(__file__).parent / "reports.py"
-    subprocess.run([sys.executable, str(script)], check=True, env=environment)
-
-
 def setup(app):
     """Connect our handlers; formulas without a network only name a file, so pages are read by
     several processes."""
     app.connect("autodoc-skip-member", skip_tuple_fields)
-    app.connect("builder-inited", write_reports)
     app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

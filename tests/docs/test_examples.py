@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import runpy
 import shutil
 import sys
@@ -51,6 +52,16 @@ def test_example_runs_and_ends_with_its_figures(
     for row in figures["rows"]:
         assert set(row) >= KEYS
         assert row["error"] is None or 0.0 <= row["error"] < math.inf
+
+
+@pytest.mark.skipif(not GALLERY, reason="the gallery writes the reports")
+def test_reports_of_the_guide_are_written() -> None:
+    """The gallery has written each report to which the guide links."""
+    guide = (ROOT / "docs" / "guide" / "results.md").read_text(encoding="utf-8")
+    linked = re.findall(r"_static/(reports/\w+\.html)", guide)
+    assert len(linked) == 3
+    for report in linked:
+        assert (ROOT / "docs" / "_static" / report).is_file()
 
 
 def _printed_in_gallery(script: Path) -> str:
