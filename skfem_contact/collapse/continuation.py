@@ -286,16 +286,14 @@ def remainder(points: Sequence[Point]) -> float:
     The part begins where at most :data:`_CHORD` of the present work had been done: the slope of
     shorter parts may be the solver's tolerance.
     """
-    first = points[0]
+    start = first = points[0]
     last = points[-1]
     done = last.work - first.work
-    earlier = []
+    if len(points) < 3 or not done > 0.0:
+        return np.inf
     for point in points[:-1]:
         if point.work - first.work <= _CHORD * done:
-            earlier.append(point)
-    if len(points) < 3 or not earlier or not done > 0.0:
-        return np.inf
-    start = earlier[-1]
+            start = point
     return (last.parameter - start.parameter) / (last.work - start.work) * done
 
 

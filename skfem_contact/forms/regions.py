@@ -92,7 +92,7 @@ def may_flow(region: Region, basis: CellBasis) -> bool:
     law = region.material
     if law.n_internal:
         return True
-    n = len(range(basis.nelems)[region.elements]), basis.X.shape[-1]
+    n = len(range(basis.nelems)[region.elements]), basis.X.shape[1]
     stress = np.zeros((4 if basis.mesh.dim() == 2 else 6, *n))
     strain = np.asarray(np.random.default_rng(0).uniform(-_LARGE, _LARGE, stress.shape))
     try:

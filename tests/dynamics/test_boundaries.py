@@ -7,6 +7,7 @@ import pytest
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.dynamics.boundaries import Masses
 from tests.dynamics.cases import QUIET
 
 H, VS, DENSITY = 20.0, 200.0, 2.0
@@ -121,6 +122,29 @@ def test_bar_without_reflection():
     assert energy["kinetic"].max() > 0.4 * energy["work"][-1]
     # elements are a twentieth of the shortest wave
     assert energy["kinetic"][-1] < 1e-3 * energy["kinetic"].max()
+
+
+@pytest.mark.parametrize("of_rock", [False, True])
+def test_dashpots_of_a_cylinder_are_per_radian(of_rock: bool) -> None:
+    """[X] Waves that leave a cylinder of radius 2 and height 3 by its base and by its side, against
+    unit velocities: rho vp times the area per radian, and rho vs along it.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 4), np.linspace(0, 3, 4)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.LinearElastic(E=100.0, nu=0.25)  # moduli 120 and 40 of waves of pressure and shear
+    solid = sc.SolidForm(basis, soil, coordinates="axisymmetric", unit_weight=20.0)
+    rock = sc.Bedrock(unit_weight=30.0, vs=7.0, vp=11.0) if of_rock else None
+    normal, along = (33.0, 21.0) if of_rock else (np.sqrt(2.0 * 120.0), np.sqrt(2.0 * 40.0))
+    masses = Masses(acceleration=10.0, consistent=False, damping={}, size=basis.N)
+    for boundary, area, across in (("bottom", 2.0, 1), ("right", 6.0, 0)):
+        stiffness, C = sc.ViscousBoundary(solid, boundary, rock=rock).matrices(masses)
+        assert not stiffness.nnz
+        for c in (0, 1):
+            velocity = np.zeros(basis.N)
+            velocity[c::2] = 1.0
+            expected = area * (normal if c == across else along)
+            # Gauss points integrate the radius times linear functions exactly.
+            assert velocity @ C @ velocity == pytest.approx(expected, rel=1e-12)
 
 
 def test_bad_boundaries():

@@ -1338,6 +1338,8 @@ def test_types_of_bars_and_beams(name, kind):
         ("Elements", "TrussLinearElement3D2N", 2, "line"),
         ("Conditions", "LineLoadCondition2D2N", 2, "line"),
         ("Conditions", "SurfaceLoadCondition3D4N", 4, "quad"),
+        ("Conditions", "UPwFaceLoadCondition2D2N", 2, "line"),
+        ("Conditions", "UPwNormalFluxCondition3D3N", 3, "triangle"),
         ("Elements", "UPwInterfaceElement2D4N", 4, ""),
     ],
 )
@@ -1357,9 +1359,10 @@ def test_zones_of_flac_count_from_one(tmp_path):
 
 def test_kinds_by_their_nodes():
     """[X] Dimension and nodes of each kind: its corners, or the number in its name."""
-    for (dim, n_nodes), kind in BY_NODES.items():
-        digits = kind.lstrip("abcdefghijklmnopqrstuvwxyz")
+    for (dim, _), kind in BY_NODES.items():
         assert KINDS[kind].dim == dim, kind
+    for kind, n_nodes in N_NODES.items():
+        digits = kind.lstrip("abcdefghijklmnopqrstuvwxyz")
         assert n_nodes == (int(digits) if digits else KINDS[kind].corners), kind
 
 

@@ -162,6 +162,20 @@ def test_ring_under_pressure(curved):
     assert abs(moment) > 1.5 * p * outer * sagitta
 
 
+def test_cuts_of_a_ring_reach_from_circle_to_circle():
+    """[X] Clockwise from the crown, with the outer circle to the left."""
+    center, inner, outer, n = np.array([3.0, 1.0]), 1.0, 3.0, 8
+    cuts = sc.Cuts.ring(center, inner, outer, n)
+    angle = np.radians(cuts.position)
+    outward = np.column_stack((np.sin(angle), np.cos(angle)))
+    np.testing.assert_allclose(cuts.position, np.arange(n) * 45.0)
+    for radius, side in ((inner, -1.0), (outer, 1.0)):
+        s, offset = cuts.local(np.arange(n), center + radius * outward)
+        np.testing.assert_allclose(s, 0.0, atol=1e-12)
+        np.testing.assert_allclose(offset, side * cuts.half_depth, rtol=1e-12)
+    np.testing.assert_allclose(cuts.curvature, 0.5)
+
+
 def test_cuts_off_the_lines_of_nodes_interpolate():
     """[X] Ring under the exact tractions of bonded ground: odd angles are as good as lines of
     nodes.
