@@ -440,7 +440,7 @@ def _stage(
     placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
     _check_vectors(head["name"], vectors | placed, forms)
     before = None
-    if _BEFORE[0] in vectors:
+    if vectors.keys() >= {*_BEFORE}:
         before = (*(vectors.pop(name) for name in _BEFORE), head["time before"])
 
     series = {name: arrays[f"{key}/series of {name}"] for name in head.get("series", ())}

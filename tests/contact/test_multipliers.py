@@ -577,6 +577,29 @@ def test_reported_forces_balance_the_bodies(mu: float) -> None:
     np.testing.assert_allclose(stage.contact("joint").tangential, friction.sum(axis=0), rtol=1e-12)
 
 
+@pytest.mark.parametrize(("way", "new"), [(0.0, []), (0.4, [12, 13]), (-0.4, [4, 5])])
+def test_points_that_come_under_a_rim_take_part_after_equilibrium(way, new) -> None:
+    """[X] A block that moves along a slab covers further points, which have slipped as far as the
+    others; all others stay as they are.
+    """
+    slab = grid("Q1", np.linspace(0.0, 4.0, 9), [0.0, 1.0])
+    block = grid("Q1", np.linspace(1.0, 2.0, 3), [1.0, 2.0])
+    basis = vector_basis(sc.join_bodies({"slab": slab, "block": block}), "Q1")
+    bodies = sc.SolidForm(basis, sc.NeoHooke(E=1e3, nu=0.3), kinematics="finite")
+    joint = sc.ContactPair(basis, "slab:top", "block:bottom", sc.Coulomb(0.3), 3, enforcement=DUAL)
+    model = sc.Model({"bodies": bodies, "joint": joint}, basis.get_dofs("slab:bottom").all())
+    pair = model.forms["joint"]
+    accepted = pair.initial_state()
+    x = np.zeros(model.layout.size)
+    x[basis.get_dofs(elements="block").all("u^1")] = way
+    found = pair.assemble(x, accepted).state
+    state, _ = pair.enforcement.after_equilibrium(pair, accepted, found)
+    assert (state is accepted) == (not new)
+    assert np.flatnonzero(state.facet != accepted.facet).tolist() == new
+    slip = pair.interface.elastic_slip(state, found)[0]
+    np.testing.assert_allclose(slip[found.facet >= 0], way, atol=1e-12)
+
+
 # -- what it does not do
 
 
