@@ -286,6 +286,19 @@ class Material:
         """Return accepted stress and internal variables without their excess pore pressure."""
         return stress, internal
 
+    def _positive(self, *names: str) -> None:
+        """Refuse values of some parameters that are not positive."""
+        for name in names:
+            value = getattr(self, name)
+            require(name, value, np.greater(value, 0), "be positive")
+
+    def _not_negative(self, *names: str) -> None:
+        """Refuse negative values of some parameters."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None:
+                require(name, value, np.greater_equal(value, 0), "not be negative")
+
 
 #: Members that a law may bring without deriving from :class:`Material`.
 _MEMBERS = frozenset(name for name in dir(Material) if not name.startswith("_"))

@@ -118,12 +118,8 @@ class CamClay(Material):
 
     def __post_init__(self) -> None:
         as_parameters(self)
-        for name in ("kappa", "M", "p_ref", "POP", "attraction"):
-            value = getattr(self, name)
-            if name in ("POP", "attraction"):
-                require(name, value, np.greater_equal(value, 0), "not be negative")
-            else:
-                require(name, value, np.greater(value, 0), "be positive")
+        self._positive("kappa", "M", "p_ref")
+        self._not_negative("POP", "attraction")
         require("lambda_", self.lambda_, np.greater(self.lambda_, self.kappa), "exceed kappa")
         possible = np.greater(self.nu, -1) & np.less(self.nu, 0.5)
         require("nu", self.nu, possible, "lie between -1 and 0.5")

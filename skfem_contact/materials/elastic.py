@@ -73,19 +73,6 @@ class Isotropic(Material):
         new._check()
         return new
 
-    def _positive(self, *names: str) -> None:
-        """Refuse values of some parameters that are not positive."""
-        for name in names:
-            value = getattr(self, name)
-            require(name, value, np.greater(value, 0), "be positive")
-
-    def _not_negative(self, *names: str) -> None:
-        """Refuse negative values of some parameters."""
-        for name in names:
-            value = getattr(self, name)
-            if value is not None:
-                require(name, value, np.greater_equal(value, 0), "not be negative")
-
     def _angle(self, name: str) -> None:
         """Refuse an angle in degrees that is negative, or 90 and more."""
         value = getattr(self, name)

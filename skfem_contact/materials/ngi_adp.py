@@ -159,13 +159,12 @@ class NgiAdp(Isotropic):
     def _check(self) -> None:
         super()._check()
         # check strengths and strains at failure
-        for name in (*_STRENGTHS, *_GAMMAS):
-            value = getattr(self, name)
-            if value is not None:
-                require(name, value, np.greater(value, 0), "be positive")
+        self._positive(*_STRENGTHS)
         require("s_uP", self.s_uP, np.less_equal(self.s_uP, self.s_uA), "not exceed s_uA")
         missing = [name for name in _GAMMAS if getattr(self, name) is None]
-        if 0 < len(missing) < len(_GAMMAS):
+        if not missing:
+            self._positive(*_GAMMAS)
+        elif len(missing) < len(_GAMMAS):
             raise ValueError(
                 f"{' and '.join(missing)} missing: give the shear strains at failure of all three "
                 "strengths, or none of them"

@@ -97,7 +97,7 @@ class SoftSoilCreep(CamClay):
         super().__post_init__()
         inside = np.greater(self.mu, 0) & np.less(self.mu, np.subtract(self.lambda_, self.kappa))
         require("mu", self.mu, inside, "lie between 0 and lambda - kappa")
-        require("tau", self.tau, np.greater(self.tau, 0), "be positive")
+        self._positive("tau")
 
     @override
     def update(
