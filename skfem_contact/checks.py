@@ -142,6 +142,16 @@ def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
     return existing[name]
 
 
+def one_line(error: BaseException) -> str:
+    """Return the text of an error of another package in one line, or its class without a text."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def tags_with(some: ArrayLike, tags: Mapping[str, ndarray] | None) -> list[str]:
+    """Return the names of the tags that hold some of the elements or facets, for a message."""
+    return [name for name, part in (tags or {}).items() if np.isin(part, some).any()]
+
+
 def nearest(name: Any, existing: Iterable[str]) -> str:
     """Return the existing names like a wrong one, for a message; empty if none is."""
     if not isinstance(name, str):

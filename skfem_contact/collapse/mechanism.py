@@ -276,7 +276,7 @@ def lost_power(
     return Lost(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def added_by_mesh(lost: Lost, power: float | None = None) -> float:
+def added_by_mesh(lost: Lost, power: float | None) -> float:
     r"""Estimate the share that the size of elements adds to a factor or a limit load.
 
     The whole power P is the given one of a limit load, or the power S of the strength. The power

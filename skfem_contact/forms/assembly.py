@@ -143,7 +143,7 @@ def locking(
     coordinates: Coordinates | None,
     yielded: float,
     D: ndarray,
-    finite: bool = False,
+    finite: bool,
 ) -> Iterator[Remark]:
     """Yield remarks on elements of corner nodes alone, with full strains, that may lock.
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import format_point, look_up
+from ..checks import format_point, look_up, tags_with
 from ..errors import InadmissibleStress, IncrementTooLarge
 from ..layout import elements_of
 from ..materials import Material, Update
@@ -162,13 +162,9 @@ def _check_cover(
     unique, count = np.unique(tind, return_counts=True)
     if len(unique) < len(present):
         missing = np.setdiff1d(present, unique)
-        names = []
-        for name, part in subdomains.items():
-            if np.isin(missing, part).any():
-                names.append(name)
         raise ValueError(
             f"{len(missing)} of {len(present)} elements have no material; "
-            f"they lie in the subdomains {names}"
+            f"they lie in the subdomains {tags_with(missing, subdomains)}"
         )
     if count.max() > 1:
         raise ValueError(

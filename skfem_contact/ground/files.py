@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..checks import one_line
 from .columns import Column
 from .sounding import Sounding
 
@@ -169,8 +170,9 @@ def read_cpt(file: str | Path) -> Sounding:
         try:
             data = pygef.read_cpt(path, replace_column_voids=False, remove_pre_excavated_rows=False)
         except Exception as error:  # pygef passes errors of its parsers on
-            text = " ".join(str(error).split()) or type(error).__name__
-            raise ValueError(f"it is no cone penetration test of GEF or BRO: {text}") from error
+            raise ValueError(
+                f"it is no cone penetration test of GEF or BRO: {one_line(error)}"
+            ) from error
         return _from_pygef(path.stem, data)
 
 
@@ -195,8 +197,7 @@ def _ags_tables(file: str) -> dict[str, Any]:
         try:
             tables = AGS4.AGS4_to_dataframe(file)[0]
         except (Exception, SystemExit) as error:  # python-ags4 passes errors of its parser on
-            text = " ".join(str(error).split()) or type(error).__name__
-            raise ValueError(f"{file} is not a file of AGS 4: {text}") from error
+            raise ValueError(f"{file} is not a file of AGS 4: {one_line(error)}") from error
     if not tables:
         raise ValueError(f"{file} is not a file of AGS 4: it has no groups")
     return tables

@@ -16,6 +16,7 @@ from ..checks import (
     facets_of,
     look_up,
     positive,
+    tags_with,
     unit_vector,
 )
 from ..errors import warn
@@ -169,11 +170,7 @@ def weightless(body: Body, unit_weights: float | Mapping[str, float]) -> str:
     missing = present[np.isnan(given)]
     if len(missing) == 0:
         return ""
-    names = []
-    for name, part in (mesh.subdomains or {}).items():
-        if np.isin(missing, part).any():
-            names.append(name)
-    return f"{len(missing)} elements of the subdomains {names}"
+    return f"{len(missing)} elements of the subdomains {tags_with(missing, mesh.subdomains)}"
 
 
 def traction(

@@ -12,7 +12,7 @@ from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..arrays import max_abs, row_norms
-from ..checks import finite, format_point, look_up, names_of
+from ..checks import finite, format_point, look_up, names_of, tags_with
 from ..errors import warn
 from ..layout import elements_of, facet_counts, linear_element
 from .sides import Sides, facing
@@ -433,10 +433,7 @@ def _warn_of_flooding(basis: CellBasis, pressure: Pressure, pressed: ndarray) ->
         return
     where = format_point(np.asarray(surface.global_coordinates())[:, wet].T[0])
     flooded = facets[wet.any(axis=1)]
-    names = []
-    for name, part in (mesh.boundaries or {}).items():
-        if np.isin(flooded, part).any():
-            names.append(name)
+    names = tags_with(flooded, mesh.boundaries)
     warn(
         f"there is water above the surface at {where} without pressure on it; pass its name "
         f"in boundaries= ({', '.join(names) or 'it has none yet'})"

@@ -11,7 +11,7 @@ from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..arrays import max_abs
-from ..checks import format_point
+from ..checks import format_point, tags_with
 from ..errors import warn
 from .connections import (
     Outside,
@@ -192,10 +192,7 @@ def _check_touching(mesh: Mesh, outside: Outside, known: Indices) -> None:
     if free.any():
         sides = np.unique(np.concatenate((first[free], second[free])))
         element = mesh.f2t[0, outside.facets[sides]]
-        names = []
-        for name, part in own_tags(mesh.subdomains).items():
-            if np.isin(element, part).any():
-                names.append(name)
+        names = tags_with(element, own_tags(mesh.subdomains))
         of = f" of {', '.join(names)}" if names else ""
         _tell(
             f"outer sides{of} lie on each other without contact, and part or penetrate freely "

@@ -414,10 +414,7 @@ def without_middles(content: Content, format_name: str) -> None:
         if len(cells):
             x = content.points[cells]
             off = max_abs(x[:, count:] - middles_of(x, kind))
-            if (
-                KINDS[kind].dim == content_dim(content, kind)
-                and off > _SAME * np.ptp(x, axis=1).max()
-            ):
+            if KINDS[kind].dim >= content.dim and off > _SAME * np.ptp(x, axis=1).max():
                 raise ValueError(
                     f"{format_name} has no elements with nodes in the middle, and {off:.3g} is the "
                     "distance of one from where elements without it have it"
@@ -428,11 +425,6 @@ def without_middles(content: Content, format_name: str) -> None:
             if kind in group:
                 group[other] = group.pop(kind)
     _drop_unused_points(content)
-
-
-def content_dim(content: Content, kind: str) -> int:
-    """Return the highest dimension of the elements and of a kind."""
-    return max(content.dim, KINDS[kind].dim)
 
 
 def _drop_unused_points(content: Content) -> None:
@@ -459,9 +451,9 @@ def check_names(content: Content, wrong: str, format_name: str) -> None:
             )
 
 
-def table_text(numbers: Integers, separator: str = " ") -> str:
+def table_text(numbers: Integers) -> str:
     """Return rows of whole numbers as lines."""
-    return "".join(f"{separator.join(map(str, row))}\n" for row in numbers.tolist())
+    return "".join(f"{' '.join(map(str, row))}\n" for row in numbers.tolist())
 
 
 def point_text(points: Floats, separator: str = " ") -> str:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..checks import look_up, names_of
+from ..checks import look_up, names_of, tags_with
 from .check import check_elements, check_topology, own_tags
 from .connections import components
 
@@ -149,13 +149,10 @@ def _connected_elements(mesh: Mesh) -> list[Indices]:
 def _name_of(elements: Indices, subdomains: Tags) -> str:
     """Return the name of a body from the subdomains of its elements."""
     exact = ""
-    touched = []
     for name, part in subdomains.items():
-        if np.isin(part, elements).any():
-            touched.append(name)
         if np.array_equal(np.unique(part), elements):
             exact = name
-    return exact or "+".join(touched) or "body"
+    return exact or "+".join(tags_with(elements, subdomains)) or "body"
 
 
 def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
@@ -246,11 +243,7 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
     # Refuse elements without a body.
     missing = np.flatnonzero(body < 0)
     if len(missing):
-        subdomains = own_tags(mesh.subdomains)
-        touched = []
-        for name, part in subdomains.items():
-            if np.isin(part, missing).any():
-                touched.append(name)
+        touched = tags_with(missing, own_tags(mesh.subdomains))
         raise ValueError(
             f"{len(missing)} elements belong to no body (element {missing[0]} is the first); add "
             f"their subdomains to bodies=: {', '.join(touched) or 'none, name them first'}"

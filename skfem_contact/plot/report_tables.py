@@ -120,7 +120,7 @@ def _resultants(stage: StageResult) -> list[tuple[str, ndarray, str]]:
     rest = np.array(total)
     parts: list[tuple[str, ndarray]] = []
     if stage.gravity is not None:
-        weight = _padded(_own_weights(stage), len(total))
+        weight = _own_weights(stage)
         if weight.any():
             parts.append(("weight", weight))
             rest = rest - weight
@@ -183,10 +183,6 @@ def _water(stage: StageResult, n: int) -> ndarray | None:
     for part in loads_at_rest(solids_of(active), loaded, stage.water, stage.water_unit_weight):
         total[: len(part)] += part
     return total
-
-
-def _padded(vector: ndarray, n: int) -> ndarray:
-    return np.pad(vector, (0, n - len(vector)))
 
 
 def water(result: Result) -> Table:

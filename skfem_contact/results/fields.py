@@ -138,8 +138,8 @@ def nodal_field(
 def region_field(
     stage: StageData,
     name: str,
-    since: StageData | None = None,
-    water: Shown | None = None,
+    since: StageData | None,
+    water: Shown | None,
     elements: Mapping[str, ndarray] | None = None,
 ) -> ndarray:
     """Return a field as :func:`nodal_field` does, at the nodes of the :func:`region_mesh`.
@@ -305,7 +305,7 @@ def _of_form(
     name: str,
     quantity: Quantity,
     since: StageData | None,
-    elements: ndarray | None = None,
+    elements: ndarray | None,
 ) -> ndarray:
     """Return the field of one solid, without pressures of flowing and of given water."""
     state = stage.states[name]

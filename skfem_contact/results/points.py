@@ -200,9 +200,9 @@ def through_stages(
     stages: Iterable[StageData],
     points: Mapping[str, ArrayLike] | ArrayLike,
     quantity: Sequence[str],
-    water: Shown | None = None,
-    of: str | None = None,
-    increments: bool = False,
+    water: Shown | None,
+    of: str | None,
+    increments: bool,
 ) -> PointValues:
     """Return values at points in all stages, see :meth:`~skfem_contact.results.Result.at`."""
     parts: list[StageData] = []

@@ -230,7 +230,7 @@ def drawdown(
     region: str | None,
     drained: tuple[float, float],
     total: tuple[float, float],
-    mechanism: ndarray | None = None,
+    mechanism: ndarray | None,
 ) -> dict[str, ndarray]:
     """Return strengths after a rapid drawdown by region, (n_elements,) each.
 

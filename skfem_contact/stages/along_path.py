@@ -47,7 +47,7 @@ def along_path(
     last: StageResult,
     newton: Newton,
     accept: Accept,
-    onward: ndarray | None = None,
+    onward: ndarray | None,
 ) -> Iterator[StageResult]:
     """Yield the accepted increments of a path, until it first reaches its whole load.
 

@@ -13,7 +13,7 @@ import scipy
 from numpy import ndarray
 
 from ..arrays import max_abs
-from ..checks import finite, format_point, look_up
+from ..checks import finite, format_point, look_up, tags_with
 from ..contact.prestress import prestressed
 from ..errors import warn
 from ..forms.base import Forms, States, internal_force, summaries
@@ -172,8 +172,7 @@ def _ratios(mesh: Any, elements: ndarray, K0: float | Mapping[str, float]) -> nd
     ratios = by_element(mesh, K0, "K0", np.nan)
     missing = elements[np.isnan(ratios[elements])]
     if len(missing):
-        parts = (mesh.subdomains or {}).items()
-        tags = [tag for tag, part in parts if np.isin(part, missing).any()]
+        tags = tags_with(missing, mesh.subdomains)
         raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
     # Check the ratios.
     given = ratios[elements]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis, FacetBasis
 
-from ..checks import format_point, look_up
+from ..checks import format_point, look_up, tags_with
 from ..errors import warn
 from ..layout import elements_of, linear_element
 from .retention import Laws, Retention
@@ -48,8 +48,7 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
     # Refuse elements with none or several.
     for wrong, text in ((count == 0, f"have no {what}"), (count > 1, f"have more than one {what}")):
         if wrong.any():
-            missing = here[wrong]
-            names = [name for name, part in subdomains.items() if np.isin(part, missing).any()]
+            names = tags_with(here[wrong], subdomains)
             raise ValueError(f"{wrong.sum()} elements {text}; they lie in the subdomains {names}")
     return result
 

@@ -641,12 +641,13 @@ def _behind(
     corners: int,
 ) -> Integers:
     """Return the faces, by their positions in `every`, of the elements behind sides."""
-    # Compare the faces whose corners all belong to the sides
+    # Compare the faces whose corners all belong to the sides: equal ones have equal keys
     chosen = np.zeros(len(content.points), dtype=bool)
     chosen[sides[:, :corners]] = True
     near = np.flatnonzero(chosen[every].all(axis=1))
     ends = np.sort(sides[:, :corners], axis=1)
-    keys = _row_keys(np.concatenate((every[near], ends)))
+    faces = np.concatenate((every[near], ends))
+    keys = np.unique(faces, axis=0, return_inverse=True)[1].ravel()
     own = keys[: len(near)]
     wanted = keys[len(near) :]
     order = np.argsort(own, kind="stable")
@@ -660,8 +661,3 @@ def _behind(
     middle = points[:, cells[element[choice] - 1]].mean(axis=2)
     outward = ((x.mean(axis=2) - middle) * normals(x)).sum(axis=0) > 0
     return np.where(outward, choice, other)
-
-
-def _row_keys(table: Integers) -> Integers:
-    """Return equal numbers for equal rows."""
-    return np.unique(table, axis=0, return_inverse=True)[1].ravel()

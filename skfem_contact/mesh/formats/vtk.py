@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...checks import one_line
 from ...errors import warn
 from ..content import Content, check_names, compact
 from ..kinds import KINDS, Integers
@@ -90,10 +91,9 @@ def _meshio(path: str) -> Any:
                 "it is not a file of VTK that can be read: save it as .vtu, in Gmsh as .msh"
             ) from error
         except Exception as error:  # meshio passes errors of its parsers on
-            text = " ".join(str(error).split()) or type(error).__name__
             raise ValueError(
-                f"it is not a file of VTK that can be read ({text}): if ParaView reads it, save it "
-                "as .vtu, compressed by ZLib or not at all"
+                f"it is not a file of VTK that can be read ({one_line(error)}): if ParaView reads "
+                "it, save it as .vtu, compressed by ZLib or not at all"
             ) from error
 
 
