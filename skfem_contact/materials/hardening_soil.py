@@ -21,6 +21,8 @@ from .base import (
     Material,
     Parameter,
     Update,
+    along_elements,
+    as_parameters,
     check_shapes,
     require,
     warn_of_radians,
@@ -40,6 +42,8 @@ _OUTSIDE = 1e-6
 # tangents, as a share.
 _HALVINGS = 6
 _DIFFERENCE = 1e-5
+# Parameters that may vary by element: they act on the initial memory alone.
+_BY_ELEMENT = ("OCR", "POP")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +57,7 @@ class HardeningSoil(CohesiveFrictional):
     M and the modulus of the cap follow in closed form from ``K0nc`` and ``Eoed_ref``. The mobilised
     dilatancy is Rowe's, without contraction and not over ``psi``. Stresses count from c cot(phi).
     Below a thousandth of ``p_ref`` the stiffness does not fall any more: sand at a free surface
-    needs a small cohesion. The parameters have PLAXIS' names and are floats.
+    needs a small cohesion. The parameters have PLAXIS' names and are floats; OCR and POP may vary.
 
     Parameters
     ----------
@@ -72,9 +76,9 @@ class HardeningSoil(CohesiveFrictional):
         Ratio of horizontal to vertical stress in normal consolidation, 1 - sin(phi) by default.
     R_f : float
         Failure ratio, the share of the hyperbola's asymptote that can be reached.
-    OCR, POP : float
+    OCR, POP : float or ndarray
         Overconsolidation: the largest vertical stress of the past is ``OCR`` times the present
-        one, plus ``POP``.
+        one, plus ``POP``. Arrays have one value an element.
     G0_ref, gamma_07 : float, optional
         Small-strain stiffness (Benz): shear modulus at very small strains at the pressure `p_ref`,
         and shear strain at which the secant modulus has fallen to 0.722 of it. The elastic
@@ -101,8 +105,8 @@ class HardeningSoil(CohesiveFrictional):
     p_ref: float = 100.0
     K0nc: float | None = None
     R_f: float = 0.9
-    OCR: float = 1.0
-    POP: float = 0.0
+    OCR: Parameter = 1.0
+    POP: Parameter = 0.0
     G0_ref: float | None = None
     gamma_07: float | None = None
 
@@ -114,11 +118,12 @@ class HardeningSoil(CohesiveFrictional):
     stress_dependent = True
 
     def __post_init__(self) -> None:
-        # keep the parameters as numbers, and check their ranges
+        # keep the parameters as numbers, the history by element, and check their ranges
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None or field.default is not None:
+            if field.name not in _BY_ELEMENT and (value is not None or field.default is not None):
                 object.__setattr__(self, field.name, number(value, field.name))
+        as_parameters(self)
         for name, holds, demand in (
             ("E50_ref", self.E50_ref > 0, "be positive"),
             ("Eoed_ref", self.Eoed_ref > 0, "be positive"),
@@ -130,8 +135,8 @@ class HardeningSoil(CohesiveFrictional):
             ("psi", 0 <= self.psi <= self.phi, "lie between 0 and phi"),
             ("nu_ur", 0 <= self.nu_ur < 0.5, "lie in [0, 0.5)"),
             ("R_f", 0 < self.R_f < 1, "lie between 0 and 1"),
-            ("OCR", self.OCR >= 1, "be at least 1"),
-            ("POP", self.POP >= 0, "not be negative"),
+            ("OCR", np.greater_equal(self.OCR, 1), "be at least 1"),
+            ("POP", np.greater_equal(self.POP, 0), "not be negative"),
         ):
             require(name, getattr(self, name), holds, demand)
 
@@ -275,7 +280,9 @@ class HardeningSoil(CohesiveFrictional):
         gamma = 2 * q / scale * (1 / secant - 1 / k.unloading)
 
         # find the cap through the present stress or the vertical stress of the past
-        vertical = self.OCR * (c[0] - k.shift) + self.POP + k.shift
+        ratio = np.ravel(along_elements(self.OCR, stress.shape))
+        more = np.ravel(along_elements(self.POP, stress.shape))
+        vertical = ratio * (c[0] - k.shift) + more + k.shift
         lateral = self._K0 * vertical
         past = np.stack((vertical, lateral, lateral))
         cap = np.maximum(k.cap_stress(past), k.cap_stress(c))

@@ -278,6 +278,20 @@ def test_preconsolidation() -> None:
     assert cap["POP"] == pytest.approx(cap["OCR"], rel=1e-12)
 
 
+def test_preconsolidation_by_element() -> None:
+    """[X] Arrays of OCR and POP: in each element the memory of the law with its two numbers."""
+    stress = -np.array([34.0, 100.0, 34.0, 0.0])[:, None, None] * np.ones((1, 3, 2))
+    ratio, more = np.array([1.0, 2.0, 3.0]), np.array([0.0, 100.0, 20.0])
+    memory = sand(OCR=ratio, POP=more).initial_internal(stress)
+    for e in range(3):
+        alone = sand(OCR=ratio[e], POP=more[e]).initial_internal(stress[:, e : e + 1])
+        np.testing.assert_array_equal(memory[:, e : e + 1], alone)
+    with pytest.raises(ValueError, match="OCR must be at least 1, got 0.9 in element 1"):
+        sand(OCR=[1.0, 0.9])
+    with pytest.raises(ValueError, match="2 values for 3 elements"):
+        sand(OCR=[1.0, 2.0]).initial_internal(stress)
+
+
 def test_preconsolidation_in_extension() -> None:
     """[X] With two equal largest compressions the cap's measure of shear is delta (s1 - s3), where
     delta = (3 + sin(phi)) / (3 - sin(phi)) (Schanz, Vermeer and Bonnier 1999).
