@@ -81,15 +81,12 @@ def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -
         assert "do not match overlap" not in remarks
 
 
-@pytest.mark.parametrize("initial", ["ramped", "as meshed"])
-@pytest.mark.parametrize("nodes", [(4, 4), (4, 5)])
-@pytest.mark.parametrize("deeper", [0.0, 0.01, -0.005])
-def test_overlaps_like_a_wedge_are_no_ripple(initial: str, nodes: tuple[int, int], deeper) -> None:
-    """[X] Straight sides at an angle overlap evenly, whether their facets match or not."""
+def fitted_along(overlap, nodes: tuple[int, int], initial: str) -> str:
+    """Warnings of two blocks whose upper one lies inside the lower one by a function of x."""
     low = MeshQuad.init_tensor(np.linspace(0, 1, nodes[0] + 1), np.linspace(0, 1, 4))
     up = MeshQuad.init_tensor(np.linspace(0, 1, nodes[1] + 1), np.linspace(1, 2, 4))
     x, y = up.p
-    up = replace(up, doflocs=np.stack((x, y - (deeper + 0.01 * x) * (2.0 - y))))
+    up = replace(up, doflocs=np.stack((x, y - overlap(x) * (2.0 - y))))
     bodies = {
         "low": low.with_boundaries({"joint": lambda x: x[1] > 0.99, "end": lambda x: x[1] < 0.01}),
         "up": up.with_boundaries({"joint": lambda x: x[1] < 1.1, "end": lambda x: x[1] > 1.99}),
@@ -104,7 +101,31 @@ def test_overlaps_like_a_wedge_are_no_ripple(initial: str, nodes: tuple[int, int
         warnings.simplefilter("always")
         result = sc.Model(forms, fixed).run([sc.Stage("fit", increments=4)], progress=False)
     assert result["fit"].tractions("joint").pressure.max() > 10.0
-    assert "do not match" not in "; ".join(str(warning.message) for warning in caught)
+    return "; ".join(str(warning.message) for warning in caught)
+
+
+@pytest.mark.parametrize("initial", ["ramped", "as meshed"])
+@pytest.mark.parametrize("nodes", [(4, 4), (4, 5)])
+@pytest.mark.parametrize("deeper", [0.0, 0.01, -0.005])
+def test_overlaps_like_a_wedge_are_no_ripple(initial: str, nodes: tuple[int, int], deeper) -> None:
+    """[X] Straight sides at an angle overlap evenly, whether their facets match or not."""
+    told = fitted_along(lambda x: deeper + 0.01 * x, nodes, initial)
+    assert "do not match" not in told
+
+
+@pytest.mark.parametrize(
+    "overlap",
+    [
+        lambda x: 0.04 * x * (1.0 - x),
+        lambda x: 0.04 * (x - 0.5) ** 2,
+        lambda x: 0.005 + 0.005 * np.sin(2.0 * np.pi * x),
+    ],
+)
+def test_facets_that_match_are_not_called_others(overlap) -> None:
+    """[X] Round overlaps of facets with the same nodes, and of facets with others."""
+    matching = fitted_along(overlap, (8, 8), "as meshed")
+    assert "overlap by up to" in matching and "match" not in matching
+    assert "do not match overlap by up to" in fitted_along(overlap, (4, 5), "as meshed")
 
 
 def test_a_pressure_at_the_start_is_no_overlap() -> None:
