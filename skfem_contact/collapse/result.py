@@ -24,6 +24,7 @@ from .mechanism import (
     describe_mesh,
     lost_power,
     warn_of_errors,
+    warn_of_locking,
     warn_of_mesh,
     warn_of_motion,
     within_bounds,
@@ -498,6 +499,7 @@ def conclude(
         motion = search.points[-1].x - search.points[-2].x
     mechanism = motion / (max_abs(motion) or 1.0)
     bands = _bands(system, mechanism)
+    warn_of_locking(system.forms, bands, last.states, mechanism)
     power = None
     if multiplied is not None:
         power = last.parameter * float(multiplied @ mechanism)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -257,6 +258,26 @@ def test_models_that_cannot_be_refined():
         finer.check(model, {"ground": varied}, False)
 
 
+def steep(element: str, phi: float, angle: float) -> sc.Model:
+    """A slope of 2 m with two elements along it, on 2 m of ground."""
+    run = 2.0 / np.tan(np.radians(angle))
+    columns = np.concatenate((np.linspace(-4, 0, 5), [run / 2], run + np.linspace(0, 4, 5)))
+    of_element = {
+        "P2": (ElementTriP2(), 2),
+        "S2": (ElementQuadS2(), 2),
+        "Q1": (ElementQuad1(), 2),
+        "Q2": (ElementQuad2(), 4),
+    }
+    kind = MeshTri if element == "P2" else MeshQuad
+    mesh = kind.init_tensor(columns, np.linspace(0, 1, 5))
+    x, height = mesh.p
+    mesh = kind(np.stack((x, height * (2.0 + 2.0 * np.clip(x / run, 0, 1)))), mesh.t)
+    shape, order = of_element[element]
+    basis = Basis(mesh.with_defaults(), ElementVector(shape), intorder=order)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=8.0, phi=phi, psi=phi)
+    return sc.Model({"soil": sc.SolidForm(basis, soil, unit_weight=20.0)}, sc.box_supports(basis))
+
+
 @pytest.mark.parametrize(
     ("element", "phi", "angle", "exact"),
     [
@@ -275,25 +296,49 @@ def test_share_of_two_elements_along_a_slope(element, phi, angle, exact):
 
     The brackets are from `model.bounds(gap=0.015)`, in 5 s each.
     """
-    run = 2.0 / np.tan(np.radians(angle))
-    columns = np.concatenate((np.linspace(-4, 0, 5), [run / 2], run + np.linspace(0, 4, 5)))
-    of_element = {
-        "P2": (ElementTriP2(), 2),
-        "S2": (ElementQuadS2(), 2),
-        "Q1": (ElementQuad1(), 2),
-        "Q2": (ElementQuad2(), 4),
-    }
-    kind = MeshTri if element == "P2" else MeshQuad
-    mesh = kind.init_tensor(columns, np.linspace(0, 1, 5))
-    x, height = mesh.p
-    mesh = kind(np.stack((x, height * (2.0 + 2.0 * np.clip(x / run, 0, 1)))), mesh.t)
-    shape, order = of_element[element]
-    basis = Basis(mesh.with_defaults(), ElementVector(shape), intorder=order)
-    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=8.0, phi=phi, psi=phi)
-    model = sc.Model({"soil": sc.SolidForm(basis, soil, unit_weight=20.0)}, sc.box_supports(basis))
+    model = steep(element, phi, angle)
     found = model.strength_reduction(certify=False, progress=False)
     least, most = (found.factor / bound - 1.0 for bound in exact[::-1])
     assert least > 0.1 and 0.5 * most < found.added < 2.0 * least
+
+
+def test_a_slope_in_elements_that_lock_is_told(monkeypatch) -> None:
+    """[B] Nine points in trapezoids lock in clay: 10 % above the upper bound, and a warning; four
+    points do not. The bound is from `model.bounds(gap=0.02)`.
+    """
+    monkeypatch.setattr(finer, "_FEW", 0)
+    for element, locks in (("Q2", True), ("S2", False)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found = steep(element, 0.0, 60.0).strength_reduction(certify=False, progress=False)
+        assert (found.factor > 1.1 * 1.0353) == locks
+        assert ("points, which lock" in str([one.message for one in caught])) == locks
+
+
+@pytest.mark.parametrize(
+    ("element", "order", "locks"), [(ElementQuad2(), 4, True), (ElementQuadS2(), 2, False)]
+)
+def test_a_cavity_in_elements_that_lock_is_told(element, order: int, locks: bool) -> None:
+    """[X] A thick ring of clay yields under 2 c ln(b / a), but not in trapezoids of nine points."""
+    ring = MeshQuad.init_tensor(np.linspace(1, 3, 5), np.linspace(0, 0.5 * np.pi, 9))
+    radius, angle = ring.p
+    mesh = replace(ring, doflocs=radius * np.stack((np.cos(angle), np.sin(angle))))
+    sides = {
+        "bore": lambda x: np.hypot(*x) < 1.02,
+        "low": lambda x: x[1] < 1e-9,
+        "left": lambda x: x[0] < 1e-9,
+    }
+    basis = Basis(mesh.with_boundaries(sides), ElementVector(element), intorder=order)
+    clay = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=10.0))
+    fixed = [basis.get_dofs("low").all("u^2"), basis.get_dofs("left").all("u^1")]
+    model = sc.Model({"clay": clay}, fixed)
+    load = model.traction("bore", lambda x: x / np.hypot(*x))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = model.limit_load(load, step=5.0, max_value=100.0, progress=False)
+    # sides of 11 degrees, four layers
+    assert (found.value == pytest.approx(20.0 * np.log(3.0), rel=0.03)) != locks
+    assert ("points, which lock" in str([one.message for one in caught])) == locks
 
 
 def test_share_of_a_limit_load_on_top_of_a_stage():
@@ -321,6 +366,15 @@ def test_share_from_a_mesh_that_is_cut(order):
     assert 0.5 * 0.02 < finer.added_by_fall(coarse, cut) < 2.0 * 0.02
     stopped = dataclasses.replace(cut, stop=dataclasses.replace(cut.stop, kind="max_value"))
     assert finer.added_by_fall(coarse, stopped) == coarse.added
+
+
+def test_share_of_a_mesh_that_converges_slowly() -> None:
+    """[X] An error of the order .25, of which the stresses of the finer mesh show half."""
+    error = 0.02
+    left = error * 0.5**0.25
+    coarse = dataclasses.replace(_crushed(), value=10.0 * (1.0 + error))
+    cut = dataclasses.replace(_crushed(), value=10.0 * (1.0 + left), added=0.5 * left)
+    assert 0.5 * error < finer.added_by_fall(coarse, cut) < error
 
 
 def _crushed() -> CollapseResult:

@@ -286,7 +286,7 @@ def test_preconsolidation_by_element() -> None:
     for e in range(3):
         alone = sand(OCR=ratio[e], POP=more[e]).initial_internal(stress[:, e : e + 1])
         np.testing.assert_array_equal(memory[:, e : e + 1], alone)
-    with pytest.raises(ValueError, match="OCR must be at least 1, got 0.9 in element 1"):
+    with pytest.raises(ValueError, match=r"OCR must be at least 1, .* in element 1"):
         sand(OCR=[1.0, 0.9])
     with pytest.raises(ValueError, match="2 values for 3 elements"):
         sand(OCR=[1.0, 2.0]).initial_internal(stress)
