@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 from skfem import (
     Basis,
     ElementQuad1,
@@ -20,6 +21,7 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.collapse import continuation
+from skfem_contact.collapse.limit_load import _Load
 from skfem_contact.collapse.result import Point, SearchResult, Stop
 from skfem_contact.errors import NotConverged
 from tests.tools.helpers import analysis
@@ -220,3 +222,39 @@ def test_a_straight_piece_is_level_if_it_ends(monkeypatch, straight, slope, beyo
     assert not continuation._is_level(None, None, points, sc.Newton(), course, log)
     course = continuation.Course(tolerance=1e-9)
     assert not continuation._is_level(None, None, points, sc.Newton(), course, log)
+
+
+class Leaning(sc.Form):
+    """A strut of stiffness 1, which pushes a weak spring aside by the square of what is above 1."""
+
+    size = 2
+
+    def __init__(self, weak):
+        self.weak = weak
+
+    def assemble(self, x, state):
+        above = max(x[0] - 1.0, 0.0)
+        force = np.array([x[0], self.weak * x[1] + above**2])
+        tangent = csr_matrix([[1.0, 0.0], [2.0 * above, self.weak]])
+        return sc.Response(force, lambda: state, lambda: tangent)
+
+
+@pytest.mark.parametrize(("weak", "fails"), [(0.02, False), (0.005, True)])
+def test_a_step_ends_where_its_tangent_leads_far_beyond_it(weak, fails):
+    """[X] The first correction is 1 / weak times as long as the step: fifty times it is followed
+    to equilibrium, two hundred times it ends the step at once.
+    """
+    model = sc.Model({"strut": Leaning(weak)})
+    system = model.checked_system(model.forms, model.fixed)
+    pull = np.array([1.0, 0.0])
+    branch = _Load(system, np.zeros(2), pull)
+    # the work of the pull is the displacement of its dof
+    points = [Point(work * pull, {"strut": None}, work, work) for work in (0.0, 1.0)]
+    if fails:
+        with pytest.raises(NotConverged, match="200 times as far") as error:
+            continuation.correct(branch, pull, points, 2.0, sc.Newton())
+        assert len(error.value.residuals) == 1  # no line search follows the mechanism
+    else:
+        found = continuation.correct(branch, pull, points, 2.0, sc.Newton())
+        assert found.parameter == pytest.approx(2.0)
+        assert found.x == pytest.approx([2.0, -1.0 / weak])
