@@ -219,6 +219,8 @@ class Embedded(Form, Couples, Staged, Regularised):
             of_ground, self._part = _around(basis, points, self._along, self._wide)
         self._ground = np.unique(of_ground.indices)
         self._jump = csr_matrix(hstack((of_ground[:, self._ground], -of_beam)))
+        self._transposed = csr_matrix(self._jump.T)  # of forces at points
+        self._magnitudes = abs(self._transposed)
         self.joins = np.zeros(0, int)
         self.acts_on = self.changing = self._ground
 
@@ -327,12 +329,12 @@ class Embedded(Form, Couples, Staged, Regularised):
 
         limits = _AtLimit(slips, flows, stands, share, pushes)
         return Response(
-            self._jump.T @ forces,
+            self._transposed @ forces,
             after,
             lambda: self._tangent(limits, _KEPT),
             lambda: self._tangent(limits, _DAMPED),
             active=limits.key,
-            measure=abs(self._jump).T @ abs(forces),
+            measure=self._magnitudes @ abs(forces),
             dofs=self._dofs,
         )
 
@@ -367,7 +369,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         # K = J' D J with the jumps J
         n = np.arange(len(blocks))
         D = bsr_matrix((blocks, n, np.append(n, len(n)))).tocsr()
-        K = csr_matrix(self._jump.T @ D @ self._jump)
+        K = csr_matrix(self._transposed @ D @ self._jump)
         K.sum_duplicates()
         self._known[kept] = limits.key, constant(K)
         return K
