@@ -28,6 +28,7 @@ from ..checks import format_point
 from ..errors import AnalysisWarning, NotConverged
 from ..forms.base import Forms, States, solids_of
 from ..forms.roles import materials_of
+from ..layout import elements_of
 from ..materials.base import Material
 from ..mesh.locate import Located, locate
 from ..stages.setup import Setup
@@ -397,17 +398,10 @@ def _load(
     for i in range(len(basis.elem.elem.doflocs)):
         value = basis.elem.elem.lbasis(located.local, i)[0]
         shapes.append(np.broadcast_to(value, count))
-    at_elements = np.argsort(_numbers(basis))[located.elements]
+    at_elements = np.argsort(elements_of(basis))[located.elements]
     nodal = t[basis.element_dofs[:, at_elements]].reshape(-1, 2, count)
     density = np.einsum("kn,kcn->cn", np.array(shapes), nodal).reshape(at.shape)
     return total + _FORCE.assemble(fine, t=density)
-
-
-def _numbers(basis: Any) -> ndarray:
-    """Return the numbers of the elements of a basis."""
-    if basis.tind is None:
-        return np.arange(basis.mesh.nelements)
-    return np.asarray(basis.tind)
 
 
 def _body_forces(

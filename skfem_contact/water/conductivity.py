@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -12,12 +11,11 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
-from typing_extensions import Self
 
 from ..checks import positive
 from .darcy import Tensor, regions
 from .moisture import Moisture
-from .porous import Porous
+from .porous import Numbered, Porous
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,14 +89,12 @@ class Slopes(NamedTuple):
     by_strain: ndarray | None
 
 
-class Conductivity:
+class Conductivity(Numbered):
     """Water that leaves the nodes of the ground by its pressures and volume strains.
 
     The permeability is constant, or changes with the volume strain of the elements by a `rate`,
     (n_elements,), or falls with the suction of partly saturated ground.
     """
-
-    first: int
 
     def __init__(self, porous: Porous, rate: ndarray | None, moisture: Moisture | None) -> None:
         self._porous = porous
@@ -106,12 +102,6 @@ class Conductivity:
         self._moisture = moisture
         #: True if the flow is a linear function of the pressures.
         self.linear = rate is None and moisture is None
-
-    def numbered(self, first: int) -> Self:
-        """Return the flow of pressures that begin at a dof."""
-        new = copy(self)
-        new.first = first
-        return new
 
     @cached_property
     def saturated(self) -> csr_matrix:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -16,7 +15,7 @@ from ..sparse import with_data
 from .conductivity import Slopes
 from .darcy import radius
 from .moisture import Filling, Moisture
-from .porous import Porous
+from .porous import Numbered, Porous
 
 #: Round-off of the water in an element, as a share of the water that its pores hold.
 _ROUND_OFF = 4 * np.finfo(float).eps
@@ -60,7 +59,7 @@ class Storage(Protocol):
         """Return the tangent of forces and of the water at the nodes after a step."""
 
 
-class FullPores:
+class FullPores(Numbered):
     """Storage of saturated ground: the volume strain, and water that is compressed.
 
     Pressures of elements of corner nodes alone are stabilised by a storage of 1 / 2G for their
@@ -68,7 +67,6 @@ class FullPores:
     """
 
     linear = True
-    first: int
 
     def __init__(
         self,
@@ -82,12 +80,6 @@ class FullPores:
         self._by_pressure = specific[:, None, None] * porous.mass  # (n_elements, n_p, n_p)
         if porous.linear:
             self._by_pressure = self._by_pressure + _stabilisation(porous, shear)
-
-    def numbered(self, first: int) -> Self:
-        """Return the storage with pressures that begin at a dof."""
-        new = copy(self)
-        new.first = first
-        return new
 
     @cached_property
     def matrix(self) -> csr_matrix:
@@ -129,11 +121,10 @@ class FullPores:
         return with_data(self.matrix, self.matrix.data + leaving.data)
 
 
-class PartlyFilledPores:
+class PartlyFilledPores(Numbered):
     """Storage of ground with air in its pores; steps balance differences of contents."""
 
     linear = False
-    first: int
 
     def __init__(
         self,
@@ -153,12 +144,6 @@ class PartlyFilledPores:
         self._spread = None
         if porous.linear:
             self._spread = _stabilisation(porous, shear)
-
-    def numbered(self, first: int) -> Self:
-        """Return the storage with pressures that begin at a dof."""
-        new = copy(self)
-        new.first = first
-        return new
 
     def held(self, x: ndarray) -> Held:
         """Return the water in the ground."""

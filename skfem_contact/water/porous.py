@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from skfem import CellBasis, FacetBasis
+from typing_extensions import Self
 
 from ..arrays import max_abs
 from ..forms.assembly import strain_operator
@@ -22,6 +24,18 @@ _OPEN = 1e3
 #: A pressure of one everywhere that strains nothing beyond this share of its effect without
 #: supports is undetermined.
 _RIGID = 1e-12
+
+
+class Numbered:
+    """Flow or storage of water whose pressures begin at a dof, `first`."""
+
+    first: int
+
+    def numbered(self, first: int) -> Self:
+        """Return the same with pressures that begin at a dof."""
+        new = copy(self)
+        new.first = first
+        return new
 
 
 @dataclass(frozen=True, eq=False)
