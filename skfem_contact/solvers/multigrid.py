@@ -129,7 +129,8 @@ class AmgSolver:
         if levels is None or fresh:
             levels = self._renewed(A, blocks)
             fresh = True
-        cycle = levels.cycle(A, blocks)
+        single = not symmetric  # FGMRES alone admits cycles that round-off makes unsymmetric
+        cycle = levels.cycle(A, blocks, single)
         first = conjugate_gradients if symmetric else self._fgmres
         methods = (first, self._fgmres)
 
@@ -162,7 +163,7 @@ class AmgSolver:
             if far:
                 remaining = most - result.count
             if remaining > 0 and not (result.close or fresh):
-                cycle = self._renewed(A, blocks).cycle(A, blocks)
+                cycle = self._renewed(A, blocks).cycle(A, blocks, single)
                 fresh = True
                 result = _iterated(
                     blocks,

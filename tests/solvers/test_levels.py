@@ -7,8 +7,11 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_matrix, diags, eye
+from skfem import Basis, ElementHex1, ElementVector, MeshHex
+from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from skfem_contact.solvers import krylov, levels
+from skfem_contact.solvers.whole_nodes import WholeNodes
 
 needs_pyamg = pytest.mark.skipif(find_spec("pyamg") is None, reason="pyamg is not installed")
 
@@ -92,11 +95,13 @@ def test_smoother() -> None:
     # its blocks are not those of the scaling: these are given
     A = csr_matrix(root @ (turn * spectrum) @ turn.T @ root.T)
     smoother = levels.Smoother.__new__(levels.Smoother)
-    smoother.A, smoother._size = A, 3
-    smoother._inverse = np.array([np.linalg.inv(blocks[k % 2]) for k in range(8)])
+    smoother.A = A
+    smoother._set(A, np.array([np.linalg.inv(blocks[k % 2]) for k in range(8)]), None)
     highest = smoother._highest(None)
     assert 2.0 <= highest <= 2.2 + 1e-12
-    smoother._middle, smoother._half = 1.05 * highest / 2, 0.95 * highest / 2
+    # the smallest eigenvalue that is reduced is a twentieth of the largest one
+    assert smoother._middle == pytest.approx(1.05 * highest / 2, rel=1e-14)
+    assert smoother._half == pytest.approx(0.95 * highest / 2, rel=1e-14)
     theta = (smoother._middle - spectrum) / smoother._half
     reduced = np.polynomial.Chebyshev([0, 0, 0, 1])(theta) / np.polynomial.Chebyshev([0, 0, 0, 1])(
         smoother._middle / smoother._half
@@ -107,3 +112,57 @@ def test_smoother() -> None:
         np.testing.assert_allclose(vectors[:, k] - x, reduced[k] * vectors[:, k], atol=1e-12)
         y = smoother.onwards(x.copy(), A @ vectors[:, k])
         np.testing.assert_allclose(vectors[:, k] - y, reduced[k] ** 2 * vectors[:, k], atol=1e-12)
+
+
+def slender() -> tuple[csr_matrix, np.ndarray, np.ndarray]:
+    """Stiffness of a cantilever 30 times as long as high, free dofs and coordinates."""
+    sides = (np.linspace(0.0, 30.0, 91), np.linspace(0.0, 1.0, 4), np.linspace(0.0, 1.0, 4))
+    basis = Basis(MeshHex.init_tensor(*sides), ElementVector(ElementHex1()), intorder=2)
+    K = linear_elasticity(*lame_parameters(1e4, 0.3)).assemble(basis)
+    return K, basis.complement_dofs(basis.get_dofs(lambda x: x[0] == 0.0)), basis.doflocs
+
+
+@needs_pyamg
+@pytest.mark.parametrize("units", [1.0, 1e-60, 1e60])
+def test_smoother_in_single_precision(units, rng) -> None:
+    """[N] Corrections of double precision, in units whose numbers single precision does not have,
+    too; none without a residual.
+    """
+    K, free, locations = slender()
+    A = units * WholeNodes(locations, free).gather(K)
+    blocks = A.tobsr((3, 3))
+    double = levels.Smoother(blocks)
+    single = levels.SingleSmoother(A, blocks)
+    b = rng.standard_normal(A.shape[0])
+    for length in (1.0, 1e-50):
+        # three steps of a polynomial round some ten times, to 1e-7 each
+        expected = double.from_zero(length * b)
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(single.from_zero(length * b), expected, atol=1e-5 * size)
+    assert not single.from_zero(np.zeros_like(b)).any()
+    # 0.01 of the displacements are left: single precision sees the residual of double precision
+    x = b / units
+    expected = double.onwards(0.99 * x, A @ x) - 0.99 * x
+    found = single.onwards(0.99 * x, A @ x) - 0.99 * x
+    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+
+
+@needs_pyamg
+def test_single_precision_takes_no_more_iterations() -> None:
+    """[N] A slender cantilever of condition 1e8, solved by FGMRES to the same small residual in as
+    many iterations.
+    """
+    K, free, locations = slender()
+    nodes = WholeNodes(locations, free)
+    A = nodes.gather(K)
+    blocks = nodes.blocks(A)
+    made = levels.Levels(A, blocks, nodes.rigid_modes(blocks)[0])
+    weight = np.tile([0.0, 0.0, -1.0], K.shape[0] // 3)
+    b = nodes.taken(weight)
+    counts = []
+    for single in (False, True):
+        cycle = made.cycle(A, blocks, single)
+        x, count = krylov.Fgmres()(blocks, b, cycle, 1e-8, 100)
+        assert np.linalg.norm(b - A @ x) <= 1.01e-8 * np.linalg.norm(b)
+        counts.append(count)
+    assert counts[1] <= counts[0] + 1  # round-off may decide one iteration
