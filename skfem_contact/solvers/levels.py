@@ -121,7 +121,7 @@ class Smoother:
 
     def from_zero(self, b: ndarray) -> ndarray:
         """Return an approximation of the solution for b."""
-        return self._correction(b)
+        return self._correction(b.copy())
 
     def onwards(self, x: ndarray, b: ndarray) -> ndarray:
         """Return an approximation closer than x."""
@@ -141,13 +141,13 @@ class Smoother:
         self._half = 0.5 * highest * (1.0 - _LOWEST)
 
     def _correction(self, residual: ndarray) -> ndarray:
-        """Return the steps of the polynomial in sum."""
+        """Return the steps of the polynomial in sum; the residual changes in place."""
         ratio = self._middle / self._half
         step = self._scaled(residual) / self._middle
         x = step.copy()
         share = 1.0 / ratio
         for _ in range(_DEGREE - 1):
-            residual = residual - self._multiplied @ step
+            residual -= self._multiplied @ step
             last = share
             share = 1.0 / (2.0 * ratio - share)
             step = share * last * step + (2.0 * share / self._half) * self._scaled(residual)
@@ -175,15 +175,17 @@ class Smoother:
 class SingleSmoother(Smoother):
     """Chebyshev's polynomial in single precision, of residuals in double precision.
 
-    Products take two thirds of the time. Matrix and residuals are divided by their largest entries,
-    so that they may have any units.
+    Products take two thirds of the time. The matrix is divided by the stiffness of its softest
+    node, a residual by its largest entry, so that both may have any units.
     """
 
     def __init__(self, A: csr_matrix, blocks: bsr_matrix, largest: ndarray | None = None) -> None:
         self.A = blocks
-        self._stiffness = max_abs(A.data)
-        entries = (A.data / self._stiffness).astype(np.float32)
-        inverse = (self._stiffness * _inverse_blocks(blocks)).astype(np.float32)
+        inverse = _inverse_blocks(blocks)
+        self._stiffness = 1.0 / max_abs(inverse)
+        entries = np.empty(A.nnz, np.float32)
+        np.divide(A.data, self._stiffness, out=entries, casting="same_kind")
+        inverse = (self._stiffness * inverse).astype(np.float32)
         self._set(with_data(A, entries), inverse, largest)
 
     @override
