@@ -42,7 +42,7 @@ class WholeNodes:
         self.fixed = ~np.isin(self.dofs, free)
         self._block = FreeBlock(self.dofs)
         self._couplings: tuple[ndarray, ndarray] | None = None
-        self._places: tuple[ndarray, bsr_matrix] | None = None
+        self._order: tuple[ndarray, bsr_matrix] | None = None
 
     def gather(self, K: csr_matrix) -> csr_matrix:
         """Return the block of K, without all but the diagonal of prescribed dofs."""
@@ -74,13 +74,13 @@ class WholeNodes:
         return placed
 
     def blocks(self, A: csr_matrix) -> bsr_matrix:
-        """Return the block of K in blocks of nodes; the places of its entries are kept."""
-        if self._places is None or self._places[0] is not A.indices:
+        """Return the block of K in blocks of nodes; the order of its entries is kept."""
+        if self._order is None or self._order[0] is not A.indices:
             numbers = with_data(A, np.arange(1, A.nnz + 1))
-            self._places = A.indices, numbers.tobsr(2 * (self.dim,))
-        places = self._places[1]
-        data = np.append(0.0, A.data).take(places.data)
-        return bsr_matrix((data, places.indices, places.indptr), shape=A.shape)
+            self._order = A.indices, numbers.tobsr(2 * (self.dim,))
+        order = self._order[1]
+        data = np.append(0.0, A.data).take(order.data)
+        return bsr_matrix((data, order.indices, order.indptr), shape=A.shape)
 
     def rigid_modes(self, blocks: bsr_matrix) -> tuple[ndarray, int]:
         """Return the rigid motions of all bodies, (n, 3) or (n, 6), and the number of bodies."""
