@@ -71,3 +71,56 @@ def test_wheel_rolls_by_a_whole_turn():
     stress = [tyre.cauchy(result[name].states["tyre"]) for name in ("press", "roll")]
     # friction of the last facets leaves shear near them
     assert np.linalg.norm(stress[1] - stress[0]) < 0.1 * np.linalg.norm(stress[0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+@pytest.mark.parametrize("method", [sc.AugmentedLagrangian(), sc.DualMultipliers()], ids=str)
+def test_wheel_leaves_hard_ground(method, mu):
+    """[X] A wheel is pressed, rolled on, and peeled off meshed ground a hundred times as stiff.
+
+    Forces balance, friction obeys Coulomb's law, and no stress is left; without friction the forces
+    are the same on the way down and up.
+    """
+    grid = MeshQuad.init_tensor(np.linspace(-1.0, 1.5, 26), np.linspace(-1.3, -1.0, 3))
+    ground = MeshQuad2.from_mesh(grid).with_boundaries(
+        {"top": lambda x: x[1] > -1.0 - 1e-9, "low": lambda x: x[1] < -1.3 + 1e-9}
+    )
+    mesh = sc.join_bodies({"tyre": wheel(32), "ground": ground})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    laws = {"tyre": sc.NeoHooke(E=1e3, nu=0.3), "ground": sc.NeoHooke(E=1e5, nu=0.3)}
+    joint = sc.ContactPair(basis, "tyre:rim", "ground:top", sc.Coulomb(mu), enforcement=method)
+    forms = {"bodies": sc.SolidForm(basis, laws, kinematics="finite"), "joint": joint}
+    hub = [basis.get_dofs("tyre:hub").all(name) for name in ("u^1", "u^2")]
+    fixed = np.concatenate([*hub, basis.get_dofs("ground:low").all()])
+    model = sc.Model(forms, fixed, newton=sc.Newton(tolerance=1e-10))
+
+    # Turn the hub clockwise, and move it without slip
+    stages = []
+    ways = [(0.01, 0.0), (0.02, 0.0), (0.01, 0.0), (0.02, 0.0), (0.02, 0.1), (0.005, 0.2)]
+    for down, angle in [*ways, (-0.01, 0.25)]:
+        c, s = np.cos(angle) - 1.0, np.sin(angle)
+        x, y = (basis.doflocs[i, dofs] for i, dofs in enumerate(hub))
+        u = np.zeros(model.layout.size)
+        u[hub[0]] = c * x + s * y + angle
+        u[hub[1]] = c * y - s * x - down
+        stages.append(sc.Stage(f"{len(stages)}", prescribed=u, increments=2))
+    result = model.run(stages, progress=False)
+
+    forces = np.array([stage.contact("joint").force for stage in result])
+    reactions = [stage.reactions() for stage in result]
+    on_hub = np.array([[values[dofs].sum() for dofs in hub] for values in reactions])
+    H, V = forces.T
+    # the tolerance of Newton's method
+    np.testing.assert_allclose(on_hub, -forces, atol=1e-8 * V.max())
+    # the ground is not rigid, and tilts where it is pressed
+    assert (np.abs(H) <= mu * V + 1e-5 * V.max()).all()
+    assert V[1] > 1.5 * V[0] > 0.0
+    assert V[-1] == 0.0
+    stress = [np.abs(stage.states["bodies"].stress).max() for stage in result]
+    assert stress[-1] < 1e-9 * stress[1]
+    if mu == 0.0:
+        # the augmented method leaves errors of 1e-4
+        np.testing.assert_allclose(V[2:4], V[:2], rtol=1e-4)
+    else:
+        assert np.abs(H[4:6]).max() > 1e-3 * V[1]
