@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import bsr_matrix, csr_matrix, spmatrix
+from scipy.sparse import bsr_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 from typing_extensions import override
 
@@ -129,7 +129,7 @@ class Smoother:
 
     def _set(
         self,
-        multiplied: spmatrix,
+        multiplied: bsr_matrix | csr_matrix,
         inverse: ndarray,
         largest: ndarray | None,
     ) -> None:
