@@ -131,7 +131,7 @@ class Search:
     def overloaded(self) -> bool:
         """True if the fixed loads are proven to be too much at any multiplier from zero."""
         high = self.upper.proof.value
-        return self.live and (high < 0 or self.least > high)
+        return self.live and (high < 0 or self.least > high or self.least == np.inf)
 
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
@@ -275,7 +275,8 @@ class Search:
         :math:`f_0` that the multiplied ones :math:`f_1` oppose, as the thrust on a wall does,
         demands :math:`\theta \ge (f_0 v - D(v)) / (-f_1 v)`. Another one continues under any
         multiplied load: its multiplier has no optimum, and round-off decides where that iteration
-        ends.
+        ends. No multiplier holds the fixed loads either where those at the least one drive a
+        mechanism that collapses: every smaller multiplier is too small, every larger one too large.
         """
         program = self.upper.program
         if not self.live or np.isfinite(self.lower.proof.value) or not np.any(program.dead):
@@ -289,11 +290,19 @@ class Search:
         velocity = proof.field
         spent = dissipation(fixed, fixed.strains(velocity), 1.0).sum()
         left = float(program.dead @ velocity - spent)
-        opposed = -float(program.live @ velocity)
-        size = float(np.abs(program.live) @ np.abs(velocity))
-        if opposed <= _OPPOSED * size:
+        opposed = -_power(program.live, velocity)
+        if opposed <= 0.0:
             return proof.value, np.inf
-        return proof.value, left / opposed
+
+        # without an upper bound, try the loads at the multiplier that this mechanism demands
+        least = left / opposed
+        if np.isfinite(self.upper.proof.value):
+            return proof.value, least
+        held = replace(fixed, dead=program.dead + least * program.live)
+        other = self._refuted(held, False)[1]
+        if other.value < 1 and _power(program.live, other.field) >= 0.0:
+            return proof.value, np.inf
+        return proof.value, least
 
     def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Bound:
         """Record a bound on the present triangles."""
@@ -372,6 +381,14 @@ class Search:
                 at_soft = np.isin(owner, soft)
                 gap[owner[at_soft]] += values[at_soft]
         return gap
+
+
+def _power(loads: ndarray, velocity: ndarray) -> float:
+    """Return the power of loads, zero where it is round-off of its terms."""
+    power = float(loads @ velocity)
+    if abs(power) <= _OPPOSED * float(np.abs(loads) @ np.abs(velocity)):
+        return 0.0
+    return power
 
 
 def _refuse_highest(proof: Proof) -> None:
