@@ -326,6 +326,9 @@ class Program:
         self._gatherings = [Gathering(self.size) for _ in self.blocks]
         self._total = Total()
         self._engine = as_engine()
+        #: True until a matrix has no Cholesky factor: the later ones, nearer to the solution, have
+        #: none either, and every change of the kind of factor costs an analysis.
+        self._definite = self._engine.cholesky
 
     def of_fixed_loads(self) -> Program:
         """Return the program of the fixed loads alone, where all strength is reduced."""
@@ -360,11 +363,15 @@ class Program:
             return y
 
         # take Cholesky's factor, else raise the diagonal until another one exists
-        for shift, definite in ((_SHIFTS[0], True), *((shift, False) for shift in _SHIFTS)):
+        attempts = [(shift, False) for shift in _SHIFTS]
+        if self._definite:
+            attempts.insert(0, (_SHIFTS[0], True))
+        for shift, definite in attempts:
             A.setdiag(diagonal + shift * share)
             try:
                 inverse = self._engine.factor(A, symmetric=True, definite=definite)
             except RuntimeError:
+                self._definite = False
                 continue
             return solve
         raise ArithmeticError("the normal matrix is singular")

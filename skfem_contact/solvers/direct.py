@@ -101,6 +101,7 @@ class Engine(Protocol):
     """Interface of SuperLU and PARDISO: sparse factors without checks."""
 
     name: str
+    cholesky: bool  # whether a factor is another one where the matrix is said to be definite
 
     def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
         """Return the order of the dofs in the matrices to come."""

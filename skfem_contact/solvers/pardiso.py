@@ -60,6 +60,7 @@ class Pardiso:
     """
 
     name = "MKL PARDISO"
+    cholesky = True
 
     def __init__(self) -> None:
         self._library = _library()

@@ -32,6 +32,7 @@ class SuperLU:
     """Engine of scipy: :func:`~scipy.sparse.linalg.splu` of the transposed matrix, without copy."""
 
     name = "SuperLU with nested dissection"
+    cholesky = False
 
     def __init__(self) -> None:
         self._first_fill: int | None = None  # with the present order
