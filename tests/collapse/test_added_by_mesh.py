@@ -66,17 +66,19 @@ def test_power_of_stresses_that_vary_in_elements(power: int, share: float) -> No
 @pytest.mark.parametrize("varied", [ANY, np.full(4, np.inf)])
 def test_share_of_the_mesh_has_no_unit(varied) -> None:
     """[X] Powers in other units, and of a larger whole with the same parts, give the same share."""
-    share = added_by_mesh(lost(ANY, varied))
+    share = added_by_mesh(lost(ANY, varied), None)
     assert 0.0 < share < 0.1
     for unit in (1e-6, 1e6):
         strength = unit * lost(ANY, varied).strength
-        assert added_by_mesh(lost(unit * ANY, unit * varied, strength)) == pytest.approx(share)
+        assert added_by_mesh(lost(unit * ANY, unit * varied, strength), None) == pytest.approx(
+            share
+        )
     twice = Lost(*(np.tile(each, 2) for each in lost(ANY, varied)))
-    assert added_by_mesh(twice) == pytest.approx(share)
+    assert added_by_mesh(twice, None) == pytest.approx(share)
 
 
 @pytest.mark.parametrize("varied", [ANY, np.full(4, np.inf)])
 def test_stresses_that_lose_nothing_show_no_share_of_the_mesh(varied) -> None:
     """[X] Nothing is lost by the projection of the stresses, or less than nothing."""
     for added in (np.zeros(4), -ANY):
-        assert added_by_mesh(lost(added, varied)) == 0.0
+        assert added_by_mesh(lost(added, varied), None) == 0.0
