@@ -14,7 +14,7 @@ EXACT = {"rtol": 1e-12, "atol": 1e-12}
 
 def test_strengths_of_mohr_coulomb():
     """[X] c = 10, phi = 30: tension of 17.32; stresses -20, -35, -60 mobilise 20 of 8.66 + 20; s_u
-    at 40 is 28.66.
+    at 40 is 28.66, and none in tension.
     """
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0)
     stress = np.array([-20.0, -60.0, -35.0, 0.0])[:, None, None]
@@ -23,7 +23,9 @@ def test_strengths_of_mohr_coulomb():
     np.testing.assert_allclose(soil.tensile_strength, 10.0 * root, **EXACT)
     np.testing.assert_allclose([used.item(), there.item()], [20.0, 5.0 * root + 20.0], **EXACT)
     np.testing.assert_allclose(
-        soil.undrained_strength(np.full(1, 40.0), np.zeros((0, 1))), 5.0 * root + 20.0, **EXACT
+        soil.undrained_strength(np.array([40.0, -40.0]), np.zeros((0, 2))),
+        [5.0 * root + 20.0, 0.0],
+        **EXACT,
     )
     reduced = soil.reduced(2.0)
     np.testing.assert_allclose(

@@ -16,9 +16,16 @@ from tests.tools.scenes import layer_with_water, remarked
 
 @pytest.mark.parametrize("waters", [1, 2])
 @pytest.mark.parametrize(
-    ("part", "told"), [(5e-5, False), (5e-3, True), (0.55, True), (1.01, False)]
+    ("part", "told", "size"),
+    [
+        (5e-5, False, 0.2),
+        (5e-3, True, 10.0),
+        (5e-3, True, 0.2),
+        (0.55, True, 0.2),
+        (1.01, False, 0.2),
+    ],
 )
-def test_elements_beside_an_inner_drain(part, told, waters):
+def test_elements_beside_an_inner_drain(part, told, size, waters):
     """[X] 0 <= p <= q in a column; while h² / 3 c_v of the first element beside drained sand lasts,
     p exceeds q.
 
@@ -26,7 +33,8 @@ def test_elements_beside_an_inner_drain(part, told, waters):
     The sand may have a water of its own.
     """
     q, k = 100.0, 1e-6
-    mesh = MeshTri.init_tensor(np.array([0.0, 0.2]), np.linspace(-0.8, 2.0, 15)).with_defaults()
+    mesh = MeshTri.init_tensor(np.array([0.0, 1.0]), np.linspace(-4.0, 10.0, 15)).scaled(size)
+    mesh = mesh.with_defaults()
     mesh = mesh.with_subdomains({"clay": lambda x: x[1] > 0, "sand": lambda x: x[1] < 0})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
     forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=5e3, nu=0.0))}
@@ -38,7 +46,7 @@ def test_elements_beside_an_inner_drain(part, told, waters):
             basis.with_elements("sand"), 1e4 * k, unit_weight=10.0
         )
     model = sc.Model(forms, [sc.box_supports(basis, base="rollers"), drain.dofs("bottom")])
-    limit = 0.2**2 / 3 / (5e3 * k / 10.0)
+    limit = size**2 / 3 / (5e3 * k / 10.0)
     stage = sc.Stage("load", sc.traction(basis, "top", (0.0, -q)), duration=part * limit)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
