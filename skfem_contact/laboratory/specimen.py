@@ -169,7 +169,8 @@ def _newton(law: Material, state: _State, conditions: _Conditions, dt: float) ->
     elasticity = elasticity_at(law, state.stress, state.internal)
     scale = max_abs(elasticity)
     strain_rows = np.broadcast_to(E, (len(elasticity), *E.shape))  # (n_samples, n, ncomp)
-    largest_goal = np.abs(stresses).max(axis=0, initial=1e-300)
+    # A goal of zero is reached within the tolerance of the stress before.
+    known = np.abs(np.concatenate((stresses, state.stress))).max(axis=0, initial=1e-300)
     increment = np.zeros_like(state.strain)
     for count in range(_MOST):
         # Evaluate the conditions.
@@ -180,7 +181,7 @@ def _newton(law: Material, state: _State, conditions: _Conditions, dt: float) ->
         missing_strain = strains - E @ strain
 
         # Stop where each sample is in equilibrium.
-        largest = np.maximum(np.abs(stress).max(axis=0), largest_goal)
+        largest = np.maximum(np.abs(stress).max(axis=0), known)
         errors = np.concatenate((missing_stress / largest, missing_strain * scale / largest))
         error = np.abs(errors).max(axis=0)
         if not np.isfinite(error).all():
