@@ -665,11 +665,11 @@ def test_bounds_with_water_by_region(upper_soil):
         found = model.bounds(water=water, elements=1)
         return found.lower, found.upper
 
-    # each of two searches for a factor ends within 1e-4
+    # each of two searches for a factor ends within 3e-4 on its first mesh (_FIRST)
     dry, one = bracket(None), bracket(1.5)
-    np.testing.assert_allclose(bracket({"low": 1.5, "high": 1.5}), one, rtol=2e-4)
+    np.testing.assert_allclose(bracket({"low": 1.5, "high": 1.5}), one, rtol=6e-4)
     apart = bracket({"low": 3.0, "high": 1.5})
-    np.testing.assert_allclose(apart, one if upper_soil == "sand" else dry, rtol=2e-4)
+    np.testing.assert_allclose(apart, one if upper_soil == "sand" else dry, rtol=6e-4)
     if upper_soil == "sand":
         wetter = bracket({"low": 1.5, "high": 1.9})
         assert wetter[0] < 0.999 * one[0] and wetter[1] < 0.999 * one[1]
