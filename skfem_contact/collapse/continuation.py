@@ -539,7 +539,7 @@ class _Curve(Problem):
 
         It does no work where the work is the prescribed one. A step far beyond the displacements
         since the last point follows a mechanism, on which line searches creep: tests reach
-        equilibrium with steps of up to 7 times these displacements, and none with 800 times.
+        equilibrium with steps of up to 8 times these displacements, and none with 800 times.
         """
         system = self._system
         solve = system.factor(system.tangent(now, damped))
