@@ -524,7 +524,6 @@ class _Curve(Problem):
         self._branch = branch
         self._control = control
         self._last = last
-        self._states = last.states
         self._system = branch.at(last.parameter)[0]
         self._target = self._system.work(control, first.x) + work
 
@@ -532,7 +531,7 @@ class _Curve(Problem):
         if not z[-1] > self._branch.lowest:
             return Evaluation(z, {}, np.zeros_like(self._control), np.inf)
         system, load = self._branch.at(float(z[-1]))
-        return replace(system.evaluate(z[:-1], self._states, load), z=z)
+        return replace(system.evaluate(z[:-1], self._last.states, load), z=z)
 
     def direction(self, now: Evaluation, damped: bool) -> ndarray:
         """Solve for the Newton step of residual and work, by two solutions with one factor.
@@ -544,7 +543,7 @@ class _Curve(Problem):
         system = self._system
         solve = system.factor(system.tangent(now, damped))
         balance = solve(now.residual)
-        drift = solve(self._branch.slope(now, self._states))
+        drift = solve(self._branch.slope(now, self._last.states))
         lag = self._target - system.work(self._control, now.z[:-1] + balance)
         slope = system.work(self._control, drift)
         if slope == 0.0:

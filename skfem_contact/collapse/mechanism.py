@@ -211,13 +211,14 @@ def warn_of_locking(
         # Compare the rest with the largest shear stresses.
         largest, _, smallest = principal_stresses(stress)
         shear = 0.5 * (slip * (largest - smallest)).sum()
-        if (slip * np.abs(swing)).sum() > _SWING * shear > 0.0:
+        times = float(quotient((slip * np.abs(swing)).sum(), shear))
+        if times > _SWING:
             warn(
                 f"{name}: soil flows without change of volume in "
                 f"{type(form.basis.elem.elem).__name__} of {at.shape[1]} points, which lock: mean "
-                f"stresses swing within elements by {(slip * np.abs(swing)).sum() / shear:.2g} "
-                "times the shear strength, and the result may be higher than its estimated error "
-                "says: take ElementTriP2 or ElementQuadS2 with intorder=2"
+                f"stresses swing within elements by {times:.2g} times the shear strength, and the "
+                "result may be higher than its estimated error says: take ElementTriP2 or "
+                "ElementQuadS2 with intorder=2"
             )
 
 
