@@ -131,7 +131,7 @@ class OnEdges:
         alpha = np.zeros((len(row), n_nodes), complex)
         alpha[:, :slave] = self.values[row]
         alpha[:, own] = -M[0]
-        beta = np.zeros((*M[1].shape[:2], n_nodes), complex)  # (n, dim - 1, nodes)
+        beta = np.zeros((*a.shape[:2], n_nodes), complex)  # (n, dim - 1, nodes)
         beta[:, :, own] = M[1]
 
         # Motion relative to the turning frame: e . (dr - drho - g Omega n)
