@@ -260,18 +260,28 @@ def test_ground_around_a_shaft_is_in_series_with_the_skin(radius, circle):
     """[X] A pile that moves through ground at rest: springs ln(R / r) / (2 pi G) along the shaft,
     (3 - 4 nu) / (4 - 4 nu) of it across, and (1 - nu) / (4 G) (1 / r - 1 / R) at the foot.
 
-    R is half an element, or the shaft. A mesh that ends at a plane of symmetry has half of it.
+    R is half an element, or the shaft. A mesh that ends at a plane of symmetry has half of it; at
+    the edge of a pit the shaft has half of it, and the foot below the pit the whole.
     """
     E, nu, k = 2.6e3, 0.3, 4e3
     G = E / (2.0 * (1.0 + nu))
     around = np.log(circle / radius) / (2.0 * np.pi * G)
     below = (1.0 - nu) / (4.0 * G) * (1.0 / radius - 1.0 / circle)
     foot_length = 1.5
-    for part in (1.0, 0.5):
-        x = np.arange(-3.0 if part == 1.0 else 0.0, 3.5)
-        mesh = MeshHex.init_tensor(x, np.arange(-3.0, 3.5), np.arange(-5.0, 0.5))
+    y = np.arange(-3.0, 3.5)
+    z = np.arange(-5.0, 0.5)
+    whole = MeshHex.init_tensor(y, y, z)
+    half = MeshHex.init_tensor(np.arange(0.0, 3.5), y, z)
+    pit = whole.elements_satisfying(lambda x: (x[0] < 0.0) & (x[2] > -4.0))
+    beside_pit = whole.remove_elements(pit)
+    for mesh, start, part, part_of_foot in (
+        (whole, 0.0, 1.0, 1.0),
+        (half, 0.0, 0.5, 0.5),
+        (beside_pit, -0.1, 0.5, 1.0),
+    ):
         basis = vector_basis(mesh, "Q1", intorder=2)
-        beam = sc.Beam(None, [(0, 0, 0), (0, 0, -2.5), (0, 0, -2.5 - foot_length)], EI=1e6, EA=1e6)
+        depths = start - np.array([0.0, 2.5, 2.5 + foot_length])
+        beam = sc.Beam(None, [(0, 0, depth) for depth in depths], EI=1e6, EA=1e6)
         skin = sc.Embedded(basis, beam, T_max=1e6, F_max=1e6, stiffness=k, radius=radius)
         soil = sc.SolidForm(basis, sc.LinearElastic(E, nu))
         model = sc.Model({"soil": soil, "pile": beam, "skin": skin}, np.arange(basis.N))
@@ -282,7 +292,7 @@ def test_ground_around_a_shaft_is_in_series_with_the_skin(radius, circle):
             x[form["pile"].numbers(point)[:3]] = 0.02, 0.0, -0.03
         found = form["skin"].assemble(x, form["skin"].initial_state())
         np.testing.assert_allclose(found.state.skin, -part * 0.03 / (1.0 / k + around), rtol=1e-9)
-        at_foot = -part * 0.03 / (1.0 / (k * foot_length) + below)
+        at_foot = -part_of_foot * 0.03 / (1.0 / (k * foot_length) + below)
         assert found.state.foot[0] == pytest.approx(at_foot, rel=1e-9)
         across = form["skin"]._lateral(x, found.state)
         softer = (3.0 - 4.0 * nu) / (4.0 - 4.0 * nu) * around
