@@ -22,8 +22,8 @@ from .result import ElementTest
 _TOLERANCE = 1e-10
 #: Newton iterations: 3 to 6 are needed, 12 where an increment crosses an edge of the yield surface.
 _MOST = 25
-#: An increment is halved this often: 1e-6 of it remains.
-_HALVINGS = 20
+#: An increment is halved this often: a thousandth of it remains.
+_HALVINGS = 10
 #: Change of the initial stress without strain, as a share, that shows a stress outside the yield
 #: surface.
 _DRIFT = 1e-8

@@ -227,7 +227,7 @@ def test_many_steps(case):
         # a block that swings on a plane without leaving it
         model, basis, _ = block(mu=0.6)
         push = np.asarray(sc.traction(basis, "top", (0.0, -1.0)))
-        n = 300
+        n = 150
         settings = sc.Dynamic(1e-3, rho_inf=1.0)
     found, memory = grown(model, push, settings, n)
     energy = found.energy

@@ -79,8 +79,8 @@ def test_sketches_come_back(tmp_path, seed):
 
 
 @pytest.mark.slow
-def test_two_hundred_sketches_come_back(tmp_path):
-    """[X] The same for 200 sketches."""
-    for seed in range(200):
+def test_many_sketches_come_back(tmp_path):
+    """[X] The same for 60 sketches."""
+    for seed in range(60):
         mesh = sketch(seed).mesh(order=1 + seed // 3 % 2)
         assert max(returned(mesh, tmp_path).values()) < 1e-9, seed

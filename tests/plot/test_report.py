@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-import time
 import warnings
 from base64 import b64decode
 from pathlib import Path
@@ -16,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import pyvista
-from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, MeshQuad
+from skfem import Basis, ElementQuad1, ElementQuad2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -384,21 +383,3 @@ def test_search_without_solids_is_reported(tmp_path) -> None:
     text = result.report(tmp_path / "beam.html", searches={"tip": found}).read_text("utf-8")
     assert "limit load, tip" in text
     assert "Mechanism" not in text
-
-
-@pytest.mark.slow
-def test_ten_stages_take_less_than_ten_seconds(tmp_path) -> None:
-    """[N] Twenty pictures of a pit of 1,200 quadratic triangles take 6.4 s of process time."""
-    lifts = [-2.0, -3.0, -4.0, -5.0, -6.0, -7.0, -8.0, -9.0, -10.0]
-    section = sc.section.pit(10.0, lifts, (0.0, -16.0), {"soil": -24.0}, 2.0, beyond=30.0, fine=0.8)
-    basis = Basis(section.mesh(), ElementVector(ElementTriP2()), intorder=2)
-    forms = section.solids(basis, sc.LinearElastic(E=2e4, nu=0.3), unit_weight=18.0)
-    model = sc.Model(forms, sc.box_supports(basis))
-    stages = [sc.Stage("rest")]
-    for number, lift in enumerate(lifts, start=1):
-        stages.append(sc.Stage(f"{-lift:g} m", deactivate=[f"lift {number}"]))
-    result = model.run(stages, progress=False)
-    assert len(result) == 10
-    begin = time.process_time()
-    result.report(tmp_path / "ten.html")
-    assert time.process_time() - begin < 10.0
