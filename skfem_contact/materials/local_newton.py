@@ -21,7 +21,10 @@ def take(data: Data, points: NDArray[np.intp] | slice) -> Data:
     """Return the data of some points: arrays (..., n), or tuples of them; numbers stay."""
     result: Any = data
     if isinstance(data, np.ndarray):
-        result = data[..., points]
+        if isinstance(points, slice):
+            result = data[..., points]
+        else:
+            result = data.take(points, axis=-1)
     elif isinstance(data, tuple):
         values = [take(value, points) for value in data]
         if type(data) is tuple:
