@@ -186,6 +186,8 @@ def changed_moduli(
     if material.stress_dependent:
         # all points: elastic moduli of their stress, and tangents where they are plastic
         points = np.arange(n_elements * n_points)
+        if len(plastic) == len(points) and not damping:  # no elastic moduli are needed
+            return plastic, update.tangent()
         elasticity = material.elasticity(ncomp, stress, internal)
         moduli = elasticity.reshape(len(points), ncomp, ncomp).copy()
         if len(plastic):

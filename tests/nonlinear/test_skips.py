@@ -152,6 +152,41 @@ def test_only_elements_that_yield_are_assembled(monkeypatch: pytest.MonkeyPatch)
     assert_same(part, analysed(*pressed(Everywhere(E=1e4, nu=0.3, c=10.0, phi=25.0, psi=5.0))))
 
 
+def test_elastic_moduli_are_computed_only_where_a_law_gives_no_tangent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """[N] A law that gives tangents at all points is asked for no elastic moduli of its stress, and
+    the stiffness is the slope of the force; where it gives them at half of the points, it is asked.
+    """
+    basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1, 2]), "Q1")
+    form = sc.SolidForm(basis, sc.HardeningSoil(2e4, 2e4, 6e4, 0.5, c=5.0, phi=30.0))
+    stress = np.zeros((4, *form.weight.shape))
+    stress[:3] = -100.0
+    state = form.initial_state(stress=stress)
+    moved = np.zeros(basis.N)
+    moved[basis.nodal_dofs] = [[2e-4], [-1e-3]] * basis.mesh.p
+    assert form.elastic_stiffness.nnz  # of no stress, once a body
+    calls = counted(monkeypatch, sc.HardeningSoil, "elasticity")
+    stiffness = form.assemble(moved, state).stiffness
+    assert not calls
+    change = 1e-4 * moved
+    rise = form.assemble(moved + change, state).force - form.assemble(moved - change, state).force
+    # central differences of a share of 1e-4: their error is the square of it, and round-off
+    np.testing.assert_allclose(2.0 * stiffness @ change, rise, atol=1e-6 * np.abs(rise).max())
+
+    # give tangents at half of the points
+    update = sc.HardeningSoil.update
+
+    def halved(self, strain_increment, stress, internal):
+        answer = update(self, strain_increment, stress, internal)
+        half = answer.plastic[::2]
+        return answer._replace(plastic=half, tangent=lambda: answer.tangent()[half])
+
+    monkeypatch.setattr(sc.HardeningSoil, "update", halved)
+    assert form.assemble(moved, state).stiffness.nnz
+    assert calls
+
+
 @pytest.mark.parametrize("enforcement", [None, sc.DualMultipliers()])
 def test_factors_are_kept_while_only_the_interface_changes(
     monkeypatch: pytest.MonkeyPatch, enforcement
