@@ -1,4 +1,4 @@
-"""Factors of the steps of interior points."""
+"""Ends of the interior points of bounds, and factors of their steps."""
 
 from __future__ import annotations
 
@@ -7,8 +7,28 @@ from collections import Counter
 import pytest
 from bound_cases import CASES
 
+from skfem_contact.limit_analysis import interior_point
 from skfem_contact.solvers.superlu import SuperLU
 from tests.tools.helpers import bounds_of
+
+
+def test_iterations_end_where_residuals_do_not_move_the_gap(monkeypatch) -> None:
+    """[N] A slope's bounds are those of ten times the accuracy, within it, after fewer
+    iterations.
+    """
+    given = CASES["ACADS 1(a)"][0] | {"gap": 0.16, "elements": 140, "progress": False}
+    found = bounds_of(**given)
+    solve = interior_point.solve
+    monkeypatch.setattr(
+        "skfem_contact.limit_analysis.search.solve",
+        lambda program, goal, accuracy, start=None: solve(program, goal, accuracy / 10, start),
+    )
+    closer = bounds_of(**given)
+    last = found.history[-1]
+    assert last.kind == "lower"
+    # the solver's gap is a hundredth; 10 iterations, 20 with residuals of 1e-5
+    assert last.value == pytest.approx(closer.history[-1].value, rel=0.01)
+    assert last.iterations <= 14
 
 
 @pytest.mark.parametrize("cholesky", [True, False])
