@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -36,6 +36,9 @@ _NO_STRESS = 1e-12
 _ROUND_OFF = 1e-12
 #: Accuracy of the factor at which dissipation and power are equal.
 _ROOT = 1e-13
+#: Earlier stresses that are balanced where the last ones prove nothing, at most: at joints without
+#: adhesion, to 1e-4 of the limit load, the one before the last proves all but 3e-5 of it.
+_EARLIER = 4
 #: Shares of an inner velocity that are mixed in where a velocity leaves the flow rule.
 _MIXED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 
@@ -53,8 +56,21 @@ class Proof:
 def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     """Prove a lower bound: the largest factor that stresses in equilibrium admit.
 
-    With a multiplied load the bound is a multiplier.
+    With a multiplied load the bound is a multiplier. Where the last stresses leave the strength as
+    they are balanced, earlier ones follow, which are farther inside.
     """
+    proof = _admissible(program, found, live)
+    for inner in reversed(found.inner[-_EARLIER:]):
+        proven = np.isfinite(proof.value) and proof.value != 0.0
+        if proven or proof.residual > UNBALANCED:
+            break
+        earlier = replace(found, theta=inner.theta, stress=inner.stress)
+        proof = _admissible(program, earlier, live)
+    return proof
+
+
+def _admissible(program: Program, found: Solution, live: bool) -> Proof:
+    """Return the bound by stresses: balanced, and scaled until they are admissible."""
     # Balance the stresses; a plainer balance follows where round-off leaves a residual.
     theta = 1.0
     if live:
@@ -131,7 +147,7 @@ def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
     """Prove an upper bound: the factor or multiplier that the power of a flow refutes."""
     inner = found.velocity
     if found.inner:
-        inner = found.inner[len(found.inner) // 2]
+        inner = found.inner[len(found.inner) // 2].velocity
     last, inner = _shaped(program, found, [-found.velocity, -inner])
     best = Proof(np.inf, last, np.inf)
     for share in _MIXED:

@@ -85,6 +85,14 @@ class Iterate(NamedTuple):
     z: ndarray  # its multipliers, within the cones, (n_cones, 3)
 
 
+class Inner(NamedTuple):
+    """Earlier iterate, farther inside of the strength and of the flow rule."""
+
+    theta: float  # objective
+    stress: ndarray  # (n_points, 3)
+    velocity: ndarray  # (m,)
+
+
 @dataclass(frozen=True)
 class Solution:
     """Last iterate."""
@@ -94,7 +102,7 @@ class Solution:
     stress: ndarray  # (n_points, 3)
     velocity: ndarray  # (m,)
     metric: ndarray  # inverse Hessian at the points, (n_points, 3, 3): compliance of the stresses
-    inner: list[ndarray]  # velocities of earlier iterates, farther inside of the flow rule
+    inner: list[Inner]  # earlier iterates
     iterations: int  # number of systems that were factored
     early: Iterate | None = None  # from which the next mesh may begin
 
@@ -163,7 +171,7 @@ class _Path:
         self.s[:, 0] = self.h + least + carried
         self.z[:, 0] = 1.0 / len(self.cones.at) / (self.h + least)
         self.metric = np.zeros((n, 3, 3))
-        self.inner: list[ndarray] = []
+        self.inner: list[Inner] = []
         self.iterations = 0
         self._stalled = 0
         self._best = np.inf
@@ -290,7 +298,7 @@ class _Path:
             self._stalled += 1
         self._best = min(self._best, self.remaining)
         if self.gap < size:
-            self.inner.append(self.y)
+            self.inner.append(Inner(self.theta, self.sigma, self.y))
         self._keep_early()
         return self._stalled > _STALLED
 

@@ -14,6 +14,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.limit_analysis import search
 from skfem_contact.limit_analysis.reading import _strong
 from skfem_contact.limit_analysis.strength import Strength
 from skfem_contact.solvers.superlu import SuperLU
@@ -128,10 +129,8 @@ def test_a_foot_beside_a_support() -> None:
         )
 
 
-def test_joints_that_open_as_they_slip() -> None:
-    """A plug jams between rough walls if joints open by mu times their slip, and falls at .300 in
-    contact: a remark.
-    """
+def plug_between_walls() -> sc.Model:
+    """Plug of clay on a soft pad, between rough walls whose joints have no adhesion."""
     up = np.append([-0.5, -0.25], np.linspace(0, 1, 5))
     sides = {
         "left": lambda x: (x[0] < 1e-9) & (x[1] > 0),
@@ -156,16 +155,26 @@ def test_joints_that_open_as_they_slip() -> None:
             "nodal",
             penalty=(1e6, 1e6),
         )
-    model = sc.Model(
+    return sc.Model(
         forms, [basis.get_dofs(name).all() for name in ("west:left", "east:right", "block:bottom")]
     )
-    found = model.bounds(
-        tractions={"block:top": (0.0, -1.0)},
-        live="block:top",
-        gap=0.1,
-        elements=150,
-        progress=False,
-    )
+
+
+PRESSED = {
+    "tractions": {"block:top": (0.0, -1.0)},
+    "live": "block:top",
+    "gap": 0.1,
+    "elements": 150,
+    "progress": False,
+}
+
+
+def test_joints_that_open_as_they_slip() -> None:
+    """A plug jams between rough walls if joints open by mu times their slip, and falls at .300 in
+    contact: a remark.
+    """
+    model = plug_between_walls()
+    found = model.bounds(**PRESSED)
     limit = model.limit_load(model.traction("block:top", (0.0, -1.0)), step=0.2, progress=False)
     assert limit.multiplier == pytest.approx(0.300, abs=0.002) and found.lower > 10.0
     # without friction the pad alone carries: its lower bound on this mesh is a third of its limit
@@ -173,6 +182,19 @@ def test_joints_that_open_as_they_slip() -> None:
     assert any(
         "joints left, right open by mu times their slip" in remark for remark in found.remarks
     )
+
+
+def test_earlier_stresses_prove_a_bound_where_the_last_ones_leave_the_strength(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """[B] At joints without adhesion the last of more iterations cannot be balanced within the
+    strength: the bound is nearly the solver's objective.
+    """
+    monkeypatch.setattr(search, "_FIRST", 1e-4)
+    first = plug_between_walls().bounds(**PRESSED).history[0]
+    assert first.kind == "lower"
+    # the objective lies within the accuracy, 1e-4
+    assert first.value == pytest.approx(first.solver, rel=1e-4)
 
 
 def test_joints_without_adhesion_have_no_safe_bound():
