@@ -26,9 +26,9 @@ def test_iterations_end_where_residuals_do_not_move_the_gap(monkeypatch) -> None
     closer = bounds_of(**given)
     last = found.history[-1]
     assert last.kind == "lower"
-    # the solver's gap is a hundredth; 10 iterations, 20 with residuals of 1e-5
+    # the solver's gap is a hundredth; 10 iterations, 15 to 18 with residuals of 1e-5
     assert last.value == pytest.approx(closer.history[-1].value, rel=0.01)
-    assert last.iterations <= 14
+    assert last.iterations <= 12
 
 
 @pytest.mark.parametrize("cholesky", [True, False])
