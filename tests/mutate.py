@@ -581,32 +581,33 @@ class Records:
 
     def record(self, mutation: Mutation, files: list[str], marked: str) -> None:
         """Run test files that have not been run yet."""
-        with self.busy:
-            missing = [file for file in files if not self.has(mutation, file, marked)]
-            if not missing:
-                return
-            for place in (self.place(file, marked) for file in missing):
-                place.unlink(missing_ok=True)
-            print(f"without a mutation: {' '.join(missing)}, {marked}", flush=True)
-            options = ("-p", "tests.tools.reached", f"--reached={self.folder}", "-m", marked)
-            status, output = self.copy.run(missing, *options, seconds=forked.LONGEST)
-            if status not in (0, 1, 5):
-                raise RuntimeError(f"pytest ends with status {status}: {output[-2000:]}")
-            for file in missing:
-                found = {"times": {}, "reached": {}, "failed": []}  # no test is marked so
-                if self.place(file, marked).exists():
-                    found = self.read(file, marked)
-                found["sources"] = self.sources
-                self.place(file, marked).write_text(json.dumps(found), encoding="utf-8")
+        missing = [file for file in files if not self.has(mutation, file, marked)]
+        if not missing:
+            return
+        for place in (self.place(file, marked) for file in missing):
+            place.unlink(missing_ok=True)
+        print(f"without a mutation: {' '.join(missing)}, {marked}", flush=True)
+        options = ("-p", "tests.tools.reached", f"--reached={self.folder}", "-m", marked)
+        status, output = self.copy.run(missing, *options, seconds=forked.LONGEST)
+        if status not in (0, 1, 5):
+            raise RuntimeError(f"pytest ends with status {status}: {output[-2000:]}")
+        for file in missing:
+            found = {"times": {}, "reached": {}, "failed": []}  # no test is marked so
+            if self.place(file, marked).exists():
+                found = self.read(file, marked)
+            found["sources"] = self.sources
+            self.place(file, marked).write_text(json.dumps(found), encoding="utf-8")
 
     def of(self, mutation: Mutation, files: list[str], marked: str) -> Tests:
         """Return the tests that reach a mutation; all tests of the files if it runs on import."""
-        self.record(mutation, files, marked)
+        # a job may record files anew that another one is about to read
+        with self.busy:
+            self.record(mutation, files, marked)
+            records = {file: self.read(file, marked) for file in files}
         source = (self.root / "skfem_contact" / mutation.file).read_text(encoding="utf-8")
         line = reached.segment_of(source, mutation.line)
         times: dict[str, float] = {}
-        for file in files:
-            found = self.read(file, marked)
+        for found in records.values():
             names = list(found["times"])
             indices = found["reached"].get(f"{mutation.file}:{line}", [])
             chosen = names if line is None else [names[k] for k in indices]
