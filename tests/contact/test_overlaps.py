@@ -81,9 +81,9 @@ def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -
         assert "do not match overlap" not in remarks
 
 
-def fitted_along(overlap, nodes: tuple[int, int], initial: str) -> str:
+def fitted_along(overlap, nodes: tuple[int, int], initial: str, aside: float = 0.0) -> str:
     """Warnings of two blocks whose upper one lies inside the lower one by a function of x."""
-    low = MeshQuad.init_tensor(np.linspace(0, 1, nodes[0] + 1), np.linspace(0, 1, 4))
+    low = MeshQuad.init_tensor(np.linspace(0, 1, nodes[0] + 1) + aside, np.linspace(0, 1, 4))
     up = MeshQuad.init_tensor(np.linspace(0, 1, nodes[1] + 1), np.linspace(1, 2, 4))
     x, y = up.p
     up = replace(up, doflocs=np.stack((x, y - overlap(x) * (2.0 - y))))
@@ -122,10 +122,12 @@ def test_overlaps_like_a_wedge_are_no_ripple(initial: str, nodes: tuple[int, int
     ],
 )
 def test_facets_that_match_are_not_called_others(overlap) -> None:
-    """[X] Round overlaps of facets with the same nodes, and of facets with others."""
+    """[X] Round overlaps of facets with the same nodes, with others, or half a facet aside."""
     matching = fitted_along(overlap, (8, 8), "as meshed")
     assert "overlap by up to" in matching and "match" not in matching
-    assert "do not match overlap by up to" in fitted_along(overlap, (4, 5), "as meshed")
+    others = [fitted_along(overlap, (4, 5), "as meshed")]
+    others.append(fitted_along(overlap, (8, 8), "as meshed", aside=1 / 16))  # half of a facet
+    assert all("do not match overlap by up to" in told for told in others)
 
 
 def test_a_pressure_at_the_start_is_no_overlap() -> None:
