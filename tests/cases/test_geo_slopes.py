@@ -64,7 +64,6 @@ def test_slopes_of_griffiths_and_lane(depth, beyond, low, high):
     ("ratio", "low", "centre", "radius"),
     [
         (0.5, 0.844, (-10.0, 20.0), 30.0),
-        (1.0, 1.443, (-10.0, 20.0), 30.0),
         (2.0, 2.006, (-9.5, 21.5), 21.5),
     ],
 )
@@ -74,8 +73,8 @@ def test_clay_on_a_foundation_of_other_strength(ratio, low, centre, radius):
     mechanism leaves the base.
 
     From below limit analysis with linear stresses, from above circles that touch the base or the
-    foundation. [P] Griffiths and Lane have 1.45 and, ratio 2, 2.03; others 2.06 there and, ratio
-    0.5, 0.82 to 0.84, below the bound.
+    foundation. [P] Griffiths and Lane have 2.03 with ratio 2; others 2.06 there and, ratio 0.5,
+    0.82 to 0.84, below the bound.
     """
     layers = {
         "upper": sc.Tresca(E=1e5, nu=0.49, c=50.0),
@@ -94,10 +93,8 @@ def test_clay_on_a_foundation_of_other_strength(ratio, low, centre, radius):
     ("beta", "phi", "c", "depth", "bound"),
     [
         (45.0, 20.0, 12.38, 0.0, 1.0002),
-        (45.0, 30.0, 10.0, 0.0, 1.2032),
         (60.0, 30.0, 20.0, 0.0, 1.2567),
         (30.0, 15.0, 12.5, 5.0, 1.1358),
-        (33.69, 20.0, 10.0, 5.0, 1.1426),
     ],
 )
 @pytest.mark.filterwarnings("ignore:the structure is unstable")

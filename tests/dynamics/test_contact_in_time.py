@@ -61,7 +61,7 @@ def test_impact_of_two_bars(enforcement):
         force = -stage.contact("pair").force[0]
         rows.append((stage.time, abs(force)))
 
-    stage = sc.Stage("fly", duration=0.3, dynamic=sc.Dynamic(h / c, velocity=v))
+    stage = sc.Stage("fly", duration=0.24, dynamic=sc.Dynamic(h / c, velocity=v))
     found = model.run([stage], on_increment=watch, **QUIET)["fly"]
     time, force = np.array(rows).T
     exact = 0.5 * c * v0 * h
@@ -136,11 +136,11 @@ def slid(acceleration, step, slope, mu):
 )
 def test_block_on_a_plane_that_shakes(enforcement):
     """[N] Newmark's block: the displacement is that of a rigid block within 0.5 %."""
-    slope, mu, step = np.radians(10.0), 0.4, 0.0025
-    time = np.arange(0.0, 0.8 + step / 2, step)
+    slope, mu, step = np.radians(10.0), 0.4, 0.004
+    time = np.arange(0.0, 0.64 + step / 2, step)
     shaking = 5.0 * np.sin(4.0 * np.pi * time) * (time <= 0.5)
     exact = slid(shaking, step, slope, mu)
-    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 0.5, 3)).with_defaults()
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 0.5, 2)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     soil = sc.LinearElastic(E=2e6, nu=0.2)
     solid = sc.SolidForm(basis, soil, unit_weight=2.0 * 9.81)
@@ -222,8 +222,8 @@ def test_rocking_block():
 @pytest.mark.slow
 def test_retaining_wall_that_shakes():
     """[N] A wall under earth pressure slides like a rigid body: within 5 %."""
-    b, h, g, mu, push, step = 2.0, 4.0, 9.81, 0.4, 0.15, 2e-3
-    time = step * np.arange(476)
+    b, h, g, mu, push, step = 2.0, 4.0, 9.81, 0.4, 0.15, 4e-3
+    time = step * np.arange(239)
     rise = np.sin(np.pi * np.minimum(time, 1.0))
     record = sc.Record(step, -0.6 * g * np.sin(4.0 * np.pi * time) * rise)
 
@@ -262,7 +262,7 @@ def test_retaining_wall_that_shakes():
     found = model.run([sc.Stage("rest", thrust, increments=2), shake], **QUIET)["shake"]
     ends = [found.history(x).values for x in ((-b / 2, 0.0), (b / 2, 0.0))]
     slip = np.mean([values[-1, 0] - values[0, 0] for values in ends])
-    # 2.9 %; with a tenth of the stiffness 4.7 %
+    # 4.4 %, with half of the step 2.9 %: the wall and its base give way
     assert slip == pytest.approx(exact, rel=0.05)
     assert exact > 0.05
     # its heel lifts hardly more than the compression of its base

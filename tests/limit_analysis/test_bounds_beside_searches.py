@@ -172,7 +172,9 @@ def test_water_of_the_search() -> None:
     named = model.bounds(
         weight=20.0, water=table, submerged=("top", "right"), progress=False, **given
     )
-    found = model.strength_reduction(load, water=level, certify=given, progress=False).proven
+    found = model.strength_reduction(
+        load, water=level, tolerance=0.05, certify=given, progress=False
+    ).proven
     assert (found.lower, found.upper) == pytest.approx((named.lower, named.upper), rel=1e-6)
     wet = model.run([sc.Stage("wet", load, water=level)], progress=False)
     assert (
@@ -227,9 +229,10 @@ def test_the_same_bounds_with_contact() -> None:
     forms = {name: sc.SolidForm(basis.with_elements(name), SOIL) for name in ("lower", "upper")}
     forms["joint"] = sc.ContactPair(basis, "upper|lower", "lower|upper", sc.Coulomb(mu=0.3))
     fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-    load = sc.traction(basis, "top", (0.0, -15.0))
-    found = quiet(analysis, "strength_reduction", forms, fixed, load, certify={"elements": 100})
-    named = quiet(analysis, "bounds", forms, fixed, tractions={"top": (0.0, -15.0)}, elements=100)
+    load = sc.weight(basis, 20.0)
+    given = {"elements": 100}
+    found = quiet(analysis, "strength_reduction", forms, fixed, load, tolerance=0.05, certify=given)
+    named = quiet(analysis, "bounds", forms, fixed, weight=20.0, **given)
     assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
     assert found.proven.upper == pytest.approx(named.upper, rel=1e-6)
 
@@ -297,11 +300,11 @@ def test_less_dilation() -> None:
     stays.
     """
     forms, fixed, basis = column(psi=0.0)
-    load = sc.traction(basis, "top", (0.0, -20.0))
+    load = sc.weight(basis, 20.0)
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "the factor of safety .* lies", sc.AnalysisWarning)
         found = sc.Model(forms, fixed).strength_reduction(
-            load, certify={"elements": 100}, progress=False
+            load, tolerance=0.05, certify={"elements": 100}, progress=False
         )
     assert found.proven.estimate and found.factor < found.proven.upper + 0.01
     associated = quiet(
@@ -311,7 +314,8 @@ def test_less_dilation() -> None:
         fixed,
         load,
         flow="associated",
-        certify={"elements": 100},
+        tolerance=0.05,
+        certify={"elements": 1},
     )
     assert not associated.proven.estimate
 
@@ -329,15 +333,16 @@ def test_bounds_at_hand(monkeypatch) -> None:
     assert found.proven.lower - 0.01 < found.factor < found.proven.upper + 0.01
     assert found.bracket[1] <= max(found.proven.upper, found.factor)
     assert "bounds: factor of safety in" in str(found)
-    assert model.strength_reduction(load, certify=False, progress=False).proven is None
+    coarse = {"tolerance": 0.05, "progress": False}
+    assert model.strength_reduction(load, certify=False, **coarse).proven is None
     pushed = load.copy()
     pushed[sc.dofs_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
-    alone = model.strength_reduction(pushed, progress=False)
+    alone = model.strength_reduction(pushed, **coarse)
     assert alone.proven is None
     assert "no bounds: bounds need distributed loads" in str(alone)
     for name, value in (("_CHEAP", np.inf), ("_FEW", 0)):
         monkeypatch.setattr(sys.modules["skfem_contact.limit_analysis.bounds"], name, value)
-    dear = model.strength_reduction(load, progress=False)
+    dear = model.strength_reduction(load, **coarse)
     assert dear.proven is None
     assert "no bounds: they would take longer than the search" in str(dear)
 
@@ -489,7 +494,7 @@ def test_factors_of_rigid_footings_are_told(n) -> None:
     an edge.
     """
     model, load = strip_footing(sc.Tresca(E=1e4, nu=0.3, c=1.0), n)
-    found = model.strength_reduction(4.0 * load, certify=False, progress=False)
+    found = model.strength_reduction(4.0 * load, tolerance=0.02, certify=False, progress=False)
     added = found.factor / (0.25 * (2 + np.pi)) - 1.0
     assert 0.06 < added < 0.15 and 0.5 * added < found.added < 2.0 * added
 
@@ -546,7 +551,7 @@ def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
     sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0, psi=30.0)
     model = sc.Model({"sand": sc.SolidForm(basis, sand)}, sc.box_supports(basis))
     load = model.traction("strip", (0.0, -92.0)) + model.traction("rest", (0.0, -10.0))
-    found = model.strength_reduction(load, certify=False, progress=False)
+    found = model.strength_reduction(load, tolerance=0.02, certify=False, progress=False)
     added = found.factor * brentq(lambda t: bearing(t) - 9.2, 0.1, 0.6) / np.tan(np.pi / 6) - 1.0
     assert 0.03 < added < 0.1 and 0.5 * added < found.added < 2.0 * added
 
@@ -557,7 +562,6 @@ def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
         (20.0, 1, (6, 3), 14.835, 2.839),
         pytest.param(20.0, 2, (6, 3), 14.835, 2.839, marks=pytest.mark.slow),
         (30.0, 1, (8, 4), 30.14, 14.75),
-        pytest.param(30.0, 2, (6, 3), 30.14, 14.75, marks=pytest.mark.slow),
         pytest.param(35.0, 1, (10, 5), 46.12, 34.48, marks=pytest.mark.slow),
     ],
 )
