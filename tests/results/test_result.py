@@ -227,7 +227,7 @@ def test_partial_result_can_be_saved(tmp_path):
     with pytest.raises(sc.NotConverged) as error:
         newton = sc.Newton(max_iterations=6)
         sc.Model(forms, fixed, newton=newton).run(
-            [stages[0], sc.Stage("too much", 40 * stages[1].load)], progress=False
+            [stages[0], sc.Stage("too much", 400 * stages[1].load)], progress=False
         )
     partial = error.value.result
     partial.save(tmp_path / "partial.npz")

@@ -318,7 +318,7 @@ def test_green_ampt() -> None:
             sc.water.Conditions(suction={"top": 0.0}),
             times=[0.0, end],
             start=lambda x: x[1] - 2.0,
-            error=2e-2,
+            error=5e-2,
         )
         off.append(abs(water.entered[-1] / 0.1 / exact - 1))
     # 2.0 and 5.3 %: part of the content lies ahead of the front, and elements blunt it (1.6 % with
