@@ -64,6 +64,7 @@ def test_slopes_of_griffiths_and_lane(depth, beyond, low, high):
     ("ratio", "low", "centre", "radius"),
     [
         (0.5, 0.844, (-10.0, 20.0), 30.0),
+        (1.0, 1.443, (-10.0, 20.0), 30.0),
         (2.0, 2.006, (-9.5, 21.5), 21.5),
     ],
 )
@@ -73,8 +74,8 @@ def test_clay_on_a_foundation_of_other_strength(ratio, low, centre, radius):
     mechanism leaves the base.
 
     From below limit analysis with linear stresses, from above circles that touch the base or the
-    foundation. [P] Griffiths and Lane have 2.03 with ratio 2; others 2.06 there and, ratio 0.5,
-    0.82 to 0.84, below the bound.
+    foundation. [P] Griffiths and Lane have 1.45 and, ratio 2, 2.03; others 2.06 there and, ratio
+    0.5, 0.82 to 0.84, below the bound.
     """
     layers = {
         "upper": sc.Tresca(E=1e5, nu=0.49, c=50.0),
