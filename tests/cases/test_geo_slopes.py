@@ -94,8 +94,10 @@ def test_clay_on_a_foundation_of_other_strength(ratio, low, centre, radius):
     ("beta", "phi", "c", "depth", "bound"),
     [
         (45.0, 20.0, 12.38, 0.0, 1.0002),
+        (45.0, 30.0, 10.0, 0.0, 1.2032),
         (60.0, 30.0, 20.0, 0.0, 1.2567),
         (30.0, 15.0, 12.5, 5.0, 1.1358),
+        (33.69, 20.0, 10.0, 5.0, 1.1426),
     ],
 )
 @pytest.mark.filterwarnings("ignore:the structure is unstable")
