@@ -272,21 +272,10 @@ class _Path:
 
     def arrived(self) -> bool:
         """Return True if the gap is small, or no progress is made any more."""
-        # compare the residuals with their tolerances
         self.residuals()
         size = self.size
-        round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
-        normal, strong = _FEASIBLE
-        slack = -strong * np.minimum(self.h, 1.0) - round_off
-        within = _depth(self.s - self.rc) > slack
-        feasible = max(abs(self.rt), self.unmoved) < normal and within.all()
-        if self.moving and not self.program.joints:
-            error = float(np.abs(self.rc * self.z).sum())  # of the gap
-            feasible = feasible and error < _HIT * self.accuracy
-        else:
-            feasible = feasible and np.abs(self.rc).max() < strong
         hit = self.away < _HIT * self.accuracy
-        if self.gap < self.accuracy * size and hit and feasible:
+        if self.gap < self.accuracy * size and hit and self._feasible():
             return True
 
         # count iterations without progress
@@ -301,6 +290,20 @@ class _Path:
             self.inner.append(Inner(self.theta, self.sigma, self.y))
         self._keep_early()
         return self._stalled > _STALLED
+
+    def _feasible(self) -> bool:
+        """Return True if residuals are so small that certificates do the rest."""
+        normal, strong = _FEASIBLE
+        if not max(abs(self.rt), self.unmoved) < normal:
+            return False
+        round_off = _ROUND_OFF * np.abs(self.sigma).max(initial=0.0)
+        slack = -strong * np.minimum(self.h, 1.0) - round_off
+        if not (_depth(self.s - self.rc) > slack).all():
+            return False
+        if self.moving and not self.program.joints:
+            error = np.abs(self.rc * self.z).sum()  # of the gap
+            return bool(error < _HIT * self.accuracy)
+        return bool(np.abs(self.rc).max() < strong)
 
     def _keep_early(self) -> None:
         """Keep the first iterate from which the next mesh may begin."""
