@@ -245,6 +245,72 @@ def test_a_large_loss_of_volume_is_told(size, told, recwarn):
     assert [text.startswith(f"'new mesh' loses {lost:.1%}") for text in texts] == [True] * told
 
 
+def layered(mesh, laws):
+    """Return the model of layers between rough plates."""
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+    form = sc.SolidForm(basis, laws, kinematics="finite")
+    return sc.Model({"body": form}, basis.get_dofs(["bottom", "top"]).all())
+
+
+def pressed_layers(laws):
+    """Return the model and a stage of layers, one element high, between plates that close in."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 9), np.linspace(0, 1, 9)).to_meshtri()
+    mesh = mesh.with_boundaries(_sides())
+    odd = lambda x: np.floor(8.0 * x[1] + 1e-9) % 2 == 1  # noqa: E731
+    mesh = mesh.with_subdomains({"hard": odd, "soft": lambda x: ~odd(x)})
+    model = layered(mesh, laws)
+    u = np.zeros(model.layout.size)
+    u[model.forms["body"].basis.get_dofs("top").all("u^2")] = -0.05
+    return model.run([sc.Stage("pressed", prescribed=u, increments=4)], progress=False)["pressed"]
+
+
+def force_on_top(stage):
+    """Return the vertical force on the upper plate."""
+    dofs = stage.forms["body"].basis.get_dofs("top").all("u^2")
+    return stage.reactions()[dofs].sum()
+
+
+ELASTIC = {name: sc.LinearElastic(E=E, nu=0.3) for name, E in (("soft", 100.0), ("hard", 1e3))}
+CLAYS = {"soft": sc.Tresca(E=100.0, nu=0.49, c=0.3), "hard": sc.Tresca(E=1e3, nu=0.49, c=3.0)}
+
+
+@pytest.mark.parametrize(
+    ("laws", "told"), [(ELASTIC, False), (CLAYS, True)], ids=["elastic", "clay"]
+)
+def test_states_out_of_balance_are_told(laws, told, recwarn):
+    """[N] The measure is the change of stresses that the next stage finds, by its energy. Clay in
+    layers of one element loses a quarter of its force, and says so.
+    """
+    stage = pressed_layers(laws)
+    new = sc.remeshed(stage, 0.125)
+    model = layered(new.mesh, laws)
+    start = new.start(model)
+    rest = model.run([sc.Stage("rest")], start=start, progress=False)["rest"]
+
+    form = rest.forms["body"]
+    before, after = start[-1].states["body"].stress, rest.states["body"].stress
+    energies = []
+    for stress in (after - before, before):
+        energy = 0.0
+        for region in form.regions:
+            part = stress[:, region.elements]
+            strain = np.einsum("ij,jkl->ikl", np.linalg.inv(region.material.elasticity(4)), part)
+            energy += (form.weight[region.elements] * (part * strain).sum(axis=0)).sum()
+        energies.append(energy)
+    change = np.sqrt(energies[0] / energies[1])
+    balance = new.loss(start)["lost"][2]
+    texts = [str(w.message) for w in recwarn if "out of balance" in str(w.message)]
+    if told:
+        # points that yield change more than the tangent says: .46 instead of .36
+        assert 0.7 * change < balance < change
+        assert force_on_top(rest) / force_on_top(stage) < 0.75
+        assert [f"by about {balance:.0%}" in text for text in texts] == [True]
+    else:
+        # second-order terms of the displacements, a hundredth of an element
+        assert balance == pytest.approx(change, rel=0.03)
+        assert not texts
+
+
 def test_remark_on_distorted_elements():
     """Corners near a straight line are remarked on, once they have become so."""
     with pytest.warns(sc.AnalysisWarning, match=r"corners within \d+ degrees .* remeshed"):
