@@ -162,16 +162,18 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     carried = in_series * ripple / float(force.sum())
     if carried > _RIPPLE:
         which = ""
-        instead = ""
+        advice = 'initial="adjusted" lets them touch'
         if not _matching(pair):
             which = " that do not match"
-            instead = ", matching nodes or curves do not overlap"
+            advice += ", matching nodes or curves do not overlap"
+        if pair.initial == "adjusted":
+            advice = "they slid from where they were adjusted: take curved or smaller elements"
         yield Remark(
             _OVERLAP,
             carried,
             f"facets of '{pair.slave.name}' and '{pair.facets.name}'{which} overlap by up to "
             f"{overlap.max():.3g} in the mesh, which alone causes about {carried:.1g} times the "
-            f'pressure that was found: initial="adjusted" lets them touch{instead}',
+            f"pressure that was found: {advice}",
         )
 
 
@@ -261,11 +263,13 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
         return
     # Compare the torque of pressures with that of full friction.
     points = pair.points(state)
-    _, nodes = pair.interface.positions(x)
-    normal = pair.master.at(*state.closest.take(on), nodes).normal
+    slave, master = pair.interface.positions(x)
+    normal = pair.master.at(*state.closest.take(on), master).normal
     force = points.weight[on] * np.abs(state.traction[0, on])
-    centre = pair.slave.nodes.mean(axis=0)
-    arm = (points.positions(pair.slave.nodes) - centre)[on]
+    # Forces of small rotations have the arms of the undeformed body.
+    if not pair.finite:
+        slave = pair.slave.nodes
+    arm = (points.positions(slave) - slave.mean(axis=0))[on]
     friction = mu * float(force @ row_norms(arm))
     lever = cross_in_plane(arm, normal)
     torque = float(force @ lever)

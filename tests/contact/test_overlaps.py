@@ -81,6 +81,27 @@ def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -
         assert "do not match overlap" not in remarks
 
 
+def test_facets_that_slide_after_they_were_adjusted_get_another_advice() -> None:
+    """[X] A polygon of 24 sides in one of 18 touches it as adjusted, and overlaps when it turns."""
+    angle = 0.5
+    mesh = sc.join_bodies({"disc": annulus(0.5, 1.0, 24, 2), "ring": annulus(1.0, 2.0, 18, 2)})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    body = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.3), kinematics="finite")
+    pair = sc.ContactPair(basis, "disc:outer", "ring:inner", sc.Coulomb(), initial="adjusted")
+    inner = basis.get_dofs("disc:inner")
+    fixed = [inner.all(), basis.get_dofs("ring:outer").all()]
+    i, j = inner.all("u^1"), inner.all("u^2")
+    x, y = basis.doflocs[0, i], basis.doflocs[1, j]
+    u = basis.zeros()
+    u[i] = np.cos(angle) * x - np.sin(angle) * y - x
+    u[j] = np.sin(angle) * x + np.cos(angle) * y - y
+    stage = sc.Stage("turned", prescribed=u, increments=4)
+    _, told = remarked({"body": body, "pair": pair}, stage, np.concatenate(fixed))
+    assert "do not match overlap by up to" in told
+    assert "slid from where they were adjusted" in told
+    assert 'initial="adjusted"' not in told
+
+
 def fitted_along(overlap, nodes: tuple[int, int], initial: str, aside: float = 0.0) -> str:
     """Warnings of two blocks whose upper one lies inside the lower one by a function of x."""
     low = MeshQuad.init_tensor(np.linspace(0, 1, nodes[0] + 1) + aside, np.linspace(0, 1, 4))

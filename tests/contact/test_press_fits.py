@@ -106,7 +106,7 @@ def test_pressure_of_overlaps_within_facets():
     assert "overlap" not in [one.kind for one in remarks]
 
 
-def shrunk():
+def shrunk(held=("ring:outer",), **options):
     """Model of a hub shrunk into a ring, both of 64 elements around, and its basis."""
     flat = MeshQuad.init_tensor(np.linspace(0, 2 * np.pi, 65), np.linspace(0, 1, 7))
 
@@ -122,11 +122,10 @@ def shrunk():
 
     mesh = sc.join_bodies({"hub": ring(0.5, 1.0), "ring": ring(1.0, 2.0)})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    solid = sc.SolidForm(
-        basis, {"hub": sc.LinearElastic(E=1.0, nu=0.3), "ring": sc.LinearElastic(E=2.0, nu=0.3)}
-    )
+    laws = {"hub": sc.LinearElastic(E=1.0, nu=0.3), "ring": sc.LinearElastic(E=2.0, nu=0.3)}
+    solid = sc.SolidForm(basis, laws, **options)
     fit = sc.ContactPair(basis, "hub:outer", "ring:inner", sc.Coulomb(mu=0.2), initial=1e-3)
-    return sc.Model({"bodies": solid, "fit": fit}, basis.get_dofs("ring:outer").all()), basis
+    return sc.Model({"bodies": solid, "fit": fit}, basis.get_dofs(list(held)).all()), basis
 
 
 def test_fit_without_pressure():
@@ -155,6 +154,25 @@ def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
     assert any("of the torque of full friction" in str(warning.message) for warning in recwarn) is (
         share > 1.0
     )
+
+
+def test_fit_that_turns_as_a_whole_transfers_no_torque(recwarn):
+    """[X] Turned by 115 degrees, hub and ring have their pressure as before, and no remark."""
+    model, basis = shrunk(("hub:inner", "ring:outer"), kinematics="finite")
+    x, y = basis.doflocs[:, 0::2]
+
+    def turned(share):
+        c, s = np.cos(2.0 * share), np.sin(2.0 * share)
+        u = basis.zeros()
+        u[0::2] = c * x - s * y - x
+        u[1::2] = s * x + c * y - y
+        return u
+
+    stages = [sc.Stage("fit"), sc.Stage("turned", prescribed=turned, increments=6)]
+    result = model.run(stages, **QUIET)
+    before, after = (stage.tractions("fit").pressure for stage in result)
+    assert after == pytest.approx(before, rel=1e-6)  # the tolerance of Newton's method
+    assert not [str(w.message) for w in recwarn if "torque" in str(w.message)]
 
 
 def octant(radii, n, core=0.0):
