@@ -31,10 +31,10 @@ def bottom_of(forms):
     return forms["clay"].basis.get_dofs("bottom").all("u^2")
 
 
-def pushed(build, size, wide, deep, way, n):
+def pushed(build, size, wide, deep, way, n, every=5):
     """Return the result of n stages, in each of which the bottom moves up by `way`.
 
-    The first mesh has elements of `size`. The run makes a new one after every fifth stage and
+    The first mesh has elements of `size`. The run makes a new one after `every` stages and
     continues by itself, with the stresses and the contact of the last mesh.
     """
     block = MeshQuad.init_tensor(np.linspace(0, wide, 6), np.linspace(-deep, 0, 5))
@@ -45,7 +45,7 @@ def pushed(build, size, wide, deep, way, n):
         u = np.zeros(model.layout.size)
         u[bottom_of(model.forms)] = k * way
         stages.append(sc.Stage(f"w = {k * way:.2f}", prescribed=u))
-    return model.run(stages, remesh=sc.Remeshing(build, size, every=5))
+    return model.run(stages, remesh=sc.Remeshing(build, size, every=every))
 
 
 def stages_of(result):

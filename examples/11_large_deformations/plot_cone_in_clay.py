@@ -28,9 +28,9 @@ numbers = [float(given) for given in sys.argv[1:] if not given.startswith("-")]
 h = numbers[0] if numbers else 0.08
 gamma = np.radians(30.0)  # angle of the cone's face from the horizontal
 wide, deep = 6.0, 5.0
-WAY = 0.02  # of a stage
-N = 20  # stages
-size = sizes(h, 0.2, 1.2)
+WAY = 0.025  # of a stage
+N = 12  # stages
+size = sizes(h, 0.2, 0.9)
 
 
 def build(mesh):
@@ -142,12 +142,12 @@ def deformed_surface(stage):
 
 
 errors = []
-for k in (9, 14, 19):
+for k in (7, 9, 11):
     a, surface = deformed_surface(stages[k])
     expected = slip_line_force(a, gamma, surface)
     errors.append(force[k] / expected - 1.0)
     rim = a * np.tan(gamma) / w[k]
-    print(f"w = {w[k]:.1f}: F / (su w^2) = {C[k]:.2f}, {errors[-1]:+.1%} off; rim at {rim:.2f} w")
+    print(f"w = {w[k]:.2f}: F / (su w^2) = {C[k]:.2f}, {errors[-1]:+.1%} off; rim at {rim:.2f} w")
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 3.5))
 left.plot(w, C, "o-", ms=3)
@@ -167,7 +167,7 @@ plot.contour(stages[-1], "mises")
 lost = losses_of(result)
 print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
 assert np.abs(errors).max() < 0.025
-assert np.abs(C[12:] / C[12:].mean() - 1.0).max() < 0.02
+assert np.abs(C[8:] / C[8:].mean() - 1.0).max() < 0.02
 assert lost[0] < 1e-4
 assert lost[1] < 1e-3
 print(

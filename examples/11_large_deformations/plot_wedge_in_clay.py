@@ -31,12 +31,12 @@ import skfem_contact.plot as plot
 
 su = 1.0
 numbers = [float(given) for given in sys.argv[1:] if not given.startswith("-")]
-h = numbers[0] if numbers else 0.08
+h = numbers[0] if numbers else 0.1
 theta = np.radians(70.0)
 wide, deep = 5.0, 4.0
-WAY = 0.03  # of a stage
-N = 10  # stages
-size = sizes(h, 0.2, 1.2)
+WAY = 0.04  # of a stage
+N = 8  # stages
+size = sizes(h, 0.2, 1.0)
 
 
 def build(mesh):
@@ -44,7 +44,7 @@ def build(mesh):
     clay = sc.Tresca(E=2000.0 * su, nu=0.49, c=su)
     end = 4.0 * np.array([np.sin(theta), np.cos(theta)])
     wedge = sc.rigid.polyline([end, (0.0, 0.0), (-end[0], end[1])])
-    return model_of(mesh, clay, wedge, sc.Coulomb())
+    return model_of(mesh, clay, wedge, sc.Coulomb(), 3, 20_000.0 * su)
 
 
 # %%
@@ -72,7 +72,7 @@ force = 2.0 * np.array([force_of(stage) for stage in stages])
 errors = force / exact - 1.0
 x, z = surface_of(stages[-1])
 lip = z.max() / (length[-1] * np.cos(theta)) - 1.0
-for k in (4, 6, 9):
+for k in (3, 5, 7):
     print(f"w = {w[k]:.2f}: F / (su w) = {force[k] / (su * w[k]):.2f}, {errors[k]:+.1%} off")
 print(f"the lip is {z.max() / w[-1]:.3f} w above the apex, {lip:+.1%} off")
 
@@ -91,7 +91,7 @@ right.legend()
 plt.show()
 
 # %%
-# A contact ends within an element, here a 16th of its length, and few elements are too stiff: on
+# A contact ends within an element, here a 14th of its length, and few elements are too stiff: on
 # the exact shape of a wedge of 45 degrees, 10, 20 and 40 of them on a face give 7, 4 and 2 % too
 # much.
 
@@ -99,7 +99,7 @@ plot.contour(stages[-1], "mises")
 
 lost = losses_of(result)
 print(f"largest loss at a new mesh: volume {lost[0]:.1e}, stress {lost[1]:.1e}")
-assert np.abs(errors[4:]).max() < 0.05
+assert np.abs(errors[3:]).max() < 0.05
 assert abs(lip) < 0.01
 assert lost[0] < 1e-4
 assert lost[1] < 1e-3
@@ -112,7 +112,7 @@ print(
                     "method": "T6, new meshes",
                     "n": int(stages[-1].forms["clay"].basis.nelems),
                     "unknowns": int(stages[-1].forms["clay"].basis.N),
-                    "error": float(np.abs(errors[4:]).max()),
+                    "error": float(np.abs(errors[3:]).max()),
                     "cpu_s": seconds,
                     "iterations": sum(sum(stage.iterations) for stage in stages),
                 }

@@ -31,7 +31,8 @@ import skfem_contact as sc
 # %%
 # A cube with names:
 full = "--full" in sys.argv
-n = 55 if full else 16
+n = 55 if full else 10
+turns = 15 if full else 3
 cube = MeshTet.init_tensor(*[np.linspace(0, 1, n + 1)] * 3)
 layer = (10 * cube.p[0, cube.t].mean(axis=0)).astype(int)
 outside = cube.boundary_facets()
@@ -90,7 +91,8 @@ def peak(file):
 
 
 # %%
-# Medians of fifteen readings, one program after the other, and of three with facets:
+# Medians of three readings, one program after the other, or of fifteen without facets with
+# ``--full``:
 programs = {
     "load_mesh": sc.load_mesh,
     "meshio.read": meshio.read,
@@ -100,7 +102,7 @@ programs = {
 rows = []
 for end, file in files.items():
     times = {program: [] for program in programs}
-    for turn in range(15):
+    for turn in range(turns):
         for program, read in programs.items():
             if end == ".mdpa" and program == "meshio, MeshTet":
                 continue  # meshio finds no elements there

@@ -183,10 +183,11 @@ def measured(method, n, forms, stage, fixed, start=None):
 
 PARTS = ("material", "kernels", "contact", "search", "rest", "solve")
 sizes = (3, 8, 14, 26, 45) if "--full" in sys.argv else (3, 5)
+repeats = 3 if "--full" in sys.argv else 1
 rows = []
 for m in sizes:
     runs = [
-        analyse(m) for _ in range(3 if m < 20 else 1)
+        analyse(m) for _ in range(repeats if m < 20 else 1)
     ]  # what else runs on a machine disturbs small ones
     row, result = min(runs, key=lambda run: run[0]["cpu_s"])
     rows.append(row)
@@ -224,7 +225,9 @@ def press(n, quadrature):
 
 
 cases = ((4, 2), (6, 2), (4, "segments")) if "--full" in sys.argv else ((2, 2), (2, "segments"))
-in_space = [min((press(*case) for _ in range(2)), key=lambda row: row["cpu_s"]) for case in cases]
+in_space = [
+    min((press(*case) for _ in range(repeats)), key=lambda row: row["cpu_s"]) for case in cases
+]
 for row in in_space:
     print(
         f"{row['method']}: {row['unknowns']} unknowns, {row['iterations']} iterations in "
