@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,7 @@ KINDS = {
 }
 
 
+@cache
 def modules() -> dict[str, ast.Module]:
     """Syntax trees of all modules by their dotted names, without the package's own."""
     trees = {}
@@ -91,14 +93,12 @@ def modules() -> dict[str, ast.Module]:
     return trees
 
 
-TREES = modules()
-
-
+@cache
 def imported(name: str, typing_too: bool = False) -> set[str]:
     """Modules of the package that a module imports, those for types alone only where they are asked
     for.
     """
-    tree, found = TREES[name], set()
+    tree, found = modules()[name], set()
     types = {
         id(n)
         for node in ast.walk(tree)
@@ -107,7 +107,7 @@ def imported(name: str, typing_too: bool = False) -> set[str]:
     }
     parents = (
         name.split(".")
-        if f"{name}.__init__" in TREES or any(m.startswith(f"{name}.") for m in TREES)
+        if f"{name}.__init__" in modules() or any(m.startswith(f"{name}.") for m in modules())
         else name.split(".")[:-1]
     )
     for node in ast.walk(tree):
@@ -120,7 +120,7 @@ def imported(name: str, typing_too: bool = False) -> set[str]:
             path = ".".join([*base, *(node.module.split(".") if node.module else [])])
             for alias in node.names:
                 full = f"{path}.{alias.name}".strip(".")
-                found.add(full if full in TREES else path)
+                found.add(full if full in modules() else path)
     return found
 
 
@@ -133,7 +133,7 @@ def test_no_arrow_goes_up() -> None:
     """A room uses those below it, and itself."""
     wrong = [
         f"{name} -> {other}"
-        for name in TREES
+        for name in modules()
         for other in imported(name)
         if name.split(".")[0] != other.split(".")[0]
         and floor(other) >= floor(name)
@@ -146,7 +146,7 @@ def test_no_circles() -> None:
     """No module needs itself, however long the way."""
     graph = {
         name: {o for o in imported(name) if (name, o.split(".")[0]) not in SHORTCUTS}
-        for name in TREES
+        for name in modules()
     }
     done: set[str] = set()
 
@@ -165,7 +165,7 @@ def test_no_circles() -> None:
 def test_forms_states_and_laws_are_asked(room: str) -> None:
     """No `isinstance` on a form, a state or a law decides what an analysis does."""
     wrong = []
-    for name, tree in TREES.items():
+    for name, tree in modules().items():
         if name.split(".")[0] != room:
             continue
         for node in ast.walk(tree):
@@ -181,7 +181,7 @@ def test_forms_states_and_laws_are_asked(room: str) -> None:
 
 def test_contact_and_solids_do_not_know_each_other() -> None:
     """... nor any analysis, not even by a type."""
-    for name in TREES:
+    for name in modules():
         room = name.split(".")[0]
         others = {other.split(".")[0] for other in imported(name, typing_too=True)}
         if room in ("contact", "forms", "materials"):
@@ -208,7 +208,7 @@ def test_roles_are_small() -> None:
 def test_materials_and_laws_are_asked_by_their_calls() -> None:
     """No `hasattr` on a material or a law."""
     found = {}
-    for name, tree in TREES.items():
+    for name, tree in modules().items():
         for node in ast.walk(tree):
             if (
                 isinstance(node, ast.Call)
@@ -229,7 +229,7 @@ def test_materials_and_laws_are_asked_by_their_calls() -> None:
 def test_private_members_are_read_in_their_module() -> None:
     """No module reads a private member that none of its own classes has."""
     found = []
-    for name, tree in TREES.items():
+    for name, tree in modules().items():
         own = set()
         read = []
         for node in ast.walk(tree):
@@ -252,7 +252,7 @@ def test_private_members_are_read_in_their_module() -> None:
 def test_functions_of_the_iterations_have_few_parameters() -> None:
     """At most seven."""
     found = {}
-    for name, tree in TREES.items():
+    for name, tree in modules().items():
         if name.split(".")[0] != "nonlinear":
             continue
         for node in ast.walk(tree):

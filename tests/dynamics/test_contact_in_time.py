@@ -137,8 +137,8 @@ def slid(acceleration, step, slope, mu):
 def test_block_on_a_plane_that_shakes(enforcement):
     """[N] Newmark's block: the displacement is that of a rigid block within 0.5 %."""
     slope, mu, step = np.radians(10.0), 0.4, 0.004
-    time = np.arange(0.0, 0.64 + step / 2, step)
-    shaking = 5.0 * np.sin(4.0 * np.pi * time) * (time <= 0.5)
+    time = np.arange(0.0, 0.42 + step / 2, step)
+    shaking = 5.0 * np.sin(4.0 * np.pi * time)
     exact = slid(shaking, step, slope, mu)
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 0.5, 2)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
@@ -223,9 +223,10 @@ def test_rocking_block():
 def test_retaining_wall_that_shakes():
     """[N] A wall under earth pressure slides like a rigid body: within 5 %."""
     b, h, g, mu, push, step = 2.0, 4.0, 9.81, 0.4, 0.15, 4e-3
-    time = step * np.arange(239)
-    rise = np.sin(np.pi * np.minimum(time, 1.0))
-    record = sc.Record(step, -0.6 * g * np.sin(4.0 * np.pi * time) * rise)
+    # one slip to the right, and the beginning of one back
+    time = step * np.arange(89)
+    rise = np.sin(2.0 * np.pi * np.minimum(time, 0.25))
+    record = sc.Record(step, -g * np.sin(4.0 * np.pi * time) * rise)
 
     # relative to the base: thrust and inertia against friction, in small steps
     v = exact = 0.0
@@ -262,7 +263,7 @@ def test_retaining_wall_that_shakes():
     found = model.run([sc.Stage("rest", thrust, increments=2), shake], **QUIET)["shake"]
     ends = [found.history(x).values for x in ((-b / 2, 0.0), (b / 2, 0.0))]
     slip = np.mean([values[-1, 0] - values[0, 0] for values in ends])
-    # 4.4 %, with half of the step 2.9 %: the wall and its base give way
+    # 0.9 %: the wall and its base give way, and more so in a slow rise
     assert slip == pytest.approx(exact, rel=0.05)
     assert exact > 0.05
     # its heel lifts hardly more than the compression of its base

@@ -110,7 +110,7 @@ def block(shift=1.0, scale=(1.0, 1.0, 1.0), mu=0.3):
 
 def pushed_block(model, push, time=1.0, **more):
     """Return the last stage of a block that is pushed for a while, slides and stops."""
-    settings = sc.Dynamic(0.005 * time, rho_inf=0.8)
+    settings = sc.Dynamic(0.0075 * time, rho_inf=0.8)
     stage = sc.Stage(
         "push", lambda t: push * (t < 0.0999 * time), duration=0.3 * time, dynamic=settings
     )
@@ -155,7 +155,7 @@ def test_restart_in_the_middle(case, tmp_path):
         push, h, n = pushed(basis, 3.0), PERIOD / 40.0, 60
     else:
         model, basis, push = block()
-        h, n = 0.005, 20
+        h, n = 0.005, 12
     settings = sc.Dynamic(h, rho_inf=0.8)
 
     def load(t):
@@ -221,13 +221,13 @@ def test_many_steps(case):
     """[X] Energy drifts by round-off alone, and a step adds its records to the memory."""
     if case == "linear":
         model, basis, _ = oscillator()
-        push, n = pushed(basis, 3.0), 3_000
+        push, n = pushed(basis, 3.0), 1_500
         settings = sc.Dynamic(PERIOD / 40.0, rho_inf=1.0)
     else:
         # a block that swings on a plane without leaving it
         model, basis, _ = block(mu=0.6)
         push = np.asarray(sc.traction(basis, "top", (0.0, -1.0)))
-        n = 150
+        n = 90
         settings = sc.Dynamic(1e-3, rho_inf=1.0)
     found, memory = grown(model, push, settings, n)
     energy = found.energy

@@ -80,7 +80,7 @@ def test_sketches_come_back(tmp_path, seed):
 
 @pytest.mark.slow
 def test_many_sketches_come_back(tmp_path):
-    """[X] The same for 60 sketches."""
-    for seed in range(60):
+    """[X] The same for 24 sketches: four of each kind, with and without curved sides."""
+    for seed in range(24):
         mesh = sketch(seed).mesh(order=1 + seed // 3 % 2)
         assert max(returned(mesh, tmp_path).values()) < 1e-9, seed

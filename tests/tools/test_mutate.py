@@ -54,6 +54,13 @@ def project(tmp_path: Path) -> Path:
     (tmp_path / "tests/__init__.py").touch()
     for tool in (forked, reached):
         shutil.copy(str(tool.__file__), tmp_path / "tests/tools")
+    # the server imports libraries that this package does not use: empty ones
+    for name in forked.IMPORTED_ONCE:
+        folder = tmp_path
+        for part in name.split("."):
+            folder = folder / part
+            folder.mkdir(exist_ok=True)
+            (folder / "__init__.py").touch()
     return tmp_path
 
 
