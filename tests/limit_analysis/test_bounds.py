@@ -448,7 +448,7 @@ def test_less_dilation() -> None:
     basis = associated["forms"]["soil"].basis
     given = associated | {
         "forms": {"soil": sc.SolidForm(basis, replace(SOIL, psi=0.0))},
-        "elements": 700,
+        "elements": 400,
     }
     estimate, proven = bounds(**given), bounds(**given, flow="associated")
     assert estimate.estimate and not proven.estimate and "no bound" in str(estimate)

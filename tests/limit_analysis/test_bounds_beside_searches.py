@@ -524,7 +524,7 @@ def test_shares_of_meshes_that_shrink_towards_an_edge(element) -> None:
 @pytest.mark.slow
 def test_share_of_a_mesh_below_a_vertical_cut_without_tensile_strength() -> None:
     """[B] Drucker (1953): 2 c / (gamma H) = 0.5; one element at the toe moves most."""
-    mesh = MeshTri.init_tensor(np.linspace(0, 8, 21), np.linspace(0, 4, 11))
+    mesh = MeshTri.init_tensor(np.linspace(0, 8, 17), np.linspace(0, 4, 9))
     mesh = mesh.remove_elements(mesh.elements_satisfying(lambda x: (x[0] < 4) & (x[1] > 2)))
     basis = Basis(mesh.with_defaults(), ElementVector(ElementTriP2()), intorder=2)
     clay = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=0.0, psi=0.0, tension=0.0)

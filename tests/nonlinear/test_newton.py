@@ -120,7 +120,9 @@ def test_frictional_patch(quadrature, ratio):
     stages = [squeeze, sc.Stage("shear", load)]
     if ratio > 1:
         with pytest.raises(sc.NotConverged) as error:
-            sc.Model(forms, fixed, newton=EXACT).run(stages, progress=False)
+            # the stage that fails tries many increments
+            newton = sc.Newton(EXACT.tolerance, max_iterations=8)
+            sc.Model(forms, fixed, newton=newton).run(stages, progress=False)
         partial = error.value.result
         assert [s.name for s in partial] == ["pressure", "shear"]
         # the last increment holds at the limit, to the smallest increment of a thousandth

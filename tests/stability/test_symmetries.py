@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import pickle
 import warnings
+from functools import cache
 
 import numpy as np
 import pytest
@@ -139,6 +140,17 @@ def test_renumbered(quadrature):
     assert np.abs(np.subtract(*moved)).max() <= 1e-9 * np.abs(moved[0]).max()
 
 
+@cache
+def in_units(dim, s, m, quadrature, enforcement):
+    """Displacements and tractions of the last stage over units of length and stress."""
+    basis = blocks(mapped=lambda mesh: mesh.scaled(m), dim=dim)
+    forms = in_contact(basis, quadrature=quadrature, E=(1e3 * s, 2e3 * s), enforcement=enforcement)
+    last = dragged(forms, basis, [(x * m, y * m) for x, y in PATH])[-1]
+    joint = last.states["joint"]
+    assert (joint.status != Status.OPEN).any()
+    return last.x / m, joint.traction[0] / s, joint.traction[1] / s
+
+
 @pytest.mark.parametrize(
     "enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "augmented"]
 )
@@ -155,17 +167,8 @@ def test_units(dim, stress, length, quadrature, enforcement):
     """[X] Case S3: in GPa and mm as in MPa and m, and in Pa and km: the same to 1e-8, friction's
     history included.
     """
-    results = []
-    for s, m in ((1.0, 1.0), (stress, length)):
-        basis = blocks(mapped=lambda mesh, m=m: mesh.scaled(m), dim=dim)
-        forms = in_contact(
-            basis, quadrature=quadrature, E=(1e3 * s, 2e3 * s), enforcement=enforcement
-        )
-        result = dragged(forms, basis, [(x * m, y * m) for x, y in PATH])
-        joint = result[-1].states["joint"]
-        results.append((result[-1].x / m, joint.traction[0] / s, joint.traction[1] / s))
-        assert (joint.status != Status.OPEN).any()
-    for one, other in zip(*results, strict=True):
+    usual = in_units(dim, 1.0, 1.0, quadrature, enforcement)
+    for one, other in zip(usual, in_units(dim, stress, length, quadrature, enforcement)):
         np.testing.assert_allclose(other, one, atol=1e-8 * np.abs(one).max())
 
 
