@@ -54,7 +54,7 @@ def undrained_pressure(eta, OCR, conservative):
 
 
 @pytest.mark.parametrize("conservative", [False, True])
-@pytest.mark.parametrize("increments", [50, 400])
+@pytest.mark.parametrize("increments", [50, 200])
 @pytest.mark.parametrize("OCR", [1.0, 1.5])
 @pytest.mark.one_in(2)
 def test_undrained_path(OCR, increments, conservative):
