@@ -25,7 +25,7 @@ TOL = 0.004
 def factors(materials, *lengths: float, regions=None) -> tuple[float, float]:
     """Factor on the finer of two meshes, and extrapolated."""
     found = []
-    for n in (4, 8):
+    for n in (5, 10):
         mesh = slope_mesh(*lengths, n)
         result = reduced_slope(
             mesh if regions is None else mesh.with_subdomains(regions), materials, tolerance=TOL
