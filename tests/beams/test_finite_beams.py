@@ -109,6 +109,7 @@ def elastica(load):
     return np.array([back, across, np.arcsin(2 * k * k - 1)])
 
 
+@pytest.mark.slow
 def test_elastica_by_order():
     """[X] Large deflections of a cantilever under a force, closed form by elliptic integrals."""
     errors = []

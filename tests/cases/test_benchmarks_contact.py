@@ -255,6 +255,7 @@ def reversed_shift() -> tuple[sc.ContactPair, list[Contact], Result]:
     return pair, [Contact.of(problem, step.x) for step in result], result
 
 
+@pytest.mark.slow
 def test_cattaneo_mindlin(reversed_shift) -> None:
     """[X] C1: the shear force within half a percent, traction and stick zone as the elements
     resolve them.

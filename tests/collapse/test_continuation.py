@@ -112,6 +112,7 @@ def footing(element, strain, intorder, triangles):
     return {"soil": form}, fixed, LinearForm(lambda v, w: -v[1]).assemble(facets)
 
 
+@pytest.mark.slow
 def test_footing_locks_with_full_integration_only():
     """G1 [X]: N_c = 5.1416; coarse meshes read up to 15 % more, and full integration never reaches
     a plateau.

@@ -217,6 +217,7 @@ def test_search_from_a_cut_that_is_released_in_part():
     assert held > 1.1 * free and not any("holds back" in str(warning.message) for warning in told)
 
 
+@pytest.mark.slow
 def test_limit_load_on_a_material_that_refuses_increments():
     """Clay that hardens under a footing: the search ends, whatever increments the clay refuses, and
     says how.

@@ -107,6 +107,7 @@ def footing(psi: float, phi: float = 20.0):
     return forms, fixed, pressure
 
 
+@pytest.mark.slow
 def test_footing_without_dilatancy_in_few_iterations():
     """[B] The capacity with psi = 0 is below that with psi = phi, and no step fails on the way."""
     settings = {"tolerance": 0.01, "newton": sc.Newton(1e-3, 30), "progress": False}
@@ -139,6 +140,7 @@ def test_short_steps_follow_the_given_law():
     assert growing.multiplier > 1.01 * lagging.multiplier
 
 
+@pytest.mark.slow
 def test_flow_of_a_limit_load():
     """[X] Davis' soil A carries as much as the associated soil of that strength."""
     forms, fixed, load = footing(0.0)

@@ -68,6 +68,7 @@ def locked_ground():
     return forms, fixed, load
 
 
+@pytest.mark.slow
 def test_locked_ground_has_no_factor():
     """[X] Full integration admits no mechanism of constant volume: the search ends at its bound,
     and says so.
@@ -88,6 +89,7 @@ def test_locked_ground_has_no_factor():
     )  # the last step may double its factor
 
 
+@pytest.mark.slow
 def test_one_result_for_both_searches():
     """A limit load and a factor of safety answer the same names; their ends are stages."""
     forms, fixed, load = locked_ground()

@@ -81,6 +81,7 @@ def test_slope() -> None:
     assert found.factor == pytest.approx(1.15, rel=0.03)
 
 
+@pytest.mark.slow
 def test_bounds_of_the_slope() -> None:
     """[P] The factor of Hammah et al. and that of the elements lie between the bounds."""
     basis = Basis(slope_mesh(10.0, 12.0, 6.0, 8.0, 1), ElementVector(ElementTriP2()), intorder=2)

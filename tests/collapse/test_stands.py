@@ -50,6 +50,7 @@ def test_as_strength_reduction(material):
         assert not analysis("is_stable", *slope(material(high * (1 + margin))))
 
 
+@pytest.mark.slow
 def test_from_a_stage():
     """[N] A surcharge on a slope that carries its weight: below and above its limit load."""
     forms, fixed, weight = slope(sc.Tresca(E=1e5, nu=0.3, c=40.0))

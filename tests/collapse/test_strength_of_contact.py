@@ -233,6 +233,7 @@ def test_factor_with_contact_does_not_depend_on_stiffness():
     assert max(factors) - min(factors) <= 0.01
 
 
+@pytest.mark.slow
 def test_weaker_joint_does_not_raise_the_factor():
     """[X] Friction after bond, no friction after friction; all curves end within a quarter of
     0.01.

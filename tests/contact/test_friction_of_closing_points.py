@@ -97,6 +97,7 @@ def pressed_parabola(increments, n=20, far=40.0, radius=20.0):
     return found.x[slides].min() / found.x[found.pressure > 0].max()
 
 
+@pytest.mark.slow
 def test_friction_of_points_that_close_and_slide_in_one_increment(recwarn):
     """[N] Nothing slides before it touches; one increment counts such motion, 20 count little: .24
     as with 60.

@@ -119,6 +119,7 @@ def test_start_has_the_contact_of_the_equilibrium(monkeypatch) -> None:
     np.testing.assert_array_equal(excess, [[2, 4], [0, 2], [0, 2]])
 
 
+@pytest.mark.slow
 def test_cattaneo_and_mindlin() -> None:
     """[X] A third of the augmented method's iterations, whose errors are the mesh's too: 14.9 and
     14.5 %.
@@ -251,6 +252,7 @@ def test_block_that_friction_holds() -> None:
     assert joint.pressure @ joint.weight == pytest.approx(0.5 * np.cos(np.radians(20.0)), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_block_that_slides() -> None:
     """[X] tan 20 degrees is .364: with .35 there is no equilibrium, and with adhesion of .02 there
     is one.

@@ -70,6 +70,7 @@ def test_error_falls_with_the_tolerance(rho_inf):
     assert steps[1] / steps[0] == pytest.approx(100.0 ** (1.0 / 3.0), rel=0.3)
 
 
+@pytest.mark.slow
 def test_steps_follow_a_pulse():
     """[X] A pulse of a hundredth of the period, at any time, gives the momentum of its area."""
     width = PERIOD / 100.0

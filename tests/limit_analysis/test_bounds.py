@@ -255,6 +255,7 @@ def test_units_rotation_and_place() -> None:
     same(moved(mesh.p + 1e5), 1.0, 20.0)
 
 
+@pytest.mark.slow
 def test_rotation(monkeypatch) -> None:
     """[X] Weight as a body force at an angle: the base is held, and so is the side, wholly."""
     monkeypatch.setattr(search, "_ACCURACY", 1e-4)  # of a gap of 3 %
@@ -580,6 +581,7 @@ def test_clean_sand() -> None:
     assert any("without cohesion" in remark for remark in found.remarks)
 
 
+@pytest.mark.slow
 def test_clay_without_tensile_strength_may_have_a_lower_bound() -> None:
     """A coarse mesh proves none; the warning speaks of these meshes and not of the soil."""
     mesh = slope_mesh(5.0, 10.0, 10.0, 5.0, 10.0)

@@ -268,6 +268,7 @@ def test_limit_load_after_a_stage() -> None:
     )  # the foot of the column carries all of its weight
 
 
+@pytest.mark.slow
 def test_a_factor_outside_of_its_bounds_is_warned_of(bars) -> None:
     """[B] Elements of order 1 lock: their factor exceeds the upper bound, on a mesh of P2 triangles
     it does not.

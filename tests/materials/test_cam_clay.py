@@ -133,6 +133,7 @@ def test_drained_path(conservative):
     assert errors[1] < 2e-3 and 1.8 < errors[0] / errors[1] < 2.2
 
 
+@pytest.mark.slow
 def test_critical_state():
     """[X] Compression and extension end at the stress ratios of their own M, overconsolidated clay
     from above.
@@ -224,6 +225,7 @@ def test_no_work_in_an_elastic_cycle():
     assert np.array_equal(new.internal, internal)
 
 
+@pytest.mark.slow
 def test_units_and_overconsolidation():
     """[X] All stresses scale with the unit; every overconsolidation ratio reaches the end in 400
     increments.

@@ -148,6 +148,7 @@ def test_memory_is_saved_and_resumed(tmp_path):
     assert (ends[0].states["clay"].internal[1] > first["fill"].states["clay"].internal[1]).all()
 
 
+@pytest.mark.slow
 def test_own_law_is_checked_reduced_and_drawn(tmp_path):
     """[X] A block of shear strength k under the pressure q stands with the factor of safety 2 k /
     q.
@@ -347,6 +348,7 @@ def test_law_that_does_not_derive_from_material(tmp_path):
     assert len(stage.to_frame())
 
 
+@pytest.mark.slow
 def test_materials_are_asked():
     """Only `as_material` looks at the attributes or the class of a material; all others ask it."""
     kinds, names = (

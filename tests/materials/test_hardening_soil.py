@@ -187,6 +187,7 @@ def test_triaxial_test_ends_on_the_failure_surface(ocr: float) -> None:
     np.testing.assert_allclose(test.q[-1], p0 * 3.814951, rtol=1e-6)  # 2 sin phi / (1 - sin phi)
 
 
+@pytest.mark.slow
 def test_extension_and_unloading_towards_zero() -> None:
     extension = sc.element_test(sand(), -100.0, triaxial(0.05, increments=40))
     assert extension.stress[-1, 1, 0] == pytest.approx(

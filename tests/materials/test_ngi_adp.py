@@ -174,6 +174,7 @@ def test_derivatives_of_the_measure_of_shear(ncomp: int, out_of_plane: float) ->
         np.testing.assert_allclose(hessian[:, j], quotient, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_profile_stages_and_strength_reduction() -> None:
     """[X] A pulled block stands with 2 s_uP / q; strengths by depth, a strip on them, and bounds in
     words.

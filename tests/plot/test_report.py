@@ -307,6 +307,7 @@ def test_browser_shows_and_prints_the_report(report, tmp_path) -> None:
     assert pdf.read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_report_has_loads_supports_and_parameters(result, report) -> None:
     """[X] Weights, water and reactions hold each other; defaults are marked; units are written.
 

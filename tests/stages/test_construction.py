@@ -97,6 +97,7 @@ def test_new_layer_is_carried_along_by_the_ground():
     assert not result["gravity"].x[above].any()
 
 
+@pytest.mark.slow
 def test_released_forces_go_in_proportion():
     """[X] Half of an excavation: half of the heave; a failed stage can be gone on with."""
     basis, forms, fixed = column()

@@ -229,6 +229,7 @@ def test_failure_tells_how_far_where_and_why():
     ].fraction == 1.0
 
 
+@pytest.mark.slow
 def test_failure_before_anything_was_accepted():
     """[X] The partial result holds the stage with nothing of its load, and the state it began
     with.

@@ -152,6 +152,7 @@ def test_water_that_a_file_does_not_hold(tmp_path):
     assert model.run([sc.Stage("same", water=2.0)], start=again)["same"].fraction == 1.0
 
 
+@pytest.mark.slow
 def test_searches_keep_the_water_of_the_start():
     """[X] A cut of half its height in water: the load on top does not take the water away."""
     basis = vector_basis(grid("Q2", np.linspace(0, 1, 3), np.linspace(0, 1, 3)), "Q2", intorder=4)

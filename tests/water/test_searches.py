@@ -63,6 +63,7 @@ def cut() -> Cut:
     return Cut()
 
 
+@pytest.mark.slow
 def test_factor_without_drainage(cut):
     """[N] Sealed ground that is dug at once, against `Undrained`; the pressures that stay belong to
     a safer slope.

@@ -134,6 +134,7 @@ def test_steady_limit() -> None:
     assert water[-1].discharge("top") == pytest.approx(2e-7, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_saturated_storage() -> None:
     """[X] K. Terzaghi: a saturated layer that drains at its bottom."""
     basis, k, storage, time = column(40), 1e-6, 1e-4, 40.0
@@ -326,6 +327,7 @@ def test_green_ampt() -> None:
     assert off[1] < 0.022 and off[1] < 0.5 * off[0]
 
 
+@pytest.mark.slow
 def test_rain_that_runs_off() -> None:
     """[X] Rain of three times the permeability on saturated ground: what enters flows at the
     gradient 1.
@@ -353,6 +355,7 @@ def test_rates_in_time() -> None:
     assert water.balance_error < 1e-8 and str(water).startswith("seepage in ")
 
 
+@pytest.mark.slow
 def test_units_mirrors_and_contrast() -> None:
     """[X] Centimetres and hours, left for right, and triangles; a layer a million times tighter."""
     x, y = np.linspace(0, 2, 9), np.linspace(0, 1, 7)

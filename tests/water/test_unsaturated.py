@@ -59,6 +59,7 @@ def lowered(
 # -- limits
 
 
+@pytest.mark.slow
 def test_rigid_ground_drains_by_richards() -> None:
     """[N] Ground that hardly strains has the heads of `Flow.in_time`: within .1 % after its
     water has drained.
@@ -84,6 +85,7 @@ def test_rigid_ground_drains_by_richards() -> None:
     assert water.volume(state) == pytest.approx(water.inflow(state, "bottom"), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_rain_on_dry_ground() -> None:
     """[N] All rain enters, and its front is that of `Flow.in_time`: within 1 % of the head."""
     basis = column()
@@ -225,6 +227,7 @@ def test_level_without_the_suction_of_the_start(start: float, told: bool, recwar
         assert f"up to {suction:.3g}, with which 'water' begins" in texts[0]
 
 
+@pytest.mark.slow
 def test_suction_is_strength() -> None:
     """[N] A search with the water finds the factor of one with its Bishop pressure as a load."""
     mesh = MeshTri.init_tensor(np.linspace(0, 2, 9), np.linspace(0, 1, 5)).with_defaults()
