@@ -65,7 +65,7 @@ def test_bouncing_block(enforcement) -> None:
         "joint": sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), enforcement=enforcement),
     }
     model = sc.Model(forms, basis.get_dofs().all("u^1"))
-    increments, dt = 150, 2e-3
+    increments, dt = 120, 2e-3
     stage = sc.Stage("bounce", model.weight(0.0), duration=increments * dt, increments=increments)
     found = []
     model.run([stage], progress=False, on_increment=found.append)

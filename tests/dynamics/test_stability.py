@@ -155,7 +155,7 @@ def test_restart_in_the_middle(case, tmp_path):
         push, h, n = pushed(basis, 3.0), PERIOD / 40.0, 60
     else:
         model, basis, push = block()
-        h, n = 0.005, 12
+        h, n = 0.005, 20
     settings = sc.Dynamic(h, rho_inf=0.8)
 
     def load(t):

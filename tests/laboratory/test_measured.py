@@ -17,7 +17,7 @@ def noisy(cell: float, noise: float, seed: int) -> Measured:
     """Drained test of known clay, M = 1.1 and lambda = .12, with noise as a share of the largest
     value.
     """
-    path = triaxial(strain=-0.1, increments=10)
+    path = triaxial(strain=-0.1, increments=6)
     test = sc.element_test(clay(1.1, 0.12), cell, path)
     rng, columns = np.random.default_rng(seed), {"axial": test.axial[:, 0]}
     for name in ("q", "volume"):
