@@ -192,8 +192,9 @@ def sentences(lines: list[Line]) -> Iterator[int]:
 def words_of(path: str, lines: list[Line]) -> Iterator[Finding]:
     """Yield the private terms, also those that run over the end of a line."""
     text = "\n".join(line for _, line in lines)
+    in_a_row = re.sub(r"\s", " ", text)
     for pattern, then in _WORDS.items():
-        for match in pattern.finditer(re.sub(r"\s", " ", text)):
+        for match in pattern.finditer(in_a_row):
             number = lines[text.count("\n", 0, match.start())][0]
             yield Finding(path, number, match[0], f"say {then}")
 
