@@ -34,6 +34,11 @@ def padded(K: csr_matrix, n: int) -> csr_matrix:
     return with_data(matrix, K.data)  # scipy has taken a view of the data
 
 
+def within(K: csr_matrix, dofs: ndarray) -> csr_matrix:
+    """Return the rows and columns of some dofs."""
+    return K[dofs][:, dofs]
+
+
 def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
     """Return a matrix of some dofs among n dofs."""
     local = K.tocoo()

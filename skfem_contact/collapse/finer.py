@@ -31,6 +31,7 @@ from ..forms.roles import materials_of
 from ..layout import elements_of
 from ..materials.base import Material
 from ..mesh.locate import Located, locate
+from ..sparse import within
 from ..stages.setup import Setup
 from .mechanism import COARSE, lost_power
 from .result import CollapseResult
@@ -386,7 +387,7 @@ def _load(
     # Find their tractions and integrate these on the finer sides.
     on_sides = FacetBasis(mesh, basis.elem, facets=facets, intorder=4)
     own = basis.get_dofs(facets).all()
-    M = _MASS.assemble(on_sides)[own][:, own].tocsc()
+    M = within(_MASS.assemble(on_sides), own).tocsc()
     t = np.zeros(basis.N)
     t[own] = spsolve(M, rest[own])
     parts = np.flatnonzero(np.isin(side, facets))

@@ -24,6 +24,7 @@ from scipy.sparse.linalg import eigsh
 from ..errors import IncrementTooLarge, NotConverged
 from ..forms.base import Form, Forms, Response, responses_of
 from ..layout import Layout, others
+from ..sparse import within
 from .linear import is_linear
 from .scheme import Motion
 
@@ -47,7 +48,7 @@ def critical_step(K: csr_matrix, C: csr_matrix, m: ndarray, free: ndarray) -> fl
     """
     # Find the largest eigenvalue w^2 of M^-1/2 K M^-1/2.
     root = diags_array(1.0 / np.sqrt(m[free]))
-    A = csr_matrix(root @ K[free][:, free] @ root)
+    A = csr_matrix(root @ within(K, free) @ root)
     if A.nnz == 0:
         return np.inf
     if len(free) < 10:
@@ -63,7 +64,7 @@ def critical_step(K: csr_matrix, C: csr_matrix, m: ndarray, free: ndarray) -> fl
     # Damping z shortens the step: 2 (sqrt(1 + z^2) - z) / w.
     w = np.sqrt(square)
     x = root @ shape
-    damped = float(x @ (C[free][:, free] @ x))
+    damped = float(x @ (within(C, free) @ x))
     z = damped / (2.0 * w * float(shape @ shape))
     return float(2.0 / w * (np.sqrt(1.0 + z**2) - z))
 

@@ -18,7 +18,7 @@ from ..forms.base import Form, Response, States
 from ..forms.roles import Absorbing, Couples, Staged
 from ..forms.solid import SolidForm, SolidState
 from ..layout import Field, dofs_at, facet_corners
-from ..sparse import scattered
+from ..sparse import scattered, within
 from .boundaries import Bedrock, Masses, ViscousBoundary
 
 #: Coordinates of a vertical side and of its layers differ by less than this share of its height.
@@ -291,7 +291,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
 
         # dashpots between side and column
         _, dashpots = self._dashpots.matrices(given)
-        D = dashpots[self._side][:, self._side]
+        D = within(dashpots, self._side)
         C = C + bmat([[D, -D], [None, local]])
         whole = bmat([[csr_matrix((m, m)), None], [None, M]])
         return (

@@ -14,7 +14,7 @@ from ..checks import look_up
 from ..forms.base import Forms, solids_of
 from ..forms.roles import Absorbing, Loaded, Touching, having
 from ..layout import Layout, nodes
-from ..sparse import padded
+from ..sparse import padded, within
 from .boundaries import Masses
 from .settings import Dynamic, Rayleigh
 
@@ -235,7 +235,7 @@ def accelerations(M: csr_matrix, force: ndarray, fixed: ndarray) -> ndarray:
     if not force[dofs].any():
         return a
     # A lumped mass needs no solver.
-    block = M[dofs][:, dofs].tocsc()
+    block = within(M, dofs).tocsc()
     if block.nnz == len(dofs):
         a[dofs] = force[dofs] / diagonal[dofs]
     else:

@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from ..solvers.direct import SingularSystem
+from ..sparse import within
 
 #: Up to so many masses, or so many for each mode, the whole flexibility is computed.
 _FEW = 60
@@ -105,7 +106,7 @@ def _dense(
     """Return values and shapes of a few masses by their flexibility G: L^T G L y = y / w^2."""
     size = M.shape[0]
     # M = L L^T
-    L = cholesky(M[massive][:, massive].toarray(), lower=True)
+    L = cholesky(within(M, massive).toarray(), lower=True)
     columns = np.zeros((size, len(massive)))
     for k in range(len(massive)):
         force = np.zeros(size)

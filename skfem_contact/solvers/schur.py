@@ -22,7 +22,7 @@ from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 
 from ..arrays import max_abs
-from ..sparse import FreeBlock, same_pattern, widened
+from ..sparse import FreeBlock, same_pattern, widened, within
 from .direct import REFINE, SOFT, Condensed, Engine, LinearSolver, Solve, any_motion, as_engine
 
 logger = logging.getLogger("skfem_contact")
@@ -137,7 +137,7 @@ class _Base:
         self._condensed = condensed
         self._all = np.concatenate((order, apart))
         self._ends = np.concatenate((order[-m:], apart))  # dofs of the dense system
-        self._added = K[self._ends][:, self._ends].toarray()
+        self._added = within(K, self._ends).toarray()
         self._added[:m, :m] = 0.0
 
     @classmethod
@@ -159,7 +159,7 @@ class _Base:
         m = len(last)
         if m == 0 or len(inner) == 0 or m**2 > _DENSE * K.nnz:
             return None
-        inner = inner[engine.order(K[inner][:, inner], locations[:, inner])]
+        inner = inner[engine.order(within(K, inner), locations[:, inner])]
         order = np.concatenate((inner, last))
 
         # eliminate the inner dofs
@@ -185,7 +185,7 @@ class _Base:
         order = self._order
         ends = self._ends
         m = self._m
-        delta = self._added + change[ends][:, ends].toarray()
+        delta = self._added + within(change, ends).toarray()
 
         # leave multipliers of open nodes out of the dense system
         in_columns = np.count_nonzero(delta, axis=0)

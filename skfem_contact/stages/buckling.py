@@ -18,7 +18,7 @@ from ..results import modes as results
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem, Solve
-from ..sparse import scattered
+from ..sparse import scattered, within
 from .setup import Setup
 from .vibrations import check_number, is_symmetric
 
@@ -134,8 +134,8 @@ def _modes(system: System, K: csr_matrix, G: csr_matrix, n: int) -> tuple[ndarra
     """Return the n largest mu of G v = mu K v among free dofs, descending, and their vectors."""
     free = system.free
     size = len(free)
-    K_free = csr_matrix(K[free][:, free])
-    G_free = csr_matrix(G[free][:, free])
+    K_free = within(K, free)
+    G_free = within(G, free)
     if size <= max(_FEW, 4 * n):
         shares, modes = eigh(G_free.toarray(), K_free.toarray())
     else:
