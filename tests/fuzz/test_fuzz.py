@@ -1,4 +1,4 @@
-"""Random scenes: 36 of those that ``python -m tests.fuzz`` tries."""
+"""Random scenes: 24 of those that ``python -m tests.fuzz`` tries."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def test_random_scenes(part: int) -> None:
     """What must hold in every scene does, or is warned of; most scenes reach the end of their
     path.
     """
-    trials = [trial(seed) for seed in seeds(1, 36)[part::6]]
+    trials = [trial(seed) for seed in seeds(1, 24)[part::6]]
     assert not details(trials), details(trials)
-    assert sum(one.gave_up for one in trials) <= 2  # of six; 1 % of all do
+    assert sum(one.gave_up for one in trials) <= 1  # of four; 1 % of all do
 
 
 @pytest.mark.slow
