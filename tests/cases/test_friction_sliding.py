@@ -75,7 +75,7 @@ def test_jumps_at_vertices() -> None:
     for steps in (50, 100):
         assert largest_jump(None, steps) == pytest.approx(angle, rel=1e-6)
     # a rounded joint turns over the length of a facet: half of a step, half of the change
-    jumps = [largest_jump(0.5, steps) for steps in (50, 100, 200)]
+    jumps = [largest_jump(0.5, steps) for steps in (75, 150, 300)]
     assert jumps[0] < 0.1 * angle
     assert jumps[0] / jumps[1] == pytest.approx(2, rel=0.1) and jumps[1] / jumps[
         2

@@ -14,6 +14,8 @@ import skfem_contact.stages.run as running
 from tests.tools.helpers import grid, rotation, vector_basis
 
 QUIET = {"progress": False}
+#: Fewer iterations than by default: stages that fail try many increments.
+QUICK = sc.Newton(max_iterations=10)
 
 
 def pit(
@@ -142,10 +144,8 @@ def test_crust_without_dilatancy_on_soft_ground(soil):
     for one: what is not found is warned of, and what was reached before is in balance.
     """
     _, forms, fixed, loads = pit(stiff=1e-4, soil=soil)
-    # fewer iterations than by default: stages that fail try many increments
-    model = sc.Model(forms, fixed, newton=sc.Newton(max_iterations=10))
     try:
-        result = model.run(dig(loads), **QUIET)
+        result = sc.Model(forms, fixed, newton=QUICK).run(dig(loads), **QUIET)
     except sc.NotConverged as error:
         assert "of its load" in str(error)
         result = error.result
@@ -266,7 +266,7 @@ def test_pit_that_cannot_stand():
     with pytest.raises(
         sc.NotConverged, match=r"stage 'dug 0' stopped at \d+\.\d+% of its load"
     ) as error:
-        sc.Model(forms, fixed).run(dig(loads), **QUIET)
+        sc.Model(forms, fixed, newton=QUICK).run(dig(loads), **QUIET)
     partial = error.value.result
     last = partial["dug 0"]
     assert 0.0 < last.fraction < 1.0 and "pit" not in last.states
