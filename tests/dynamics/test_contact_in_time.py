@@ -106,13 +106,13 @@ def test_bar_bounces_on_a_plate():
         low = stage.x[basis.get_dofs("bottom").all("u^2")].min()
         rows.append((stage.time, low, stage.x[basis.nodal_dofs[1]].mean()))
 
-    stage = sc.Stage("bounce", duration=2.2 * fall, dynamic=sc.Dynamic(2e-3, rho_inf=1.0))
+    stage = sc.Stage("bounce", duration=2.2 * fall, dynamic=sc.Dynamic(1e-3, rho_inf=1.0))
     model.run([stage], on_increment=watch, **QUIET)
     time, low, mean = np.array(rows).T
     assert low.min() > -0.05 - 1e-9
     # waves in the bar keep a part of the energy, less than 40 %
     assert mean[time < fall].min() == pytest.approx(-0.05, rel=0.05)
-    assert mean[-10:].max() > -0.02
+    assert mean[-20:].max() > -0.02
 
 
 def slid(acceleration, step, slope, mu):
