@@ -3,7 +3,7 @@
 #
 # Expected: ground bears no tension: if the load leaves the middle third, a part of the base lifts, and the largest
 #     pressure is 4 N / (3 B (L - 2 e)), or the check fails with a message.
-# Seen: 3 m x 3 m, 639 kN with the weight of the footing, a moment of 600 kNm: the eccentricity is 0.939 m, beyond L / 6.
+# Seen: 3 m x 3 m, 639 kN with the weight of the footing, a moment of 600 kNm: the eccentricity is 0.939 m, above L / 6.
 #     `bearing_pressure_check_sls` has -62 to 204 kPa and "PASS" for a bearing capacity of 220 kPa; right are 253 kPa
 #     on 56 % of the base.  With 900 kNm the load stands 1.408 m from the middle, and the pressures are -129 to
 #     271 kPa; right are 1544 kPa.  With 960 kNm it stands outside the base, and passes with a capacity of 300 kPa.

@@ -7,9 +7,9 @@
 #     state are 48 to 248 kPa, in the y direction 148 kPa at all corners.  The design moments of the slab are 484 and
 #     304 kNm.  In the serviceability limit state both have 43 to 176 kPa, and permanent and wind moments count in both
 #     directions.  No message.
-# Meaning: the imposed moment in y is multiplied by `uls_strength_factor_imposed_unfavourable`, which is 0 by default, the
-#     one in x by the factor for imposed loads.  Moments of cranes and traffic vanish from the reinforcement by the choice
-#     of an axis.  Set the factor to 1.5, or turn the footing and compare.
+# Meaning: the imposed moment in y is multiplied by `uls_strength_factor_imposed_unfavourable`, which is 0 by default,
+#     the one in x by the factor for imposed loads.  Moments of cranes and traffic vanish from the reinforcement by the
+#     choice of an axis.  Set the factor to 1.5, or turn the footing and compare.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -56,8 +56,9 @@ for name, soil in soils.items():
         base = {"capacity": 15.0, "ph": 5.8}
         base[option] += step
         more_first, more_second = contents(*soil, **base)
-        print(f"    {option} + {step:g}: pedon {np.round(more_first - first, 5)}, ptfkit {np.round(more_second - second, 5)}")
-        assert np.allclose(more_first - first, numbers, atol=1e-9)
-        assert np.allclose(more_second - second, numbers[::-1], atol=1e-9)
+        added_first, added_second = more_first - first, more_second - second
+        print(f"    {option} + {step:g}: pedon {np.round(added_first, 5)}, ptfkit {np.round(added_second, 5)}")
+        assert np.allclose(added_first, numbers, atol=1e-9)
+        assert np.allclose(added_second, numbers[::-1], atol=1e-9)
 PY
 OMP_NUM_THREADS=1 venv/bin/python run.py

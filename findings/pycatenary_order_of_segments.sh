@@ -5,11 +5,11 @@
 #     and a light catenary that meet, and its vertical forces add up to the weight.
 # Seen: 100 m of chain (1 kN/m) and 100 m of rope (0.1 kN/m) between points 150 m and 100 m apart, no floor.  The
 #     horizontal force is 43.8 kN with the chain at the anchor, 43.8 kN with the chain at the fairlead; right are 55.9
-#     and 32.4 kN.  The vertical force at the anchor is 17.7 kN in both, in size; right are 33.8 and 1.1 kN.  The sum of the
-#     vertical forces is right, and so is a line of two equal segments.  No message.
+#     and 32.4 kN.  The vertical force at the anchor is 17.7 kN in both, in size; right are 33.8 and 1.1 kN.  The sum of
+#     the vertical forces is right, and so is a line of two equal segments.  No message.
 # Meaning: the shape is one catenary with the mean weight; a list of weights only enters the stretch.  Anchors, hanging
-#     cables and mooring lines with a heavy end are designed for a force that is a quarter too small or a third too large,
-#     and the joint lies in the wrong place.  Use one segment, or compare with two catenaries in closed form.
+#     cables and mooring lines with a heavy end are designed for a force that is a quarter too small or a third too
+#     large, and the joint lies in the wrong place.  Use one segment, or compare with two catenaries in closed form.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
