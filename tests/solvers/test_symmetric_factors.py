@@ -90,7 +90,7 @@ def contact_skewness(law, quadrature, rng: np.random.Generator, springs: float =
     """
     worst = 0.0
     for element in ("Q1", "P2"):
-        for _ in range(5):
+        for _ in range(2):
             _, pair, x, state = rough_pair(element, quadrature, law, rng, **options)
             pair = pair.with_law(Stabilised(pair.law, springs)) if springs else pair
             K = pair.assemble(x, state).stiffness
