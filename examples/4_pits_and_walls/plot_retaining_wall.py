@@ -183,7 +183,7 @@ for (delta, side), (low, high) in cases.items():
 fig, (curve, pressure) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 depth, states = np.linspace(0, HEIGHT, 2), {}
 for side, color in (("active", "#1f4e8c"), ("passive", "#d55e00")):
-    forms, result, coefficients = analyse(8, 20.0, side, steps=4)
+    forms, result, coefficients = analyse(6, 20.0, side, steps=4)
     states[side] = forms, result
     moved = [0.0] + [1e3 * MOVE[side] * ((k + 1) / 4) ** 2 for k in range(4)]
     curve.plot(moved, coefficients, "o-", color=color, label=side, markersize=4)

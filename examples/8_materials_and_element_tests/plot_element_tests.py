@@ -78,7 +78,7 @@ for increments in (1, 10):
 
 undrained = {}
 for OCR in (1.0, 1.5, 4.0):
-    for increments in (100, 400):
+    for increments in (50, 200):
         test = timed(
             f"undrained, OCR {OCR}, {increments} increments",
             clay(OCR),
@@ -121,7 +121,7 @@ def shear_strain(eta):
 
 
 errors = []
-for increments in (100, 200, 400):
+for increments in (50, 100, 200):
     test = timed(
         f"drained, {increments} increments", clay(), -P, triaxial(-0.1, increments=increments)
     )

@@ -32,7 +32,7 @@ from one_program import version_of
 import skfem_contact as sc
 
 FULL, PEERS = "--full" in sys.argv, "--peers" in sys.argv
-SIZES = (5, 10, 20) if FULL else (5, 10)
+SIZES = (5, 10, 20) if FULL else (10,)
 RATIO = 0.581  # of Q to mu P at this shift, from exact Coulomb friction on matching meshes
 
 METHODS = {
