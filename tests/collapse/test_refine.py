@@ -341,6 +341,7 @@ def test_a_cavity_in_elements_that_lock_is_told(element, order: int, locks: bool
     assert ("points, which lock" in str([one.message for one in caught])) == locks
 
 
+@pytest.mark.slow
 def test_share_of_a_limit_load_on_top_of_a_stage():
     """[N] The load of a stage stays on the mesh whose triangles are cut: the weights, as without
     one.

@@ -170,6 +170,7 @@ def test_material_without_strength():
         sc.LinearElastic(E=1.0, nu=0.3).reduced(2.0)
 
 
+@pytest.mark.slow
 def test_a_cube_that_is_crushed_as_a_whole_has_collapsed(recwarn) -> None:
     """[X] Quadratic tetrahedra with two equal stresses: 2 c, and nothing above it; every point is
     at a corner.

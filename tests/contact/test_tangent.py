@@ -188,6 +188,7 @@ def test_rigid_obstacles(obstacle, quadrature, rng):
         assert_exact(pair, state, x, rng.standard_normal((3, len(x))))
 
 
+@pytest.mark.slow
 def test_all_entries_of_one_tangent(rng):
     """[X] Every unknown on its own."""
     for element, quadrature in (("Q1", "nodal"), ("Q2", 2)):

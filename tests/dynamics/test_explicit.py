@@ -101,6 +101,7 @@ def test_restart_and_files(tmp_path):
     assert model.run([more], start=again, **QUIET)["more"].time == pytest.approx(0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_impact():
     """[X] Penalties: contact lasts 2 L / c and velocities are exchanged, without gain of energy."""

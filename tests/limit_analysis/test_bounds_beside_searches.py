@@ -348,6 +348,7 @@ def test_bounds_at_hand(monkeypatch) -> None:
     assert "no bounds: they would take longer than the search" in str(dear)
 
 
+@pytest.mark.slow
 def test_bracket_ends_at_a_proven_bound() -> None:
     """An upper bound above the value ends its bracket; one below it leaves it, with a warning."""
     forms, fixed, basis = column()

@@ -163,6 +163,7 @@ def test_oedometer_loaded_in_one_increment(ocr: float, error: float) -> None:
     assert strains[0][1] == pytest.approx(strains[1][1], rel=0.005)
 
 
+@pytest.mark.slow
 def test_layer_that_creeps_for_years() -> None:
     """[X] A layer at rest settles by the logarithm of time, in one step or in stages; without time
     it says so.

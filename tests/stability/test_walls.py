@@ -124,6 +124,7 @@ def test_two_walls_that_meet():
     np.testing.assert_allclose(plate, 0.0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_toe():
     """The toe may lie in the middle of an element of the slit, at its end or below, without a
     jump.

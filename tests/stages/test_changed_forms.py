@@ -20,6 +20,7 @@ QUIET = {"progress": False}
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
 
 
+@pytest.mark.slow
 def test_run_that_is_split_goes_on_with_what_stages_have_changed():
     """[X] One run as two, the second from the end of the first; searches as those of a model of the
     changed forms.

@@ -455,6 +455,7 @@ def test_wrong_content(content: tuple[float, float]) -> None:
         sc.water.VanGenuchten(1.0, 2.0, content=content)
 
 
+@pytest.mark.slow
 def test_a_later_start_goes_on() -> None:
     """[X] From the result at a time: the same as in one go, to the error of the steps."""
     basis = Basis(column(20).mesh.to_meshtri().with_defaults(), ElementTriP1())
