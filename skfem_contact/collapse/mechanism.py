@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix, diags
 
 from ..arrays import max_abs, quotient
 from ..errors import NoEquilibrium, NotConverged, warn
-from ..forms.assembly import has_corners_only
+from ..forms.assembly import SWING, has_corners_only, locked, swing
 from ..forms.base import Form, Forms, Response, States, solids_of
 from ..limit_analysis import Bounds
 from ..materials.spectral import principal_stresses
@@ -93,11 +93,6 @@ _TIMES = 2.0
 
 #: Change of volume over the largest shear strain, the sine of the dilation angle, that is none.
 _ISOCHORIC = 0.1
-#: Mean stresses that swing in elements, over the largest shear stresses: 9 and 33 on slopes of clay
-#: of 60 degrees, 12 and 10 % too strong, with 2 and 4 ElementQuad2 of nine points along them, and a
-#: million in a ring of straight sides, whose pressure has no limit; .15 with ElementQuadS2 of four
-#: points, .3 in a ring of sand that does not dilate, 1.5 below a rough strip in rectangles.
-_SWING = 4.0
 
 #: Kinds of remarks on what changes a collapse load.
 _TOLD = ("pivot", "locking")
@@ -201,23 +196,11 @@ def warn_of_locking(
         if (form.weight * np.abs(volume)).sum() > _ISOCHORIC * slip.sum():
             continue
 
-        # Subtract the linear part of the mean stresses in each element.
-        stress = states[name].stress
-        mean = stress[:3].mean(axis=0)
-        at = form.basis.X
-        linear = np.column_stack((np.ones(at.shape[1]), at.T))
-        swing = mean - mean @ (linear @ np.linalg.pinv(linear)).T
-
-        # Compare the rest with the largest shear stresses.
-        largest, _, smallest = principal_stresses(stress)
-        shear = 0.5 * (slip * (largest - smallest)).sum()
-        times = float(quotient((slip * np.abs(swing)).sum(), shear))
-        if times > _SWING:
+        times = swing(form.basis, states[name].stress, slip)
+        if times > SWING:
             warn(
-                f"{name}: soil flows without change of volume in "
-                f"{type(form.basis.elem.elem).__name__} of {at.shape[1]} points, which lock: mean "
-                f"stresses swing within elements by {times:.2g} times the shear strength, and the "
-                "result may be higher than its estimated error says: take ElementTriP2 or "
+                f"{name}: soil flows without change of volume in {locked(form.basis, times)}, and "
+                "the result may be higher than its estimated error says: take ElementTriP2 or "
                 "ElementQuadS2 with intorder=2"
             )
 

@@ -30,13 +30,17 @@ from ..materials import LinearElastic, Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow
 from ..materials.spectral import largest_shear
 from .assembly import (
+    SWING,
     Measure,
     Pattern,
     element_stiffness,
     force_matrix,
+    has_corners_only,
+    locked,
     locking,
     strain_of,
     strain_operator,
+    swing,
 )
 from .base import Coordinates, Form, Kinematics, Later, Outputs, Response
 from .finite import Deformation, FiniteKinematics
@@ -793,6 +797,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
             finite = self._finite is not None
             yield from locking(self.basis, self.coordinates, yielded, self._elasticity, finite)
+        yield from self._remarks_on_swing(state)
 
     @property
     def quadrature_advice(self) -> str:
@@ -812,6 +817,24 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
             if yielded:
                 yield Remark("quadrature", yielded, advice)
+
+    def _remarks_on_swing(self, state: SolidState) -> Iterator[Remark]:
+        """Yield a remark on elements with nodes besides corners that lock."""
+        if has_corners_only(self.basis):
+            return
+        # Points that yield count, if there are some.
+        weight = self.weight
+        yielded = self.variable(PLASTIC_STRAIN, state) > 0
+        if yielded.any():
+            weight = weight * yielded
+        times = swing(self.basis, state.stress, weight)
+        if times > SWING:
+            yield Remark(
+                "swing",
+                times,
+                f"volumes hardly change in {locked(self.basis, times)}, and forces may be too "
+                "high: take ElementTriP2 or ElementQuadS2 with intorder=2",
+            )
 
     def _remarks_on_shape(self, x: ndarray) -> Iterator[Remark]:
         """Yield a remark on corners of elements in the plane that strains have made sharp."""

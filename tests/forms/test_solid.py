@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -433,6 +433,73 @@ def test_locking_is_warned_of(strain, warned, load):
     assert any(
         "too stiff and too strong where soil flows" in str(one.message) for one in caught
     ) == (warned and yields)
+
+
+INNER, OUTER, WAY = 1.0, 4.0, 0.2
+
+
+def widened(element, order, law, kinematics):
+    """Force per angle on the bore of a ring that is widened, and if it is told that it locks."""
+    lines = np.geomspace(INNER, OUTER, 9), np.linspace(0.0, 0.5 * np.pi, 9)
+    radius, angle = grid(element, *lines).p
+    polar = radius * np.stack((np.cos(angle), np.sin(angle)))
+    mesh = replace(grid(element, *lines), doflocs=polar)
+    basis = vector_basis(mesh, element, intorder=order)
+    form = sc.SolidForm(basis, law, kinematics=kinematics)
+    bore = basis.get_dofs("left").all()
+    sides = basis.get_dofs("bottom").all("u^2"), basis.get_dofs("top").all("u^1")
+    model = sc.Model({"ring": form}, np.unique(np.concatenate((bore, *sides))))
+    u = basis.zeros()
+    outward = basis.doflocs[bore % 2, bore] / INNER
+    u[bore] = WAY * outward
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        stages = [sc.Stage("widened", prescribed=u, increments=10)]
+        stage = model.run(stages, progress=False)["widened"]
+    told = any("points, which lock" in str(one.message) for one in caught)
+    return stage.reactions()[bore] @ outward / (0.5 * np.pi), told
+
+
+@pytest.mark.parametrize("kinematics", ["small", "finite"])
+@pytest.mark.parametrize(
+    ("element", "order", "locks"), [("Q2", 4, True), ("QuadS2", 2, False), ("P2", 2, False)]
+)
+def test_a_ring_of_clay_that_locks_is_told(element, order, locks, kinematics):
+    """[X] Clay without drainage yields under 2 c ln(b / a), of its present radii where strains are
+    finite, but not in trapezoids of nine points, which say so.
+    """
+    c = 1.0
+    clay = sc.Undrained(sc.MohrCoulomb(E=200.0, nu=0.3, c=c, phi=0.0, psi=0.0), 1e6)
+    force, told = widened(element, order, clay, kinematics)
+    a, b = INNER, OUTER
+    if kinematics == "finite":
+        a = INNER + WAY
+        b = np.sqrt(OUTER**2 + a**2 - INNER**2)
+    exact = 2.0 * c * np.log(b / a) * a
+    # sides of 11 degrees, eight layers
+    assert force == pytest.approx(exact, rel=0.02) or locks
+    assert (force > 1.5 * exact) == locks
+    assert told == locks
+
+
+@pytest.mark.parametrize(
+    ("element", "order", "locks"), [("Q2", 4, True), ("QuadS2", 2, False), ("P2", 2, False)]
+)
+def test_a_ring_of_rubber_that_locks_is_told(element, order, locks):
+    """[X] Rubber that keeps its volume needs p = int mu (l^2 - l^-2) dr / r, with l = r / R; nine
+    points of a trapezoid add 2 %, and say that they lock.
+    """
+    mu = 1.0
+    force, told = widened(element, order, sc.NeoHooke(E=3.0 * mu, nu=0.4999), "finite")
+    a = INNER + WAY
+    b = np.sqrt(OUTER**2 + a**2 - INNER**2)
+    r = np.linspace(a, b, 2001)
+    square = r**2 / (r**2 - a**2 + INNER**2)
+    exact = np.trapezoid(mu * (square - 1.0 / square) / r, r) * a
+    # sides of 11 degrees, eight layers
+    assert force == pytest.approx(exact, rel=0.01) or locks
+    assert (force > 1.015 * exact) == locks
+    assert told == locks
 
 
 @pytest.mark.parametrize(
