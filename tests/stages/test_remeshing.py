@@ -300,15 +300,11 @@ def test_states_out_of_balance_are_told(laws, told, recwarn):
     change = np.sqrt(energies[0] / energies[1])
     balance = new.loss(start)["lost"][2]
     texts = [str(w.message) for w in recwarn if "out of balance" in str(w.message)]
+    # what the later iterations add, 6 % in clay
+    assert balance == pytest.approx(change, rel=0.15 if told else 0.01)
+    assert [f"by about {balance:.0%}" in text for text in texts] == [True] * told
     if told:
-        # points that yield change more than the tangent says: .46 instead of .36
-        assert 0.7 * change < balance < change
         assert force_on_top(rest) / force_on_top(stage) < 0.75
-        assert [f"by about {balance:.0%}" in text for text in texts] == [True]
-    else:
-        # second-order terms of the displacements, a hundredth of an element
-        assert balance == pytest.approx(change, rel=0.03)
-        assert not texts
 
 
 def test_remark_on_distorted_elements():
