@@ -25,7 +25,7 @@ section = sc.section.retaining_wall(
 section.plot()
 
 # %%
-mesh = section.mesh()
+mesh = section.mesh(scale=1.3)
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 sand, fill = (
     sc.MohrCoulomb(E=6e4, nu=0.3, c=2.0, phi=35.0),

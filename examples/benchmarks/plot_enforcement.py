@@ -221,7 +221,7 @@ def hertz_in_space():
     def error(problem, result):
         return space.hertz(problem, result[-1].x).forces
 
-    return on_blocks(space.paraboloid(3), sc.Coulomb(), press_in_space(4), error)
+    return on_blocks(space.paraboloid(3), sc.Coulomb(), press_in_space(3), error)
 
 
 def sheared_in_space():
@@ -231,8 +231,8 @@ def sheared_in_space():
         zero = problem.basis.zeros()
         slid = problem.pressed + 0.02 * problem.shifted
         return [
-            sc.Stage("press", zero, problem.pressed, increments=3),
-            sc.Stage("slide", zero, slid, increments=4),
+            sc.Stage("press", zero, problem.pressed, increments=2),
+            sc.Stage("slide", zero, slid, increments=3),
         ]
 
     def error(problem, result):

@@ -219,7 +219,9 @@ def sweep(ratio=None, quadrature="segments", **options):
 RATIOS = (1.5, 3, 6, 12, 50) if FULL else (1.5, 6, 50)
 soft_to_hard = {ratio: sweep(ratio) for ratio in RATIOS}
 swept = {
-    method: sweep(**options) for method, options in METHODS.items() if "multipliers" not in method
+    method: sweep(**options)
+    for method, options in METHODS.items()
+    if method in ("segments", "segments, augmented") or (FULL and "multipliers" not in method)
 }
 augmented = swept["segments, augmented"]
 for row in rows:
