@@ -200,8 +200,8 @@ def dig(wet: bool):
     stages = [sc.Stage("wall", change={"wall": steel})]
     for i, lift in enumerate(LIFTS, 1):
         if wet:
-            stages.append(sc.Stage(f"pump {i}", water=flows[i]))
-        stages.append(sc.Stage(f"dig {i}", increments=2, deactivate=(lift, f"{lift}|wall")))
+            stages.append(sc.Stage(f"pump {i}", water=flows[i], increments=2))
+        stages.append(sc.Stage(f"dig {i}", increments=4, deactivate=(lift, f"{lift}|wall")))
         if i == 1:
             stages.append(sc.Stage("strut", fixed=[fixed, strut]))
     return model.run(stages, start=start)
