@@ -35,10 +35,8 @@ def test_loads_that_nothing_bears_are_no_proof_of_safety() -> None:
         )
 
 
-def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    """[X] Above the largest multiplier of a mesh no stress in equilibrium is admissible: it proves
-    nothing.
-    """
+def pushed_block(monkeypatch: pytest.MonkeyPatch) -> tuple:
+    """Program and stresses of a block that is pushed, of which a lower bound was to be proven."""
     given = []
     monkeypatch.setattr(
         search, "prove_lower", lambda *args: given.append(args) or certify.prove_lower(*args)
@@ -50,7 +48,14 @@ def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch)
         "live": "block:left",
     }
     sc.Model(forms, fixed).bounds(**loads, gap=0.9, elements=100, progress=False)
-    program, found, live = given[0]
+    return given[0]
+
+
+def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """[X] Above the largest multiplier of a mesh no stress in equilibrium is admissible: it proves
+    nothing.
+    """
+    program, found, live = pushed_block(monkeypatch)
     assert certify.prove_lower(program, found, live).value == pytest.approx(found.theta, rel=1e-12)
     assert (
         certify.prove_lower(program, replace(found, theta=1.005 * found.theta), live).value
@@ -214,3 +219,27 @@ def test_soils_that_are_much_stronger_than_others_by_the_stress_they_carry() -> 
     assert _STRONG == 30.0
     assert strong[0] == [False, False, True, True, False]
     assert strong[1] == [False, False, False, True, False]
+
+
+def test_earlier_stresses_that_cannot_be_balanced_do_not_end_the_proof(monkeypatch) -> None:
+    """[X] Of three earlier stresses round-off spoils the last, and the second proves the load."""
+    program, found, live = pushed_block(monkeypatch)
+    beyond = replace(found, theta=1.005 * found.theta)
+    spoiled = 0.9 * found.theta
+    kept = [
+        found.inner[-1]._replace(theta=part * found.theta, stress=part * found.stress)
+        for part in (0.8, 1.0, 0.9)
+    ]
+    balanced = certify._balanced
+
+    def with_noise(program, found, theta, plain):
+        stress, residual = balanced(program, found, theta, plain)
+        return stress, 2 * certify.UNBALANCED if theta == spoiled else residual
+
+    monkeypatch.setattr(certify, "_balanced", with_noise)
+    proof = certify.prove_lower(program, replace(beyond, inner=kept), live)
+    assert proof.value == pytest.approx(found.theta, rel=1e-12)
+    # where no earlier stresses prove anything, the last ones stay
+    proof = certify.prove_lower(program, replace(beyond, inner=kept[2:]), live)
+    assert proof.value == -np.inf
+    assert proof.residual <= certify.UNBALANCED
