@@ -33,7 +33,7 @@ import skfem_contact.plot as plot
 
 full = "--full" in sys.argv
 n, length = 5, 0.5 * random_slope.height
-samples, strata = (500, 200) if full else (20, 10)
+samples, strata = (500, 200) if full else (20, 20)
 plot.set_units("kN", "m")
 begin = process_time()
 

@@ -182,8 +182,9 @@ def measured(method, n, forms, stage, fixed, start=None):
 
 
 PARTS = ("material", "kernels", "contact", "search", "rest", "solve")
-sizes = (3, 8, 14, 26, 45) if "--full" in sys.argv else (3, 5)
-repeats = 3 if "--full" in sys.argv else 1
+FULL = "--full" in sys.argv
+sizes = (3, 8, 14, 26, 45) if FULL else (3, 5)
+repeats = 3 if FULL else 1
 rows = []
 for m in sizes:
     runs = [
@@ -224,7 +225,7 @@ def press(n, quadrature):
     return measured(f"paraboloid in space, {quadrature}", n, forms, stage, problem.fixed)[0]
 
 
-cases = ((4, 2), (6, 2), (4, "segments")) if "--full" in sys.argv else ((2, 2), (2, "segments"))
+cases = ((4, 2), (6, 2), (4, "segments")) if FULL else ((2, 2), (2, "segments"))
 in_space = [
     min((press(*case) for _ in range(repeats)), key=lambda row: row["cpu_s"]) for case in cases
 ]
@@ -240,7 +241,7 @@ patches.close()
 # The factorisation grows faster than everything else: the other parts are three eighths of an
 # iteration at 10,000 unknowns, a quarter at 30,000, a fifth at 100,000, and a sixth at 300,000.
 
-if "--full" in sys.argv:
+if FULL:
     # 62, 73, 80 and 84 % of solutions by PARDISO
     for row, least in zip(rows[1:], (0.55, 0.65, 0.75, 0.75), strict=True):
         assert row["solve"] > least, row

@@ -99,7 +99,7 @@ class Remeshed:
         ``volume`` is the change of area, ``stress`` the largest change of a stress that was beyond
         the strength, over the largest stress, and ``balance`` the change of stresses by which the
         next stage finds equilibrium, over the stresses, both as roots of their elastic energy; NaN
-        where the tangent is singular.
+        where the tangent is singular or the displacements run away.
         """
         end = start[-1]
         lost = end.series["loss"]
@@ -316,7 +316,6 @@ def _unbalanced(system: System, now: Evaluation, load: ndarray, states: dict[str
         for _ in range(_ITERATIONS):
             step = system.factor(system.tangent(now))(now.residual)
             now = system.evaluate(now.z + step, states, load)
-        after = now.states
     except (SingularSystem, NotConverged):
         return np.nan
     # Compare the energies of the change and of the stresses.
@@ -324,7 +323,7 @@ def _unbalanced(system: System, now: Evaluation, load: ndarray, states: dict[str
     stored = 0.0
     for name, form in solids_of(system.forms).items():
         for region, stress, internal in form.at_regions(states[name]):
-            change = after[name].stress[:, region.elements] - stress
+            change = now.states[name].stress[:, region.elements] - stress
             changed += _energy(form, region, change, stress, internal)
             stored += _energy(form, region, stress, stress, internal)
     if stored == 0.0:

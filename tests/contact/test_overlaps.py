@@ -15,7 +15,7 @@ from skfem_contact.contact.diagnosis import _on_distance
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 from tests.tools import space
-from tests.tools.helpers import grid, vector_basis
+from tests.tools.helpers import grid, moved_rigidly, vector_basis
 from tests.tools.scenes import remarked
 
 AUGMENTED = sc.AugmentedLagrangian()
@@ -83,18 +83,14 @@ def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -
 
 def test_facets_that_slide_after_they_were_adjusted_get_another_advice() -> None:
     """[X] A polygon of 24 sides in one of 18 touches it as adjusted, and overlaps when it turns."""
-    angle = 0.5
     mesh = sc.join_bodies({"disc": annulus(0.5, 1.0, 24, 2), "ring": annulus(1.0, 2.0, 18, 2)})
     basis = vector_basis(mesh, "Q1", intorder=2)
     body = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.3), kinematics="finite")
     pair = sc.ContactPair(basis, "disc:outer", "ring:inner", sc.Coulomb(), initial="adjusted")
-    inner = basis.get_dofs("disc:inner")
-    fixed = [inner.all(), basis.get_dofs("ring:outer").all()]
-    i, j = inner.all("u^1"), inner.all("u^2")
-    x, y = basis.doflocs[0, i], basis.doflocs[1, j]
+    inner = basis.get_dofs("disc:inner").all()
+    fixed = [inner, basis.get_dofs("ring:outer").all()]
     u = basis.zeros()
-    u[i] = np.cos(angle) * x - np.sin(angle) * y - x
-    u[j] = np.sin(angle) * x + np.cos(angle) * y - y
+    u[inner] = moved_rigidly(basis, np.degrees(0.5), (0.0, 0.0))[inner]
     stage = sc.Stage("turned", prescribed=u, increments=4)
     _, told = remarked({"body": body, "pair": pair}, stage, np.concatenate(fixed))
     assert "do not match overlap by up to" in told

@@ -20,6 +20,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from tests.tools.helpers import moved_rigidly
 
 
 def test_interference_is_a_number():
@@ -159,14 +160,9 @@ def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
 def test_fit_that_turns_as_a_whole_transfers_no_torque(recwarn):
     """[X] Turned by 115 degrees, hub and ring have their pressure as before, and no remark."""
     model, basis = shrunk(("hub:inner", "ring:outer"), kinematics="finite")
-    x, y = basis.doflocs[:, 0::2]
 
     def turned(share):
-        c, s = np.cos(2.0 * share), np.sin(2.0 * share)
-        u = basis.zeros()
-        u[0::2] = c * x - s * y - x
-        u[1::2] = s * x + c * y - y
-        return u
+        return moved_rigidly(basis, np.degrees(2.0 * share), (0.0, 0.0))
 
     stages = [sc.Stage("fit"), sc.Stage("turned", prescribed=turned, increments=6)]
     result = model.run(stages, **QUIET)

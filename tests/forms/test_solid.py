@@ -436,7 +436,9 @@ def test_locking_is_warned_of(strain, warned, load):
     ) == (warned and yields)
 
 
+# Radii of a ring, of which the inner one is widened, and both after it at a constant volume.
 INNER, OUTER, WAY = 1.0, 4.0, 0.2
+PRESENT = INNER + WAY, np.sqrt(OUTER**2 + (INNER + WAY) ** 2 - INNER**2)
 
 
 def widened(element, order, law, kinematics):
@@ -472,10 +474,7 @@ def test_a_ring_of_clay_that_locks_is_told(element, order, locks, kinematics):
     c = 1.0
     clay = sc.Undrained(sc.MohrCoulomb(E=200.0, nu=0.3, c=c, phi=0.0, psi=0.0), 1e6)
     force, told = widened(element, order, clay, kinematics)
-    a, b = INNER, OUTER
-    if kinematics == "finite":
-        a = INNER + WAY
-        b = np.sqrt(OUTER**2 + a**2 - INNER**2)
+    a, b = PRESENT if kinematics == "finite" else (INNER, OUTER)
     exact = 2.0 * c * np.log(b / a) * a
     # sides of 11 degrees, eight layers
     assert force == pytest.approx(exact, rel=0.02) or locks
@@ -492,8 +491,7 @@ def test_a_ring_of_rubber_that_locks_is_told(element, order, locks):
     """
     mu = 1.0
     force, told = widened(element, order, sc.NeoHooke(E=3.0 * mu, nu=0.4999), "finite")
-    a = INNER + WAY
-    b = np.sqrt(OUTER**2 + a**2 - INNER**2)
+    a, b = PRESENT
     r = np.linspace(a, b, 2001)
     square = r**2 / (r**2 - a**2 + INNER**2)
     exact = trapezoid(mu * (square - 1.0 / square) / r, r) * a

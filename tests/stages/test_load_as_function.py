@@ -9,6 +9,7 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 from tests.stages.test_stages import QUIET, column, pressed
+from tests.tools.helpers import moved_rigidly
 
 
 def reaction(stage, basis) -> float:
@@ -120,12 +121,7 @@ def test_consolidation_under_a_load_that_a_function_holds():
 
 def turned(basis, angle):
     """Return displacements of a rotation about the origin."""
-    c, s = np.cos(angle), np.sin(angle)
-    x = basis.doflocs
-    u = basis.zeros()
-    u[0::2] = (c - 1.0) * x[0, 0::2] - s * x[1, 0::2]
-    u[1::2] = s * x[0, 1::2] + (c - 1.0) * x[1, 1::2]
-    return u
+    return moved_rigidly(basis, np.degrees(angle), (0.0, 0.0))
 
 
 def test_body_is_turned_by_supports_that_follow_a_circle():
