@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix, diags_array, vstack
+from scipy.sparse import csr_matrix, vstack
 
 from ..arrays import max_abs
 from ..forms.base import Response
@@ -438,18 +438,19 @@ def _stiffness(
 
     # Change of the tractions: dt = D (dJ + dlambda / eps)
     gradient = np.concatenate((kinematics.work[:, :1], slip_gradient(kinematics)), axis=1)
-    jumps = _rows(closed.sums, kinematics.dofs, kinematics.expanded(gradient), n)
-    mean = diags_array(np.tile(1.0 / closed.area[on], dim))
-    compliance = diags_array(np.repeat(1.0 / eps, len(on)))
-    own = _picks(pair.multipliers[:, on], n)
-    dt = _blocks(closed.update.tangent) @ (mean @ jumps + compliance @ own)
+    means = closed.sums.multiply(1.0 / closed.area[on, None]).tocsr()
+    jumps = _rows(means, kinematics.dofs, kinematics.expanded(gradient), n)
+    multipliers = pair.multipliers[:, on].ravel()
+    own = _picks(multipliers, np.repeat(1.0 / eps, len(on)), n)
+    dt = _blocks(closed.update.tangent) @ (jumps + own)
 
     # Change of the forces, and of the conditions W / eps (t - lambda)
-    forces = _rows(closed.sums, kinematics.dofs, kinematics.expanded(kinematics.work), n)
-    conditions = diags_array(share[:, on].ravel()) @ own
-    everywhere = _picks(pair.multipliers, n)
-    held = diags_array((1.0 + _HELD) * share.ravel())
-    K = (forces + conditions).T @ dt - everywhere.T @ held @ everywhere
+    work = kinematics.expanded(kinematics.work)
+    forces = _rows(closed.sums, kinematics.dofs, work, n)
+    conditions = _picks(multipliers, share[:, on].ravel(), n)
+    everywhere = pair.multipliers.ravel()
+    held = (1.0 + _HELD) * share.ravel()
+    K = (forces + conditions).T @ dt - csr_matrix((held, (everywhere, everywhere)), shape=(n, n))
 
     # Change of the frames in which the tractions act
     if pair.tangent == "exact":
@@ -468,10 +469,9 @@ def _blocks(tangent: ndarray) -> csr_matrix:
     return csr_matrix((tangent.ravel(), (row.ravel(), column.ravel())), shape=(dim * n, dim * n))
 
 
-def _picks(dofs: ndarray, n: int) -> csr_matrix:
-    """Return the matrix that picks dofs out of n."""
-    ends = np.arange(dofs.size + 1)
-    return csr_matrix((np.ones(dofs.size), dofs.ravel(), ends), shape=(dofs.size, n))
+def _picks(dofs: ndarray, values: ndarray, n: int) -> csr_matrix:
+    """Return the matrix that picks dofs out of n, times values."""
+    return csr_matrix((values, dofs, np.arange(dofs.size + 1)), shape=(dofs.size, n))
 
 
 def _rows(sums: csr_matrix, dofs: ndarray, variations: ndarray, n: int) -> csr_matrix:
