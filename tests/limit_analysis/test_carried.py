@@ -69,8 +69,9 @@ def test_meshes_that_begin_near_take_fewer_iterations(monkeypatch) -> None:
     near = bracket("N_c, 20 degrees", 0.08)
     monkeypatch.setattr(search, "carried", lambda *args: None)
     far = bracket("N_c, 20 degrees", 0.08)
-    assert near.lower == pytest.approx(far.lower, rel=2e-3)
-    assert near.upper == pytest.approx(far.upper, rel=2e-3)
+    # the last mesh is as fine as the gap asks, a twentieth of which these are apart
+    assert near.lower == pytest.approx(far.lower, rel=4e-3)
+    assert near.upper == pytest.approx(far.upper, rel=4e-3)
     iterations = [sum(each.iterations for each in found.history[2:]) for found in (near, far)]
     assert iterations[0] < 0.85 * iterations[1]
 
