@@ -432,7 +432,6 @@ def _stiffness(
 ) -> csr_matrix:
     """Return the tangent of the forces and of the conditions at the nodes."""
     n = pair.size
-    dim = len(share)
     on = closed.on
     kinematics = closed.kinematics
 
