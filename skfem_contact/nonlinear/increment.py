@@ -82,12 +82,15 @@ class Interval:
 def searches_of(system: System, try_recovery: bool) -> tuple[Search, ...]:
     """Choose line searches: multipliers make equilibrium no minimum of the energy along a step."""
     minimum = not any(pair.saddle for pair in having(system.forms, Touching).values())
+    flows = minimum and system.yields_beside_contact
     searches: list[Search] = ["residual"]
-    if minimum and system.yields_beside_contact:
+    if flows:
         searches = ["either"]
     if minimum and try_recovery:
         searches.append("energy")
-    if system.finite:
+    # Full steps bend slender bodies. Ground that flows around a tool runs away by them: pipes,
+    # cones and wedges pushed into clay take .5 to .8 of the iterations without.
+    if system.finite and not flows:
         searches.insert(0, "full")
     return tuple(searches)
 
