@@ -34,6 +34,9 @@ def bottom_of(forms):
 def pushed(build, size, wide, deep, way, n, every=5):
     """Return the result of n stages, in each of which the bottom moves up by `way`.
 
+    Five increments of a stage are a fifth of an element or less each: Newton's method has no
+    equilibrium for the whole stage, and would find that out in each of them.
+
     The first mesh has elements of `size`. The run makes a new one after `every` stages and
     continues by itself, with the stresses and the contact of the last mesh.
     """
@@ -44,7 +47,7 @@ def pushed(build, size, wide, deep, way, n, every=5):
     for k in range(1, n + 1):
         u = np.zeros(model.layout.size)
         u[bottom_of(model.forms)] = k * way
-        stages.append(sc.Stage(f"w = {k * way:.2f}", prescribed=u))
+        stages.append(sc.Stage(f"w = {k * way:.2f}", prescribed=u, increments=5))
     return model.run(stages, remesh=sc.Remeshing(build, size, every=every))
 
 
