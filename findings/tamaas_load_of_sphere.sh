@@ -4,12 +4,12 @@
 # Expected: `Kato`, `Condat`, `PolonskyKeerTan` and `BeckTeboulle` solve the same problem and are called alike,
 #     `solver(model, surface, tolerance, mu).solve(p0)`: `p0` is the mean traction for all of them.
 # Seen: a sphere of radius 10 m on ground with E = 1 MPa, a cell of 2 m x 2 m, a mean pressure of 2 kPa.  Three solvers
-#     find a largest pressure of 30.4 kPa, Hertz has 30.2 kPa.  `BeckTeboulle` returns no traction at all, with an error
-#     of 0, for 2 kPa and for 1 MPa.  With p0 = (0, 0, -0.02) it finds a mean pressure of 10.69 kPa, and the three others
-#     find a mean displacement of -0.02 m under 10.69 kPa.  With 0.001 in x the ground in the middle moves by -0.001 m.
-# Meaning: p0 of `BeckTeboulle` is a distance in metres under the name of a pressure: upwards, and against x.  A positive
-#     load lifts the body off, without a message; a negative one gives pressures that look right, and depend on
-#     the unit of E, which has no part in p0.  Use one of the others, or search the displacement for the load.
+#     find a largest pressure of 30.4 kPa, Hertz has 30.2 kPa.  `BeckTeboulle` returns no traction at all, with an
+#     error of 0, for 2 kPa and for 1 MPa.  With p0 = (0, 0, -0.02) it finds a mean pressure of 10.69 kPa, and the three
+#     others find a mean displacement of -0.02 m under 10.69 kPa.  With 0.001 in x the middle moves by -0.001 m.
+# Meaning: p0 of `BeckTeboulle` is a distance in metres under the name of a pressure: upwards, and against x.  A
+#     positive load lifts the body off, without a message; a negative one gives pressures that look right and are
+#     proportional to E.  Use one of the others, or search the distance that belongs to the load.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
