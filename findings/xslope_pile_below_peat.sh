@@ -6,8 +6,8 @@
 # Seen: piles of 0.6 m at 1.8 m.  In 8 m of sand, as one layer or as two alike, the force is 2303 kN, as by integration
 #     of the stress.  With 4 m of peat (11 kN/m3, 5 kPa) on 4 m of sand (20 kN/m3, 32 degrees) it is 1807 kN, right is
 #     1289 kN with the same A1 and A2.  Peat on clay: 461 in place of 404 kN; fill on clay: 1807 in place of 1855 kN.
-# Meaning: `compute_ito_matsui_force` takes gamma z with the unit weight of the layer and the depth below the surface, so
-#     that the stress jumps at each layer.  The force of dowels below light soil, and with it the factor of safety of
+# Meaning: `compute_ito_matsui_force` takes gamma z with the unit weight of the layer and the depth below the surface,
+#     so that the stress jumps at each layer.  The force of dowels below light soil, and with it the factor of safety of
 #     the slope, is too large.  Give layers below light soil a depth of their own: z less the missing weight over gamma.
 set -euo pipefail
 folder=$(mktemp -d)
