@@ -51,9 +51,10 @@ _GROWN = 3.0
 _STARTS = (1.0, 0.25, 0.06)
 #: The factor from which the next mesh's solver starts, over the last one.
 _ABOVE = 1.01
-#: Share of the gap that lies in the triangles which are refined, at most, and what an upper bound
-#: on the next mesh removes of it, at least: 0.58 to 0.76 with slopes, a vertical cut and a footing.
-_SHARE = 0.5
+#: Share of the gap that lies in the triangles which are refined, at least and at most, and what an
+#: upper bound on the next mesh removes of it, at least: 0.58 to 0.76 with slopes, a vertical cut
+#: and a footing.
+_SHARES = (0.1, 0.5)
 _REMOVED = 0.55
 #: Triangles around a singular point, at most: with 40 of them N_c comes to 0.2 % from below (4.50
 #: of 5.14 with four).
@@ -139,7 +140,7 @@ class Search:
         """Refine until the gap is small."""
         while self.gap > gap and not self.overloaded:
             # Refine where the gap arises, within the limits of elements and time.
-            share = min((1.0 - gap / self.gap) / _REMOVED, _SHARE)
+            share = float(np.clip((1.0 - gap / self.gap) / _REMOVED, *_SHARES))
             finer = self.triangles.rooted().refined(_marked(self._gap_of_elements(), share))
             finer = self._fanned(matched(self.model.contacts, finer))
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
