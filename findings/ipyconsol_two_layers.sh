@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# ucla-geotech-tools 3.1.0 (ipyconsol): clay on silt, ten times as pervious, and a load of 1 kPa makes 111 kPa of water.
+# ucla-geotech-tools 3.1.0 (ipyconsol): clay on silt, ten times as permeable, and a load of 1 kPa makes 111 kPa of water.
 #
 # Expected: material constants are arrays for soil "that can be non-uniform"; the excess pore pressure under a constant
 #     load stays between zero and the load, and the lower the resistance, the faster the settlement.
 # Seen: 5 m of clay on 5 m of silt, alike but for the permeability, drained at the top, a load of 1 kPa.  When uniform
-#     clay has settled by half, a silt twice as pervious gives 51 %, right is 53 %; four times 40 %, five times 25 %,
+#     clay has settled by half, a silt twice as permeable gives 51 %, right is 53 %; four times 40 %, five times 25 %,
 #     right is 54 %.  Eight times gives 5 kPa of excess pressure and a heave of 2.4 times the final settlement; ten
 #     times 111 kPa, and 440 kPa on a mesh four times finer.  Drained at both ends, ten times has settled by 116 % when
 #     64 % are right, with -1.2 kPa.  No message.
 # Meaning: the flow is the sum of k u'' and k' u' by central differences, and is not the same on both sides of a node.
-#     The weight of a neighbour is k + (k1 - k3) / 4: it vanishes where one layer is five times as pervious as the
+#     The weight of a neighbour is k + (k1 - k3) / 4: it vanishes where one layer is five times as permeable as the
 #     other, which cuts the layers off from each other, and is negative beyond.  A sand seam in clay has a
 #     contrast of a thousand.  Spread each change of permeability over many nodes, and look for negative pressures.
 set -euo pipefail
