@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# ucla-geotech-tools 3.1.0 (ipyconsol): clay on silt, ten times as permeable, and a load of 1 kPa makes 111 kPa of water.
+# ucla-geotech-tools 3.1.0 (ipyconsol): clay on silt ten times as permeable, where a load of 1 kPa makes 111 kPa.
 #
 # Expected: material constants are arrays for soil "that can be non-uniform"; the excess pore pressure under a constant
 #     load stays between zero and the load, and the lower the resistance, the faster the settlement.
