@@ -437,7 +437,7 @@ def _stiffness(
 
     # Change of the tractions: dt = D (dJ + dlambda / eps)
     gradient = np.concatenate((kinematics.work[:, :1], slip_gradient(kinematics)), axis=1)
-    means = closed.sums.multiply(1.0 / closed.area[on, None]).tocsr()
+    means = csr_matrix(closed.sums.multiply(1.0 / closed.area[on, None]))
     jumps = _rows(means, kinematics.dofs, kinematics.expanded(gradient), n)
     multipliers = pair.multipliers[:, on].ravel()
     own = _picks(multipliers, np.repeat(1.0 / eps, len(on)), n)
