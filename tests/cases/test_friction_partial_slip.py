@@ -211,6 +211,7 @@ def shifted(ratio: float, **options) -> tuple[float, float]:
     return float(joint.shear @ joint.weight / (MU * FORCE)), shear_error(joint, LOADED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadrature", ["nodal", 4])
 def test_soft_tangential_penalty(quadrature) -> None:
     """[X] S2: it converges from 1e-6 on. The softer the stick, the more of the shear force is

@@ -49,6 +49,7 @@ def test_prandtl(phi, rough):
     assert result.stop.kind == "plateau"
 
 
+@pytest.mark.slow
 def test_finer_mesh_halves_the_error():
     """[X] Case G1: from above, in proportion to the size of the elements, as the edge is
     singular.

@@ -278,6 +278,7 @@ def steep(element: str, phi: float, angle: float) -> sc.Model:
     return sc.Model({"soil": sc.SolidForm(basis, soil, unit_weight=20.0)}, sc.box_supports(basis))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "phi", "angle", "exact"),
     [

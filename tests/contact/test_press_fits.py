@@ -157,6 +157,7 @@ def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
     )
 
 
+@pytest.mark.slow
 def test_fit_that_turns_as_a_whole_transfers_no_torque(recwarn):
     """[X] Turned by 115 degrees, hub and ring have their pressure as before, and no remark."""
     model, basis = shrunk(("hub:inner", "ring:outer"), kinematics="finite")

@@ -33,6 +33,7 @@ def loop(sand, pressure, amplitude, n=100):
     return secant, work / (2.0 * np.pi * secant * amplitude**2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("amplitude", [3e-5, 2e-4])
 def test_damping_ratio_by_masing(amplitude):
     """[X] Masing's rule on the hyperbola G / G0 = 1 / (1 + .385 gamma / gamma_07)."""

@@ -234,6 +234,7 @@ def test_fixed_loads_that_no_multiplier_from_zero_holds(live, high, least, too_m
 # -- invariance
 
 
+@pytest.mark.slow
 def test_units_rotation_and_place() -> None:
     """[X] The same bounds in MN and mm, turned by 37 degrees with its loads, and far from the
     origin.
@@ -298,6 +299,7 @@ def damaged(monkeypatch, change) -> Bounds:
         return bounds_of(**CASES["Griffiths and Lane 1"][0], elements=700, progress=False)
 
 
+@pytest.mark.slow
 def test_noise(monkeypatch) -> None:
     """[X] Stresses and velocities that are off by 1e-4: the bracket holds the factor all the same,
     or there is none.
@@ -554,6 +556,7 @@ def test_what_has_no_bounds() -> None:
         sc.Model(forms | {"spring": spring}, fixed).bounds(weight=20.0, progress=False)
 
 
+@pytest.mark.slow
 def test_no_bound_is_computed_once_the_gap_is_closed() -> None:
     """An upper bound that closes the bracket is the last one."""
     gap = 0.012
