@@ -13,6 +13,7 @@ from skfem import Basis, ElementHex1, ElementVector, MeshHex
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
 from tests.fuzz.halves import SECOND_ORDER, Pressed, half_of
+from tests.tools.helpers import counted
 
 
 def punched(enforcement, planes: int) -> tuple[np.ndarray, float]:
@@ -159,14 +160,7 @@ def test_files_of_half_models_keep_their_penalties(tmp_path, given: float | None
 def test_stiffness_at_planes_of_symmetry_is_found_once(monkeypatch) -> None:
     """A model mirrors each of its contact pairs once."""
     _, forms, fixed = round_body("Q1", "penalty", 2.0, (2, 1)).model(False)
-    calls = []
-    mirrored = sc.ContactPair.mirrored
-
-    def counted(self, *given):
-        calls.append(self)
-        return mirrored(self, *given)
-
-    monkeypatch.setattr(sc.ContactPair, "mirrored", counted)
+    calls = counted(monkeypatch, sc.ContactPair, "mirrored")
     sc.Model(forms, fixed)
     assert len(calls) == 1
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +21,7 @@ from skfem_contact.solvers.direct import SingularSystem
 from skfem_contact.solvers.schur import SchurSolver
 from skfem_contact.sparse import Gathering
 from skfem_contact.stages import setup
-from tests.tools.helpers import grid, run_stages, vector_basis
+from tests.tools.helpers import counted, grid, run_stages, vector_basis
 
 #: Displacements of two analyses whose residuals are below 1e-12 of the load, relative: conditioning
 #: times that.
@@ -94,19 +93,6 @@ def assert_identical(one: Result, other: Result) -> None:
     np.testing.assert_array_equal(a.x, b.x)
     for name, values in vars(a.states["joint"]).items():
         np.testing.assert_array_equal(values, getattr(b.states["joint"], name), err_msg=name)
-
-
-def counted(monkeypatch: pytest.MonkeyPatch, owner: object, name: str) -> list[int]:
-    """Count the calls of a function: the length of the list."""
-    calls: list[int] = []
-    function: Callable = getattr(owner, name)
-
-    def call(*args, **kwargs):
-        calls.append(1)
-        return function(*args, **kwargs)
-
-    monkeypatch.setattr(owner, name, call)
-    return calls
 
 
 soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=25.0, psi=5.0)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pytest
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import (
@@ -302,3 +303,16 @@ def check_tangent_of_water(water, E: float, coordinates: str) -> tuple[sc.Form, 
             found[part], expected[part], atol=1e-7 * np.abs(expected[part]).max()
         )
     return form, x
+
+
+def counted(monkeypatch: pytest.MonkeyPatch, owner: object, name: str) -> list[int]:
+    """Count the calls of a function: the length of the list."""
+    calls: list[int] = []
+    function: Callable = getattr(owner, name)
+
+    def call(*args, **kwargs):
+        calls.append(1)
+        return function(*args, **kwargs)
+
+    monkeypatch.setattr(owner, name, call)
+    return calls
