@@ -17,6 +17,7 @@ from ..errors import Remark
 from ..layout import Field
 from ..sparse import Scattering
 from .law_calls import together
+from .mean_stress import MeanStress
 from .roles import Body, Reducible, having, materials_of, missing_roles
 
 Self = TypeVar("Self")
@@ -53,6 +54,8 @@ class Response:
         vanishes.
     dofs : ndarray, shape (n,)
         Dofs of a local response; by default the first ones.
+    mean
+        Mean stresses of a body, where the iterations predict them.
 
     Examples
     --------
@@ -73,8 +76,10 @@ class Response:
         active: bytes = b"",
         measure: ndarray | None = None,
         dofs: ndarray | None = None,
+        mean: MeanStress | None = None,
     ) -> None:
         self.force = force
+        self.mean = mean
         self.round_off = round_off
         self.active = active
         self.measure = force if measure is None else measure
@@ -129,6 +134,7 @@ class Response:
             round_off=spread(round_off) if isinstance(round_off, np.ndarray) else round_off,
             active=self.active,
             measure=force if self.measure is self.force else spread(self.measure),
+            mean=self.mean,
         )
 
 

@@ -279,6 +279,24 @@ class Deformation:
             force[part] = self._nodal(part, P)
         return np.bincount(k.element_dofs.ravel(), force.ravel(), minlength=k.basis.N)
 
+    def growth_of(self, step: ndarray) -> ndarray:
+        """Return the change of ln J in a step, linearised, (n_elements, n_points or 1).
+
+        With F-bar it is the one at the centre of each element.
+        """
+        k = self._k
+        H = self._own
+        if k.f_bar:
+            assert self._centre is not None
+            H = self._centre
+        change = k.gradient(step, centre=k.f_bar)
+        shape = H.shape[1:]
+        return k.stretch.growth_of(H.reshape(len(H), -1), change.reshape(len(H), -1)).reshape(shape)
+
+    def integral(self, values: ndarray) -> float:
+        """Return the integral of values at the points, (n_elements, n_points)."""
+        return float(np.vdot(self._k.weight, values))
+
     def _nodal(self, part: slice, P: ndarray) -> ndarray:
         """Return forces of the nodes of elements, (n, n_local), by P, (m, axes, dim), weighted."""
         G = self._k.G[part]

@@ -45,6 +45,7 @@ from .assembly import (
 from .base import Coordinates, Form, Kinematics, Later, Outputs, Response
 from .finite import Deformation, FiniteKinematics
 from .law_calls import LawCall
+from .mean_stress import MeanStress
 from .regions import (
     Region,
     by_elasticity,
@@ -57,6 +58,8 @@ from .regions import (
 )
 from .roles import Body, Dissipating, Reducible, Staged, Timed
 
+#: Bulk modulus over shear modulus from which on mean stresses are predicted: Poisson's ratio .41.
+_STIFF = 5.0
 #: Round-off of forces relative to the forces of single displacements.
 _ROUND_OFF = 8 * np.finfo(float).eps
 #: Share of the last stresses or forces below which new ones are differences of nearly equal ones.
@@ -599,13 +602,17 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         given = self.at_regions(state)
         updates, stress = _updates(self._calls(given, increment))
         force = deformation.force(stress)
+        mean = None
+        if self._predicts:
+            mean = MeanStress(deformation, stress, state.stress, self._bulk)
 
         def accepted() -> FiniteState:
             internal = self._internal(state, given, updates)
             return FiniteState(state.strain + increment, stress, internal, deformation.gradient)
 
         def stiffness(damping: bool = False) -> csr_matrix:
-            return self._finite_tangent(deformation, stress, given, updates, damping)
+            used = stress if mean is None else mean.stress
+            return self._finite_tangent(deformation, used, given, updates, damping)
 
         return Response(
             force,
@@ -613,6 +620,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             stiffness=stiffness,
             damped=lambda: stiffness(damping=True),
             round_off=self._lost(x, stress, state.stress, deformation.force),
+            mean=mean,
         )
 
     def _elastic_part(self, state: FiniteState) -> tuple[ndarray, ndarray]:
@@ -904,6 +912,25 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         for region in self.regions:
             moduli[region.elements] = region.material.elasticity(self._ncomp)
         return self._acting(moduli)
+
+    @cached_property
+    def _predicts(self) -> bool:
+        """True where mean stresses are predicted: bodies that flow or hardly change volumes."""
+        for region in self.regions:
+            law = region.material
+            moduli = law.elasticity(self._ncomp)
+            if law.n_internal or (moduli[..., :3, :3].mean() > _STIFF * moduli[..., 3, 3]).any():
+                return True
+        return False
+
+    @cached_property
+    def _bulk(self) -> ndarray:
+        """Elastic bulk modulus of every element, (n_elements, 1)."""
+        bulk = np.empty((self.basis.nelems, 1))
+        for region in self.regions:
+            # the mean stress of the same strain along all three axes
+            bulk[region.elements] = region.material.elasticity(self._ncomp)[..., :3, :3].mean()
+        return bulk
 
     def _acting(self, moduli: ndarray) -> ndarray:
         """Return the part of some moduli, (n, ncomp, ncomp), in the rows of B that act."""

@@ -100,6 +100,14 @@ class PlaneStretch:
         J = cls._growth(gradient)
         return J + gradient[2] * (1.0 + J)
 
+    @classmethod
+    def growth_of(cls, gradient: ndarray, change: ndarray) -> ndarray:
+        """Return the change of ln det F by a change of the gradient, linearised, (m,)."""
+        xx, yy, zz, xy, yx = change
+        in_plane = (1.0 + gradient[1]) * xx + (1.0 + gradient[0]) * yy
+        in_plane -= gradient[4] * xy + gradient[3] * yx
+        return in_plane / (1.0 + cls._growth(gradient)) + zz / (1.0 + gradient[2])
+
     def inverse_plastic(self, elastic: ndarray) -> ndarray:
         r"""Return :math:`U^{-1} \exp(2 e) U^{-1} - 1`, (4, m), of elastic strains e, (4, m)."""
         # exponential: mean, and radius of Mohr's circle

@@ -79,6 +79,15 @@ class SpaceStretch:
         last = xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
         return xx + yy + zz + minors + last
 
+    @staticmethod
+    def growth_of(gradient: ndarray, change: ndarray) -> ndarray:
+        """Return the change of ln det F by a change of the gradient, linearised, (m,)."""
+        # d ln J = F^-T : dF, with the cofactors of F
+        x, y, z = gradient.reshape(3, 3, -1) + np.eye(3)[:, :, None]
+        cofactors = np.stack([np.cross(a, b, axis=0) for a, b in ((y, z), (z, x), (x, y))])
+        J = (x * cofactors[0]).sum(axis=0)
+        return (cofactors * change.reshape(3, 3, -1)).sum(axis=(0, 1)) / J
+
     def inverse_plastic(self, elastic: ndarray) -> ndarray:
         r"""Return :math:`U^{-1} \exp(2 e) U^{-1} - 1`, (6, m), of elastic strains e, (6, m)."""
         # exp(2 e) - 1

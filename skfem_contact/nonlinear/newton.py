@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy import ndarray
 from ..checks import is_number
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Response
+from ..forms.mean_stress import MeanStress
 from ..solvers.direct import SingularSystem
 
 logger = logging.getLogger("skfem_contact")
@@ -132,6 +134,8 @@ class Evaluation:
         Part of the norm that may be round-off.
     scale : ndarray, shape (N,)
         Factors of the equations, where there are several fields.
+    predicted : ndarray, shape (N,)
+        Residual with the mean stresses that the iterations predict, where they do.
     """
 
     z: ndarray
@@ -141,13 +145,32 @@ class Evaluation:
     lag: float = 0.0
     hidden: float = 0.0
     scale: ndarray | None = None
+    predicted: ndarray | None = None
 
     @property
     def size(self) -> float:
-        """Norm of the residual itself, in scaled equations."""
-        return float(
-            np.linalg.norm(self.residual if self.scale is None else self.scale * self.residual)
-        )
+        """Norm of the residual that line searches reduce, in scaled equations."""
+        residual = self._searched
+        return float(np.linalg.norm(residual if self.scale is None else self.scale * residual))
+
+    @property
+    def _searched(self) -> ndarray:
+        return self.residual if self.predicted is None else self.predicted
+
+    @cached_property
+    def means(self) -> dict[str, MeanStress]:
+        """Mean stresses that the iterations predict, by form."""
+        return {name: r.mean for name, r in self.responses.items() if r.mean is not None}
+
+    def work(self, step: ndarray, now: Evaluation) -> float:
+        """Return the work of the residual along a step that begins at another evaluation.
+
+        Only the leading dofs, where the residual is, do work.
+        """
+        work = float(self._searched @ step[: len(self.residual)])
+        for name, mean in self.means.items():
+            work -= mean.work(now.means[name].change(step))
+        return work
 
     @property
     def active(self) -> tuple[bytes, ...]:
@@ -171,6 +194,10 @@ class Problem:
     def evaluate(self, z: ndarray) -> Evaluation:
         """Return the evaluation at a vector of dofs."""
         raise NotImplementedError
+
+    def along(self, now: Evaluation, step: ndarray, length: float) -> Evaluation:
+        """Return the evaluation after a step of some length."""
+        return self.evaluate(now.z + length * step)
 
     def direction(self, now: Evaluation, damped: bool) -> ndarray:
         """Return the Newton step at an evaluation, with the tangent or with the damped one."""
@@ -196,21 +223,19 @@ class Problem:
 def bisect_work(now: Evaluation, step: ndarray, problem: Problem, farthest: float) -> Evaluation:
     """Double and bisect the step until the residual has lost half of its work along the step.
 
-    Only the leading dofs, where the residual is, do work. At the farthest length more of the work
-    may remain.
+    At the farthest length more of the work may remain.
     """
-    along = step[: len(now.residual)]
-    slope = abs(now.residual @ along)
+    slope = abs(now.work(step, now))
     best = now
     least = np.inf  # smallest work so far
     length = 1.0
     shortest = 0.0
     longest = np.inf
     for _ in range(_PROBES):
-        new = problem.evaluate(now.z + length * step)
+        new = problem.along(now, step, length)
         work = -np.inf
         if np.isfinite(new.norm):
-            work = float(new.residual @ along)
+            work = new.work(step, now)
         if abs(work) < least:
             least = abs(work)
             best = new
@@ -250,11 +275,11 @@ def _bound(now: Evaluation, sizes: list[float]) -> float:
 def backtrack(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem) -> Evaluation:
     """Halve the step while the residual is worse than all of the last few."""
     bound = _bound(now, sizes)
-    best = new = problem.evaluate(now.z + step)
+    best = new = problem.along(now, step, 1.0)
     length = 1.0
     while not unbalanced(new) <= bound and length > _SHORTEST:
         length *= 0.5
-        new = problem.evaluate(now.z + length * step)
+        new = problem.along(now, step, length)
         if unbalanced(new) < unbalanced(best) or np.isnan(best.norm):
             best = new
     return best
@@ -268,15 +293,14 @@ def shorten(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem
     norm alone admits steps far along a mechanism, and the work alone no progress near equilibrium.
     Ten times the last residuals are too far.
     """
-    along = step[: len(now.residual)]
     bound = _bound(now, sizes)
-    slope = abs(now.residual @ along)
+    slope = abs(now.work(step, now))
     lengths = _Lengths(now, slope)
     acceptable: Evaluation | None = None
     length = 1.0
     for _ in range(_PROBES):
-        new = problem.evaluate(now.z + length * step)
-        work = _work(new, along, bound)
+        new = problem.along(now, step, length)
+        work = _work(new, step, now, bound)
 
         # End at half of the work or of the norm, and where the whole step is too short.
         if abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm:
@@ -294,11 +318,11 @@ def shorten(now: Evaluation, step: ndarray, sizes: list[float], problem: Problem
     return acceptable or lengths.best
 
 
-def _work(new: Evaluation, along: ndarray, bound: float) -> float:
+def _work(new: Evaluation, step: ndarray, now: Evaluation, bound: float) -> float:
     """Return the work of a residual along a step; -inf where the residual is far too large."""
     if not np.isfinite(new.norm) or not unbalanced(new) <= _MANY * bound:
         return -np.inf
-    return float(new.residual @ along)
+    return new.work(step, now)
 
 
 class _Lengths:
@@ -329,10 +353,10 @@ def full_step(now: Evaluation, step: ndarray, problem: Problem) -> Evaluation:
     """Take the step, halved only where bodies have no response to it."""
     for halvings in range(_HALVINGS):
         try:
-            return problem.evaluate(now.z + 0.5**halvings * step)
+            return problem.along(now, step, 0.5**halvings)
         except NotConverged as error:
             logger.debug("step halved: %s", error)
-    return problem.evaluate(now.z + 0.5**_HALVINGS * step)
+    return problem.along(now, step, 0.5**_HALVINGS)
 
 
 def _along(
@@ -513,7 +537,8 @@ def _stepped(
     except SingularSystem as error:
         raise NotConverged(str(error), now.z, history.norms, int(error.dofs[0])) from error
     except NotConverged as error:  # no response there
-        raise NotConverged(str(error), now.z, history.norms, now.worst) from error
+        cause = error.__cause__ or error
+        raise NotConverged(str(error), now.z, history.norms, now.worst) from cause
     if not np.isfinite(new.norm):
         raise history.failure("the iterations run away")
     return new

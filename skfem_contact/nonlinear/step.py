@@ -117,7 +117,7 @@ class Step:
             balance.choose_accuracy(search)
             try:
                 # no name for the first evaluation: its tangent would stay in memory
-                first = [balance.evaluate(start)]
+                first = [self.system.begun(balance.evaluate(start))]
                 with trusted_calls():
                     now, norms = iterate(
                         first.pop(),
@@ -163,6 +163,10 @@ class _Balance(Problem):
         new = step.system.evaluate(z, step.states, step.load)
         lag = max_abs(step.prescribed - z[step.system.fixed])
         return replace(new, lag=float(lag))
+
+    def along(self, now: Evaluation, step: ndarray, length: float) -> Evaluation:
+        new = self.evaluate(now.z + length * step)
+        return self._step.system.followed(new, now, step, length)
 
     def direction(self, now: Evaluation, damped: bool) -> ndarray:
         """Return the Newton step.

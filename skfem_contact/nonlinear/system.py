@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -176,6 +177,35 @@ class System:
             else:
                 lost[0] += response.round_off
         return np.where(loads > 0.0, np.minimum(lost, _HIDDEN * loads), lost)
+
+    def begun(self, first: Evaluation) -> Evaluation:
+        """Return the evaluation with the mean stresses of the accepted states."""
+        for mean in first.means.values():
+            mean.begin()
+        return self._predicted(first)
+
+    def followed(
+        self,
+        new: Evaluation,
+        now: Evaluation,
+        step: ndarray,
+        length: float,
+    ) -> Evaluation:
+        """Return an evaluation with the mean stresses that a step from another one predicts."""
+        for name, mean in new.means.items():
+            mean.follow(now.means[name], step, length)
+        return self._predicted(new)
+
+    def _predicted(self, new: Evaluation) -> Evaluation:
+        """Return the evaluation with the residual of the mean stresses that iterations predict."""
+        if not new.means:
+            return new
+        residual = new.residual.copy()
+        for name, mean in new.means.items():
+            force = mean.force()
+            residual[: len(force)] += new.responses[name].force[: len(force)] - force
+        residual[self.fixed] = 0.0
+        return replace(new, predicted=residual)
 
     def tangent(self, now: Evaluation, damped: bool = False) -> csr_matrix:
         """Return the tangent of all forms together."""

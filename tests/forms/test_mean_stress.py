@@ -1,0 +1,106 @@
+"""Mean stresses that iterations predict."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementQuad1,
+    ElementTriP2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshTri,
+)
+
+import skfem_contact as sc
+
+BODIES = {
+    "plane": (MeshTri().refined(1), ElementTriP2(), 4, {}),
+    "F-bar": (MeshQuad().refined(1), ElementQuad1(), 2, {"strain": "f_bar"}),
+    "axisymmetric": (MeshTri().refined(1), ElementTriP2(), 4, {"coordinates": "axisymmetric"}),
+    "space": (MeshHex(), ElementHex1(), 2, {"strain": "full"}),
+}
+
+
+def body(name: str, law):
+    """Return a form, and displacements by which volumes change."""
+    mesh, element, order, options = BODIES[name]
+    mesh = mesh.translated((1.0, *[0.0] * (mesh.dim() - 1)))
+    basis = Basis(mesh, ElementVector(element), intorder=order)
+    form = sc.SolidForm(basis, law, kinematics="finite", **options)
+    return form, 0.02 * np.random.default_rng(1).standard_normal(basis.N)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_change_of_a_step(name: str) -> None:
+    """[X] Of elastic bodies p changes by the derivative of the law's mean stress: differences."""
+    form, x = body(name, sc.LinearElastic(E=100.0, nu=0.48))
+    step = np.random.default_rng(2).standard_normal(len(x))
+    state = form.initial_state()
+    mean = form.assemble(x, state).mean
+    h = 1e-5
+
+    def of_law(share: float):
+        return form.assemble(x + share * step, state).state.stress[:3].mean(axis=0)
+
+    difference = (of_law(h) - of_law(-h)) / (2.0 * h)
+    # p is the one of the law before it follows a step
+    limit = 1e-6 * np.abs(difference).max()
+    np.testing.assert_allclose(mean.change(step), difference, rtol=0, atol=limit)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_first_and_second_order(name: str) -> None:
+    """[X] A step of length a leaves a difference of a^2 between p and the law's mean stress."""
+    form, x = body(name, sc.LinearElastic(E=100.0, nu=0.48))
+    step = 0.1 * np.random.default_rng(2).standard_normal(len(x))
+    state = form.initial_state()
+    before = form.assemble(x, state)
+    left = []
+    for length in (0.02, 0.01):
+        after = form.assemble(x + length * step, state)
+        after.mean.follow(before.mean, step, length)
+        left.append(
+            np.abs(after.state.stress[:3].mean(axis=0) - after.mean.stress[:3].mean(axis=0)).max()
+        )
+        # the tangent and the forces of p differ from those of the law by as much
+        forces = np.abs(after.mean.force() - after.force).max()
+        assert 0.0 < forces < 1e3 * left[-1]
+    assert left[0] / left[1] == pytest.approx(4.0, rel=0.1)
+
+
+def test_where_they_are_predicted() -> None:
+    """[X] Bodies that flow or hardly change volumes; small kinematics and others have none."""
+    predicted = {}
+    for name, law in {
+        "elastic": sc.LinearElastic(E=1.0, nu=0.3),
+        "rubber": sc.LinearElastic(E=1.0, nu=0.45),
+        "clay": sc.Tresca(E=1.0, nu=0.3, c=1.0),
+    }.items():
+        form, x = body("plane", law)
+        predicted[name] = form.assemble(x, form.initial_state()).mean is not None
+        small = sc.SolidForm(form.basis, law)
+        assert small.assemble(x, small.initial_state()).mean is None
+    assert predicted == {"elastic": False, "rubber": True, "clay": True}
+
+
+def test_equilibrium_is_the_one_of_the_law(monkeypatch) -> None:
+    """[X] A block of clay squeezed by a fifth: as many digits as the tolerance without them."""
+    stresses = []
+    for predicts in (True, False):
+        basis = Basis(
+            MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=4
+        )
+        form = sc.SolidForm(basis, sc.Tresca(E=100.0, nu=0.49, c=1.0), kinematics="finite")
+        monkeypatch.setattr(form, "_predicts", predicts)
+        top = basis.get_dofs("top")
+        fixed = np.concatenate([basis.get_dofs("bottom").all(), top.all()])
+        down = basis.zeros()
+        down[top.all("u^2")] = -0.1
+        model = sc.Model({"clay": form}, fixed)
+        stage = model.run([sc.Stage("squeeze", prescribed=down, increments=8)], progress=False)
+        stresses.append(stage["squeeze"].states["clay"].stress)
+    np.testing.assert_allclose(stresses[0], stresses[1], rtol=0, atol=1e-5)
