@@ -117,7 +117,7 @@ class Step:
             balance.choose_accuracy(search)
             try:
                 # no name for the first evaluation: its tangent would stay in memory
-                first = [self.system.begun(balance.evaluate(start))]
+                first = [balance.begin(start)]
                 with trusted_calls():
                     now, norms = iterate(
                         first.pop(),
@@ -163,6 +163,16 @@ class _Balance(Problem):
         new = step.system.evaluate(z, step.states, step.load)
         lag = max_abs(step.prescribed - z[step.system.fixed])
         return replace(new, lag=float(lag))
+
+    def begin(self, z: ndarray) -> Evaluation:
+        """Return the evaluation to begin with.
+
+        Mean stresses of an extrapolated start are far off, at the displacements `x` they are right.
+        """
+        first = self.evaluate(z)
+        if self._step.start is None:
+            return first
+        return self._step.system.begun(first)
 
     def along(self, now: Evaluation, step: ndarray, length: float) -> Evaluation:
         new = self.evaluate(now.z + length * step)
