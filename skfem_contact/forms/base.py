@@ -54,8 +54,6 @@ class Response:
         vanishes.
     dofs : ndarray, shape (n,)
         Dofs of a local response; by default the first ones.
-    mean
-        Mean stresses of a body, where the iterations predict them.
 
     Examples
     --------
@@ -65,6 +63,9 @@ class Response:
     >>> sc.Response(np.zeros(2), lambda: None, lambda: csr_matrix(np.eye(2))).stiffness.shape
     (2, 2)
     """
+
+    #: Mean stresses of a body, where the iterations predict them.
+    mean: MeanStress | None = None
 
     def __init__(
         self,
@@ -76,10 +77,8 @@ class Response:
         active: bytes = b"",
         measure: ndarray | None = None,
         dofs: ndarray | None = None,
-        mean: MeanStress | None = None,
     ) -> None:
         self.force = force
-        self.mean = mean
         self.round_off = round_off
         self.active = active
         self.measure = force if measure is None else measure
@@ -126,7 +125,7 @@ class Response:
         slots = scattering or Scattering()
         round_off = self.round_off
         force = spread(self.force)
-        return Response(
+        response = Response(
             force,
             lambda: self.state,
             stiffness=lambda: slots.of(self.stiffness, dofs, n),
@@ -134,8 +133,9 @@ class Response:
             round_off=spread(round_off) if isinstance(round_off, np.ndarray) else round_off,
             active=self.active,
             measure=force if self.measure is self.force else spread(self.measure),
-            mean=self.mean,
         )
+        response.mean = self.mean
+        return response
 
 
 class Later(Response):

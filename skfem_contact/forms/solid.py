@@ -614,14 +614,15 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             used = stress if mean is None else mean.stress
             return self._finite_tangent(deformation, used, given, updates, damping)
 
-        return Response(
+        response = Response(
             force,
             accepted,
             stiffness=stiffness,
             damped=lambda: stiffness(damping=True),
             round_off=self._lost(x, stress, state.stress, deformation.force),
-            mean=mean,
         )
+        response.mean = mean
+        return response
 
     def _elastic_part(self, state: FiniteState) -> tuple[ndarray, ndarray]:
         """Return elastic strains of an accepted state and ``Cp^-1 - 1``, once a step."""
