@@ -8,16 +8,14 @@ import numpy as np
 from typing_extensions import override
 
 from ..arrays import max_abs
-from .base import Array, Parameter, Update, along_elements, check_shapes
+from .base import Array, Update, along_elements, check_shapes
 from .elastic import Isotropic
-from .spectral import COLUMN, ROW, rotation
+from .spectral import Frame, principal
 
 #: Newton's iterations for the volume of a stress, which converge monotonically; 6 are usual.
 _ITERATIONS = 60
 #: Smallest square of a stretch at which they begin.
 _LEAST = 1e-9
-#: Difference of logarithmic strains below which slopes between them are a series.
-_CLOSE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,39 +62,43 @@ class NeoHooke(Isotropic):
 
     @override
     def elastic_strain(self, stress: Array, internal: Array) -> Array:
-        values, vectors = _principal(stress, 1.0)
-        return _components(self._strains(values, stress.shape), vectors, len(stress), 2.0)
+        frame = self._strain_frame(stress)
+        strain = frame.stress(frame.values)
+        strain[3:] *= 2.0
+        return strain.reshape(stress.shape)
 
-    def _constants(self, shape: tuple[int, ...]) -> tuple[Parameter, Parameter]:
-        """Return Lamé's constants at the points of a field (ncomp, n_elements, ...)."""
-        lam, mu = self.lame
-        return along_elements(lam, shape), along_elements(mu, shape)
+    def _constants(self, shape: tuple[int, ...]) -> tuple[Array, Array]:
+        """Return Lamé's constants at the points of a field (ncomp, n_elements, ...), (n,) each."""
+        lam, mu = (along_elements(value, shape) for value in self.lame)
+        return np.broadcast_to(lam, shape[1:]).ravel(), np.broadcast_to(mu, shape[1:]).ravel()
 
-    def _strains(self, stress: Array, shape: tuple[int, ...]) -> Array:
-        """Return principal logarithmic strains, (..., 3), of principal stresses.
+    def _strain_frame(self, stress: Array) -> Frame:
+        """Return principal logarithmic strains of stresses, with their directions.
 
         ``ln J`` solves ``sum ln(1 + (tau_i - lambda ln J) / mu) / 2 = ln J``, whose residual is
         concave: iterations from the linear solution fall to the root.
         """
         # Begin from the growth of small strains, within the range of the logarithm.
-        lam, mu = (np.broadcast_to(value, shape[1:]) for value in self._constants(shape))
-        growth = stress.sum(axis=-1) / (3.0 * lam + 2.0 * mu)
+        lam, mu = self._constants(stress.shape)
+        frame = principal(stress.reshape(len(stress), -1))
+        tau = frame.values
+        growth = tau.sum(axis=0) / (3.0 * lam + 2.0 * mu)
         with np.errstate(divide="ignore", invalid="ignore"):
-            limit = (stress.min(axis=-1) + (1.0 - _LEAST) * mu) / lam
+            limit = (tau[2] + (1.0 - _LEAST) * mu) / lam
         growth = np.where(lam > 0.0, np.minimum(growth, limit), growth)
         # Solve sum of log1p(z) / 2 = growth by Newton's method.
         for _ in range(_ITERATIONS):
-            z = (stress - (lam * growth)[..., None]) / mu[..., None]
-            residual = 0.5 * np.log1p(z).sum(axis=-1) - growth
-            inverse = (1.0 / (1.0 + z)).sum(axis=-1)
+            z = (tau - lam * growth) / mu
+            residual = 0.5 * np.log1p(z).sum(axis=0) - growth
+            inverse = (1.0 / (1.0 + z)).sum(axis=0)
             slope = 0.5 * lam / mu * inverse + 1.0
             change = residual / slope
             growth = growth + change
             largest = max_abs(growth)
             if not max_abs(change) > 1e-15 * largest:
                 break
-        z = (stress - (lam * growth)[..., None]) / mu[..., None]
-        return 0.5 * np.log1p(z)
+        z = (tau - lam * growth) / mu
+        return frame._replace(values=0.5 * np.log1p(z))
 
     @override
     def elasticity(
@@ -107,63 +109,38 @@ class NeoHooke(Isotropic):
     ) -> Array:
         if stress is None:
             return super().elasticity(ncomp)
-        values, vectors = _principal(stress, 1.0)
-        return self._tangent(self._strains(values, stress.shape), vectors, ncomp, stress.shape)
+        lam, mu = self._constants(stress.shape)
+        moduli = _tangent(self._strain_frame(stress), lam, mu)
+        return moduli.reshape(*stress.shape[1:], ncomp, ncomp)
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         check_shapes(strain_increment, stress)
-        ncomp = len(stress)
-        shape = stress.shape
+        lam, mu = self._constants(stress.shape)
         strain = self.elastic_strain(stress, internal) + strain_increment
-        values, vectors = _principal(strain, 0.5)
-        lam, mu = self._constants(shape)
-        of_volume = lam * values.sum(axis=-1)
-        tau = np.expm1(2.0 * values) * np.expand_dims(mu, -1) + of_volume[..., None]
-        new = _components(tau, vectors, ncomp, 1.0)
-
-        def tangent() -> Array:
-            moduli = self._tangent(values, vectors, ncomp, shape)
-            return moduli.reshape(-1, ncomp, ncomp)
-
-        return Update(new, internal, np.arange(values[..., 0].size), tangent)
-
-    def _tangent(self, strain: Array, vectors: Array, ncomp: int, shape: tuple[int, ...]) -> Array:
-        """Return d tau / d e, (..., ncomp, ncomp), engineering shear, of principal strains."""
-        lam, mu = (np.broadcast_to(value, shape[1:]) for value in self._constants(shape))
-        # moduli along the principal axes: mu (b_i - b_j) / (e_i - e_j), 2 mu b_i where they meet
-        b = np.exp(2.0 * strain)
-        difference = strain[..., ROW] - strain[..., COLUMN]
-        close = np.abs(difference) < _CLOSE
-        mean = np.exp(strain[..., ROW] + strain[..., COLUMN])
-        ratio = np.divide(
-            np.sinh(difference), difference, out=np.ones_like(difference), where=~close
+        strain[3:] *= 0.5
+        frame = principal(strain.reshape(len(strain), -1))
+        new = frame.stress(_principal_stresses(frame.values, lam, mu))
+        return Update(
+            new.reshape(stress.shape),
+            internal,
+            np.arange(lam.size),
+            lambda: _tangent(frame, lam, mu),
         )
-        along = 2.0 * mu[..., None] * mean * ratio
-        along[..., :3] = 2.0 * mu[..., None] * b
-        R = rotation(vectors)[..., :ncomp]
-        back = R.copy()
-        back[..., 3:, :] *= 2.0  # shears count twice
-        D = np.swapaxes(back, -1, -2) @ (along[..., None] * R)
-        D[..., :, 3:] *= 0.5
-        D[..., 3:, :] *= 0.5
-        D[..., :3, :3] += lam[..., None, None]
-        return np.asarray(D)
 
 
-def _principal(tensor: Array, shear: float) -> tuple[Array, Array]:
-    """Return eigenvalues, (..., 3), and eigenvectors of tensors of components (4 or 6, ...)."""
-    T = np.zeros((*tensor.shape[1:], 3, 3))
-    for values, i, j in zip(tensor, ROW, COLUMN):
-        T[..., i, j] = values if i == j else shear * values
-        T[..., j, i] = T[..., i, j]
-    return np.linalg.eigh(T)
+def _principal_stresses(strain: Array, lam: Array, mu: Array) -> Array:
+    """Return Kirchhoff stresses, (3, n), of principal logarithmic strains."""
+    # tau = mu (b - 1) + lambda ln J
+    return mu * np.expm1(2.0 * strain) + lam * strain.sum(axis=0)
 
 
-def _components(values: Array, vectors: Array, ncomp: int, shear: float) -> Array:
-    """Return components, (ncomp, ...), of eigenvalues and eigenvectors."""
-    T = (vectors * values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    components = T[..., ROW[:ncomp], COLUMN[:ncomp]]
-    result = np.moveaxis(components, -1, 0).copy()
-    result[3:] *= shear
-    return result
+def _tangent(frame: Frame, lam: Array, mu: Array) -> Array:
+    """Return d tau / d e, (n, ncomp, ncomp), engineering shear, at a frame of strains."""
+    # d tau_i / d e_j = lambda + 2 mu b_i delta_ij
+    moduli = np.empty((3, 3, lam.size))
+    moduli[:] = lam
+    for own, strain in enumerate(frame.values):
+        moduli[own, own] += 2.0 * mu * np.exp(2.0 * strain)
+    # shear between principal axes: (tau_i - tau_j) / (e_i - e_j) / 2
+    return frame.tangent(moduli, _principal_stresses(frame.values, lam, mu), shear=0.5)

@@ -54,3 +54,17 @@ def test_small_strains_are_linear() -> None:
     zero = np.zeros((6, 1))
     D = law.elasticity(6, zero, np.zeros((0, 1)))[0]
     assert np.abs(D - linear.elasticity(6)).max() < 1e-14
+
+
+@pytest.mark.parametrize("ncomp", [4, 6])
+@pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-8, 1e-10, 0.0])
+def test_stretches_that_nearly_meet(gap: float, ncomp: int) -> None:
+    """[X] The shear modulus between two axes is mu exp(e_1 + e_2) sinh(e_1 - e_2) / (e_1 - e_2)."""
+    law = sc.NeoHooke(E=3.0, nu=0.2)
+    strain = np.zeros((ncomp, 1))
+    strain[:3, 0] = 0.1 + gap, 0.1, -0.2
+    update = law.update(strain, np.zeros_like(strain), np.zeros((0, 1)))
+    ratio = np.sinh(gap) / gap if gap else 1.0
+    exact = law.lame[1] * np.exp(0.2 + gap) * ratio
+    # round-off over a gap of 1e-9, below which the limit is taken
+    assert update.tangent()[0, 3, 3] == pytest.approx(exact, rel=1e-7)
