@@ -6,7 +6,7 @@
 # Seen: unit squares and cubes with the boundaries "left" and "top" and the subdomain "clay".  Nodes and elements are
 #     the same ones in another order.  The boundary "top", all at height 1 before, has its centre at 0.40
 #     (triangles), 0.59 (quadrilaterals), 0.51 (tetrahedra) and 0.56 (hexahedra); its measure is 1.21 and 1.39 in
-#     place of 1 for triangles and tetrahedra. 75 to 100 % of its facets are inside.  Subdomains are right.  No
+#     place of 1 for triangles and tetrahedra.  75 to 100 % of its facets are inside.  Subdomains are right.  No
 #     message.
 # Meaning: nodes are sorted, and the names keep the numbers of the old facets.  A pressure on "top" becomes loads in
 #     the ground, which add up to 140 % at worst.  Define boundaries after this call, or check their measures and

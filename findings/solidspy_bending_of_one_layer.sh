@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# solidspy 1.1.0.post1: a beam of one layer of elements bends without any bending stress, one of two layers with half of it.
+# solidspy 1.1.0.post1: a beam of one layer of elements bends without stress, one of two layers with half of it.
 #
 # Expected: `strain_nodes` returns strains and stresses at the nodes: "the variable is extrapolated from the Gauss
 #     point to nodes for each element", then averaged.  A strain that is linear over the height is exact.
 # Seen: pure bending (u = x y, strain y, E = 1, height 1 m, quadrilaterals) of beams of 8 elements in length and 1,
 #     2, 4 and 8 in height.  The stress at the lower edge is 0.000, -0.250, -0.375 and -0.438 at each inner node,
-#     right is -0.500. With one layer it is -0.289 at one end and +0.289 at the other.  A uniform strain is exact.
+#     right is -0.500.  With one layer it is -0.289 at one end and +0.289 at the other.  A uniform strain is exact.
 #     No message.
 # Meaning: nothing is extrapolated: node i gets the value of Gauss point i, and the points are counted along y first,
 #     the nodes around the element.  An inner node of an edge gets one value from each side of the neutral axis of
-#     its elements, whose mean is the value at the centre.  Bending stresses of walls and linings are too small by 1
-#     / n with n layers.
+#     its elements, whose mean is the value at the centre.  Bending stresses of walls and linings are too small by
+#     1 / n with n layers.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
