@@ -10,13 +10,11 @@ compares with a file of version 2.20.
 """
 
 import json
-import resource
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from time import process_time
 
+import layer
 import numpy as np
 from skfem import Basis, ElementQuadS2, ElementVector, MeshQuad, MeshQuad2
 
@@ -93,30 +91,20 @@ def deck(thick):
     last = len(cells) + 1
     lines += ["*ELEMENT, TYPE=C3D8, ELSET=RIGID", f"{last}, " + ", ".join(map(str, plate))]
 
-    # The faces S3 to S6 of a hexahedron are the four sides of its quadrilateral.
-    facets = mesh.boundaries["outside"]
-    owners = mesh.f2t[0, facets]
-    sides = (mesh.t2f[:, owners] == facets).argmax(axis=0)
-    lines += ["*SURFACE, NAME=SLAVE", *(f"{e + 1}, S{s + 3}" for e, s in zip(owners, sides))]
+    lines += ["*SURFACE, NAME=SLAVE", *layer.faces(mesh, "outside")]
     lines += ["*SURFACE, NAME=MASTER", f"{last}, S3"]
     for name, axis in (("LEFT", 0), ("BOTTOM", 1)):
         held = used[np.abs(x[axis, used - 1]) < 1e-9]
         half = np.intersect1d(held, corners) + 2 * N
         lines += [f"*NSET, NSET={name}", *(f"{k}," for k in (*held, *(held + N), *half))]
-    bulk = E / (3.0 * (1.0 - 2.0 * nu))
     return "\n".join(
         [
             *lines,
-            *("*MATERIAL, NAME=RUBBER", "*HYPERELASTIC, NEO HOOKE"),
-            f"{E / (4.0 * (1.0 + nu))}, {2.0 / bulk}",
-            *("*SOLID SECTION, ELSET=RUBBER, MATERIAL=RUBBER", "*MATERIAL, NAME=STIFF"),
-            *("*ELASTIC", "1e3, 0.3", "*SOLID SECTION, ELSET=RIGID, MATERIAL=STIFF"),
-            *(
-                "*SURFACE INTERACTION, NAME=SMOOTH",
-                "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-            ),
-            *(f"{penalty}", "*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=SURFACE TO SURFACE"),
-            *("SLAVE, MASTER", "*BOUNDARY", "NALL, 3, 3", "LEFT, 1, 1", "BOTTOM, 2, 2"),
+            *layer.rubber("RUBBER", E, nu),
+            *("*MATERIAL, NAME=STIFF", "*ELASTIC", "1e3, 0.3"),
+            "*SOLID SECTION, ELSET=RIGID, MATERIAL=STIFF",
+            *layer.contact(penalty),
+            *("*BOUNDARY", "NALL, 3, 3", "LEFT, 1, 1", "BOTTOM, 2, 2"),
             *("PLATE, 1, 3", "*STEP, NLGEOM, INC=1000", "*STATIC"),
             f"{1.0 / steps}, 1., 1e-5, {1.0 / steps}",
             *("*BOUNDARY", f"PLATE, 2, 2, {-squeeze}"),
@@ -133,11 +121,7 @@ thick = 1.0 / n
 folder = Path(".")
 theirs = None
 if "--calculix" in sys.argv:
-    folder = Path(tempfile.mkdtemp())
-    (folder / "seal.inp").write_text(deck(thick))
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    subprocess.run(["ccx", "seal"], cwd=folder, capture_output=True, check=True)
-    theirs = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    folder, theirs = layer.run("seal", deck(thick))
 totals = [b for b in sc.testing.read_dat(folder / "seal.dat") if b.quantity == "total force"]
 peer = np.array([block.values[0, 1] for block in totals]) / thick
 for ours, other in zip(force, peer):
