@@ -51,8 +51,11 @@ for heel, sliding, overturning in ((2.6, 1.93, 3.37), (1.6, 1.93, 4.21)):
     parts = {name: (float(weight), float(lever)) for name, weight, lever in rows}
     factors = [float(check["fs"]) for check in wall["summary"][:2]]
     true = right(heel)
-    print(f"heel {heel} m: backfill {parts['P3'][0]} kN/m at {parts['P3'][1]} m, right {true[0]:.1f} at {true[1]:.2f}; stem at "
-          f"{parts['P1'][1]} m; sliding {factors[0]}, right {true[2]:.2f}; overturning {factors[1]}, right {true[3]:.2f}")
+    print(
+        f"heel {heel} m: backfill {parts['P3'][0]} kN/m at {parts['P3'][1]} m, right {true[0]:.1f} at {true[1]:.2f}; "
+        f"stem at {parts['P1'][1]} m; sliding {factors[0]}, right {true[2]:.2f}; "
+        f"overturning {factors[1]}, right {true[3]:.2f}"
+    )
     assert parts["P3"] == (210.6, true[1]) and parts["P1"][1] == 0.2 and wall["allPass"]
     assert factors == [sliding, overturning]
     if heel == 2.6:

@@ -30,8 +30,8 @@ for points in (1000, 10000, 100000):
     )
     effective.append(np.sqrt(np.mean(normal**2)))
     print(
-        f"{points} points: normal with an RMS of {effective[-1]:.3f} and a largest value of {np.abs(normal).max():.3f}; "
-        f"uniform from {uniform.min():.3f} to {uniform.max():.3f}"
+        f"{points} points: normal with an RMS of {effective[-1]:.3f} and a largest value of "
+        f"{np.abs(normal).max():.3f}; uniform from {uniform.min():.3f} to {uniform.max():.3f}"
     )
     assert abs(np.abs(normal).max() - 1) < 1e-12
     assert uniform.max() - uniform.min() > 1.99

@@ -41,7 +41,8 @@ for kind, (x, y) in states.items():
     envelope.plot_condition()
     colours = [bar.get_facecolor()[:3] for bar in pyplot.gca().patches]
     pyplot.close("all")
-    print(f"{kind}: c = {envelope.cohesion:.2f} MPa, {envelope.friction_angle:.2f} degrees, factors {envelope.fos_values}")
+    found = f"c = {envelope.cohesion:.2f} MPa, {envelope.friction_angle:.2f} degrees"
+    print(f"{kind}: {found}, factors {envelope.fos_values}")
     assert abs(envelope.cohesion - COHESION) < 1e-6 and abs(envelope.friction_angle - 40) < 1e-6
     right = 1.0 if kind == "direct_shear" else 1 / np.cos(ANGLE)
     colour = "gold" if kind == "direct_shear" else "forestgreen"
