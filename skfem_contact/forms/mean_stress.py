@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from numpy import ndarray
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class MeanStress:
     accepted : ndarray, shape (n_components, n_elements, n_points)
         Stresses of the last accepted state.
     bulk : ndarray, shape (n_elements, 1)
-        Bulk moduli.
+        Bulk moduli; zero where mean stresses are the ones of the law.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class MeanStress:
         self._stress = stress
         self._accepted = accepted
         self._bulk = bulk
+        self._predicted = bulk > 0.0
         self._of_law = stress[:3].mean(axis=0)
         self._mean = self._of_law
         self._change: tuple[ndarray, ndarray] | None = None  # of a step
@@ -67,11 +69,12 @@ class MeanStress:
 
     def begin(self) -> None:
         """Take the mean stresses of the last accepted state."""
-        self._mean = self._accepted[:3].mean(axis=0)
+        self._mean = np.where(self._predicted, self._accepted[:3].mean(axis=0), self._of_law)
 
     def follow(self, before: MeanStress, step: ndarray, length: float) -> None:
         """Take the mean stresses that a step predicts."""
-        self._mean = before._mean + length * before.change(step)
+        mean = before._mean + length * before.change(step)
+        self._mean = np.where(self._predicted, mean, self._of_law)
 
     def change(self, step: ndarray) -> ndarray:
         """Return the change of p in a whole step, (n_elements, n_points)."""
@@ -86,4 +89,6 @@ class MeanStress:
 
     def work(self, change: ndarray) -> float:
         r"""Return :math:`\int (p_c - p) \delta p / k`: the equation of p along a change."""
-        return self._deformation.integral((self._of_law - self._mean) / self._bulk * change)
+        missing = self._of_law - self._mean  # zero where there is no prediction
+        strain = np.divide(missing, self._bulk, out=np.zeros_like(missing), where=self._predicted)
+        return self._deformation.integral(strain * change)

@@ -18,6 +18,10 @@ from .assembly import damped
 
 #: Strains by which a law is tried: plastic if it has a strength at all.
 _LARGE = 1.0
+#: Shares of them by which it is tried again where it has no response to such large steps.
+_SMALLER = 1.0, 0.1, 0.01
+#: Round-off of mean stresses relative to the largest one.
+_ROUND_OFF = 1e-9
 
 
 class Region(NamedTuple):
@@ -92,9 +96,8 @@ def may_flow(region: Region, basis: CellBasis) -> bool:
     law = region.material
     if law.n_internal:
         return True
-    n = len(range(basis.nelems)[region.elements]), basis.X.shape[1]
-    stress = np.zeros((4 if basis.mesh.dim() == 2 else 6, *n))
-    strain = np.asarray(np.random.default_rng(0).uniform(-_LARGE, _LARGE, stress.shape))
+    strain = _random_strain(region, basis)
+    stress = np.zeros_like(strain)
     try:
         with np.errstate(all="ignore"):
             internal = law.initial_internal(stress)
@@ -104,6 +107,37 @@ def may_flow(region: Region, basis: CellBasis) -> bool:
     except (ValueError, ArithmeticError, IncrementTooLarge):
         return True
     return len(tried.plastic) > 0
+
+
+def flows_at_constant_volume(region: Region, basis: CellBasis) -> bool:
+    """Return True if mean stresses are the elastic ones of the change of volume, by large strains.
+
+    They are in metals and in clay of undrained strength, not where pressure gives soil strength.
+    """
+    law = region.material
+    strain = _random_strain(region, basis)
+    stress = np.zeros_like(strain)
+    # the mean stress of the same strain along all three axes
+    bulk = law.elasticity(len(strain))[..., :3, :3].mean(axis=(-2, -1))
+    elastic = np.reshape(bulk, (-1, 1)) * strain[:3].sum(axis=0)
+    limit = _ROUND_OFF * np.abs(elastic).max()
+    for share in _SMALLER:
+        try:
+            with np.errstate(all="ignore"):
+                internal = law.initial_internal(stress)
+                tried = updated(law, share * strain, stress, internal, 0.0)
+        except (ValueError, ArithmeticError, IncrementTooLarge):
+            continue
+        mean = tried.stress[:3].mean(axis=0)
+        return bool((np.abs(mean - share * elastic) < share * limit).all())
+    return False
+
+
+def _random_strain(region: Region, basis: CellBasis) -> ndarray:
+    """Return large strains of the points of a region, (n_components, n_elements, n_points)."""
+    n = len(range(basis.nelems)[region.elements]), basis.X.shape[1]
+    shape = (4 if basis.mesh.dim() == 2 else 6, *n)
+    return np.asarray(np.random.default_rng(0).uniform(-_LARGE, _LARGE, shape))
 
 
 def _check_memory(material: Material, call: str, internal: ndarray, n: tuple[int, int]) -> None:

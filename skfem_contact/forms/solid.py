@@ -53,6 +53,7 @@ from .regions import (
     changed_moduli,
     check_materials,
     elastic_strain,
+    flows_at_constant_volume,
     inherited,
     may_flow,
 )
@@ -326,6 +327,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         if not same:
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 vars(body).pop(name, None)
+        vars(body).pop("_predicted_bulk", None)
         body._set(tuple(regions))
         return body
 
@@ -603,8 +605,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         updates, stress = _updates(self._calls(given, increment))
         force = deformation.force(stress)
         mean = None
-        if self._predicts:
-            mean = MeanStress(deformation, stress, state.stress, self._bulk)
+        if self._predicted_bulk.any():
+            mean = MeanStress(deformation, stress, state.stress, self._predicted_bulk)
 
         def accepted() -> FiniteState:
             internal = self._internal(state, given, updates)
@@ -915,22 +917,21 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         return self._acting(moduli)
 
     @cached_property
-    def _predicts(self) -> bool:
-        """True where mean stresses are predicted: bodies that flow or hardly change volumes."""
-        for region in self.regions:
-            law = region.material
-            moduli = law.elasticity(self._ncomp)
-            if law.n_internal or (moduli[..., :3, :3].mean() > _STIFF * moduli[..., 3, 3]).any():
-                return True
-        return False
+    def _predicted_bulk(self) -> ndarray:
+        """Elastic bulk modulus of every element whose mean stresses are predicted, (n_elements, 1).
 
-    @cached_property
-    def _bulk(self) -> ndarray:
-        """Elastic bulk modulus of every element, (n_elements, 1)."""
-        bulk = np.empty((self.basis.nelems, 1))
+        It is zero in the other elements.
+        """
+        bulk = np.zeros((self.basis.nelems, 1))
         for region in self.regions:
             # the mean stress of the same strain along all three axes
-            bulk[region.elements] = region.material.elasticity(self._ncomp)[..., :3, :3].mean()
+            moduli = region.material.elasticity(self._ncomp)
+            of_region = moduli[..., :3, :3].mean(axis=(-2, -1))
+            if may_flow(region, self.basis):
+                predicted = flows_at_constant_volume(region, self.basis)
+            else:
+                predicted = of_region > _STIFF * moduli[..., 3, 3]
+            bulk[region.elements, 0] = np.where(predicted, of_region, 0.0)
         return bulk
 
     def _acting(self, moduli: ndarray) -> ndarray:
