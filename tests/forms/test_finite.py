@@ -405,7 +405,7 @@ def test_clay_that_flows_around_a_tool_takes_few_evaluations(monkeypatch) -> Non
     for predicts in (True, False):
         clay = finite(basis, sc.Tresca(E=500.0, nu=0.49, c=1.0))
         if not predicts:
-            monkeypatch.setattr(clay, "_predicts", False)
+            monkeypatch.setattr(clay, "_predicted_bulk", np.zeros((1, 1)))
         pair = sc.ContactPair(basis, "top", circle, sc.Coulomb(), 3, 5000.0)
         model = sc.Model({"clay": clay, "tool": pair}, np.concatenate([bottom.all(), *sides]))
         stage = model.run([sc.Stage("push", prescribed=up, increments=4)], progress=False)["push"]
