@@ -133,7 +133,7 @@ def test_bulk_moduli_by_element() -> None:
 
 
 def test_equilibrium_is_the_one_of_the_law(monkeypatch) -> None:
-    """[X] A block of clay squeezed by a fifth: as many digits as the tolerance without them."""
+    """[X] A block of clay squeezed by a tenth: as many digits as the tolerance without them."""
     stresses = []
     for predicts in (True, False):
         basis = Basis(
