@@ -157,7 +157,7 @@ ax.legend()
 plt.show()
 
 # %%
-# With ``--full`` and to w = D the force of the rough pipe is within 2.4 % of the middle of its
+# With ``--full`` and to w = D the force of the rough pipe is within 3.0 % of the middle of its
 # bounds at each tenth. The fit 7.4 (w / D)\ :sup:`0.4`, often quoted for rough pipes, is a tenth
 # below the lower bound at .1 D: it is even below the force of a rough strip on the chord, in ground
 # without heave, 2.95 for 3.08. At .7 D it is 8 % above the upper bound, where the trench that the
