@@ -27,7 +27,7 @@ from ..checks import (
 from ..errors import Remark, warn
 from ..loads import by_element, weight, weight_matrix, weightless
 from ..materials import LinearElastic, Material, Update
-from ..materials.base import PLASTIC_STRAIN, Flow
+from ..materials.base import PLASTIC_STRAIN, Flow, bulk_modulus_of
 from ..materials.spectral import largest_shear
 from .assembly import (
     SWING,
@@ -924,13 +924,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         """
         bulk = np.zeros((self.basis.nelems, 1))
         for region in self.regions:
-            # the mean stress of the same strain along all three axes
             moduli = region.material.elasticity(self._ncomp)
-            of_region = moduli[..., :3, :3].mean(axis=(-2, -1))
+            of_region = bulk_modulus_of(moduli)
+            predicted = of_region > _STIFF * moduli[..., 3, 3]
             if may_flow(region, self.basis):
-                predicted = flows_at_constant_volume(region, self.basis)
-            else:
-                predicted = of_region > _STIFF * moduli[..., 3, 3]
+                predicted = np.asarray(flows_at_constant_volume(region, self.basis))
             bulk[region.elements, 0] = np.where(predicted, of_region, 0.0)
         return bulk
 

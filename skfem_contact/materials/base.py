@@ -363,6 +363,14 @@ def parameters_of(law: Any) -> dict[str, Any]:
     return {name: getattr(own, name) for name, part in parts.items() if part.init}
 
 
+def bulk_modulus_of(D: Array) -> Array:
+    """Return bulk moduli, (...), of elastic stiffnesses, (..., ncomp, ncomp).
+
+    They give the mean stress of the same strain along all three axes.
+    """
+    return np.asarray(D[..., :3, :3].mean(axis=(-1, -2)))
+
+
 def updated(
     material: Material,
     strain_increment: Array,

@@ -22,6 +22,7 @@ from .base import (
     along_elements,
     as_material,
     as_parameter,
+    bulk_modulus_of,
     check_reduction,
     require,
     updated,
@@ -133,7 +134,7 @@ class Undrained(Material):
     def _bulk_modulus(self, D: Array) -> Any:
         """Return the bulk modulus of the water by `nu_undrained` and an elastic stiffness."""
         shear = D[..., 3, 3]
-        bulk = D[..., :3, :3].mean(axis=(-1, -2))
+        bulk = bulk_modulus_of(D)
         nu_u = np.asarray(self.nu_undrained, dtype=float)
         if nu_u.ndim:
             # One value an element: let it follow the points of the stiffness.
