@@ -132,6 +132,10 @@ class Planner:
         changes = _changes_forms(stage) or stage.fixed is not None
         same_supports = self._change(stage, changes)
         fixed = np.union1d(self._supports, self._inactive)
+        remains = (changes or self._unreleased) and stage.released < 1.0
+        gone = np.zeros(self._setup.layout.size)
+        if remains and stage.deactivate:
+            gone = self._gone(stage, before, fixed)
 
         # Add up weights, water and the load on top of them
         self._set_water(stage, changes)
@@ -159,7 +163,7 @@ class Planner:
             *self._of_weights(stage, before, load - self._rest),
         )
 
-        self._unreleased = (changes or self._unreleased) and stage.released < 1.0
+        self._unreleased = remains
         phase = Phase(
             before=before,
             forms=self._active,
@@ -167,7 +171,7 @@ class Planner:
             load=load,
             prescribed=prescribed,
             changed=changes and (self._start is not None or not self._first),
-            gone=self._gone(stage, before, fixed),
+            gone=gone,
             on_top=on_top,
             jump=jump,
             remarks=remarks,
@@ -186,15 +190,20 @@ class Planner:
         if stage.water is not None:
             self._water = own_arrays(stage.water)
         if changes or self._first or stage.water is not None:
-            self._rest = self._at_rest(self._active)
+            self._rest = self._at_rest(self._active, self._water)
 
     def _gone(self, stage: Stage, before: Forms, fixed: ndarray) -> ndarray:
-        """Return the weights and water of bodies that go and whose forces are held for a while."""
-        if not self._unreleased or not stage.deactivate:
-            return np.zeros(len(self._rest))
-        gone = self._at_rest(before) - self._rest
+        """Return the weights of bodies that go, and their load of the water before the stage."""
+        water = self._water_before(stage)
+        gone = self._at_rest(before, water) - self._at_rest(self._active, water)
         gone[fixed] = 0.0
         return gone
+
+    def _water_before(self, stage: Stage) -> Any:
+        """Return the water before a stage; where a file only names it, the stage gives it again."""
+        if isinstance(self._water, str):
+            return stage.water
+        return self._water
 
     def _same_as_before(self, load: ndarray) -> bool:
         """Return True if a load is the load of the stage before."""
@@ -262,9 +271,9 @@ class Planner:
         new = np.setdiff1d(self._supports, before)
         return np.intersect1d(self._setup.layout.pressures, new)
 
-    def _at_rest(self, forms: Forms) -> ndarray:
+    def _at_rest(self, forms: Forms, water: Any) -> ndarray:
         """Return the weights of some forms and the load of water on them, (N,)."""
-        wet = self._setup.water_on(forms, self._water)
+        wet = self._setup.water_on(forms, water)
         wet[self._inactive] = 0.0
         return self._setup.weights(forms) + wet
 
@@ -315,10 +324,7 @@ class Planner:
         load = setup.vector(start.load, "start")
         if start.unreleased is not None:
             load = load + setup.vector(start.unreleased, "start")
-        unknown = isinstance(self._water, str)  # a file names it, and the stage gives it again
-        water = self._water
-        if unknown:
-            water = stage.water
+        water = self._water_before(stage)
         return load - setup.weights(self._active) - setup.water_on(self._active, water)
 
     def _jump(

@@ -440,6 +440,25 @@ def test_forces_of_a_lost_body_are_released_in_shares_over_stages():
     assert abs(cleared - alone) < 1e-12 * abs(filled)
 
 
+@pytest.mark.parametrize("water", [10.0, 9.0, 4.0])
+def test_forces_in_part_are_those_of_the_water_before(water):
+    """[X] Two fifths of the buoyant weight of a lost layer heave the ground, whatever water the
+    stage brings; its own change adds the settlement of a fall of the water table.
+    """
+    basis, forms, fixed = column()
+    for name, form in forms.items():
+        forms[name] = sc.SolidForm(form.basis, sc.LinearElastic(E=E, nu=NU), unit_weight=20.0)
+    model = sc.Model(forms, fixed, water_unit_weight=10.0)
+    start = model.k0_state(K0=0.5, water=10.0)
+    dig = sc.Stage("dig", deactivate="layer 2", release=0.4, water=water)
+    heave = model.run([dig], start=start, **QUIET)["dig"].x[at_height(basis, 9.0)]
+    # The layer pressed with 10 on the ground below; stresses rise by 10 per metre of lost buoyancy.
+    fall = 9.0 - water if water < 9.0 else 0.0
+    settlement = 10.0 * (fall**2 / 2 + fall * water) / MODULUS
+    # round-off of the solution
+    assert np.allclose(heave, 0.4 * 10.0 * 9.0 / MODULUS - settlement, rtol=1e-9)
+
+
 def test_water_of_a_stage_is_that_of_a_seepage_in_its_own_ground():
     """[X] Ground above the flow is dry, and its weight and that of the wet ground under water are
     carried.
