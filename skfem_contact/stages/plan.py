@@ -156,6 +156,7 @@ class Planner:
             *self._of_forms(stage),
             *hinged(self._active, self._supports),
             *self._of_water(stage),
+            *self._of_regions(stage),
             *self._of_pressures(stage, load, prescribed),
             *_of_jump(stage, load, jump),
             *_of_removal(stage, on_top_before),
@@ -401,6 +402,22 @@ class Planner:
                     f"a level has none of the suction, up to {water.suction:.3g}, with which "
                     f"'{name}' begins: give water=model.forms['{name}'].initial",
                 )
+
+    def _of_regions(self, stage: Stage) -> Iterator[Remark]:
+        """Report levels of regions that are not active, and count nowhere."""
+        if not isinstance(stage.water, Mapping):
+            return
+        solids = solids_of(self._active)
+        ground = elements_in(solids.values())
+        subdomains = next(iter(solids.values())).basis.mesh.subdomains
+        absent = [name for name in stage.water if not np.isin(subdomains[name], ground).any()]
+        if absent:
+            yield Remark(
+                "levels",
+                len(absent),
+                f"the water of {absent} counts nowhere, for none of their elements is active: a "
+                "pit has the water of the region at its bottom",
+            )
 
     def _of_drained(self, waters: Mapping[str, Wet]) -> Iterator[Remark]:
         """Report ground whose pore water is not active."""

@@ -46,6 +46,29 @@ def test_water_that_presses_on_nothing():
         sc.water_load(basis, sc.hydrostatic(-5.0, unit_weight=10.0), ["top"])
 
 
+def test_levels_of_ground_that_is_gone():
+    """A pit has the water of the region at its bottom: a level of the lift is reported."""
+    mesh = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 2, 5)).with_subdomains(
+        {"rest": lambda x: (x[0] < 2) | (x[1] < 1), "lift": lambda x: (x[0] > 2) & (x[1] > 1)}
+    )
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e4, nu=0.3))
+        for name in ("rest", "lift")
+    }
+    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
+    wet = sc.Stage("wet", water={"rest": 2.0, "lift": 2.0})
+    with pytest.warns(
+        sc.AnalysisWarning, match=r"stage 'dig', the stage: the water of \['lift'\] counts nowhere"
+    ):
+        dig = sc.Stage("dig", deactivate="lift", water={"rest": 2.0, "lift": 1.0})
+        model.run([wet, dig], progress=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        dig = sc.Stage("dig", deactivate="lift", water={"rest": 1.0})
+        model.run([wet, dig], progress=False)
+
+
 def test_loads_at_a_single_dof_act() -> None:
     load = np.array([0.0, 1.0, 1e-14])
     assert [acts_on(load, np.array([k])) for k in range(3)] == [False, True, False]
