@@ -18,12 +18,14 @@ from ..arrays import max_abs
 from ..checks import check_basis, facets_of, vector
 from ..errors import Remark
 from ..layout import Field, rigid_modes
-from .base import Forms, Response, solids_of
+from .base import Forms, Outputs, Response, solids_of
 from .links import MatrixForm
 
 #: Coordinates that count as the same, as a share of the mesh, and the least turn that counts.
 _SAME = 1e-9
 _TURNS = 1e-6
+#: Motion that is not rigid, as a share of all displacements, beyond the tolerance of equilibrium.
+_BENT = 1e-6
 
 
 class RigidBoundary(MatrixForm):
@@ -31,7 +33,7 @@ class RigidBoundary(MatrixForm):
 
     Small displacements: it may sink and turn, and the ground sticks to it. Multipliers, dofs
     besides the displacements, keep all of its motions at zero but the rigid ones; to prescribe one
-    of these, hold a single node.
+    of these, hold a single node. In axial symmetry it moves along the axis alone.
 
     Parameters
     ----------
@@ -74,18 +76,21 @@ class RigidBoundary(MatrixForm):
         facets = facets_of(basis.mesh, boundary)
         self._dofs = np.unique(basis.get_dofs(facets).all())  # node by node
         self._coordinates = basis.doflocs[:, self._dofs]
-        self._modes = None if rotates else basis.mesh.dim()
+        self._modes = slice(None) if rotates else slice(basis.mesh.dim())
         self._displacements = int(basis.N)
         self._locations = basis.doflocs
-        # multipliers on an orthonormal basis of all motions that are not rigid
-        rigid, _ = self._motions(self._coordinates[:, 0])
-        self._others = null_space(rigid.T)
-        where = self._coordinates[:, : self._others.shape[1]]
-        self.fields = (Field("force of a rigid boundary", where, "multiplier"),)
+        self._tie()
         super().__init__(csr_matrix((self._displacements, self._displacements)))
 
     def __repr__(self) -> str:
         return f"<RigidBoundary {len(self._dofs)} displacements>"
+
+    def _tie(self) -> None:
+        """Put multipliers on an orthonormal basis of all motions that are not rigid."""
+        self._rigid, _ = self._motions(self._coordinates[:, 0])
+        self._others = null_space(self._rigid.T)
+        where = self._coordinates[:, : self._others.shape[1]]
+        self.fields = (Field("force of a rigid boundary", where, "multiplier"),)
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> RigidBoundary:
@@ -112,8 +117,46 @@ class RigidBoundary(MatrixForm):
                 "forms"
             )
         new = copy(self)
-        new.fields = (replace(self.fields[0], scale=largest),)
+        if any(solid.coordinates == "axisymmetric" for solid in solids_of(forms).values()):
+            new._modes = slice(1, 2)  # other motions stretch circumferences
+            new._tie()
+        new.fields = (replace(new.fields[0], scale=largest),)
         return new
+
+    @override
+    def supported(self, fixed: ndarray) -> tuple[RigidBoundary, ndarray]:
+        none = np.zeros(0, int)
+        held = np.isin(self._dofs, fixed)
+        if not held.any():
+            return self, none
+        # Find motions of supported dofs alone that are not rigid: supports keep them at zero.
+        by_supports = self._others[held].T @ null_space(self._rigid[held].T)
+        if by_supports.size == 0:
+            return self, none
+        # Keep their multipliers at zero, as no equation of a free dof has them.
+        idle = by_supports @ by_supports.T / self.fields[0].scale
+        rows, columns = np.broadcast_arrays(self._multipliers[:, None], self._multipliers)
+        entries = idle.ravel(), (rows.ravel(), columns.ravel())
+        ties = self.elastic_stiffness
+        new = copy(self)
+        MatrixForm.__init__(new, ties - coo_matrix(entries, shape=ties.shape).tocsr())
+        return new, none
+
+    @override
+    def outputs(self, x: ndarray, state: ndarray) -> Outputs:
+        return Outputs(remarks=lambda: self._remarks((x[: self.size] - state)[self._dofs]))
+
+    def _remarks(self, moved: ndarray) -> Iterator[Remark]:
+        """Report prescribed displacements that are no rigid motion."""
+        bent = self._others @ (self._others.T @ moved)
+        share = max_abs(bent) / max(max_abs(moved), 1e-300)
+        if share > _BENT:
+            yield Remark(
+                "bent",
+                share,
+                f"it does not stay rigid, by {share:.1%} of its displacements, for several of its "
+                "nodes are supported and moved otherwise: hold a single node",
+            )
 
     @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:
@@ -152,7 +195,7 @@ class RigidBoundary(MatrixForm):
         of_ends = np.repeat(ends, dim, axis=1)
         coordinates = np.column_stack((self._coordinates, of_ends))
         every = np.arange(n + 2 * dim)
-        modes = rigid_modes(coordinates, every)[:, : self._modes]
+        modes = rigid_modes(coordinates, every)[:, self._modes]
         # Keep the modes that the supports leave.
         at_supports = np.isin(self._dofs, fixed)
         free = null_space(modes[:n][at_supports])
@@ -208,5 +251,5 @@ class RigidBoundary(MatrixForm):
         dim, n = self._coordinates.shape
         point_dofs = np.tile(point[:, None], dim)
         coordinates = np.column_stack((self._coordinates, point_dofs))
-        modes = rigid_modes(coordinates, np.arange(n + dim))[:, : self._modes]
+        modes = rigid_modes(coordinates, np.arange(n + dim))[:, self._modes]
         return modes[:n], modes[n:]

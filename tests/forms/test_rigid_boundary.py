@@ -235,9 +235,9 @@ def test_bad_input():
         sc.RigidBoundary(basis, "top").load((0.0, np.nan), at=(0.0, 1.0))
 
 
-def test_a_footing_that_is_held_besides():
-    """To hold all of its nodes leaves the multipliers unknown, which is told; a single one leads
-    the others.
+def test_a_footing_that_is_held_besides(recwarn):
+    """A single node that is held leads the others; so do several, but where they are moved apart,
+    which is told.
     """
     basis = Basis(ground(4, 5.0), ElementVector(ElementQuad2()), intorder=4)
     footing = sc.RigidBoundary(basis, "footing", rotates=False)
@@ -245,10 +245,58 @@ def test_a_footing_that_is_held_besides():
     across, moved = basis.get_dofs("footing").all("u^1"), basis.zeros()
     moved[across] = 0.1
     stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.box_supports(basis)
-    with pytest.raises(sc.NotConverged, match="the force of a rigid boundary at"):
+    pushed = []
+    for held in (across[:1], across):
+        model = sc.Model(forms, np.append(fixed, held))
+        pushed.append(model.run([stage], progress=False)["push"].x[: basis.N])
+    assert not [text for text in recwarn if "stay rigid" in str(text.message)]
+    assert pushed[0][across] == pytest.approx(0.1)
+    assert pushed[1] == pytest.approx(pushed[0], abs=1e-10)  # round-off
+    moved[across[0]] = 0.2
+    with pytest.warns(sc.AnalysisWarning, match="push', footing: it does not stay rigid, by 4"):
         sc.Model(forms, np.append(fixed, across)).run([stage], progress=False)
-    pushed = sc.Model(forms, np.append(fixed, across[0])).run([stage], progress=False)["push"]
-    assert pushed.x[across] == pytest.approx(0.1)
+
+
+def test_platen_between_smooth_walls():
+    """[X] Supports hold both ends of the platen across: ground below half of a load settles as in
+    an oedometer. Supports that come later move nothing.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    platen = sc.RigidBoundary(basis, "top", rotates=False)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)), "platen": platen}
+    model = sc.Model(forms, sc.box_supports(basis))
+    load = platen.load((0.0, -FORCE), at=(0.5, 1.0))
+    held = np.append(model.fixed, basis.get_dofs("top").all("u^1"))
+    stages = [sc.Stage("load", load), sc.Stage("held", load, fixed=held)]
+    result = model.run(stages, progress=False)
+    modulus = E * (1 - 0.3) / (1 + 0.3) / (1 - 2 * 0.3)
+    for stage in result:
+        sunk = stage.x[basis.get_dofs("top").all("u^2")]
+        assert sunk == pytest.approx(-FORCE / 2 / modulus, rel=1e-9)  # round-off
+
+
+@pytest.mark.parametrize("inner", [0.0, 1.0], ids=["disc", "ring"])
+@pytest.mark.parametrize("rotates", [True, False])
+def test_rigid_rings_move_along_the_axis(inner, rotates):
+    """[X] A rigid body about an axis neither turns nor grows: it sinks as nodes that are held
+    across and moved down.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 6, 13), np.linspace(-4, 0, 9)).with_defaults()
+    mesh = mesh.with_boundaries({"ring": lambda x: (x[1] > -1e-9) & (x[0] > inner) & (x[0] < 2)})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3), coordinates="axisymmetric")
+    ring = sc.RigidBoundary(basis, "ring", rotates=rotates)
+    model = sc.Model({"soil": soil, "ring": ring}, sc.box_supports(basis))
+    stage = sc.Stage("load", ring.load((0.0, -FORCE), at=(1.9, 0.0)))
+    end = model.run([stage], progress=False)["load"]
+    moved = basis.zeros()
+    down = basis.get_dofs("ring").all("u^2")
+    moved[down] = ring.motion(end.x, (1.5, 0.0))[1]
+    held = sc.Model({"soil": soil}, np.append(model.fixed, basis.get_dofs("ring").all()))
+    pressed = held.run([sc.Stage("press", prescribed=moved)], progress=False)["press"]
+    assert end.x[: basis.N] == pytest.approx(pressed.x, abs=1e-12)  # round-off
+    assert pressed.reactions()[down].sum() == pytest.approx(-FORCE, rel=1e-9)
 
 
 def test_a_footing_on_contact_goes_on_from_a_start():
