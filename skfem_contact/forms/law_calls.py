@@ -50,6 +50,8 @@ class LawCall:
         Accepted internal variables.
     duration
         Time of the increment.
+    elastic
+        Elastic strains after the increment, for a hyperelastic law.
     waits
         True if calls of other regions may join this one.
     """
@@ -59,6 +61,7 @@ class LawCall:
     stress: ndarray
     internal: ndarray
     duration: float
+    elastic: ndarray | None = None
 
     def __post_init__(self) -> None:
         waiting = _waiting.get()
@@ -72,6 +75,8 @@ class LawCall:
     @property
     def _shares(self) -> bool:
         """True if other points can follow these ones in a call."""
+        if self.elastic is not None:
+            return False
         if not self.law.n_internal or self.stress[0].size > _MANY:
             return False
         values = parameters_of(self.law).values()
@@ -80,6 +85,8 @@ class LawCall:
     @cached_property
     def update(self) -> Update:
         """Response of the law."""
+        if self.elastic is not None:
+            return self.law.at_strain(self.elastic, self.internal)
         calls = list(self._calls)
         self._calls.clear()  # where the law fails each call is made again by itself
         if len(calls) < 2:

@@ -586,12 +586,20 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         calls = self._calls(self.at_regions(state), strain - state.strain)
         return strain, _updates(calls)[1]
 
-    def _calls(self, given: _Given, increment: ndarray) -> list[LawCall]:
-        """Return the calls of the materials for an increment of strain."""
+    def _calls(
+        self, given: _Given, increment: ndarray, elastic: ndarray | None = None
+    ) -> list[LawCall]:
+        """Return the calls of the materials for an increment of strain.
+
+        Where elastic strains are known, hyperelastic laws get these.
+        """
         calls = []
         for region, old, internal in given:
             part = increment[:, region.elements]
-            calls.append(LawCall(region.material, part, old, internal, self._duration))
+            known = None
+            if elastic is not None and region.material.hyperelastic:
+                known = elastic[:, region.elements]
+            calls.append(LawCall(region.material, part, old, internal, self._duration, known))
         return calls
 
     def _assemble_finite(self, x: ndarray, state: FiniteState) -> Response:
@@ -600,9 +608,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         # update the stresses
         elastic, plastic = self._elastic_part(state)
         deformation = self._finite.at(x)
-        increment = deformation.strain(plastic) - elastic
+        strain = deformation.strain(plastic)
+        increment = strain - elastic
         given = self.at_regions(state)
-        updates, stress = _updates(self._calls(given, increment))
+        updates, stress = _updates(self._calls(given, increment, strain))
         force = deformation.force(stress)
         mean = None
         if self._predicted_bulk.any():

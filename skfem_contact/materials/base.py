@@ -88,6 +88,9 @@ class Material:
         Whether :meth:`update` takes the time increment ``dt`` as its last argument.
     stress_dependent : bool
         Whether :meth:`elasticity` takes the accepted stress and internal variables.
+    hyperelastic : bool
+        Whether stress is a function of elastic strain, :meth:`at_strain`. Increments have no error
+        then.
     undrained : bool
         Whether the stress contains an excess pore pressure, which :meth:`drained` removes.
 
@@ -110,6 +113,7 @@ class Material:
     internal: tuple[Internal, ...] = ()
     time_dependent: bool = False
     stress_dependent: bool = False
+    hyperelastic: bool = False
     undrained: bool = False
 
     def elasticity(
@@ -140,6 +144,10 @@ class Material:
         Solids of finite kinematics ask for them. None stands for the strains that the elasticity of
         the state gives; a law that is elastic, but not linear, overrides this method.
         """
+
+    def at_strain(self, strain: Array, internal: Array) -> Update:
+        """Return the response to elastic strains of a `hyperelastic` law."""
+        raise NotImplementedError
 
     @property
     def label(self) -> str:

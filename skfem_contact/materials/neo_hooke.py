@@ -49,11 +49,12 @@ class NeoHooke(Isotropic):
     >>> import skfem_contact as sc
     >>> rubber = sc.NeoHooke(E=2., nu=0.)
     >>> strain = np.log(3.) * np.array([1., 0., 0., 0.])[:, None]
-    >>> rubber.update(strain, np.zeros((4, 1)), np.zeros((0, 1))).stress[:, 0].round(9)
+    >>> rubber.at_strain(strain, np.zeros((0, 1))).stress[:, 0].round(9)
     array([8., 0., 0., 0.])
     """
 
     stress_dependent = True
+    hyperelastic = True
 
     @property
     @override
@@ -116,13 +117,17 @@ class NeoHooke(Isotropic):
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         check_shapes(strain_increment, stress)
-        lam, mu = self._constants(stress.shape)
-        strain = self.elastic_strain(stress, internal) + strain_increment
-        strain[3:] *= 0.5
-        frame = principal(strain.reshape(len(strain), -1))
+        return self.at_strain(self.elastic_strain(stress, internal) + strain_increment, internal)
+
+    @override
+    def at_strain(self, strain: Array, internal: Array) -> Update:
+        lam, mu = self._constants(strain.shape)
+        tensor = strain.reshape(len(strain), -1).copy()
+        tensor[3:] *= 0.5
+        frame = principal(tensor)
         new = frame.stress(_principal_stresses(frame.values, lam, mu))
         return Update(
-            new.reshape(stress.shape),
+            new.reshape(strain.shape),
             internal,
             np.arange(lam.size),
             lambda: _tangent(frame, lam, mu),

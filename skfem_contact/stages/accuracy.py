@@ -133,6 +133,8 @@ class Parts:
 
 def _counts(material: Material, timed: bool) -> bool:
     """Return True if increments of a material have errors; steps of creep are short enough."""
+    if material.hyperelastic:
+        return False
     return material.stress_dependent and not (timed and material.time_dependent)
 
 

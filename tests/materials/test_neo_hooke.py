@@ -48,6 +48,19 @@ def test_uniaxial_tension() -> None:
     assert stress[3] == 0.0
 
 
+@pytest.mark.parametrize("ncomp", [4, 6])
+def test_strains_add_up(ncomp: int) -> None:
+    """[X] Two updates and the response to the sum of their strains agree, tangents too."""
+    law = sc.NeoHooke(E=np.array([1.0, 2.0, 3.0]), nu=0.4)
+    first, second = 0.3 * np.random.default_rng(3).standard_normal((2, ncomp, 3, 2))
+    none = np.zeros((0, 3, 2))
+    halfway = law.update(first, np.zeros_like(first), none)
+    end = law.update(second, halfway.stress, none)
+    whole = law.at_strain(first + second, none)
+    np.testing.assert_allclose(end.stress, whole.stress, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(end.tangent(), whole.tangent(), rtol=0, atol=1e-11)
+
+
 def test_small_strains_are_linear() -> None:
     """[X] The stiffness without stress is Hooke's."""
     law, linear = sc.NeoHooke(E=3.0, nu=0.2), sc.LinearElastic(E=3.0, nu=0.2)

@@ -255,3 +255,21 @@ def test_materials_whose_increments_have_errors() -> None:
         assert _counts(sc.CamClay(*parameters), timed)
         assert _counts(sc.SoftSoilCreep(*parameters, **creeping), timed) != timed
         assert not _counts(sc.LinearElastic(E=1e4, nu=0.3), timed)
+        assert not _counts(sc.NeoHooke(E=1e4, nu=0.3), timed)
+
+
+def test_increments_of_rubber_have_no_error() -> None:
+    """[X] A block squeezed by a third in one increment and in four: the tolerance of Newton's
+    method.
+    """
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad2()), intorder=4)
+    top, bottom = basis.get_dofs("top"), basis.get_dofs("bottom")
+    form = sc.SolidForm(basis, sc.NeoHooke(E=1.0, nu=0.3), kinematics="finite")
+    model = sc.Model({"rubber": form}, np.concatenate([top.all(), bottom.all()]))
+    down = basis.zeros()
+    down[top.all("u^2")], down[top.all("u^1")] = -0.3, 0.2
+    found = []
+    for increments in (1, 4):
+        stage = sc.Stage("squeeze", prescribed=down, increments=increments)
+        found.append(model.run([stage], progress=False)[-1].states["rubber"].stress)
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-7)
