@@ -279,6 +279,30 @@ class Deformation:
             force[part] = self._nodal(part, P)
         return np.bincount(k.element_dofs.ravel(), force.ravel(), minlength=k.basis.N)
 
+    def force_of_pressure(self, tension: ndarray) -> ndarray:
+        r"""Return the internal force, (N,), of mean stresses, (n_elements, n_points).
+
+        Of stresses t = p 1, S = p C^-1, and with F-bar :math:`P = s^{-d} p F^{-T}`.
+        """
+        k = self._k
+        weighted = tension * k.weight
+        if self._log is not None:
+            weighted = weighted * np.exp(-k.scaled * self._log)
+        force = np.empty(k.element_dofs.shape)
+        for part in k.batches():
+            F = self._own[:, part].reshape(len(self._own), -1)
+            P = weighted[part].reshape(-1, 1, 1) * _inverse(F, k.dim, k.axial)
+            force[part] = self._nodal(part, P)
+        return np.bincount(k.element_dofs.ravel(), force.ravel(), minlength=k.basis.N)
+
+    def log_growth(self, x: ndarray) -> ndarray:
+        """Return ln J of displacements, (n_elements, n_points or 1).
+
+        With F-bar it is the one at the centre of each element.
+        """
+        k = self._k
+        return np.log1p(k.growth(k.gradient(x, centre=k.f_bar)))
+
     def growth_of(self, step: ndarray) -> ndarray:
         """Return the change of ln J in a step, linearised, (n_elements, n_points or 1).
 
@@ -453,11 +477,21 @@ def _tangent(F: ndarray, S: ndarray, C: ndarray, dim: int, axial: bool) -> ndarr
 
 def _of_growth(G: ndarray, F: ndarray, dim: int, axial: bool) -> ndarray:
     """Return the derivatives of ln J by displacements, (n, points, dim, functions)."""
-    rows = np.array(_rows(F, dim)).transpose(2, 0, 1)
-    inverse = np.linalg.inv(rows)  # (m, J, i)
-    if axial:
-        hoop = np.zeros((len(inverse), 1, dim))
-        hoop[:, 0, 0] = 1.0 / (1.0 + F[2])
-        inverse = np.concatenate((inverse, hoop), axis=1)
     n, n_points, n_axes, _ = G.shape
-    return np.matmul(inverse.reshape(n, n_points, n_axes, dim).transpose(0, 1, 3, 2), G)
+    inverse = _inverse(F, dim, axial).reshape(n, n_points, n_axes, dim)
+    return np.matmul(inverse.transpose(0, 1, 3, 2), G)
+
+
+def _inverse(F: ndarray, dim: int, axial: bool) -> ndarray:
+    """Return ``F^-1``, (m, axes, dim), along the axes of displacements."""
+    rows = _rows(F, dim)
+    if dim == 3:
+        return np.linalg.inv(np.array(rows).transpose(2, 0, 1))
+    # The inverse of two rows and columns is in closed form.
+    (a, b), (c, d) = rows
+    inverse = np.zeros((len(a), dim + axial, dim))
+    inverse[:, :2] = np.array(((d, -b), (-c, a))).transpose(2, 0, 1)
+    inverse[:, :2] /= (a * d - b * c)[:, None, None]
+    if axial:
+        inverse[:, 2, 0] = 1.0 / (1.0 + F[2])
+    return inverse

@@ -67,9 +67,16 @@ class MeanStress:
         stress[:3] += self._mean - self._of_law
         return stress
 
-    def begin(self) -> None:
-        """Take the mean stresses of the last accepted state."""
-        self._mean = np.where(self._predicted, self._accepted[:3].mean(axis=0), self._of_law)
+    def begin(self, x: ndarray, before: ndarray | None = None, share: float = 0.0) -> None:
+        """Take the mean stresses of the last accepted state, at displacements `x`.
+
+        If displacements `before` are known, a share of the change from there follows.
+        """
+        mean = self._accepted[:3].mean(axis=0)
+        if before is not None:
+            growth = self._deformation.log_growth
+            mean += share * self._bulk * (growth(x) - growth(before))
+        self._mean = np.where(self._predicted, mean, self._of_law)
 
     def follow(self, before: MeanStress, step: ndarray, length: float) -> None:
         """Take the mean stresses that a step predicts."""
@@ -84,8 +91,8 @@ class MeanStress:
         return self._change[1]
 
     def force(self) -> ndarray:
-        """Return the internal force, (N,)."""
-        return self._deformation.force(self.stress)
+        """Return the internal force, (N,), of the mean stresses less the ones of the law."""
+        return self._deformation.force_of_pressure(self._mean - self._of_law)
 
     def work(self, change: ndarray) -> float:
         r"""Return :math:`\int (p_c - p) \delta p / k`: the equation of p along a change."""

@@ -154,7 +154,7 @@ def _solve(given: System, step: Step, newton: Newton, attempt: Attempt) -> Equil
         improved = improved_forms(step, new, residuals)
         if not improved and settings is newton:
             check(given, step, new, newton)
-            return replace(new, residuals=residuals, equilibria=equilibria)
+            return replace(new, residuals=residuals, equilibria=equilibria, responses={})
 
         # Begin the next solution at this equilibrium, with the improved forms and states.
         forms = {name: form for name, (form, _) in improved.items()}
@@ -193,7 +193,8 @@ def check(given: System, step: Step, found: Equilibrium, newton: Newton) -> None
     states = {}
     for k, state in step.states.items():
         states[k] = found.states[k] if k in others else state
-    again = given.evaluate(found.x, states, step.load)
+    same = {k: response for k, response in found.responses.items() if k not in others}
+    again = given.evaluate(found.x, states, step.load, same)
     if again.norm > _AGAIN * newton.tolerance:
         reasons = {name: form.reason for name, form in having(others, Regularised).items()}
         why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)

@@ -14,6 +14,7 @@ from scipy.sparse import csr_matrix
 from ..arrays import max_abs
 from ..checks import trusted_calls
 from ..errors import NoEquilibrium, NotConverged
+from ..forms.base import Response
 from ..solvers.direct import REFINE, SingularSystem, Solve
 from .accelerated import Accelerated
 from .forcing import Forcing
@@ -37,6 +38,8 @@ class Equilibrium:
         Number of equilibria that the increment took.
     forces
         Internal forces by form, (N,).
+    responses
+        Responses of the forms, until the equilibrium is accepted.
     """
 
     x: ndarray
@@ -44,6 +47,7 @@ class Equilibrium:
     residuals: tuple[float, ...]
     equilibria: int = 1
     forces: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
+    responses: Mapping[str, Response] = field(default_factory=dict, repr=False)
 
     @property
     def iterations(self) -> int:
@@ -93,6 +97,8 @@ class Step:
         External forces, (N,), and values of the fixed dofs.
     start
         Displacements to start from; by default `x`.
+    before
+        Accepted displacements before `x`, from which `start` is extrapolated.
     """
 
     system: System
@@ -101,6 +107,7 @@ class Step:
     load: ndarray
     prescribed: ndarray
     start: ndarray | None = None
+    before: ndarray | None = None
 
     def equilibrium(self, settings: Newton, attempt: Attempt = Attempt()) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
@@ -136,7 +143,9 @@ class Step:
             else:
                 residuals = spent + norms[1 if spent else 0 :]
                 forces = {name: response.force for name, response in now.responses.items()}
-                return Equilibrium(now.z, now.states, residuals, forces=forces)
+                return Equilibrium(
+                    now.z, now.states, residuals, forces=forces, responses=now.responses
+                )
         raise ValueError("there is no line search to try")
 
 
@@ -170,9 +179,10 @@ class _Balance(Problem):
         Mean stresses of an extrapolated start are far off, at the displacements `x` they are right.
         """
         first = self.evaluate(z)
-        if self._step.start is None:
+        step = self._step
+        if step.start is None or not first.means:
             return first
-        return self._step.system.begun(first)
+        return step.system.begun(first, step.x, step.before)
 
     def along(self, now: Evaluation, step: ndarray, length: float) -> Evaluation:
         new = self.evaluate(now.z + length * step)

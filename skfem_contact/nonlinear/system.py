@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from numpy import ndarray
@@ -20,6 +21,8 @@ from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, Solve
 from ..sparse import Scattering, Total, same_pattern, with_data
 from .newton import Evaluation
+
+_NONE: Mapping[str, Response] = MappingProxyType({})
 
 #: Share of the load that may be lost in round-off.
 _HIDDEN = 1e-6
@@ -118,18 +121,29 @@ class System:
         """Return the work of a load on the free dofs."""
         return float(load[self.free] @ displacements[self.free])
 
-    def responses(self, x: ndarray, states: States) -> dict[str, Response]:
+    def responses(
+        self, x: ndarray, states: States, known: Mapping[str, Response] = _NONE
+    ) -> dict[str, Response]:
         """Return the responses of all forms at displacements, unless these have run away."""
         if not max_abs(x) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
         try:
-            return responses_of(self.forms, x, states, self._slots)
+            missing = {name: form for name, form in self.forms.items() if name not in known}
+            found = responses_of(missing, x, states, self._slots)
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", x) from error
+        found.update(known)
+        return {name: found[name] for name in self.forms}
 
-    def evaluate(self, x: ndarray, states: States, load: ndarray) -> Evaluation:
-        """Evaluate all forms at displacements."""
-        responses = self.responses(x, states)
+    def evaluate(
+        self,
+        x: ndarray,
+        states: States,
+        load: ndarray,
+        known: Mapping[str, Response] = _NONE,
+    ) -> Evaluation:
+        """Evaluate all forms at displacements, but for responses there that are known."""
+        responses = self.responses(x, states, known)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
 
@@ -178,10 +192,17 @@ class System:
                 lost[0] += response.round_off
         return np.where(loads > 0.0, np.minimum(lost, _HIDDEN * loads), lost)
 
-    def begun(self, first: Evaluation) -> Evaluation:
-        """Return the evaluation with the mean stresses of the accepted states."""
+    def begun(self, first: Evaluation, x: ndarray, before: ndarray | None) -> Evaluation:
+        """Return the evaluation with mean stresses that follow the ones of the accepted states.
+
+        `x` and `before` are the displacements of these states and the ones before, if known.
+        """
+        share = 0.0
+        if before is not None:
+            last = x - before
+            share = float((first.z - x) @ last / (last @ last))
         for mean in first.means.values():
-            mean.begin()
+            mean.begin(x, before, share)
         return self._predicted(first)
 
     def followed(
@@ -201,9 +222,9 @@ class System:
         if not new.means:
             return new
         residual = new.residual.copy()
-        for name, mean in new.means.items():
+        for mean in new.means.values():
             force = mean.force()
-            residual[: len(force)] += new.responses[name].force[: len(force)] - force
+            residual[: len(force)] -= force
         residual[self.fixed] = 0.0
         return replace(new, predicted=residual)
 

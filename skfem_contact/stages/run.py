@@ -552,7 +552,8 @@ def _along(
         start = None if stepping.cut else predictor.start(load, prescribed, time)
         if start is not None:
             start = system.foreseen(start, last.x, predictor.before, last.states)
-        step = Step(system, last.x, last.states, load, prescribed, start)
+        before = None if start is None else predictor.before
+        step = Step(system, last.x, last.states, load, prescribed, start, before)
         interval = Interval(path, last.fraction, fraction, duration)
         try:
             with trusted_calls(trust):

@@ -14,6 +14,7 @@ from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.forms import assembly, solid
 from skfem_contact.nonlinear.stepping import Predictor
+from skfem_contact.nonlinear.system import System
 from skfem_contact.results import Result
 from skfem_contact.solvers import direct, schur, superlu
 from skfem_contact.solvers.choice import as_solver
@@ -402,6 +403,41 @@ def test_a_line_search_pays_for_no_tangent(monkeypatch: pytest.MonkeyPatch) -> N
     result = analysed(*pressed(soil, load=100.0))
     assert len(tangents) == sum(result[-1].iterations)
     assert len(forces) > 2 * len(tangents)
+
+
+def test_bodies_are_not_evaluated_again_beside_another_contact(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A block slides over facets, which points choose between increments. Each equilibrium is
+    checked with the contact as given; the bodies are as they were.
+    """
+    layer = grid("Q1", np.linspace(-2, 2, 17), np.linspace(-1, 0, 5))
+    block = grid("Q1", np.linspace(-1, 0, 4), np.linspace(0, 1, 4))
+    basis = vector_basis(sc.join_bodies({"layer": layer, "block": block}), "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, rock, kinematics="finite"),
+        "joint": sc.ContactPair(
+            basis, "layer:top", "block:bottom", sc.Coulomb(mu=0.3), quadrature=5
+        ),
+    }
+    top = basis.get_dofs("block:top")
+    x = basis.zeros()
+    x[top.all("u^2")], x[top.all("u^1")] = -0.02, 0.5
+    fixed = np.concatenate((basis.get_dofs("layer:bottom").all(), top.all()))
+    scene = forms, [sc.Stage("pressed", basis.zeros(), prescribed=x, increments=3)], fixed
+
+    bodies = counted(monkeypatch, sc.SolidForm, "assemble")
+    contacts = counted(monkeypatch, sc.ContactPair, "assemble")
+    once = analysed(*scene)
+    assert len(bodies) < len(contacts)
+
+    evaluate = System.evaluate
+    monkeypatch.setattr(System, "evaluate", lambda self, *args: evaluate(self, *args[:3]))
+    bodies.clear()
+    contacts.clear()
+    again = analysed(*scene)
+    assert len(bodies) == len(contacts)
+    assert_identical(once, again)
 
 
 def test_an_order_of_elimination_serves_for_the_whole_analysis(
