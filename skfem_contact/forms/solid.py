@@ -293,6 +293,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         # A linear law under small strains has a constant tangent; other laws may have any.
         changing = self._finite is not None or not all(map(_is_constant, laws))
         self._linear = self._finite is None and _linear(self.materials)
+        self._hyperelastic = all(law.hyperelastic for law in self.materials.values())
         self._start: _Start | None = None
         self._accepted: tuple[SolidState, ndarray, ndarray] | None = None
         self.changing = None if changing else np.zeros(0, int)
@@ -619,7 +620,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
 
         def accepted() -> FiniteState:
             internal = self._internal(state, given, updates)
-            return FiniteState(state.strain + increment, stress, internal, deformation.gradient)
+            total = state.strain + increment
+            new = FiniteState(total, stress, internal, deformation.gradient)
+            if self._hyperelastic:  # the strain is elastic, and nothing flows
+                self._accepted = new, strain, plastic
+            return new
 
         def stiffness(damping: bool = False) -> csr_matrix:
             used = stress if mean is None else mean.stress

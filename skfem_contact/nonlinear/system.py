@@ -51,6 +51,8 @@ class System:
         self.layout = layout
         self.fixed = fixed
         self.free = others(layout.size, fixed)
+        #: True if an increment has been solved, and arguments of the forms have been checked.
+        self.evaluated = False
         self._solver = solver
         self._total = Total()
         self._slots: defaultdict[str, Scattering] = defaultdict(Scattering)

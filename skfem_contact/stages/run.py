@@ -541,7 +541,6 @@ def _along(
     start_x = last.x
     farthest = _farthest(system, way.pushed)
     driven = way.pushed > 0.0
-    trust = False
     while last.fraction < 1.0:
         _check_size(way, system, last, _moved(last, start_x), farthest)
 
@@ -556,7 +555,7 @@ def _along(
         step = Step(system, last.x, last.states, load, prescribed, start, before)
         interval = Interval(path, last.fraction, fraction, duration)
         try:
-            with trusted_calls(trust):
+            with trusted_calls(system.evaluated):
                 new, errors = solve_step(step, interval, newton, stepping.try_recovery)
             states = last.states, new.states
             times = last.time, time
@@ -587,7 +586,7 @@ def _along(
         with trusted_calls():
             last = _accepted(last, step, new, fraction, time, next_step)
         predictor.accept(last.x, last.load, time)
-        trust = True  # the first increment has checked the forms' responses
+        system.evaluated = True
         yield last
 
 

@@ -21,7 +21,7 @@ from skfem_contact.solvers.choice import as_solver
 from skfem_contact.solvers.direct import SingularSystem
 from skfem_contact.solvers.schur import SchurSolver
 from skfem_contact.sparse import Gathering
-from skfem_contact.stages import setup
+from skfem_contact.stages import run, setup
 from tests.tools.helpers import counted, grid, run_stages, vector_basis
 
 #: Displacements of two analyses whose residuals are below 1e-12 of the load, relative: conditioning
@@ -438,6 +438,52 @@ def test_bodies_are_not_evaluated_again_beside_another_contact(
     again = analysed(*scene)
     assert len(bodies) == len(contacts)
     assert_identical(once, again)
+
+
+def squeezed_rubber() -> Result:
+    """A block of rubber squeezed in two stages."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 1, 4), np.linspace(0, 1, 4)), "Q1", intorder=2)
+    top, bottom = basis.get_dofs("top"), basis.get_dofs("bottom")
+    body = sc.SolidForm(basis, sc.NeoHooke(E=1.0, nu=0.4), kinematics="finite")
+    stages = []
+    for depth in (0.1, 0.2):
+        down = basis.zeros()
+        down[top.all("u^2")] = -depth
+        stages.append(sc.Stage(f"{depth}", prescribed=down, increments=3))
+    model = sc.Model({"body": body}, np.concatenate([top.all(), bottom.all()]), newton=NEWTON)
+    return model.run(stages, progress=False)
+
+
+def test_elastic_strains_of_rubber_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are sought from stresses at the start only, and where the law is tried; the result is
+    the same.
+    """
+    calls = counted(monkeypatch, sc.NeoHooke, "elastic_strain")
+    once = squeezed_rubber()[-1]
+    assert len(calls) == 4
+    calls.clear()
+    monkeypatch.setattr(sc.NeoHooke, "hyperelastic", False)
+    again = squeezed_rubber()[-1]
+    iterations = sum(once.iterations)
+    assert len(calls) > 4 + iterations
+    stress = again.states["body"].stress
+    assert np.abs(once.states["body"].stress - stress).max() < SAME * np.abs(stress).max()
+
+
+def test_arguments_are_checked_in_the_first_increment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Later increments, and stages of the same forms, trust them."""
+    trusted = []
+    original = run.trusted_calls
+
+    def recorded(trust: bool = True):
+        trusted.append(trust)
+        return original(trust)
+
+    monkeypatch.setattr(run, "trusted_calls", recorded)
+    result = squeezed_rubber()
+    increments = sum(len(stage.iterations) for stage in result)
+    assert trusted.count(False) == 1
+    assert len(trusted) == 2 * increments
 
 
 def test_an_order_of_elimination_serves_for_the_whole_analysis(
