@@ -45,6 +45,10 @@ _SHOWN = 5
 #: Newton's method of scikit-fem for points in them does not reach 1e-12, and `with_defaults` takes
 #: wrong facets from 35,000 on.
 _FAR = 2000.0
+#: Names that `with_defaults` gives to the ends of the axes.
+_ENDS = (("left", "right"), ("bottom", "top"), ("front", "back"))
+#: Extent of a side along an axis over its size, below which it is normal to the axis.
+_NORMAL = 1e-6
 
 
 def check_mesh(mesh: Mesh, joined: ArrayLike | None = None) -> None:
@@ -139,6 +143,44 @@ def check_elements(mesh: Mesh) -> None:
     folded = _folded(mesh, np.sign(jacobian[:, 0]))
     if len(folded):
         raise _error("elements folded over their neighbours", "element", folded, centres)
+    check_ends(mesh)
+
+
+def check_ends(mesh: Mesh) -> None:
+    """Warn of ends of one axis that `with_defaults` has found among the sides of another one.
+
+    It takes the sides whose middles are nearer to an end than a hundredth of the elements' lengths.
+    """
+    tags = own_tags(mesh.boundaries)
+    corners = mesh.p[:, mesh.facets]  # (dim, corners, facets)
+    extents = np.ptp(corners, axis=1)
+    normal = extents <= _NORMAL * extents.max(axis=0)  # (dim, facets)
+    # Find the sides at the ends of each axis that are normal to it, and those that are not.
+    right: list[Indices] = []
+    wrong: dict[str, Indices] = {}
+    for axis, ends in enumerate(_ENDS[: mesh.dim()]):
+        for name in tags:
+            if name.rpartition(":")[2] not in ends:
+                continue
+            facets = np.asarray(tags[name])
+            is_normal = normal[axis, facets]
+            right.append(facets[is_normal])
+            if is_normal.any():
+                wrong[name] = facets[~is_normal]
+    # Sides at the ends of two axes belong to the one that they are normal to.
+    of_both = {
+        name: np.intersect1d(facets, np.concatenate(right)) for name, facets in wrong.items()
+    }
+    names = [name for name, facets in of_both.items() if len(facets)]
+    if names:
+        _tell(
+            f"the boundaries {names} contain sides along their axis, for `with_defaults` takes all "
+            "within a hundredth of the length of the elements from the end (name boundaries by "
+            "`with_boundaries`)",
+            "side",
+            np.unique(np.concatenate([of_both[name] for name in names])),
+            corners.mean(axis=1),
+        )
 
 
 def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = None) -> None:

@@ -344,6 +344,27 @@ def test_whole_meshes_are_told_nothing(kind):
     assert not told(join_bodies({"a": mesh, "b": mesh.translated(np.full(mesh.dim(), 1.1))}))
 
 
+def test_ends_of_long_elements():
+    """Elements of 1 x 100: the lower and upper sides of the first and the last one are named as
+    left and right ends, too.
+    """
+    mesh = MeshQuad1.init_tensor(np.arange(5.0), np.array([0.0, 100.0]))
+    (text,) = told(mesh.with_defaults())
+    assert "['left', 'right'] contain sides along their axis" in text
+    assert "4 in all: side 1 at (0.5, 0)" in text
+    bodies = {"a": mesh.with_defaults(), "b": mesh.translated((9.0, 0.0)).with_defaults()}
+    with pytest.warns(sc.AnalysisWarning, match=r"\['a:left', 'a:right', 'b:left', 'b:right'\]"):
+        join_bodies(bodies)
+    # Names by coordinates, sides of a slope and shorter elements are right.
+    named = {"left": lambda x: x[0] < 1e-9, "top": lambda x: x[1] > 100 - 1e-9}
+    assert not told(mesh.with_boundaries(named))
+    assert not told(mesh.scaled((1.0, 0.1)).with_defaults())
+    sloped = moved(grid(MeshTri1), 0, (-0.1, 0.0)).with_boundaries(
+        {"left": lambda x: x[0] < 0.01, "bottom": lambda x: x[1] < 0.2}
+    )
+    assert not told(sloped)
+
+
 def test_links_of_a_chain():
     """[X] Three squares in a row that share corners: two nodes link them, and no other."""
     square = MeshQuad1()

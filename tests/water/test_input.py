@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP1, FacetBasis, MeshTri
+from skfem import Basis, ElementQuad1, ElementTriP1, FacetBasis, MeshQuad, MeshTri
 
 import skfem_contact as sc
 from tests.tools.flows import steady
@@ -150,3 +150,10 @@ def test_bad_questions_to_a_result():
         ValueError, match=r"1 points lie outside of the porous ground, the first is \(5, 1\)"
     ):
         water.head_at(np.array([[1.0, 5.0], [1.0, 1.0]]))
+
+
+def test_ends_of_long_elements_are_told() -> None:
+    """Heads at ends that `with_defaults` names wrongly would shorten the way of the water."""
+    long = MeshQuad.init_tensor(np.arange(5.0), np.array([0.0, 100.0])).with_defaults()
+    with pytest.warns(sc.AnalysisWarning, match="contain sides along their axis"):
+        sc.water.Flow(Basis(long, ElementQuad1()), 1e-4, unit_weight=10.0)
