@@ -121,7 +121,7 @@ class Step:
         start = self.x if self.start is None else self.start
         spent: tuple[float, ...] = ()
         for search in attempt.searches:
-            balance.choose_accuracy(search)
+            balance.prepare(search)
             try:
                 # no name for the first evaluation: its tangent would stay in memory
                 first = [balance.begin(start)]
@@ -159,10 +159,16 @@ class _Balance(Problem):
         self._elastic = attempt.elastic or None  # unknown before the first iteration
         self._regular: csr_matrix | None = None  # the last tangent that was regular
         self._forcing: Forcing | None = None
+        self._predicts = True  # mean stresses, see `forms.mean_stress`
 
-    def choose_accuracy(self, search: Search) -> None:
-        """Solve linear systems only as accurately as the search needs, where bodies yield."""
+    def prepare(self, search: Search) -> None:
+        """Prepare for a search.
+
+        Where bodies yield, linear systems are solved only as accurately as it needs. The first
+        search alone predicts mean stresses: where they lead astray, others follow the law.
+        """
         inexact = self._step.system.yields and search in ("residual", "either", "full")
+        self._predicts = search == self._attempt.searches[0]
         self._forcing = None
         if inexact:
             self._forcing = Forcing(self._settings.tolerance)
@@ -180,12 +186,14 @@ class _Balance(Problem):
         """
         first = self.evaluate(z)
         step = self._step
-        if step.start is None or not first.means:
+        if step.start is None or not first.means or not self._predicts:
             return first
         return step.system.begun(first, step.x, step.before)
 
     def along(self, now: Evaluation, step: ndarray, length: float) -> Evaluation:
         new = self.evaluate(now.z + length * step)
+        if not self._predicts:
+            return new
         return self._step.system.followed(new, now, step, length)
 
     def direction(self, now: Evaluation, damped: bool) -> ndarray:

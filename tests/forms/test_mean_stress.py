@@ -16,6 +16,8 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.errors import NotConverged
+from skfem_contact.nonlinear import newton
 from skfem_contact.nonlinear.system import System
 from tests.tools.helpers import counted
 
@@ -174,6 +176,35 @@ def test_equilibrium_is_the_one_of_the_law(monkeypatch) -> None:
         stage = model.run([sc.Stage("squeeze", prescribed=down, increments=8)], progress=False)
         stresses.append(stage["squeeze"].states["clay"].stress)
     np.testing.assert_allclose(stresses[0], stresses[1], rtol=0, atol=1e-5)
+
+
+def test_the_second_line_search_has_the_law(monkeypatch) -> None:
+    """[X] Where full steps fail, a block of clay has the same force without predictions."""
+    forces = []
+    for fails in (False, True):
+        basis = Basis(
+            MeshTri().refined(1).with_defaults(), ElementVector(ElementTriP2()), intorder=4
+        )
+        form = sc.SolidForm(basis, sc.Tresca(E=100.0, nu=0.49, c=1.0), kinematics="finite")
+        top = basis.get_dofs("top")
+        down = basis.zeros()
+        down[top.all("u^2")] = -0.05
+        model = sc.Model(
+            {"clay": form}, np.concatenate([basis.get_dofs("bottom").all(), top.all()])
+        )
+        with monkeypatch.context() as patch:
+            if fails:
+                patch.setattr(newton, "full_step", fail)
+            followed = counted(patch, System, "followed")
+            stage = model.run([sc.Stage("squeeze", prescribed=down)], progress=False)[-1]
+        assert (not followed) == fails
+        forces.append(stage.reactions()[top.all("u^2")].sum())
+    assert forces[1] == pytest.approx(forces[0], rel=1e-6)
+
+
+def fail(*args) -> None:
+    """Raise the error of a step without a response."""
+    raise NotConverged("no response")
 
 
 def test_increments_continue_with_the_last_change(monkeypatch) -> None:
