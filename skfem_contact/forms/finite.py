@@ -42,7 +42,7 @@ from .stretch_plane import PlaneStretch
 from .stretch_space import SpaceStretch
 
 #: Points of a batch: their tensors stay in the processor's cache.
-_POINTS = 2048
+_POINTS = 8192
 #: Share of its volume to which an element may be compressed.
 _CRUSHED = 1e-3
 
