@@ -59,6 +59,12 @@ _TIMES = 3.0
 _EDGE = 0.87
 #: Torque of the pressure on a round fit, as a share of that of friction, likewise.
 _TURNED = 0.02
+#: Share of the force on facets that a round obstacle touches in parts alone, likewise: circles that
+#: meet 3 to 18 facets of a half have peaks of 1.6 to 3.7 times Hertz' where it is above .2, and of
+#: at most 1.2 times where it is zero.
+_PARTS = 0.1
+#: Square of the mean normal of an obstacle, less than one by round-off alone: it is level.
+_LEVEL = 1e-9
 
 
 def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Remark]:
@@ -75,8 +81,41 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
     yield from _on_closing(pair, state)
     yield from _on_turning(pair, x, state)
     yield from _on_flat_facets(pair, state)
+    yield from _on_parts(pair, state)
     yield from _on_bonds(pair, state)
     yield from _on_distance(pair, state)
+
+
+def _on_parts(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
+    """Yield a remark on facets within the contact that a round obstacle touches in parts alone."""
+    master = pair.facets
+    points = pair.points(state)
+    is_second_order = points.nodes.shape[1] > 2 ** (pair.slave.dim - 1)
+    if not master.rigid or is_second_order or pair.quadrature in ("nodal", 2):
+        return
+    mean = master.area @ master.centres.normal / master.area.sum()
+    if float(mean @ mean) > 1.0 - _LEVEL:
+        return
+    # Find facets with open points beside closed ones, whose neighbours are closed somewhere, too.
+    facets = pair.slave.facets
+    n = len(facets)
+    is_open = state.status == Status.OPEN
+    n_open = np.bincount(points.facet[is_open], minlength=n)
+    touch = np.bincount(points.facet[~is_open], minlength=n) > 0
+    within = ~np.isin(facets, facets[~touch]).any(axis=1)
+    in_parts = within & (n_open > 0)
+    # Compare their force with the whole.
+    force = np.bincount(points.facet, points.weight * np.abs(state.traction[0]), n)
+    share = float(force[in_parts].sum() / max(force.sum(), np.finfo(float).tiny))
+    if share > _PARTS:
+        yield Remark(
+            "parts",
+            share,
+            f"{share:.0%} of the force acts on facets of '{pair.slave.name}' that touch "
+            f"'{master.name}' in parts alone, for they are straight: resultants are right, but "
+            "pressures at points are up to several times too high; take quadrature=2, smaller "
+            "facets or elements of second order",
+        )
 
 
 def _on_bonds(pair: ContactBase, state: ContactState) -> Iterator[Remark]:

@@ -301,3 +301,36 @@ def test_file_of_an_earlier_version(tmp_path) -> None:
     del arrays["0/joint/gap"]
     with pytest.raises(ValueError, match="another form"):
         _state("joint", joint, arrays, "0/joint")
+
+
+@pytest.mark.parametrize(
+    ("n", "quadrature", "peak", "is_told"),
+    [
+        (10, "segments", (2.0, 4.0), True),
+        (10, 2, (0.95, 1.05), False),
+        (40, "segments", (0.95, 1.05), False),
+        (40, 2, (0.95, 1.05), False),
+    ],
+)
+def test_facets_that_a_circle_touches_in_parts(n, quadrature, peak, is_told) -> None:
+    """[X] H. Hertz: a rigid circle on the half-plane. Where straight facets touch it with their
+    middles alone, peaks of the pressure are several times too high, and told.
+    """
+    radius, sunk = 10.0, 0.02
+    x = np.append(np.linspace(0, 1, n + 1), 1 + 14 * np.linspace(0, 1, 13)[1:] ** 1.8)
+    y = -15 * np.linspace(1, 0, 24) ** 2.5
+    basis = vector_basis(MeshQuad.init_tensor(x, y).with_defaults(), "Q1", intorder=2)
+    circle = sc.rigid.circle((0.0, radius), radius)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "joint": sc.ContactPair(basis, "top", circle, sc.Coulomb(), quadrature),
+    }
+    base = basis.get_dofs("bottom").all("u^2")
+    moved = basis.zeros()
+    moved[base] = sunk
+    fixed = np.append(base, basis.get_dofs("left").all("u^1"))
+    stage, remarks = remarked(forms, sc.Stage("press", prescribed=moved, increments=2), fixed)
+    force = 2.0 * stage.reactions()[base].sum()  # of both halves
+    highest = np.sqrt(force * 1e4 / (1 - 0.3**2) / np.pi / radius)
+    assert peak[0] < stage.tractions("joint").pressure.max() / highest < peak[1]  # the mesh
+    assert ("in parts alone" in remarks) == is_told
