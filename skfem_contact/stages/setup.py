@@ -265,6 +265,12 @@ class Setup:
         if water is None or water is False:
             return total
         self.refuse_finite("water acts on undeformed boundaries: give total stresses and loads")
+        solids = solids_of(forms)
+        if not solids:
+            raise ValueError(
+                "water at rest acts on solids and on beams that touch them, and no solid is "
+                "active: give structures alone a load of their own, such as beam.line_load"
+            )
         is_level = not callable(water) and np.ndim(water) != 1
         if self.gravity[-1] != -1.0 and is_level:
             raise ValueError(
@@ -272,7 +278,7 @@ class Setup:
                 "the mesh, or give the water as a function of the coordinates"
             )
         loaded = having(forms, Loaded).values()
-        for wet in loads_at_rest(solids_of(forms), loaded, water, self.water_unit_weight):
+        for wet in loads_at_rest(solids, loaded, water, self.water_unit_weight):
             total[: len(wet)] += wet
         return total
 

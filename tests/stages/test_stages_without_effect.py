@@ -46,6 +46,14 @@ def test_water_that_presses_on_nothing():
         sc.water_load(basis, sc.hydrostatic(-5.0, unit_weight=10.0), ["top"])
 
 
+def test_water_without_a_solid():
+    """A frame alone faces no ground, whose water would press on it."""
+    beam = sc.Beam(None, [(0.0, 0.0), (0.0, 2.0)], EI=1e3, EA=1e5)
+    model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0)), water_unit_weight=10.0)
+    with pytest.raises(ValueError, match="no solid is active: give structures alone a load"):
+        model.run([sc.Stage("wet", water=1.0)], progress=False)
+
+
 def test_levels_of_ground_that_is_gone():
     """A pit has the water of the region at its bottom: a level of the lift is reported."""
     mesh = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 2, 5)).with_subdomains(
