@@ -176,9 +176,13 @@ def _layers(form: SolidForm, sections: Cuts) -> _Layers:
     # Find the positions of their nodes along the axis, and the elements within the depth.
     section_of_nodes = np.repeat(section, nodes.shape[1])
     s, _ = sections.local(section_of_nodes, points[:, element].reshape(dim, -1).T)
+    s = s.reshape(len(element), -1)
     _, offset = sections.local(section, centroid[element])
     inside = np.abs(offset) <= sections.half_depth[section]
-    return _Layers(section, element, nodes[element], s.reshape(len(element), -1), inside)
+
+    # Leave out elements on the other side of a ring, where positions jump by its circumference.
+    here = np.abs(sections.curvature[section]) * np.ptp(s, axis=1) < np.pi
+    return _Layers(section[here], element[here], nodes[element[here]], s[here], inside[here])
 
 
 def _cut(

@@ -216,13 +216,14 @@ def test_cuts_off_the_lines_of_nodes_interpolate():
     assert np.max(errors, axis=0)[1] < 0.0065
 
 
-def test_bodies_of_one_form_are_told_apart():
+@pytest.mark.parametrize("far", [2.0, 20.0], ids=["small elements", "larger than the ring"])
+def test_bodies_of_one_form_are_told_apart(far):
     """[X] A solid with two rings, one in the other: the cuts of the inner one see the inner one
-    only.
+    only, at their own side.
     """
     parts = {
         "ring": annulus(np.linspace(0.72, 0.9, 4), 36),
-        "ground": annulus(np.linspace(0.9, 2.0, 6), 24),
+        "ground": annulus(np.linspace(0.9, far, 6), 24),
     }
     mesh = sc.join_bodies(parts)
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
