@@ -169,9 +169,9 @@ def check(
 
     Notes
     -----
-    Horizontal forces and weights upwards overturn, all other forces stabilise. Moments about the
-    toe are multiplied by the factors on permanent actions, `favourable` and `permanent`. Uplift is
-    checked where loads and water together push upwards, against the weight of the body.
+    Horizontal forces and loads upwards, such as of water, overturn, all others stabilise. Moments
+    about the toe are multiplied by the factors on permanent actions, `favourable` and `permanent`.
+    Uplift is checked where loads and water together push upwards, against the weight of the body.
 
     Examples
     --------
@@ -198,7 +198,7 @@ def check(
     # Read the forces on the body.
     toe, heel = (vector(end, 2, "an end of the base") for end in base)
     dofs, elements = _body(stage, body)
-    forces = _forces(stage, dofs, toe, heel)
+    forces = _forces(stage, dofs, elements, toe, heel)
     _check_balance(forces, body)
 
     # Resolve the force on the base.
@@ -238,7 +238,7 @@ def check(
         )
         effect = factors.effect(vertical)
         rows.append(_row("bearing", effect, resistance.resistance / factors.bearing))
-    rows += _uplift(stage, dofs, elements, factors)
+    rows += _uplift(forces, factors)
 
     return BaseCheck(
         factors=factors,
@@ -264,6 +264,7 @@ class _Forces:
     thrust: ndarray  # forces there, (m, 2)
     nodes: ndarray  # (k, 2)
     loads: ndarray  # (k, 2)
+    weight: ndarray  # the part of the loads that is its own weight, (k, 2)
 
 
 def _body(stage: StageResult, name: str) -> tuple[ndarray, Mapping[str, ndarray]]:
@@ -311,7 +312,13 @@ def _named_elements(form: Any, key: str, name: str) -> ndarray:
     return np.flatnonzero(np.isin(form.elements, numbers))
 
 
-def _forces(stage: StageResult, dofs: ndarray, toe: ndarray, heel: ndarray) -> _Forces:
+def _forces(
+    stage: StageResult,
+    dofs: ndarray,
+    elements: Mapping[str, ndarray],
+    toe: ndarray,
+    heel: ndarray,
+) -> _Forces:
     """Return all forces on a body with these dofs, (n, 2)."""
     points = []
     vectors = []
@@ -359,7 +366,18 @@ def _forces(stage: StageResult, dofs: ndarray, toe: ndarray, heel: ndarray) -> _
         force[~on_base],
         nodes=coordinates[:, dofs[:, 0]].T,
         loads=stage.load[dofs],
+        weight=_own_weight(stage, dofs, elements),
     )
+
+
+def _own_weight(stage: StageResult, dofs: ndarray, elements: Mapping[str, ndarray]) -> ndarray:
+    """Return the part of the loads that is the weight of the body, (k, 2)."""
+    weight = np.zeros(dofs.shape)
+    for name in elements:
+        own = stage.forms[name].own_weight(np.array([0.0, -1.0]))  # type: ignore[attr-defined]
+        if own is not None:
+            weight += own[dofs]
+    return weight
 
 
 def _turned(forces: ndarray, resultant: ndarray) -> ndarray:
@@ -417,8 +435,9 @@ def _moment(points: ndarray, forces: ndarray, toe: ndarray) -> float:
 
 def _moments(forces: _Forces, toe: ndarray) -> tuple[float, float]:
     """Return stabilising and overturning moments of thrust and loads about the toe."""
-    points = np.concatenate((forces.other_points, forces.nodes))
-    vectors = np.concatenate((forces.thrust, forces.loads))
+    # Loads besides the weight, such as water, push upwards on nodes that have weight, too.
+    points = np.concatenate((forces.other_points, forces.nodes, forces.nodes))
+    vectors = np.concatenate((forces.thrust, forces.loads - forces.weight, forces.weight))
     arm = points - toe
     # The base pushes upwards on the body: with the sense of its moment others overturn.
     sense = np.sign(_moment(forces.points, forces.base, toe))
@@ -489,19 +508,10 @@ def _bearing(
     )
 
 
-def _uplift(
-    stage: StageResult,
-    dofs: ndarray,
-    elements: Mapping[str, ndarray],
-    factors: PartialFactors,
-) -> list[tuple[str, float, float, float]]:
+def _uplift(forces: _Forces, factors: PartialFactors) -> list[tuple[str, float, float, float]]:
     """Return the check of uplift where loads other than the weight push upwards, or nothing."""
-    weight = 0.0
-    for name in elements:
-        own = stage.forms[name].own_weight(np.array([0.0, -1.0]))  # type: ignore[attr-defined]
-        if own is not None:
-            weight -= float(own[dofs[:, 1]].sum())
-    others = float(stage.load[dofs[:, 1]].sum()) + weight
+    weight = -float(forces.weight[:, 1].sum())
+    others = float(forces.loads[:, 1].sum()) + weight
     if others <= 1e-9 * max(weight, abs(others)):
         return []
     return [_row("uplift", factors.permanent * others, factors.favourable * weight)]

@@ -55,6 +55,17 @@ def test_a_thrust_on_the_back(as_master):
     assert found.passes
 
 
+def test_water_below_a_wall_overturns():
+    """[X] The uplift of water overturns, and the whole weight stabilises, on every mesh."""
+    model = wall(water_unit_weight=10.0)
+    load = model.traction("wall:right", (-10.0, 0.0))
+    stage = model.run([sc.Stage("thrust", load, water=1.5)])["thrust"]
+    found = check(stage, "wall", BASE)
+    overturning = 10.0 * H**2 / 2 + 10.0 * 1.5 * B * B / 2
+    assert np.isclose(found.overturning_moment, overturning, rtol=2e-3)
+    assert np.isclose(found.stabilising, WEIGHT * B * H * B / 2, rtol=2e-3)
+
+
 def test_the_other_direction():
     """[X] A thrust to the right, with the toe on the right."""
     model = wall()
