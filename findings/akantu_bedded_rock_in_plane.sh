@@ -7,9 +7,9 @@
 #     21.98 kPa for nu = 0.3, 75.86 and 25.08 kPa for nu = 0.45.  The pressure on the sides is 11.54 and 6.59 kPa,
 #     62.07 and 11.29 kPa.  The stresses of `elastic_orthotropic` are those of plane stress; one brick of the law
 #     gives those of plane strain.  `E3`, `nu13` and `nu23` are unknown parameters in two dimensions.  No message.
-# Meaning: the rock beside a tunnel or below a dam is too soft by 18 % for nu = 0.3 and by two thirds for nu = 0.45, and
-#     the pressure at rest is too low, only because bedding was added.  Use a slice of bricks, or compare the two
-#     laws with equal moduli first.
+# Meaning: the rock beside a tunnel or below a dam is too soft by 18 % for nu = 0.3 and by two thirds for nu = 0.45,
+#     and the pressure at rest is too low, only because bedding was added.  Use a slice of bricks, or compare the
+#     two laws with equal moduli first.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

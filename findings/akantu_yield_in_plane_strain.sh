@@ -4,9 +4,9 @@
 # Expected: `plastic_linear_isotropic_hardening` in a model of dimension 2, which is plane strain unless it says
 #     otherwise, gives the stresses of a slice of bricks: the stress across the plane counts in the criterion.
 # Seen: one element of 1 m (E = 10 MPa, nu = 0.3, yield stress 100 kPa, no hardening), compressed vertically by 4 %.
-#     Free at its side: 100.5 kPa, right is 115.5 kPa, 2 / sqrt(3) of the yield stress, as one brick gives.  Confined:
-#     117.4 kPa, constant from 1 % on; right is 400 kPa and rising with the bulk modulus, as the brick gives.
-#     Elastic stresses are right.  No message.
+#     Free at its side: 100.5 kPa, right is 115.5 kPa, 2 / sqrt(3) of the yield stress, as one brick
+#     gives.  Confined: 117.4 kPa, constant from 1 % on; right is 400 kPa and rising with the bulk modulus, as the
+#     brick gives.  Elastic stresses are right.  No message.
 # Meaning: the trial stress has no component across the plane, so a pressure in the plane counts as a deviator.
 #     Undrained clay yields in its initial state and under any wide load; it settles without limit where it cannot
 #     fail, and its strength is 13 % too small where it can.  Use a slice of bricks.

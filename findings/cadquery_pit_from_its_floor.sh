@@ -4,12 +4,12 @@
 # Expected: `extrude` with a `taper` gives the frustum with plane slopes and sharp corners, whether the floor is
 #     extruded upwards with a negative angle or the rim downwards with a positive one.
 # Seen: square pits with slopes of 45 degrees.  Floor 4 m, depth 10 m: 2007.2 m3 from the floor, 2293.3 m3 from the
-#     rim, exact 2293.3 m3.  Floor 10 m, depth 3 m: 508.3 and 516.0 m3.  Both have the rim of 24 m and 16 m as
-#     their bounding box; the one from the floor has 10 faces in place of 6, and 490 m2 in place of 576 m2 at its
-#     rim.  A ruled `loft` is right.  No message.
+#     rim, exact 2293.3 m3.  Floor 10 m, depth 3 m: 508.3 and 516.0 m3.  Both have the rim of 24 m and 16 m as their
+#     bounding box; the one from the floor has 10 faces in place of 6, and 490 m2 in place of 576 m2 at its rim.  A
+#     ruled `loft` is right.  No message.
 # Meaning: a profile that widens gets rounded corners, cones in place of the intersection of two slopes; one that
-#     narrows gets mitred ones.  Excavated volumes of small deep shafts are 12 % too small, and the model of
-#     the ground has steep fillets at the corners, where no engineer drew them.  Extrude from the rim, or loft.
+#     narrows gets mitred ones.  Excavated volumes of small deep shafts are 12 % too small, and the model of the
+#     ground has steep fillets at the corners, where no engineer drew them.  Extrude from the rim, or loft.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

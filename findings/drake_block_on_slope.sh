@@ -1,15 +1,14 @@
 #!/usr/bin/env bash
 # drake 1.51.1: a block on a slope of 25 degrees stays where it is with 17 degrees of friction.
 #
-# Expected: a block and a plane, both boxes with a friction coefficient of 0.3, slide 2.96 m in 2 s, with a time step
-#     of 1 ms; 6.51 m with 0.1, and no movement with 0.6.
+# Expected: a block and a plane, both boxes with a friction coefficient of 0.3, slide 2.96 m in 2 s, with a time
+#     step of 1 ms; 6.51 m with 0.1, and no movement with 0.6.
 # Seen: 0.02 m with 0.3 and 1.7 m with 0.1; the block does not turn and sinks 38 mm into the plane.  With a step of
 #     0.1 ms 2.1 m.  With four small spheres at the lower corners in place of the box 2.97 m, with a compliant
 #     hydroelastic block on a rigid plane 2.96 m, and 6.52 m with 0.1.  No message.
-# Meaning: two boxes have one point of contact, which jumps from corner to corner between steps, and single forces along the
-#     plane reach 0.48 of the normal ones: friction does not follow the normal force at a new corner at once.
-#     Rock blocks and gravity walls that slide look stable, with a simulation that runs without a
-#     complaint.  Use hydroelastic contact or spheres, and try a block on a slope first.
+# Meaning: two boxes have one point of contact, which jumps from corner to corner between steps, and the friction does
+#     not follow the normal force at a new corner at once.  Rock blocks and gravity walls that slide look stable, in a
+#     simulation that runs without a complaint.  Use hydroelastic contact or spheres, and try a block on a slope first.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

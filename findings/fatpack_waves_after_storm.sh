@@ -3,13 +3,14 @@
 #
 # Expected: `find_rainflow_ranges` counts the ranges of the stresses as they are; one more range in the record adds
 #     its own damage and leaves the rest.
-# Seen: 100,000 waves of 1 MPa and one of 10, 20, 60 or 100 MPa, the sum of the ranges to the third power.  By
-#     hand 1.01, 1.08, 3.16 and 11.0 x 1e5; found are 0.83, 2.03, 8.75 and 10.0 x 1e5.  The ranges of 1 MPa are 0.94,
-#     1.25 and 1.88 MPa, and with 100 MPa one single range is left of 100,001.  With k=200000 the sums are right
-#     to 0.1 %.  No message.
-# Meaning: the record is first rounded to 64 classes between its smallest and its largest value, so that one outlier, or one
-#     spike of the gauge, sets the size of a class.  Damage by traffic and waves on piles and sheet piles is wrong by a
-#     factor of nearly three.  Give `k` so large that a class is a small part of the range that counts.
+# Seen: 100,000 waves of 1 MPa and one of 10, 20, 60 or 100 MPa, the sum of the ranges to the third power.  By hand
+#     1.01, 1.08, 3.16 and 11.0 x 1e5; found are 0.83, 2.03, 8.75 and 10.0 x 1e5.  The ranges of 1 MPa are 0.94,
+#     1.25 and 1.88 MPa, and with 100 MPa one single range is left of 100,001.  With k=200000 the sums are right to
+#     0.1 %.  No message.
+# Meaning: the record is first rounded to 64 classes between its smallest and its largest value, so that one
+#     outlier, or one spike of the gauge, sets the size of a class.  Damage by traffic and waves on piles and sheet
+#     piles is wrong by a factor of nearly three.  Give `k` so large that a class is a small part of the range that
+#     counts.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -3,13 +3,14 @@
 #
 # Expected: `voronoi_polygons` of a column of points returns one polygon for each point with the index of the
 #     points, so that their areas can be a new column.
-# Seen: eight boreholes on a site of 100 m x 100 m.  The result has eight rows and the index 0 to 7 of the boreholes, but
-#     only one polygon contains the borehole of its row.  Made a column, the areas add up to the site, and the mean
-#     thickness of the clay is 3.22 m in place of 2.97 m; borehole B0 has 1277 m2 in place of 1990 m2.  A join by
-#     position in the plane (`sjoin`) is right.  No message; the description has a note on the order.
-# Meaning: pandas puts columns together by their index, which says here what is not so.  Weights of boreholes and of rain
-#     gauges and volumes of contaminated ground are wrong, while their sum is right.  Join by
-#     position, or use shapely's `voronoi_polygons` with ordered=True.
+# Seen: eight boreholes on a site of 100 m x 100 m.  The result has eight rows and the index 0 to 7 of the
+#     boreholes, but only one polygon contains the borehole of its row.  Made a column, the areas add up to the
+#     site, and the mean thickness of the clay is 3.22 m in place of 2.97 m; borehole B0 has 1277 m2 in place of
+#     1990 m2.  A join by position in the plane (`sjoin`) is right.  No message; the description has a note on the
+#     order.
+# Meaning: pandas puts columns together by their index, which says here what is not so.  Weights of boreholes and of
+#     rain gauges and volumes of contaminated ground are wrong, while their sum is right.  Join by position, or use
+#     shapely's `voronoi_polygons` with ordered=True.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -45,7 +46,7 @@ right = np.bincount(nearest.ravel(), minlength=8) * 0.25**2
 for name, column, by_position, by_hand in zip(holes["name"], holes["area"], joined["joined"], right):
     print(f"{name}: column {column:.0f} m2, joined by position {by_position:.0f} m2, by hand {by_hand:.0f} m2")
 means = [np.average(holes["clay"], weights=weights) for weights in (holes["area"], joined["joined"], right)]
-print(f"{contained.sum()} of 8 polygons contain the borehole of their row; sum of the areas {holes['area'].sum():.0f} m2")
+print(f"{contained.sum()} of 8 polygons contain the borehole of their row; sum {holes['area'].sum():.0f} m2")
 print("mean thickness: column {:.2f} m, joined {:.2f} m, by hand {:.2f} m".format(*means))
 assert contained.sum() <= 2 and abs(holes["area"].sum() - 1e4) < 1e-3
 assert np.allclose(joined["joined"], right, atol=10)

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # gstools 1.7.0: universal kriging of an inclined groundwater table is metres off in map coordinates.
 #
-# Expected: `krige.Universal` with the drift "linear" reproduces a plane exactly, wherever the origin of the coordinates
-#     is, and passes through the data; a badly conditioned system gives a warning.
-# Seen: 25 wells in a square of 200 m, heads of a plane that falls by 5 and 3 %, a spherical model with a sill of 0.1 m2
-#     and a range of 60 m.  In local coordinates the error is 1e-13 m on a grid of 10 x 10 points.  With a false easting
-#     of 400 km and a northing of 5600 km it is up to 2.66 m, and 0.24 m at the wells, with a kriging standard
-#     deviation of at most 0.34 m.  No message.  With `pseudo_inv=False` the error is below 1e-9 m, and a
+# Expected: `krige.Universal` with the drift "linear" reproduces a plane exactly, wherever the origin of the
+#     coordinates is, and passes through the data; a badly conditioned system gives a warning.
+# Seen: 25 wells in a square of 200 m, heads of a plane that is inclined by 5 and 3 %, a spherical model with a sill
+#     of 0.1 m2 and a range of 60 m.  In local coordinates the error is 1e-13 m on a grid of 10 x 10 points.  With a
+#     false easting of 400 km and a northing of 5600 km it is up to 2.66 m, and 0.24 m at the wells, with a kriging
+#     standard deviation of at most 0.34 m.  No message.  With `pseudo_inv=False` the error is below 1e-9 m, and a
 #     warning comes.
-# Meaning: the default is a pseudo-inverse, which drops small singular values; with coordinates of millions of metres
-#     in the rows of the drift it drops a part of the trend.  Heads, tops of layers and uplift pressures are wrong
-#     by many standard deviations.  Subtract the centre of the site from the coordinates first.
+# Meaning: the default is a pseudo-inverse, which drops small singular values; with coordinates of millions of
+#     metres in the rows of the drift it drops a part of the trend.  Heads, tops of layers and uplift pressures are
+#     wrong by many standard deviations.  Subtract the centre of the site from the coordinates first.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

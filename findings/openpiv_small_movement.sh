@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # openpiv 0.25.3: the movement of sand between two photographs is up to a quarter too small.
 #
-# Expected: `extended_search_area_piv` with windows of 32 pixels finds a uniform movement of an image to some hundredths
-#     of a pixel, as the sub-pixel fit promises, without a systematic part.
+# Expected: `extended_search_area_piv` with windows of 32 pixels finds a uniform movement of an image to some
+#     hundredths of a pixel, as the sub-pixel fit promises, without a systematic part.
 # Seen: a texture of sand with a correlation length of 3 pixels, moved exactly by its Fourier series, without noise.
 #     The median of all windows is 0.074 for 0.1 pixels, 0.38 for 0.5, 0.87 for 1, 2.86 for 3 and 4.85 for 5 pixels.
 #     With windows of 64 pixels: 0.084, 0.44, 0.94, 2.93 and 4.94.  With a finer texture of 2 pixels: 0.078 for
-#     0.1.  `phase_cross_correlation` of scikit-image 0.26.0 on the whole images is right to 0.01 pixels.
-#     No message.
-# Meaning: both windows lie at the same place, so that the part in common becomes smaller with the distance and draws the
-#     peak towards zero.  Movements of a model test or a slope that is photographed often, a tenth of a pixel a step, are
-#     added up with the same factor, and moduli are a third too high.  Use larger movements, or several passes with
-#     deformed windows, and calibrate with an image that is moved by a known amount.
+#     0.1.  `phase_cross_correlation` of scikit-image 0.26.0 on the whole images is right to 0.01 pixels.  No
+#     message.
+# Meaning: both windows lie at the same place, so that the part in common becomes smaller with the distance and
+#     draws the peak towards zero.  Movements of a model test or a slope that is photographed often, a tenth of a
+#     pixel a step, are added up with the same factor, and moduli are a third too high.  Use larger movements, or
+#     several passes with deformed windows, and calibrate with an image that is moved by a known amount.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

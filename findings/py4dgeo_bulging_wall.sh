@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # py4dgeo 1.2.0: a retaining wall that bulges by 50 mm has not moved on average.
 #
-# Expected: `M3C2` gives signed distances between two scans of a face, with one sign for a movement out of the face; the
-#     normals of a plane face point to one side.
-# Seen: a vertical wall of 20 m x 10 m, scanned with a scatter of 3 mm, has moved outwards by 50 mm; 200 points, each
-#     with 0.5 m of radius.  All distances are 50 mm, with a limit of detection of 1 mm, but 104 point inwards and
-#     96 outwards: the mean is -2 mm.  On a slope of 45 degrees all have the same sign.  With the normal of the wall
-#     as `orientation_vector` the mean is 50.0 mm.  No message.
-# Meaning: normals are turned upwards by default, and the normal of a wall has no upward part but scatter.  Maps of a wall
-#     or a rock face are speckled with movements to both sides; means over a field, the trend in time and the
+# Expected: `M3C2` gives signed distances between two scans of a face, with one sign for a movement out of the face;
+#     the normals of a plane face point to one side.
+# Seen: a vertical wall of 20 m x 10 m, scanned with a scatter of 3 mm, has moved outwards by 50 mm; 200 points,
+#     each with 0.5 m of radius.  All distances are 50 mm, with a limit of detection of 1 mm, but 104 point inwards
+#     and 96 outwards: the mean is -2 mm.  On a slope of 45 degrees all have the same sign.  With the normal of the
+#     wall as `orientation_vector` the mean is 50.0 mm.  No message.
+# Meaning: normals are turned upwards by default, and the normal of a wall has no upward part but scatter.  Maps of
+#     a wall or a rock face are speckled with movements to both sides; means over a field, the trend in time and the
 #     alarm that is set on them see nothing.  Give the direction to the scanner as orientation.
 set -euo pipefail
 folder=$(mktemp -d)

@@ -4,12 +4,12 @@
 # Expected: `lowess` is a locally weighted regression: a seam that is thinner than the window is blurred, and its
 #     resistance is the weighted mean with the soil around it.
 # Seen: 20 m of sounding with a reading every 20 mm, 8 MPa in sand and 1 MPa in a seam of 0.4 m, with a scatter of
-#     0.3 MPa.  With a window of 1 m (`frac=0.05`) the smallest value in the seam is 7.9 MPa: there is no seam.
-#     The tricube weights, by hand and with `it=0`, give 3.6 MPa.  With windows of 1.6 and 2 m: 7.9 and 8.0 MPa,
-#     right are 5.2 and 5.7 MPa.  No message.
+#     0.3 MPa.  With a window of 1 m (`frac=0.05`) the smallest value in the seam is 7.9 MPa: there is no seam.  The
+#     tricube weights, by hand and with `it=0`, give 3.6 MPa.  With windows of 1.6 and 2 m: 7.9 and 8.0 MPa, right
+#     are 5.2 and 5.7 MPa.  No message.
 # Meaning: three robust iterations are the default, and they take away the readings that are far from the first
-#     curve: the seam counts as an outlier.  The weak layer on which the slope slides, or the peat that settles,
-#     is removed before the layers are chosen.  Use it=0, and plot the readings below the curve.
+#     curve: the seam counts as an outlier.  The weak layer on which the slope slides, or the peat that settles, is
+#     removed before the layers are chosen.  Use it=0, and plot the readings below the curve.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # trimesh 5.2.0: a tunnel that has converged by 50 mm shows 15 mm or nothing after the scans are registered.
 #
-# Expected: `registration.icp` and `registration.procrustes` move and turn the second survey rigidly onto the first one,
-#     and the distances that remain are the deformation.
-# Seen: a tunnel with a radius of 5 m whose lining has moved inwards by 50 mm everywhere.  Twelve prisms a ring: one ring
-#     shows 0 mm of convergence after `procrustes`, three rings 5 m apart 20 mm.  Two scans of 4000 points on 30 m,
-#     `icp`: 15 mm.  With scale=False all show 50 mm.  No message: the transformation has a determinant of
+# Expected: `registration.icp` and `registration.procrustes` move and turn the second survey rigidly onto the first
+#     one, and the distances that remain are the deformation.
+# Seen: a tunnel with a radius of 5 m whose lining has moved inwards by 50 mm everywhere.  Twelve prisms a ring: one
+#     ring shows 0 mm of convergence after `procrustes`, three rings 5 m apart 20 mm.  Two scans of 4000 points on
+#     30 m, `icp`: 15 mm.  With scale=False all show 50 mm.  No message: the transformation has a determinant of
 #     1.031, 1.018 and 1.021.
-# Meaning: a scale and a mirror image are allowed by default, in `icp` through its further arguments; a ring is blown
-#     up until it fits.  Convergence, the settlement of a dam and the closing of a joint are measured too small, or not
-#     at all.  Give scale=False and reflection=False, and print the determinant.
+# Meaning: a scale and a mirror image are allowed by default, in `icp` through its further arguments; a ring is
+#     blown up until it fits.  Convergence, the settlement of a dam and the closing of a joint are measured too
+#     small, or not at all.  Give scale=False and reflection=False, and print the determinant.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -2,13 +2,13 @@
 # xarray-spatial 0.5.3: a hillside of 27 degrees has 68 degrees after its terrain model is coarsened.
 #
 # Expected: `slope` uses the coordinates of the grid; a plane has the same slope on a coarser grid of means.
-# Seen: a plane that rises by 1 in 2, on a grid of 10 m with its coordinates and the attribute `res` of (10, 10), which the
-#     description of `curvature` asks for.  26.57 degrees, right.  After `coarsen(x=5, y=5).mean()`, and after
-#     `[::5, ::5]`, xarray keeps the attribute and has coordinates every 50 m: 68.20 degrees.  Without the
+# Seen: a plane that rises by 1 in 2, on a grid of 10 m with its coordinates and the attribute `res` of (10, 10),
+#     which the description of `curvature` asks for.  26.57 degrees, right.  After `coarsen(x=5, y=5).mean()`, and
+#     after `[::5, ::5]`, xarray keeps the attribute and has coordinates every 50 m: 68.20 degrees.  Without the
 #     attribute: 26.57 degrees.  A dome with a radius of 200 m has 25 times its curvature.  No message.
-# Meaning: the attribute wins over the coordinates, and no one checks one against the other.  An infinite slope with
-#     35 degrees of friction has a factor of safety of 0.28 in place of 1.40; maps of hazard of large
-#     regions, made from coarser models, are red.  Drop `res` after each change of the grid.
+# Meaning: the attribute wins over the coordinates, without a comparison of the two.  An infinite slope with 35
+#     degrees of friction has a factor of safety of 0.28 in place of 1.40; maps of hazard of large regions, made
+#     from coarser models, are red.  Drop `res` after each change of the grid.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
