@@ -108,8 +108,6 @@ class Planner:
         self._moves = False  # without supports, as inertia allows
         self._time = 0.0  # since the last change of the load
         if start is not None:
-            load = setup.vector(start.load, "start")
-            self._on_top = load - setup.weights(self._active)
             self._unreleased = start.unreleased is not None
 
     @property
@@ -127,6 +125,7 @@ class Planner:
         # Change forms and supports.
         before = self._active
         on_top_before = self._on_top_before(stage)
+        self._on_top = on_top_before
         known_supports = self._known_supports()
         moved = self._moves
         changes = _changes_forms(stage) or stage.fixed is not None
@@ -159,7 +158,7 @@ class Planner:
             *self._of_regions(stage),
             *self._of_pressures(stage, load, prescribed),
             *_of_jump(stage, load, jump),
-            *_of_removal(stage, on_top_before),
+            *_of_removal(stage, on_top_before, load),
             *remarks_on_base(self._setup, stage),
             *self._of_weights(stage, before, load - self._rest),
         )
@@ -317,16 +316,15 @@ class Planner:
         return at(end), at
 
     def _on_top_before(self, stage: Stage) -> ndarray:
-        """Return the load on top of weights and water before a stage whose load is a function."""
+        """Return the load on top of weights and water before a stage."""
         start = self._start
-        if not (self._first and start is not None and callable(stage.load)):
+        if start is None or not self._first:
             return self._on_top
         setup = self._setup
         load = setup.vector(start.load, "start")
         if start.unreleased is not None:
             load = load + setup.vector(start.unreleased, "start")
-        water = self._water_before(stage)
-        return load - setup.weights(self._active) - setup.water_on(self._active, water)
+        return load - self._at_rest(self._active, self._water_before(stage))
 
     def _jump(
         self,
@@ -585,10 +583,11 @@ def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Rema
     )
 
 
-def _of_removal(stage: Stage, before: ndarray) -> Iterator[Remark]:
-    """Yield a remark on a stage with inertia that lacks the load before."""
+def _of_removal(stage: Stage, before: ndarray, load: ndarray) -> Iterator[Remark]:
+    """Yield a remark on a stage with inertia that lacks the load before, on top of weights."""
     largest = max_abs(before)
-    if stage.dynamic is not None and stage.load is None and largest > 0.0:
+    removes = largest > _NO_LOAD * max_abs(load)
+    if stage.dynamic is not None and stage.load is None and removes:
         yield Remark(
             "removal",
             largest,

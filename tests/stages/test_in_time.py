@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -281,6 +282,25 @@ def test_load_that_is_forgotten_is_told():
     wait = sc.Stage("wait", duration=PERIOD, dynamic=sc.Dynamic(PERIOD / 20.0))
     with pytest.warns(sc.AnalysisWarning, match="the load before, of up to 1.5, is removed"):
         model.run([sc.Stage("load", pushed(basis, 3.0)), wait], **QUIET)
+
+
+def test_water_of_the_start_is_no_forgotten_load():
+    """[X] Ground with water at rest stays at rest in a stage with inertia, without a remark."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 3), np.linspace(0, 1, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    model = sc.Model(
+        {"ground": ground},
+        sc.box_supports(basis),
+        water_unit_weight=10.0,
+        gravity_acceleration=10.0,
+    )
+    start = model.k0_state(K0=0.5, water=1.0)
+    still = sc.Stage("still", duration=0.1, dynamic=sc.Dynamic(0.02))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        end = model.run([still], start=start, **QUIET)["still"]
+    assert np.abs(end.x).max() < 1e-15  # round-off
 
 
 def test_histories_need_records():
