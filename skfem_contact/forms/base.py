@@ -17,7 +17,7 @@ from ..errors import Remark
 from ..layout import Field
 from ..sparse import Scattering
 from .law_calls import together
-from .mean_stress import MeanStress
+from .predicted_stress import PredictedStress
 from .roles import Body, Reducible, having, materials_of, missing_roles
 
 Self = TypeVar("Self")
@@ -64,8 +64,8 @@ class Response:
     (2, 2)
     """
 
-    #: Mean stresses of a body, where the iterations predict them.
-    mean: MeanStress | None = None
+    #: Stresses of a body, where the iterations predict them.
+    prediction: PredictedStress | None = None
 
     def __init__(
         self,
@@ -134,7 +134,7 @@ class Response:
             active=self.active,
             measure=force if self.measure is self.force else spread(self.measure),
         )
-        response.mean = self.mean
+        response.prediction = self.prediction
         return response
 
 

@@ -239,6 +239,16 @@ class Deformation:
         self._log = log
         self._centre = centre
 
+    @property
+    def acting(self) -> list[int]:
+        """Components of stresses and strains whose virtual work is not zero."""
+        return self._k.acting
+
+    @property
+    def parts(self) -> list[slice]:
+        """Slices of elements that are computed together."""
+        return self._k.batches()
+
     @cached_property
     def _batches(self) -> list[_Batch]:
         n = len(self.gradient)
@@ -254,6 +264,34 @@ class Deformation:
             p = plastic[:, batch.elements]
             e = batch.stretch.log_strain(p.reshape(len(p), -1))
             result[:, batch.elements] = e.reshape(p.shape)
+        return result
+
+    def strain_of(self, step: ndarray) -> ndarray:
+        """Return the change of :meth:`strain` in a step, linearised."""
+        k = self._k
+        change = k.gradient(step)
+        if self._log is not None:
+            change = self._scaled(change, step)
+        result = np.empty((4 if k.dim == 2 else 6, *change.shape[1:]))
+        for batch in self._batches:
+            part = change[:, batch.elements]
+            e = batch.stretch.log_strain_of(part.reshape(len(part), -1))
+            result[:, batch.elements] = e.reshape(len(result), *part.shape[1:])
+        return result
+
+    def _scaled(self, change: ndarray, step: ndarray) -> ndarray:
+        """Return the change of F-bar, ``s dF + d ln s F-bar`` along the scaled axes."""
+        k = self._k
+        assert self._log is not None
+        n = len(change)
+        at_points = k.stretch.growth_of(self._own.reshape(n, -1), change.reshape(n, -1))
+        scaling = (self.growth_of(step) - at_points.reshape(self._log.shape)) / k.scaled
+        result = np.exp(self._log) * change + scaling * self.gradient
+        diagonal = (0, 1, 2) if k.dim == 2 else (0, 4, 8)
+        for row in diagonal:
+            result[row] += scaling
+        if k.scaled == 2:
+            result[2] = change[2]
         return result
 
     def _second(self, batch: _Batch, stress: ndarray) -> ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from typing import ClassVar, cast
 
@@ -45,7 +45,7 @@ from .assembly import (
 from .base import Coordinates, Form, Kinematics, Later, Outputs, Response
 from .finite import Deformation, FiniteKinematics
 from .law_calls import LawCall
-from .mean_stress import MeanStress
+from .predicted_stress import MeanStress, PredictedStress, WholeStress
 from .regions import (
     Region,
     by_elasticity,
@@ -80,6 +80,8 @@ _GROWN = 0.02
 
 #: Regions with the stresses and internal variables of an accepted state.
 _Given = list[tuple[Region, ndarray, ndarray]]
+#: Moduli at the points of some elements, (m, n, n).
+_Moduli = Callable[[slice], ndarray]
 
 
 @dataclass(frozen=True)
@@ -328,7 +330,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         if not same:
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 vars(body).pop(name, None)
-        vars(body).pop("_predicted_bulk", None)
+        for name in ("_predicted_bulk", "_flows"):
+            vars(body).pop(name, None)
         body._set(tuple(regions))
         return body
 
@@ -614,9 +617,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         given = self.at_regions(state)
         updates, stress = _updates(self._calls(given, increment, strain))
         force = deformation.force(stress)
-        mean = None
-        if self._predicted_bulk.any():
-            mean = MeanStress(deformation, stress, state.stress, self._predicted_bulk)
+        moduli = cache(lambda: self._moduli(given, updates))
+        predicted = self._prediction(deformation, strain, stress, state, moduli)
 
         def accepted() -> FiniteState:
             internal = self._internal(state, given, updates)
@@ -627,8 +629,9 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             return new
 
         def stiffness(damping: bool = False) -> csr_matrix:
-            used = stress if mean is None else mean.stress
-            return self._finite_tangent(deformation, used, given, updates, damping)
+            used = stress if predicted is None else predicted.stress
+            found = self._moduli(given, updates, damping=True) if damping else moduli()
+            return self._pattern.matrix(deformation.stiffness(used, found, self._pattern))
 
         response = Response(
             force,
@@ -637,7 +640,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             damped=lambda: stiffness(damping=True),
             round_off=self._lost(x, stress, state.stress, deformation.force),
         )
-        response.mean = mean
+        response.prediction = predicted
         return response
 
     def _elastic_part(self, state: FiniteState) -> tuple[ndarray, ndarray]:
@@ -655,15 +658,35 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             self._accepted = known
         return known[1], known[2]
 
-    def _finite_tangent(
+    def _prediction(
         self,
         deformation: Deformation,
+        strain: ndarray,
         stress: ndarray,
-        given: _Given,
-        updates: list[Update],
-        damping: bool,
-    ) -> csr_matrix:
-        """Return the tangent of finite kinematics."""
+        state: FiniteState,
+        moduli: Callable[[], _Moduli],
+    ) -> PredictedStress | None:
+        """Return the stresses that iterations may predict."""
+        finite = self._finite
+        assert finite is not None
+        if self._predicted_bulk.any():
+            bulk = self._predicted_bulk
+            known = strain if self._elastic else None
+            return MeanStress(deformation, known, stress, state.stress, bulk)
+        if self._elastic:
+            plastic = self._elastic_part(state)[1]
+            return WholeStress(
+                deformation,
+                strain,
+                stress,
+                state.stress,
+                moduli=lambda part: moduli()(part),
+                strain_at=lambda x: finite.at(x).strain(plastic),
+            )
+        return None
+
+    def _moduli(self, given: _Given, updates: list[Update], damping: bool = False) -> _Moduli:
+        """Return the function of the moduli at the points of some elements, in acting rows."""
         assert self._finite is not None
         # find the points of other moduli than the elastic ones
         n_points = self.weight.shape[1]
@@ -691,7 +714,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
             found[others] = D[own[others]]
             return found
 
-        return self._pattern.matrix(deformation.stiffness(stress, moduli, self._pattern))
+        return moduli
 
     def cauchy(self, state: SolidState) -> ndarray:
         """Return Cauchy stresses in space axes, (n_components, n_elements, n_points).
@@ -931,17 +954,27 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         return self._acting(moduli)
 
     @cached_property
+    def _flows(self) -> tuple[bool, ...]:
+        """True for the regions whose material may flow."""
+        return tuple(may_flow(region, self.basis) for region in self.regions)
+
+    @property
+    def _elastic(self) -> bool:
+        """True if no material may flow."""
+        return not any(self._flows)
+
+    @cached_property
     def _predicted_bulk(self) -> ndarray:
         """Elastic bulk modulus of every element whose mean stresses are predicted, (n_elements, 1).
 
         It is zero in the other elements.
         """
         bulk = np.zeros((self.basis.nelems, 1))
-        for region in self.regions:
+        for region, flows in zip(self.regions, self._flows, strict=True):
             moduli = region.material.elasticity(self._ncomp)
             of_region = bulk_modulus_of(moduli)
             predicted = of_region > _STIFF * moduli[..., 3, 3]
-            if may_flow(region, self.basis):
+            if flows:
                 predicted = np.asarray(flows_at_constant_volume(region, self.basis))
             bulk[region.elements, 0] = np.where(predicted, of_region, 0.0)
         return bulk

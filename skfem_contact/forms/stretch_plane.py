@@ -63,6 +63,7 @@ class PlaneStretch:
     transposed = (0, 1, 2, 4, 3)
 
     def __init__(self, gradient: ndarray) -> None:
+        self._gradient = gradient
         xx, yy, zz, xy, yx = gradient
         # C - 1 = H + H^T + H^T H
         C = np.stack(
@@ -150,6 +151,22 @@ class PlaneStretch:
         self._circle = m, d, o, s, 1.0 + determinant, q
         half = 0.5 * q * d
         return np.stack((mean + half, mean - half, 0.5 * np.log1p(zz), q * o))
+
+    def log_strain_of(self, change: ndarray) -> ndarray:
+        """Return the change of :meth:`log_strain` by one of the gradient, (5, m), linearised."""
+        xx, yy, zz, xy, yx = self._gradient
+        dxx, dyy, dzz, dxy, dyx = change
+        # dE = sym(F^T dF)
+        E = np.stack(
+            (
+                (1.0 + xx) * dxx + yx * dyx,
+                xy * dxy + (1.0 + yy) * dyy,
+                (1.0 + xx) * dxy + yx * dyy + xy * dxx + (1.0 + yy) * dyx,
+            )
+        )
+        dU = np.einsum("ikm,km->im", self._stretch_by_strain(), E)
+        de = self._log_by_stretch(dU)
+        return np.stack((de[0], de[1], dzz / (1.0 + zz), de[2]))
 
     def second(self, stress: ndarray) -> ndarray:
         """Return ``S = U^-1 t U^-1``, (4, m)."""

@@ -59,6 +59,7 @@ class SpaceStretch:
     transposed = (0, 3, 6, 1, 4, 7, 2, 5, 8)
 
     def __init__(self, gradient: ndarray) -> None:
+        self._gradient = gradient
         # C - 1 = H + H^T + H^T H = N (lambda^2 - 1) N^T
         H = np.ascontiguousarray(gradient.T).reshape(-1, 3, 3)
         Ht = H.transpose(0, 2, 1)
@@ -110,6 +111,19 @@ class SpaceStretch:
         self._x, self._M = np.linalg.eigh(X)
         return _components(_built(0.5 * np.log1p(self._x), self._M), 2.0)
 
+    def log_strain_of(self, change: ndarray) -> ndarray:
+        """Return the change of :meth:`log_strain` by one of the gradient, (9, m), linearised."""
+        # dE = sym(F^T dF)
+        F = _ONE + self._gradient.T.reshape(-1, 3, 3)
+        product = F.transpose(0, 2, 1) @ change.T.reshape(-1, 3, 3)
+        dE = 0.5 * (product + product.transpose(0, 2, 1))
+        # dU in the axes of U, dX = dU A + A^T dU, and de in the axes of X
+        lam = self._lambda
+        dU = _in_axes(dE, self._N, 2.0 / (lam[:, :, None] + lam[:, None]))
+        half = dU @ self._A
+        de = _in_axes(half + half.transpose(0, 2, 1), self._M, 0.5 * _slopes(self._x)[:, TENSOR])
+        return _components(de, 2.0)
+
     def second(self, stress: ndarray) -> ndarray:
         """Return ``S = U^-1 t U^-1``, (6, m)."""
         return _components(self._V @ _tensor(stress) @ self._V)
@@ -139,6 +153,12 @@ class SpaceStretch:
         S = _tensor(S)
         dS -= (_between(V, S) + _between(S, V)) @ dU
         return dS
+
+
+def _in_axes(T: ndarray, axes: ndarray, factors: ndarray) -> ndarray:
+    """Return tensors, (m, 3, 3), whose components along some axes are multiplied by factors."""
+    back = axes.transpose(0, 2, 1)
+    return axes @ (factors * (back @ T @ axes)) @ back
 
 
 def _back(R: ndarray) -> ndarray:

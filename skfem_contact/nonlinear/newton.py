@@ -14,7 +14,7 @@ from numpy import ndarray
 from ..checks import is_number
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Response
-from ..forms.mean_stress import MeanStress
+from ..forms.predicted_stress import PredictedStress
 from ..solvers.direct import SingularSystem
 
 logger = logging.getLogger("skfem_contact")
@@ -64,8 +64,11 @@ _SLOPE = 0.5
 _PROBES = 8
 #: Share of the remaining lengths that interpolation of the work goes up, at least and at most.
 _SHARES = 0.1, 0.5
-#: Halvings of a full step that turns an element inside out.
+#: Halvings of a full step that turns an element inside out, or changes strains of an elastic body
+#: by more than this: rubber of very different stiffnesses found an equilibrium of four times the
+#: force by such steps.
 _HALVINGS = 4
+_STRAIN = 0.5
 
 #: Measure of a line search: the norm of the residual, or its work along the step. Along the energy
 #: a search may go beyond the step, by its work alone ("step") no further. "either" takes what the
@@ -135,7 +138,7 @@ class Evaluation:
     scale : ndarray, shape (N,)
         Factors of the equations, where there are several fields.
     predicted : ndarray, shape (N,)
-        Residual with the mean stresses that the iterations predict, where they do.
+        Residual with the stresses that the iterations predict, where they do.
     """
 
     z: ndarray
@@ -158,9 +161,15 @@ class Evaluation:
         return self.residual if self.predicted is None else self.predicted
 
     @cached_property
-    def means(self) -> dict[str, MeanStress]:
-        """Mean stresses that the iterations predict, by form."""
-        return {name: r.mean for name, r in self.responses.items() if r.mean is not None}
+    def predictions(self) -> dict[str, PredictedStress]:
+        """Stresses that the iterations predict, by form."""
+        found = {name: response.prediction for name, response in self.responses.items()}
+        return {name: each for name, each in found.items() if each is not None}
+
+    def strained(self, now: Evaluation) -> float:
+        """Return the largest change of a strain since another evaluation, where it is known."""
+        changes = [p.strained(now.predictions[name]) for name, p in self.predictions.items()]
+        return max(changes, default=0.0)
 
     def work(self, step: ndarray, now: Evaluation) -> float:
         """Return the work of the residual along a step that begins at another evaluation.
@@ -168,8 +177,8 @@ class Evaluation:
         Only the leading dofs, where the residual is, do work.
         """
         work = float(self._searched @ step[: len(self.residual)])
-        for name, mean in self.means.items():
-            work -= mean.work(now.means[name].change(step))
+        for name, prediction in self.predictions.items():
+            work -= prediction.work(now.predictions[name], step)
         return work
 
     @property
@@ -350,12 +359,17 @@ class _Lengths:
 
 
 def full_step(now: Evaluation, step: ndarray, problem: Problem) -> Evaluation:
-    """Take the step, halved only where bodies have no response to it."""
+    """Take the step, halved only where bodies have no response to it, or strain much in it."""
     for halvings in range(_HALVINGS):
         try:
-            return problem.along(now, step, 0.5**halvings)
+            new = problem.along(now, step, 0.5**halvings)
         except NotConverged as error:
             logger.debug("step halved: %s", error)
+            continue
+        strained = new.strained(now)
+        if strained <= _STRAIN:
+            return new
+        logger.debug("step halved: it changes strains by %.3g", strained)
     return problem.along(now, step, 0.5**_HALVINGS)
 
 

@@ -159,13 +159,13 @@ class _Balance(Problem):
         self._elastic = attempt.elastic or None  # unknown before the first iteration
         self._regular: csr_matrix | None = None  # the last tangent that was regular
         self._forcing: Forcing | None = None
-        self._predicts = True  # mean stresses, see `forms.mean_stress`
+        self._predicts = True  # stresses, see `forms.predicted_stress`
 
     def prepare(self, search: Search) -> None:
         """Prepare for a search.
 
         Where bodies yield, linear systems are solved only as accurately as it needs. The first
-        search alone predicts mean stresses: where they lead astray, others follow the law.
+        search alone predicts stresses: where they lead astray, others follow the law.
         """
         inexact = self._step.system.yields and search in ("residual", "either", "full")
         self._predicts = search == self._attempt.searches[0]
@@ -182,11 +182,11 @@ class _Balance(Problem):
     def begin(self, z: ndarray) -> Evaluation:
         """Return the evaluation to begin with.
 
-        Mean stresses of an extrapolated start are far off, at the displacements `x` they are right.
+        Stresses of an extrapolated start are far off, at the displacements `x` they are right.
         """
         first = self.evaluate(z)
         step = self._step
-        if step.start is None or not first.means or not self._predicts:
+        if step.start is None or not first.predictions or not self._predicts:
             return first
         return step.system.begun(first, step.x, step.before)
 

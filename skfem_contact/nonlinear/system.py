@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 from ..arrays import max_abs
 from ..errors import Failure, IncrementTooLarge, NotConverged
 from ..forms.base import Forms, Response, States, responses_of
+from ..forms.predicted_stress import PredictedStress
 from ..forms.roles import Body, Reducible, Regularised, Stiff, Timed, changed, having
 from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, Solve
@@ -195,7 +196,7 @@ class System:
         return np.where(loads > 0.0, np.minimum(lost, _HIDDEN * loads), lost)
 
     def begun(self, first: Evaluation, x: ndarray, before: ndarray | None) -> Evaluation:
-        """Return the evaluation with mean stresses that follow the ones of the accepted states.
+        """Return the evaluation with stresses that follow the ones of the accepted states.
 
         `x` and `before` are the displacements of these states and the ones before, if known.
         """
@@ -203,8 +204,9 @@ class System:
         if before is not None:
             last = x - before
             share = float((first.z - x) @ last / (last @ last))
-        for mean in first.means.values():
-            mean.begin(x, before, share)
+        for prediction in first.predictions.values():
+            if self._follows(prediction):
+                prediction.begin(x, before, share)
         return self._predicted(first)
 
     def followed(
@@ -214,18 +216,24 @@ class System:
         step: ndarray,
         length: float,
     ) -> Evaluation:
-        """Return an evaluation with the mean stresses that a step from another one predicts."""
-        for name, mean in new.means.items():
-            mean.follow(now.means[name], step, length)
+        """Return an evaluation with the stresses that a step from another one predicts."""
+        for name, prediction in new.predictions.items():
+            if self._follows(prediction):
+                prediction.follow(now.predictions[name], step, length)
         return self._predicted(new)
 
+    def _follows(self, prediction: PredictedStress) -> bool:
+        """Return True if predictions save iterations."""
+        return prediction.beside_contact or not self.unilateral
+
     def _predicted(self, new: Evaluation) -> Evaluation:
-        """Return the evaluation with the residual of the mean stresses that iterations predict."""
-        if not new.means:
+        """Return the evaluation with the residual of the stresses that iterations predict."""
+        predictions = [each for each in new.predictions.values() if each.made]
+        if not predictions:
             return new
         residual = new.residual.copy()
-        for mean in new.means.values():
-            force = mean.force()
+        for prediction in predictions:
+            force = prediction.force()
             residual[: len(force)] -= force
         residual[self.fixed] = 0.0
         return replace(new, predicted=residual)
