@@ -112,7 +112,7 @@ class PredictedStress:
         return self._deformation.integral(self._work(before.change(step)))
 
     def _work(self, change: ndarray) -> ndarray:
-        """Return the integrand."""
+        """Return the integrand. Whole stresses have none: full steps ask for no work."""
         raise NotImplementedError
 
 
@@ -255,14 +255,3 @@ class WholeStress(PredictedStress):
     @override
     def force(self) -> ndarray:
         return self._deformation.force(self._predicted - self._stress)
-
-    @override
-    def _work(self, change: ndarray) -> ndarray:
-        density = np.zeros(change.shape[1:])
-        acting = self._deformation.acting
-        for part in self._deformation.parts:
-            missing = (self._stress - self._predicted)[acting, part]
-            flat = missing.reshape(len(acting), -1).T[:, :, None]
-            strain = np.linalg.solve(self._moduli(part), flat)[:, :, 0].T
-            density[part] = (strain.reshape(missing.shape) * change[acting, part]).sum(axis=0)
-        return density

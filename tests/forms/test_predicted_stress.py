@@ -121,26 +121,18 @@ def test_beginning_of_an_increment(name: str, law: str) -> None:
     np.testing.assert_allclose(found, predicted(form, expected.stress), rtol=1e-12)
 
 
-@pytest.mark.parametrize("law", ["mean", "whole"])
 @pytest.mark.parametrize("name", BODIES)
-def test_work_of_the_missing_stress(name: str, law: str) -> None:
-    """[X] It is the integral of the missing strains times the change of stress."""
-    form, x = body(name, LAWS[law])
+def test_work_of_the_missing_stress(name: str) -> None:
+    """[X] It is the integral of the missing strains times the change of mean stress."""
+    form, x = body(name, LAWS["mean"])
     step = 0.02 * np.random.default_rng(2).standard_normal(len(x))
     state = form.initial_state()
     before, after = form.assemble(x, state), form.assemble(x + 0.5 * step, state)
     assert after.prediction.work(before.prediction, step) == 0.0  # as long as nothing is missing
     after.prediction.follow(before.prediction, step, 0.5)
     missing = predicted(form, after.state.stress - after.prediction.stress)
-    change = before.prediction.change(step)
-    if law == "mean":
-        density = missing / (100.0 / (3.0 * (1.0 - 2.0 * 0.48))) * change
-    else:
-        acting = form._finite.acting
-        D = LAWS[law].elasticity(len(change))[np.ix_(acting, acting)]
-        strain = np.linalg.solve(D, missing.reshape(len(acting), -1)).reshape(missing.shape)
-        density = (strain * change[acting]).sum(axis=0)
-    expected = float(np.vdot(form.weight, density))
+    strain = missing / (100.0 / (3.0 * (1.0 - 2.0 * 0.48)))
+    expected = float(np.vdot(form.weight, strain * before.prediction.change(step)))
     assert after.prediction.work(before.prediction, step) == pytest.approx(expected, rel=1e-10)
 
 
