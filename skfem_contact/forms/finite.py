@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -85,6 +86,8 @@ class FiniteKinematics:
         self.dim = basis.mesh.dim()
         self.axial = coordinates == "axisymmetric"
         self.stretch: type[Stretch] = PlaneStretch if self.dim == 2 else SpaceStretch
+        #: Rows of a gradient that are its diagonal.
+        self.diagonal = (0, 1, 2) if self.dim == 2 else (0, 4, 8)
         #: Axes that F-bar scales.
         self.scaled = 3 if self.axial else self.dim
         #: Components of stresses and strains whose virtual work is not zero.
@@ -192,8 +195,7 @@ class FiniteKinematics:
         log = (np.log1p(self._checked(centre)) - np.log1p(growth)) / self.scaled
         mean = H * np.exp(log)
         # As differences from one: s F - 1 = s (F - 1) + (s - 1).
-        diagonal = (0, 1, 2) if self.dim == 2 else (0, 4, 8)
-        for row in diagonal:
+        for row in self.diagonal:
             mean[row] += np.expm1(log)
         if self.scaled == 2:
             mean[2] = H[2]
@@ -259,12 +261,7 @@ class Deformation:
 
     def strain(self, plastic: ndarray) -> ndarray:
         """Return elastic trial strains, (n_components, n_elements, n_points)."""
-        result = np.empty_like(plastic)
-        for batch in self._batches:
-            p = plastic[:, batch.elements]
-            e = batch.stretch.log_strain(p.reshape(len(p), -1))
-            result[:, batch.elements] = e.reshape(p.shape)
-        return result
+        return self._strains(self._k.stretch.log_strain, plastic)
 
     def strain_of(self, step: ndarray) -> ndarray:
         """Return the change of :meth:`strain` in a step, linearised."""
@@ -272,10 +269,14 @@ class Deformation:
         change = k.gradient(step)
         if self._log is not None:
             change = self._scaled(change, step)
-        result = np.empty((4 if k.dim == 2 else 6, *change.shape[1:]))
+        return self._strains(k.stretch.log_strain_of, change)
+
+    def _strains(self, of_stretch: Callable[[Any, ndarray], ndarray], values: ndarray) -> ndarray:
+        """Return strains that a method of the stretch gives by values, components first."""
+        result = np.empty((4 if self._k.dim == 2 else 6, *values.shape[1:]))
         for batch in self._batches:
-            part = change[:, batch.elements]
-            e = batch.stretch.log_strain_of(part.reshape(len(part), -1))
+            part = values[:, batch.elements]
+            e = of_stretch(batch.stretch, part.reshape(len(part), -1))
             result[:, batch.elements] = e.reshape(len(result), *part.shape[1:])
         return result
 
@@ -287,8 +288,7 @@ class Deformation:
         at_points = k.stretch.growth_of(self._own.reshape(n, -1), change.reshape(n, -1))
         scaling = (self.growth_of(step) - at_points.reshape(self._log.shape)) / k.scaled
         result = np.exp(self._log) * change + scaling * self.gradient
-        diagonal = (0, 1, 2) if k.dim == 2 else (0, 4, 8)
-        for row in diagonal:
+        for row in k.diagonal:
             result[row] += scaling
         if k.scaled == 2:
             result[2] = change[2]
@@ -307,15 +307,13 @@ class Deformation:
     def force(self, stress: ndarray) -> ndarray:
         """Return the internal force, (N,), of stresses t, (n_components, n_elements, n_points)."""
         k = self._k
-        force = np.empty((*k.element_dofs.shape,))
-        for batch in self._batches:
-            part = batch.elements
+
+        def first(batch: _Batch, F: ndarray) -> ndarray:
             # P = F S with the stress of the law; F-bar scales it by s^(2 - d).
             S = self._second(batch, stress) * self._share(batch, 2 - k.scaled)
-            F = self._own[:, part].reshape(len(self._own), -1)
-            P = _first(F, S * k.weight[part].ravel(), k.dim, k.axial)
-            force[part] = self._nodal(part, P)
-        return np.bincount(k.element_dofs.ravel(), force.ravel(), minlength=k.basis.N)
+            return _first(F, S * k.weight[batch.elements].ravel(), k.dim, k.axial)
+
+        return self._assembled(first)
 
     def force_of_pressure(self, tension: ndarray) -> ndarray:
         r"""Return the internal force, (N,), of mean stresses, (n_elements, n_points).
@@ -324,13 +322,21 @@ class Deformation:
         """
         k = self._k
         weighted = tension * k.weight
-        if self._log is not None:
-            weighted = weighted * np.exp(-k.scaled * self._log)
+
+        def first(batch: _Batch, F: ndarray) -> ndarray:
+            p = weighted[batch.elements].ravel() * self._share(batch, -k.scaled)
+            return p[:, None, None] * _inverse(F, k.dim, k.axial)
+
+        return self._assembled(first)
+
+    def _assembled(self, first: Callable[[_Batch, ndarray], ndarray]) -> ndarray:
+        """Return the internal force, (N,), of weighted P, (m, axes, dim), by batch and its F."""
+        k = self._k
         force = np.empty(k.element_dofs.shape)
-        for part in k.batches():
+        for batch in self._batches:
+            part = batch.elements
             F = self._own[:, part].reshape(len(self._own), -1)
-            P = weighted[part].reshape(-1, 1, 1) * _inverse(F, k.dim, k.axial)
-            force[part] = self._nodal(part, P)
+            force[part] = self._nodal(part, first(batch, F))
         return np.bincount(k.element_dofs.ravel(), force.ravel(), minlength=k.basis.N)
 
     def log_growth(self, x: ndarray) -> ndarray:

@@ -47,6 +47,8 @@ class PredictedStress:
         Strains of an elastic body, None where some material may flow; stresses of the law.
     accepted : ndarray, shape (n_components, n_elements, n_points)
         Stresses of the last accepted state.
+    of_law : ndarray, shape (..., n_elements, n_points)
+        The part of the law's stresses that is predicted.
     """
 
     #: True where iterations need predictions in spite of contact.
@@ -58,11 +60,14 @@ class PredictedStress:
         strain: ndarray | None,
         stress: ndarray,
         accepted: ndarray,
+        of_law: ndarray,
     ) -> None:
         self._deformation = deformation
         self._strain = strain
         self._stress = stress
         self._accepted = accepted
+        self._of_law = of_law
+        self._values = of_law
         self._change: tuple[ndarray, ndarray] | None = None  # of a step
 
     def strained(self, before: PredictedStress) -> float:
@@ -72,13 +77,13 @@ class PredictedStress:
         return float(max_abs(self._strain - before._strain))
 
     @property
-    def stress(self) -> ndarray:
-        """Stresses of the iterations."""
-        raise NotImplementedError
-
-    @property
     def made(self) -> bool:
         """True if the stresses are predicted ones."""
+        return self._values is not self._of_law
+
+    @property
+    def stress(self) -> ndarray:
+        """Stresses of the iterations."""
         raise NotImplementedError
 
     def begin(self, x: ndarray, before: ndarray | None = None, share: float = 0.0) -> None:
@@ -90,15 +95,19 @@ class PredictedStress:
 
     def follow(self, before: PredictedStress, step: ndarray, length: float) -> None:
         """Take the stresses that a step predicts."""
-        raise NotImplementedError
+        self._take(before._values + length * before.change(step))
+
+    def _take(self, values: ndarray) -> None:
+        self._values = values
 
     def change(self, step: ndarray) -> ndarray:
         """Return the change of the predicted stresses in a whole step."""
         if self._change is None or self._change[0] is not step:
-            self._change = step, self._changed(step)
+            self._change = step, self._of_law - self._values + self._linear(step)
         return self._change[1]
 
-    def _changed(self, step: ndarray) -> ndarray:
+    def _linear(self, step: ndarray) -> ndarray:
+        """Return the stresses of the linearised change of strain in a step."""
         raise NotImplementedError
 
     def force(self) -> ndarray:
@@ -135,25 +144,18 @@ class MeanStress(PredictedStress):
         accepted: ndarray,
         bulk: ndarray,
     ) -> None:
-        super().__init__(deformation, strain, stress, accepted)
+        super().__init__(deformation, strain, stress, accepted, stress[:3].mean(axis=0))
         self._bulk = bulk
         self._predicted = bulk > 0.0
-        self._of_law = stress[:3].mean(axis=0)
-        self._mean = self._of_law
 
     @property
     @override
     def stress(self) -> ndarray:
-        if self._mean is self._of_law:
+        if not self.made:
             return self._stress
         stress = self._stress.copy()
-        stress[:3] += self._mean - self._of_law
+        stress[:3] += self._values - self._of_law
         return stress
-
-    @property
-    @override
-    def made(self) -> bool:
-        return self._mean is not self._of_law
 
     @override
     def begin(self, x: ndarray, before: ndarray | None = None, share: float = 0.0) -> None:
@@ -161,26 +163,23 @@ class MeanStress(PredictedStress):
         if before is not None:
             growth = self._deformation.log_growth
             mean += share * self._bulk * (growth(x) - growth(before))
-        self._mean = np.where(self._predicted, mean, self._of_law)
+        self._take(mean)
 
     @override
-    def follow(self, before: PredictedStress, step: ndarray, length: float) -> None:
-        assert isinstance(before, MeanStress)
-        mean = before._mean + length * before.change(step)
-        self._mean = np.where(self._predicted, mean, self._of_law)
+    def _take(self, values: ndarray) -> None:
+        self._values = np.where(self._predicted, values, self._of_law)
 
     @override
-    def _changed(self, step: ndarray) -> ndarray:
-        linear = self._bulk * self._deformation.growth_of(step)
-        return self._of_law - self._mean + linear
+    def _linear(self, step: ndarray) -> ndarray:
+        return self._bulk * self._deformation.growth_of(step)
 
     @override
     def force(self) -> ndarray:
-        return self._deformation.force_of_pressure(self._mean - self._of_law)
+        return self._deformation.force_of_pressure(self._values - self._of_law)
 
     @override
     def _work(self, change: ndarray) -> ndarray:
-        missing = self._of_law - self._mean  # zero where there is no prediction
+        missing = self._of_law - self._values  # zero where there is no prediction
         strain = np.divide(missing, self._bulk, out=np.zeros_like(missing), where=self._predicted)
         return strain * change
 
@@ -193,7 +192,7 @@ class WholeStress(PredictedStress):
     deformation, strain, stress, accepted
         As for :class:`PredictedStress`.
     moduli
-        Function of the moduli dt / de at the points of some elements, in acting rows.
+        Return the function of the moduli dt / de at the points of some elements, in acting rows.
     strain_at
         Function of the elastic strains at displacements.
     """
@@ -207,51 +206,40 @@ class WholeStress(PredictedStress):
         stress: ndarray,
         accepted: ndarray,
         *,
-        moduli: Callable[[slice], ndarray],
+        moduli: Callable[[], Callable[[slice], ndarray]],
         strain_at: Callable[[ndarray], ndarray],
     ) -> None:
-        super().__init__(deformation, strain, stress, accepted)
+        super().__init__(deformation, strain, stress, accepted, stress)
         self._moduli = moduli
         self._strain_at = strain_at
-        self._predicted = stress
 
     @property
     @override
     def stress(self) -> ndarray:
-        return self._predicted
-
-    @property
-    @override
-    def made(self) -> bool:
-        return self._predicted is not self._stress
+        return self._values
 
     @override
     def begin(self, x: ndarray, before: ndarray | None = None, share: float = 0.0) -> None:
         # Bent bodies far from the accepted state must not begin with its stresses.
         if before is not None:
             last = self._strain_at(x) - self._strain_at(before)
-            self._predicted = self._accepted + share * self._stress_of(last)
+            self._take(self._accepted + share * self._stress_of(last))
 
     @override
-    def follow(self, before: PredictedStress, step: ndarray, length: float) -> None:
-        self._predicted = before.stress + length * before.change(step)
-
-    @override
-    def _changed(self, step: ndarray) -> ndarray:
-        linear = self._stress_of(self._deformation.strain_of(step))
-        return self._stress - self._predicted + linear
+    def _linear(self, step: ndarray) -> ndarray:
+        return self._stress_of(self._deformation.strain_of(step))
 
     def _stress_of(self, strain: ndarray) -> ndarray:
         """Return ``D : e``, zero in rows that do no work."""
         stress = np.zeros_like(strain)
         acting = self._deformation.acting
+        moduli = self._moduli()
         for part in self._deformation.parts:
             e = strain[acting, part]
-            D = self._moduli(part)
-            t = np.matmul(D, e.reshape(len(acting), -1).T[:, :, None])
+            t = np.matmul(moduli(part), e.reshape(len(acting), -1).T[:, :, None])
             stress[acting, part] = t[:, :, 0].T.reshape(e.shape)
         return stress
 
     @override
     def force(self) -> ndarray:
-        return self._deformation.force(self._predicted - self._stress)
+        return self._deformation.force(self._values - self._of_law)

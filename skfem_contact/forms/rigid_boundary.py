@@ -97,9 +97,7 @@ class RigidBoundary(MatrixForm):
         multipliers = numbers[self.fields[0]]
         size = max(self._displacements, int(multipliers.max(initial=-1)) + 1)
         # The ties couple the displacements with the multipliers, symmetrically.
-        rows, columns = np.broadcast_arrays(self._dofs[:, None], multipliers)
-        entries = self._others.ravel(), (rows.ravel(), columns.ravel())
-        ties = coo_matrix(entries, shape=(size, size)).tocsr()
+        ties = _block(self._others, self._dofs, multipliers, size)
         new = copy(self)
         MatrixForm.__init__(new, ties + ties.T)
         new._multipliers = multipliers
@@ -135,11 +133,10 @@ class RigidBoundary(MatrixForm):
             return self, none
         # Keep their multipliers at zero, as no equation of a free dof has them.
         idle = by_supports @ by_supports.T / self.fields[0].scale
-        rows, columns = np.broadcast_arrays(self._multipliers[:, None], self._multipliers)
-        entries = idle.ravel(), (rows.ravel(), columns.ravel())
         ties = self.elastic_stiffness
         new = copy(self)
-        MatrixForm.__init__(new, ties - coo_matrix(entries, shape=ties.shape).tocsr())
+        multipliers = self._multipliers
+        MatrixForm.__init__(new, ties - _block(idle, multipliers, multipliers, ties.shape[0]))
         return new, none
 
     @override
@@ -253,3 +250,10 @@ class RigidBoundary(MatrixForm):
         coordinates = np.column_stack((self._coordinates, point_dofs))
         modes = rigid_modes(coordinates, np.arange(n + dim))[:, self._modes]
         return modes[:n], modes[n:]
+
+
+def _block(values: ndarray, rows: ndarray, columns: ndarray, size: int) -> csr_matrix:
+    """Return a matrix, (size, size), that is zero but for a full block of some dofs."""
+    row, column = np.broadcast_arrays(rows[:, None], columns)
+    entries = values.ravel(), (row.ravel(), column.ravel())
+    return coo_matrix(entries, shape=(size, size)).tocsr()

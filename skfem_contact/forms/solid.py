@@ -680,7 +680,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
                 strain,
                 stress,
                 state.stress,
-                moduli=lambda part: moduli()(part),
+                moduli=moduli,
                 strain_at=lambda x: finite.at(x).strain(plastic),
             )
         return None
