@@ -248,12 +248,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         check_quadrature(basis)
         # order the elements by regions
         self.basis, regions = by_region(basis, materials)
-        regions = tuple(r.with_material(r.material, self.basis) for r in regions)
-        flows = any(may_flow(region, self.basis) for region in regions)
+        self.regions = tuple(r.with_material(r.material, self.basis) for r in regions)
         self.size = int(self.basis.N)
         self._duration = 0.0
         self.kinematics: Kinematics = kinematics
-        measured = strain_of(self.basis, strain, coordinates, flows, kinematics)
+        measured = strain_of(self.basis, strain, coordinates, not self._elastic, kinematics)
         self.strain, self.coordinates = measured
         self.unit_weight = unit_weight
         self.porous = porous
@@ -269,8 +268,8 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         if kinematics == "finite":
             f_bar = self.strain == "f_bar"
             self._finite = FiniteKinematics(self.basis, self.weight, self.coordinates, f_bar)
-        check_materials(regions, self.weight.shape, self._ncomp)
-        self._set(regions)
+        check_materials(self.regions, self.weight.shape, self._ncomp)
+        self._set(self.regions)
 
         # compute what does not change in Newton's iterations
         self._pattern = Pattern.of(self.basis)

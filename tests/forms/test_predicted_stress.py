@@ -196,6 +196,17 @@ def test_bulk_moduli_by_element() -> None:
     np.testing.assert_allclose(change[part], 0.5 * before.prediction.change(step)[part], rtol=1e-12)
 
 
+def moved_top(form, way: float, increments: int = 1):
+    """Return the stage in which the top of a body moves up by some way, and the force there."""
+    top = form.basis.get_dofs("top")
+    fixed = np.concatenate([form.basis.get_dofs("bottom").all(), top.all()])
+    up = form.basis.zeros()
+    up[top.all("u^2")] = way
+    stage = sc.Stage("move", prescribed=up, increments=increments)
+    end = sc.Model({"body": form}, fixed).run([stage], progress=False)["move"]
+    return end, end.reactions()[top.all("u^2")].sum()
+
+
 def test_equilibrium_is_the_one_of_the_law(monkeypatch) -> None:
     """[X] A block of clay squeezed by a tenth: as many digits as the tolerance without them."""
     stresses = []
@@ -206,13 +217,8 @@ def test_equilibrium_is_the_one_of_the_law(monkeypatch) -> None:
         form = sc.SolidForm(basis, sc.Tresca(E=100.0, nu=0.49, c=1.0), kinematics="finite")
         if not predicts:
             monkeypatch.setattr(form, "_predicted_bulk", np.zeros((1, 1)))
-        top = basis.get_dofs("top")
-        fixed = np.concatenate([basis.get_dofs("bottom").all(), top.all()])
-        down = basis.zeros()
-        down[top.all("u^2")] = -0.1
-        model = sc.Model({"clay": form}, fixed)
-        stage = model.run([sc.Stage("squeeze", prescribed=down, increments=8)], progress=False)
-        stresses.append(stage["squeeze"].states["clay"].stress)
+        stage, _ = moved_top(form, -0.1, increments=8)
+        stresses.append(stage.states["body"].stress)
     np.testing.assert_allclose(stresses[0], stresses[1], rtol=0, atol=1e-5)
 
 
@@ -224,19 +230,13 @@ def test_the_second_line_search_has_the_law(monkeypatch) -> None:
             MeshTri().refined(1).with_defaults(), ElementVector(ElementTriP2()), intorder=4
         )
         form = sc.SolidForm(basis, sc.Tresca(E=100.0, nu=0.49, c=1.0), kinematics="finite")
-        top = basis.get_dofs("top")
-        down = basis.zeros()
-        down[top.all("u^2")] = -0.05
-        model = sc.Model(
-            {"clay": form}, np.concatenate([basis.get_dofs("bottom").all(), top.all()])
-        )
         with monkeypatch.context() as patch:
             if fails:
                 patch.setattr(newton, "full_step", fail)
             followed = counted(patch, System, "followed")
-            stage = model.run([sc.Stage("squeeze", prescribed=down)], progress=False)[-1]
+            _, force = moved_top(form, -0.05)
         assert (not followed) == fails
-        forces.append(stage.reactions()[top.all("u^2")].sum())
+        forces.append(force)
     assert forces[1] == pytest.approx(forces[0], rel=1e-6)
 
 
@@ -344,14 +344,7 @@ def test_full_steps_do_not_strain_elastic_bodies_too_much() -> None:
         )
         E = 10.0 ** np.random.default_rng(0).uniform(0.0, 4.0, 16)
         rubber = sc.LinearElastic(E=E, nu=0.4999)
-        body = sc.SolidForm(basis, rubber, kinematics="finite")
-        top = basis.get_dofs("top")
-        up = basis.zeros()
-        up[top.all("u^2")] = 0.4
-        model = sc.Model(
-            {"body": body}, np.concatenate([basis.get_dofs("bottom").all(), top.all()])
-        )
-        stage = sc.Stage("pull", prescribed=up, increments=increments)
-        result = model.run([stage], progress=False)[-1]
-        forces.append(result.reactions()[top.all("u^2")].sum())
+        form = sc.SolidForm(basis, rubber, kinematics="finite")
+        _, force = moved_top(form, 0.4, increments)
+        forces.append(force)
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)
