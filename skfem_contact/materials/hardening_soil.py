@@ -56,6 +56,9 @@ class HardeningSoil(CohesiveFrictional):
     to Mohr-Coulomb failure; the cap ``q~^2 / M^2 + p^2 = p_p^2`` hardens with plastic compression.
     M and the modulus of the cap follow in closed form from ``K0nc`` and ``Eoed_ref``. The mobilised
     dilatancy is Rowe's, without contraction and not over ``psi``. Stresses count from c cot(phi).
+    As published, the strain of the cap adds to the hyperbola. Drained triaxial tests have the
+    secant modulus ``E50_ref`` where the cap rests (``OCR``). Normally consolidated samples are
+    softer by 7 to 27 %: the lower ``Eoed_ref``, the softer.
     Below a thousandth of ``p_ref`` the stiffness does not fall any more: sand at a free surface
     needs a small cohesion. The parameters have PLAXIS' names and are floats; OCR and POP may vary.
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
 import skfem_contact as sc
@@ -62,6 +63,58 @@ def test_hyperbola_is_exact_where_cap_and_dilatancy_rest(increments: int) -> Non
     strain, initial = -test.axial[:, 0], 2 * 37e3 / 1.1 * 3**0.5
     exact = np.minimum(strain / (1 / initial + strain * 0.9 / failure), failure)
     assert np.abs(test.q[:, 0] - exact).max() < 1e-9 * failure  # Newton's tolerance
+
+
+@pytest.mark.parametrize(
+    ("share", "changes", "softer"),
+    [
+        (0.5, {}, 0.104),
+        (0.8, {}, 0.002),  # Rowe's rule dilates from half of the failure load on
+        (0.5, {"Eoed_ref": 20e3, "K0nc": None}, 0.273),
+    ],
+)
+def test_cap_of_normally_consolidated_samples_is_softer_than_E50(
+    share: float, changes: dict[str, Any], softer: float
+) -> None:
+    """[X] The axial strain is the sum of three parts, of which the hyperbola lacks the cap.
+
+    The cell pressure c3 and so the stiffness are constant. With f = q^2 / M^2 + p^2 = p_p^2,
+
+        elastic  q / E_ur
+        shear    integral of (1 - sin(psi_m)) / 2 d gamma
+        cap      integral of (1 / 3 + q / (M^2 p)) d eps_v, d eps_v = d p_p / (H p_p^m)
+
+    where the flow normal to the cap has d eps_1 / d eps_v = (2 p / 3 + 2 q / M^2) / (2 p).
+    """
+    law = sand(**changes)
+    k = law.constants
+    least = 100.0
+    failure = k.failure * least
+    load = share * failure
+    rate = k.cap_modulus / k.reference**k.m
+
+    def gamma_by_q(q: float) -> float:
+        return 2 / (k.initial * (1 - q / (k.asymptote * least)) ** 2) - 2 / k.unloading
+
+    def strain_by_q(q: float) -> float:
+        mobilised = q / (2 * least + q)
+        rowe = (mobilised - k.sin_cv) / (1 - mobilised * k.sin_cv)
+        sine = min(max(rowe, 0.0), k.sin_psi)
+        p = least + q / 3
+        cap = np.sqrt(q * q / k.cap_slope + p * p)
+        volume_by_q = (q / k.cap_slope + p / 3) / cap / (rate * cap**k.m)
+        pressed = (1 / 3 + q / (k.cap_slope * p)) * volume_by_q
+        return 1 / k.unloading + (1 - sine) / 2 * gamma_by_q(q) + pressed
+
+    exact = quad(strain_by_q, 0.0, load, epsrel=1e-10)[0]
+    strains = []
+    for increments in (10, 20):
+        path = triaxial(stress=-(least + load), increments=increments)
+        strains.append(-sc.element_test(law, -least, path).axial[-1, 0])
+    extrapolated = 2 * strains[1] - strains[0]  # the error of increments is of first order
+    assert extrapolated == pytest.approx(exact, rel=5e-4)
+    hyperbola = load / (k.initial * (1 - load / (k.asymptote * least)))
+    assert 1 - hyperbola / extrapolated == pytest.approx(softer, abs=1e-3)  # figures of the page
 
 
 @pytest.mark.parametrize(
