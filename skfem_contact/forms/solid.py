@@ -78,6 +78,9 @@ _STRAIN = 0.2
 #: Change of volume of a body at its activation that is warned of.
 _GROWN = 0.02
 
+#: Radius over the largest one up to which a node lies on the axis of symmetry, by round-off.
+_ON_AXIS = 1e-9
+
 #: Regions with the stresses and internal variables of an accepted state.
 _Given = list[tuple[Region, ndarray, ndarray]]
 #: Moduli at the points of some elements, (m, n, n).
@@ -835,6 +838,24 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         if isinstance(state, FiniteState):
             return self.initial_state(stress=self.cauchy(state))
         return replace(state, strain=np.zeros_like(state.strain))
+
+    @override
+    def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+        if self.coordinates != "axisymmetric":
+            return
+        # Find radial displacements on the axis that supports leave free.
+        radial = np.intersect1d(self.basis.element_dofs, np.arange(0, self.size, 2))
+        radius = self.basis.doflocs[0, radial]
+        on_axis = radial[np.abs(radius) <= _ON_AXIS * max_abs(radius)]
+        free = np.setdiff1d(on_axis, fixed)
+        if len(free):
+            yield Remark(
+                "axis",
+                len(free),
+                f"{len(free)} nodes on the axis of symmetry are free to move off it, the first at "
+                f"{format_point(self.basis.doflocs[:, free[0]])}: hold their radial displacements, "
+                "such as basis.get_dofs('left').all('u^1')",
+            )
 
     def _remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Yield remarks on large rotations and strains, and on elements that lock."""

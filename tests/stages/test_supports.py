@@ -47,3 +47,37 @@ def test_bodies_in_axial_symmetry_are_held_along_the_axis(held):
     loose = sc.Model({"ring": ring}, fixed.all("u^1"))
     with pytest.raises(ValueError, match="2 of the dofs are fixed, which leaves 1 of 1 rigid"):
         loose.run([sc.Stage("rest")], progress=False)
+
+
+@pytest.mark.parametrize("element", ["Q1", "P2"])
+def test_nodes_on_the_axis_that_are_not_held_are_told(element: str) -> None:
+    """[X] All nodes on r = 0 but the corner that the base holds; none where they are held, and none
+    in a ring that does not reach the axis.
+    """
+    basis = vector_basis(grid(element, [0, 1, 2], [0, 1, 3]), element)
+    disc = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric")
+    base = basis.get_dofs("bottom").all()
+    axis = basis.get_dofs("left").all("u^1")
+    free = sc.Model({"disc": disc}, base).run([sc.Stage("rest")], progress=False)
+    held = sc.Model({"disc": disc}, np.union1d(base, axis)).run([sc.Stage("rest")], progress=False)
+    count = len(np.setdiff1d(axis, base))
+    assert count == (4 if element == "P2" else 2)
+    (remark,) = free["rest"].remarks
+    assert f"disc: {count} nodes on the axis of symmetry are free to move off it" in remark
+    assert not held["rest"].remarks
+
+    basis = vector_basis(grid(element, [1, 2], [0, 1]), element)
+    ring = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric")
+    supports = basis.get_dofs("bottom").all("u^2")
+    rest = sc.Model({"ring": ring}, supports).run([sc.Stage("rest")], progress=False)
+    assert not rest["rest"].remarks
+
+
+def test_searches_tell_nodes_on_the_axis_that_are_not_held() -> None:
+    """[X] A strength reduction, too, tells the two nodes on r = 0 that the base does not hold."""
+    basis = vector_basis(grid("Q2", [0, 1, 2], [0, 1]), "Q2")
+    clay = sc.Tresca(E=1e4, nu=0.3, c=30.0)
+    ground = sc.SolidForm(basis, clay, coordinates="axisymmetric", unit_weight=20.0)
+    model = sc.Model({"ground": ground}, basis.get_dofs({"bottom", "right"}).all())
+    with pytest.warns(sc.AnalysisWarning, match=r"ground: 2 nodes on the axis"):
+        model.strength_reduction(progress=False, max_value=1.1)
