@@ -155,7 +155,7 @@ class Nodes(Form, Couples, Loaded, Staged):
         """Return the load vector of a force and a moment at a node in a model.
 
         The moment is anticlockwise, in space a vector (3,). With `spacing` both are those of one
-        member over it.
+        member over it, and on a shell of revolution per radian: a ring load times its radius.
         """
         load = np.zeros(self._of_model().max() + 1)
         turn = finite(moment, "moment")

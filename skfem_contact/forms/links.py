@@ -20,6 +20,9 @@ from ..sparse import Gathering
 from .base import Form, Kinematics, Outputs, Response
 from .roles import Couples, Regularised, Staged, Stiff, with_force_kept
 
+#: Share of a member by which a number of members may miss a whole one, by rounded angles.
+_WHOLE = 1e-3
+
 
 class MatrixForm(Form, Stiff, Couples, Staged):
     """Linear form of any matrix, such as the matrix of a ``BilinearForm``.
@@ -27,7 +30,7 @@ class MatrixForm(Form, Stiff, Couples, Staged):
     Parameters
     ----------
     K
-        Stiffness, (N, N), sparse.
+        Stiffness, (N, N), sparse; in axial symmetry per radian, as all forces are.
 
     Raises
     ------
@@ -97,7 +100,8 @@ class Spring(MatrixForm):
     coordinates
         Nodes of the mesh, (n, dim) or (dim,).
     stiffness
-        Force per displacement in each direction, (dim,), or one number for all.
+        Force per displacement in each direction, (dim,), or one number for all: per unit of length
+        out of the plane, or per radian in axial symmetry.
     to
         Nodes at the other ends, by default the ground, which does not move.
     part, to_part
@@ -182,7 +186,8 @@ class Bar(Form, Couples, Staged, Regularised):
         Coordinates of the ends, (n, dim) or (dim,), nodes of the mesh; or nodes of a beam,
         :meth:`Beam.at`.
     EA
-        Axial stiffness: force per strain, in the plane per unit of length out of it.
+        Axial stiffness: force per strain, in the plane per unit of length out of it, in axial
+        symmetry per radian; ``n EA / (2 pi)`` for n members round the axis.
     fixed_end
         True if ground far away holds the ends: they do not move, and need be no nodes.
     yield_force
@@ -192,7 +197,8 @@ class Bar(Form, Couples, Staged, Regularised):
     part, end_part
         Subdomains of the nodes, where nodes of two bodies coincide.
     spacing
-        Distance of the members of a row in the plane: EA, forces and strength are of one member.
+        Distance of the members of a row in the plane, or angle between them in axial symmetry,
+        ``2 pi / n``: EA, forces and strength are of one member.
     kinematics
         ``"finite"`` for displacements of any size: a bar turns with its ends, and its strain is the
         change of its length over the length before.
@@ -201,7 +207,7 @@ class Bar(Form, Couples, Staged, Regularised):
     ------
     ValueError
         Coordinates without a node or with nodes of two bodies, bars without length, EA or a yield
-        force not positive.
+        force not positive, an angle between members that is no part of the circle.
 
     Notes
     -----
@@ -228,6 +234,7 @@ class Bar(Form, Couples, Staged, Regularised):
     """
 
     _same = ("_where",)
+    _by_angle = False
 
     def __init__(
         self,
@@ -313,6 +320,32 @@ class Bar(Form, Couples, Staged, Regularised):
         self._gathering = Gathering(len(self._at))
         self.changing = self._at
         self.acts_on = self._at
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> Bar:
+        if any(form.coordinates == "axisymmetric" for form in forms.values()):
+            return self._round_axis()
+        return self
+
+    @override
+    def continues(self, old: Bar) -> Bar:
+        new: Bar = super().continues(old)
+        if old._by_angle:
+            return new._round_axis()
+        return new
+
+    def _round_axis(self) -> Bar:
+        """Return the bars with a spacing that is an angle, of which whole numbers make a circle."""
+        members = 2.0 * np.pi / self._spacing
+        whole = abs(members - np.rint(members)) <= _WHOLE * members
+        if self._spacing != 1.0 and not whole:
+            raise ValueError(
+                f"a spacing of {self._spacing:g} makes {members:.4g} members round the axis: in "
+                "axial symmetry it is the angle between them in radians, 2 * pi over their number"
+            )
+        new = copy(self)
+        new._by_angle = True
+        return new
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Bar:
@@ -426,9 +459,12 @@ class Bar(Form, Couples, Staged, Regularised):
         axes = "xyz"[: self._where.shape[1] // 2]
         names = [*axes, *(f"end {axis}" for axis in axes)]
         members = dict(zip(names, self._where.T))
+        parameters = dict(self._parameters)
+        if self._by_angle:
+            parameters["angle of spacing"] = parameters.pop("spacing")
         return Outputs(
             summary=f"forces {state.force.min():.4g} to {state.force.max():.4g}",
-            parameters=self._parameters,
+            parameters=parameters,
             members=members | {"force": state.force},
         )
 

@@ -12,6 +12,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 
 @pytest.mark.parametrize("force", [30.0, 100.0])
@@ -111,3 +112,42 @@ def test_bars_that_turn_keep_their_length(fixed_end: bool) -> None:
     change = 0.5 * (at(x + way).force - at(x - way).force)
     # the third derivative is 1e-8 of the change
     assert at(x).stiffness @ way == pytest.approx(change, abs=1e-6 * np.abs(change).max())
+
+
+def ring(spacing: float, changed: float | None = None) -> Result:
+    """A ring from 1 to 2, 4 high, of the unit weight 20, which hangs on bars at its outside."""
+    mesh = MeshQuad.init_tensor(np.linspace(1, 2, 3), np.linspace(0, 4, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    concrete = sc.LinearElastic(E=1e7, nu=0.2)
+    body = sc.SolidForm(basis, concrete, coordinates="axisymmetric", unit_weight=20.0)
+    ends = (2.0, 4.0), (2.0, 6.0)
+    first, second = (
+        sc.Bar(basis, *ends, EA=1e5, fixed_end=True, spacing=each)
+        for each in (spacing, changed or spacing)
+    )
+    model = sc.Model({"ring": body, "hanger": first}, basis.get_dofs().all("u^1"))
+    return model.run(
+        [sc.Stage("weight"), sc.Stage("changed", change={"hanger": second})], progress=False
+    )
+
+
+@pytest.mark.parametrize("n", [3, 8])
+def test_bars_in_axial_symmetry_count_per_radian_or_by_the_angle_between_them(n: int) -> None:
+    """[X] The weight 20 * 4 * (2**2 - 1**2) / 2 = 120 per radian, of which n hangers have 2 pi / n
+    each.
+    """
+    for stage in ring(1.0):
+        np.testing.assert_allclose(stage.states["hanger"].force, 120.0)
+    for stage in ring(2 * np.pi / n):
+        np.testing.assert_allclose(stage.states["hanger"].force, 120.0 * 2 * np.pi / n)
+        parameters = stage.outputs("hanger").parameters  # an angle has no unit of length
+        assert parameters["angle of spacing"] == 2 * np.pi / n
+        assert "spacing" not in parameters
+
+
+def test_a_distance_is_no_spacing_in_axial_symmetry() -> None:
+    """[X] 2 pi / 2 members make no circle, in the model and in the change of a stage."""
+    with pytest.raises(ValueError, match=r"a spacing of 2 makes 3\.142 members round the axis"):
+        ring(2.0)
+    with pytest.raises(ValueError, match=r"a spacing of 2 makes 3\.142 members round the axis"):
+        ring(np.pi / 2, changed=2.0)
