@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import override
 
-from ..checks import finite
+from ..checks import finite, is_number
 from ..errors import warn
 from .quadrature import SlavePoints
 
@@ -247,16 +247,16 @@ class Coulomb(InterfaceLaw):
         >>> sc.Coulomb.from_soil(sand, 2 / 3)
         Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0, heals=False)
         """
-        c = np.asarray(getattr(soil, "c", ()))
+        c = getattr(soil, "c", None)
         phi = getattr(soil, "phi", 0.0)
-        uniform = np.size(c) == np.size(phi) == 1
+        uniform = is_number(c) and is_number(phi)
         if not (0.0 < ratio <= 1.0 and uniform):
             raise ValueError(
                 f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and "
                 f"{soil!r}"
             )
         friction = float(np.tan(np.radians(phi)))
-        return cls(mu=ratio * friction, adhesion=ratio * float(c))
+        return cls(mu=ratio * friction, adhesion=ratio * c)
 
     @override
     def reduced(self, factor: float) -> Coulomb:

@@ -92,7 +92,9 @@ class _Factoring:
     def _body(self, name: str, form: Any) -> Any:
         """Return a body with design values of its materials."""
         changed = {}
-        for region, material in form.materials.items():
+        # the materials of a model have the values of functions, which cannot be given again
+        materials = getattr(form, "given_materials", form.materials)
+        for region, material in materials.items():
             if region not in self.exclude:
                 new = self._once(material, lambda law: divided(law, self.factors))
                 if new is not material:

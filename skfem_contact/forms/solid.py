@@ -303,6 +303,11 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         self.changing = None if changing else np.zeros(0, int)
         self.strengths = tuple(name for name, law in self.materials.items() if law.reducible)
 
+    @property
+    def given_materials(self) -> dict[str, Material]:
+        """Materials by region as they were given, with functions of the coordinates."""
+        return {region.name: region.given or region.material for region in self.regions}
+
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """Return the body with other materials, ``{subdomain: material}``.
 
@@ -340,7 +345,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
     @override
     def on(self, basis: CellBasis) -> SolidForm:
         materials: Material | dict[str, Material]
-        materials = {region.name: region.given or region.material for region in self.regions}
+        materials = self.given_materials
         names = basis.mesh.subdomains or {}
         if list(materials) == ["all"] and "all" not in names:
             materials = materials["all"]

@@ -566,6 +566,7 @@ def test_law_of_an_interface_from_a_soil():
     for soil, ratio in (
         (sc.Tresca(E=1e4, nu=0.3, c=6.0), 0.0),
         (sc.LinearElastic(E=1e4, nu=0.3), 0.5),
+        (sc.Tresca(E=1e4, nu=0.3, c=lambda x: 10.0 - x[1]), 0.5),
     ):
         with pytest.raises(ValueError, match="ratio must lie in"):
             sc.Coulomb.from_soil(soil, ratio)

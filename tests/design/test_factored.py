@@ -75,6 +75,23 @@ def test_a_start_with_characteristic_values(model):
     assert before["fill"].forms["solid"].materials["plate"].c == 12.0
 
 
+@pytest.mark.parametrize("undrained", [False, True])
+def test_functions_of_the_coordinates_in_a_model(model, undrained):
+    """[X] Cohesion and friction that vary with the coordinates, divided point by point."""
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=lambda x: 12.0 + x[1], phi=lambda x: 30.0 - x[0])
+    if undrained:
+        soil = sc.Undrained(soil, nu_undrained=0.495)
+    given = model.forms["solid"].with_materials({"plate": soil})
+    varied = sc.Model({"solid": given, "skin": model.forms["skin"]}, model.fixed)
+    design = factored(varied, OWN).forms["solid"].materials["plate"]
+    before = given.materials["plate"]
+    if undrained:
+        design, before = design.soil, before.soil
+    assert np.ptp(before.c) > 0.5
+    assert np.allclose(design.c, before.c / 1.5)
+    assert np.allclose(tangent(design.phi), tangent(before.phi) / 1.2)
+
+
 def test_excluded_parts(model):
     """[X] Excluded forms and regions keep their strength, unknown names are listed."""
     design = factored(model, OWN, exclude=["skin", "plate"])
