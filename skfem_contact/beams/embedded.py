@@ -44,6 +44,8 @@ _KEPT = 1e-6
 #: ... and in the damped tangent: with 1e-6 nails of 1 kN/m in a slope of 8 m find no equilibrium,
 #: with 1e-4 a search takes 267 iterations, with 1e-3 122, with 1e-2 167.
 _DAMPED = 1e-3
+#: Share of a node in the displacement of a point up to which it lies on a side without this node.
+_ON_SIDE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,9 @@ class Embedded(Form, Couples, Staged, Regularised):
 
     Notes
     -----
+    Where the ground of a point is deactivated, as in a pit, the beam is free: the point has no
+    force from then on.
+
     ``stage.table(name)`` has the columns of :class:`~skfem_contact.PileSprings`: deflections of the
     beam and resistances of the ground, positive with the deflection, of one member per length, and
     the `share` of the limit. The kinds are "p" to the left of the beam's direction, in space "px",
@@ -219,6 +224,7 @@ class Embedded(Form, Couples, Staged, Regularised):
             of_ground, self._part = _around(basis, points, self._along, self._wide)
         self._ground = np.unique(of_ground.indices)
         self._jump = csr_matrix(hstack((of_ground[:, self._ground], -of_beam)))
+        self._away = np.zeros(len(points), bool)
         self._transposed = csr_matrix(self._jump.T)  # of forces at points
         self._magnitudes = abs(self._transposed)
         self.joins = np.zeros(0, int)
@@ -270,10 +276,38 @@ class Embedded(Form, Couples, Staged, Regularised):
         new.acts_on = new.changing = new._dofs
         return new
 
+    @override
+    def let_go(self, inactive: ndarray) -> Embedded:
+        # Find the points, and the foot, that move with inactive nodes.
+        gone = np.isin(self._ground, inactive)
+        share = np.asarray(abs(self._jump[:, : len(gone)]) @ gone)
+        share = share.reshape(self._along.shape)
+        away = np.any(share > _ON_SIDE, axis=1)
+        back = self._away & ~away
+        if back.any():
+            raise ValueError(
+                f"ground returns to the beam at {format_point(self._points[back][0])}: deactivate "
+                "this form, and activate another Embedded of the same beam, which begins without "
+                "force"
+            )
+        if not gone.any():
+            return self
+
+        # Points without ground have no force.
+        new = copy(self)
+        new._known = {}
+        new._away = away
+        new.T_max = np.where(away[:-1], 0.0, self.T_max)
+        new.p_max = np.where(away[:-1], 0.0, self.p_max)
+        new._weight = np.where(away[:-1], 0.0, self._weight)
+        new.F_max = 0.0 if away[-1] else self.F_max
+        new.acts_on = np.setdiff1d(self._dofs, self._ground[gone])
+        return new
+
     def __repr__(self) -> str:
         low = self.T_max.min()
         high = self.T_max.max()
-        return f"<Embedded {self.positions[-1]:.4g} long, T_max {low:.4g} to {high:.4g}>"
+        return f"<Embedded {self._lengths.sum():.4g} long, T_max {low:.4g} to {high:.4g}>"
 
     def _jumps(self, x: ndarray) -> tuple[ndarray, float]:
         """Return ground less beam displacements, (n, dim), and along it at the foot."""

@@ -194,6 +194,10 @@ class Couples:
         """
         return self
 
+    def let_go(self: Self, inactive: ndarray) -> Self:
+        """Return the form without its parts on inactive dofs, if it can do without them."""
+        return self
+
 
 def borrowed_by(form: Any) -> tuple[Field, ...]:
     """Return the fields of other forms that a form acts on."""

@@ -20,7 +20,7 @@ from ..results.fields import undrained_elements
 from ..results.stage import StageResult
 from ..shells.hinges import hinged
 from .in_time import InTime, inertia_of, remarks_on_base
-from .setup import Setup
+from .setup import Setup, let_go
 from .stage import Stage
 from .supports import check_supports
 
@@ -234,6 +234,8 @@ class Planner:
                 self._known.update(self._replaced(stage))
                 self._active = self._select()
                 self._inactive = self._setup.inactive(self._active)
+                self._active = let_go(self._active, self._inactive)
+                self._known.update(self._active)
                 check_contacts(self._active, self._inactive)
                 if stage.dynamic is None:
                     check_supports(self._active, np.union1d(self._supports, self._inactive))

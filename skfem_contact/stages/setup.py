@@ -211,15 +211,19 @@ class Setup:
 
     def after(self, start: StageData | None) -> Self:
         """Return the set-up with the forms and supports that stages of its own have changed."""
-        if start is None or start.layout is not self.layout or start.supports is None:
+        if start is None:
             return self
         new = copy(self)
         vars(new).pop("solids", None)
-        changed = dict(start.changed)
-        if self._change is not None:
-            changed = {name: self._change(name, form) for name, form in changed.items()}
-        new.forms = {**self.forms, **changed}
-        new.fixed = start.supports
+        if start.layout is self.layout and start.supports is not None:
+            changed = dict(start.changed)
+            if self._change is not None:
+                changed = {name: self._change(name, form) for name, form in changed.items()}
+            new.forms = {**self.forms, **changed}
+            new.fixed = start.supports
+        # Active forms have let go of inactive bodies, which files do not hold.
+        active = {name: new.forms[name] for name in start.states if name in new.forms}
+        new.forms = {**new.forms, **let_go(active, self.inactive(active))}
         return new
 
     def adopted(self, new: Mapping[str, Any], now: Forms) -> dict[str, Form]:
@@ -379,6 +383,17 @@ class Setup:
         """Return the system of some forms, once their supports are checked."""
         check_supports(forms, fixed)
         return self.system(forms, fixed)
+
+
+def let_go(forms: Forms, inactive: ndarray) -> dict[str, Form]:
+    """Return forms without their parts on inactive dofs."""
+    found = dict(forms)
+    for name, form in having(forms, Couples).items():
+        try:
+            found[name] = form.let_go(inactive)
+        except ValueError as error:
+            raise ValueError(f"'{name}': {error}") from None
+    return found
 
 
 def dofs_of(forms: Forms, layout: Layout) -> ndarray:

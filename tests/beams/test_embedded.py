@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from skfem import (
@@ -568,3 +570,102 @@ def test_wrong_lateral_limits():
     grid = sc.Reinforcement(None, [(0.0, -1.0), (0.0, -5.0)], EA=1.0)
     with pytest.raises(ValueError, match="leave out p_max"):
         sc.Embedded(basis, grid, 1.0, p_max=5.0)
+
+
+def dug(pit: Basis, at: float, split: bool) -> tuple[sc.Model, list[sc.Stage]]:
+    """A pile 7 long at x = `at` in ground 8 high, which is dug to 5 for x < 6 and then pressed.
+
+    The pile is one beam, or split at the bottom of the pit, where its upper skin is deactivated.
+    """
+    forms = {
+        name: sc.SolidForm(pit.with_elements(name), ELASTIC, unit_weight=18.0)
+        for name in ("pit", "soil")
+    }
+    row = {"EI": 1e4, "EA": 1e6, "spacing": 2.0}
+    gone = ("pit",)
+    if split:
+        lower = sc.Beam(None, np.linspace((at, 5), (at, 1), 5), **row)
+        upper = sc.Beam(None, np.linspace((at, 8), (at, 5), 4), joined_to=lower, **row)
+        forms |= {"lower": lower, "skin": sc.Embedded(pit, lower, T_max=50.0, F_max=100.0)}
+        forms |= {"upper": upper, "skin above": sc.Embedded(pit, upper, T_max=50.0)}
+        gone = ("pit", "skin above")
+    else:
+        beam = sc.Beam(None, np.linspace((at, 8), (at, 1), 8), **row)
+        forms |= {"pile": beam, "skin": sc.Embedded(pit, beam, T_max=50.0, F_max=100.0)}
+    load = sc.traction(pit, "right", (-5.0, 0.0))
+    fixed = np.union1d(pit.get_dofs("bottom").all(), pit.get_dofs("left").all("u^1"))
+    stages = [
+        sc.Stage("weight"),
+        sc.Stage("dig", deactivate=gone),
+        sc.Stage("press", load),
+    ]
+    return sc.Model(forms, fixed), stages
+
+
+@pytest.fixture
+def pit() -> Basis:
+    mesh = MeshQuad.init_tensor(np.linspace(0, 12, 13), np.linspace(0, 8, 9)).with_defaults()
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    gone = np.flatnonzero((x < 6) & (y > 5))
+    rest = np.setdiff1d(np.arange(mesh.nelements), gone)
+    return vector_basis(mesh.with_subdomains({"pit": gone, "soil": rest}), "Q1")
+
+
+def test_piles_stand_free_where_their_ground_is_dug_away(pit: Basis) -> None:
+    """[X] As if split at the bottom of the pit, with a skin above that is deactivated; the table
+    has no forces there.
+    """
+    model, stages = dug(pit, 4.3, split=False)
+    whole = model.run(stages, **QUIET)
+    model, stages = dug(pit, 4.3, split=True)
+    parts = model.run(stages, **QUIET)
+    for name in ("dig", "press"):
+        # Both end where forces balance to 1e-8 of the load
+        moved = np.abs(parts[name].x[: pit.N]).max()
+        np.testing.assert_allclose(
+            whole[name].x[: pit.N], parts[name].x[: pit.N], atol=1e-6 * moved
+        )
+        np.testing.assert_allclose(
+            whole[name].section_forces("pile").M[-8:],
+            parts[name].section_forces("lower").M,
+            atol=1e-4,  # of up to 10
+        )
+        table = whole[name].table("skin")
+        assert not table["resistance"][table["y"] > 5.0].any()
+        assert np.abs(table["resistance"][table["y"] < 5.0]).max() > 1.0
+
+
+def test_piles_beside_a_pit_stay_in_the_ground(pit: Basis) -> None:
+    """[X] On the side of a pit the nodes beyond it have no share in the points of the pile."""
+    model, stages = dug(pit, 6.0, split=False)
+    table = model.run(stages, **QUIET)["press"].table("skin")
+    above = table["resistance"][(table["y"] > 5.0) & (table["kind"] == "t")]
+    assert above.all()
+
+
+def test_piles_that_stand_free_are_resumed_from_files(pit: Basis, tmp_path: Path) -> None:
+    """[X] A stage after loading the file is that of one run, to round-off."""
+    model, stages = dug(pit, 4.3, split=False)
+    whole = model.run(stages, **QUIET)
+    model.run(stages[:2], **QUIET).save(tmp_path / "dug")
+    start = sc.load_result(tmp_path / "dug", model)
+    resumed = model.run(stages[2:], start=start, **QUIET)
+    np.testing.assert_allclose(resumed["press"].x, whole["press"].x, rtol=1e-9, atol=1e-12)
+    modes = [
+        sc.Model(model.forms, model.fixed, gravity_acceleration=9.81).frequencies(1, start=last)
+        for last in (start, whole["dig"])
+    ]
+    np.testing.assert_allclose(modes[0], modes[1], rtol=1e-9)
+
+
+def test_ground_that_returns_to_a_pile_needs_a_new_skin(pit: Basis) -> None:
+    """The first point is named; another Embedded begins without force."""
+    model, stages = dug(pit, 4.3, split=False)
+    filled = sc.Stage("fill", activate="pit")
+    with pytest.raises(ValueError, match=r"stage 'fill': 'skin': ground returns .* \(4.3, 7.88"):
+        model.run([*stages[:2], filled], **QUIET)
+    skin = sc.Embedded(pit, model.forms["pile"], T_max=50.0)
+    again = sc.Model({**model.forms, "again": skin}, model.fixed)
+    filled = sc.Stage("fill", activate=("pit", "again"), deactivate="skin")
+    table = again.run([*stages[:2], filled], **QUIET)["fill"].table("again")
+    assert table["resistance"][table["y"] > 5.0].any()
