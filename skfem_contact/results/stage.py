@@ -348,7 +348,8 @@ class StageResult(files.StageData):
         ``plastic_strain``, the number of the ``body``, in the order of
         :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the
         materials of all solids. The slave's facets of every contact pair are cells with
-        ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements stay
+        means of ``pressure``, ``shear``, ``gap`` and ``slip``, the share ``closed`` of their area
+        that is in contact, and the ``status`` of most of this share. Quadratic elements stay
         quadratic. Elements of beams have points of their own with ``N``, ``V`` and ``M``.
         """
         export.grid(self).write(file, file_format="vtu")

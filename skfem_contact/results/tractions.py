@@ -34,7 +34,9 @@ class Tractions:
         Coordinates of the points in the undeformed slave; z is zero in the plane.
     pressure
         Normal traction, compression positive. Where all points of a facet have one status, it is
-        projected onto the shape functions of the slave, with the same nodal forces.
+        projected onto the shape functions of the slave, with the same nodal forces. Other facets
+        keep the values of their points, which at the edge of contact are off by 5 to 40 % of the
+        largest pressure.
     shear
         Friction of the slave on the master, likewise projected: in the plane positive along the
         master's chain, clockwise around a pipe; in space vectors, shape (n_points, 3), on the
@@ -135,7 +137,10 @@ class ContactFacets(NamedTuple):
         return np.einsum("nk,nkc->nc", self.shares, u[self.nodes])
 
     def on_facets(self) -> dict[str, ndarray]:
-        """Return means over the facets, and the highest status of their points."""
+        """Return means over the facets, shares of their areas that are closed, and their status.
+
+        The status is open where all points are, else what most of the closed area has.
+        """
         facet, point = self.members
         t = self.tractions
         # Means by area; points without a value count as gaps.
@@ -147,10 +152,14 @@ class ContactFacets(NamedTuple):
             total = np.zeros((len(self.facets), *values.shape[1:]))
             np.add.at(total, facet, (t.weight * values.T).T[point])
             data[name] = (total.T / weight).T
-        # The highest status of the points.
-        status = np.full(len(self.facets), -1)
-        np.maximum.at(status, facet, np.asarray(t.status)[point])
-        return data | {"status": status}
+        # Compare the areas of each status; facets without points have none.
+        areas = np.zeros((len(self.facets), len(Status)))
+        np.add.at(areas, (facet, t.status[point]), t.weight[point])
+        closed = areas[:, Status.STICK :]
+        data["closed"] = closed.sum(axis=1) / weight
+        of_closed = Status.STICK + closed.argmax(axis=1)
+        status = np.where(closed.any(axis=1), of_closed, Status.OPEN)
+        return data | {"status": np.where(areas.any(axis=1), status, -1)}
 
 
 def interfaces(stage: StageData) -> dict[str, ContactFacets]:

@@ -9,7 +9,7 @@ import skfem_contact as sc
 from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.laws import Status
 from skfem_contact.results import Tractions
-from skfem_contact.results.tractions import contact_report, tractions
+from skfem_contact.results.tractions import contact_report, interfaces, tractions
 from tests.tools.helpers import body_along, facing, grid, rough_pair, vector_basis
 
 LAW = sc.Coulomb(mu=0.3, adhesion=0.2)
@@ -28,6 +28,35 @@ def sliding_block(
     nodes = basis.nodal_dofs[:, np.unique(mesh.t[:, mesh.subdomains["block"]])]
     x[nodes[0]], x[nodes[1]] = shift, -down
     return pair, x, pair.assemble(x, pair.initial_state()).state
+
+
+def test_facets_whose_points_differ_have_the_status_of_most_of_the_closed_area() -> None:
+    """[X] Gauss weights 5/18, 8/18, 5/18: the first point slips or is open, the others stick."""
+    base, block = grid("Q1", [0, 3], [0, 1]), grid("Q1", [1, 2], [1, 2])
+    mesh = sc.join_bodies({"base": base, "block": block})
+    basis = vector_basis(mesh, "Q1")
+    pair = sc.ContactPair(
+        basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature=3, penalty=1e4
+    )
+    forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.0)), "joint": pair}
+    model = sc.Model(forms, np.arange(basis.N))
+    nodes = basis.nodal_dofs[:, np.unique(mesh.t[:, mesh.subdomains["block"]])]
+    far = mesh.p[0, nodes[0] // 2] - 1.0
+
+    stages = []
+    for gap in (2e-4, 0.0):  # at the left end; the right end penetrates by 1e-3 more
+        x = basis.zeros()
+        x[nodes[0]] = 5e-5  # a trial friction of 0.5, 0.3 of a penetration of 1.7e-4
+        x[nodes[1]] = gap - 1e-3 * far
+        stages.append(sc.Stage(f"{gap}", prescribed=x))
+    in_part, whole = (
+        next(iter(interfaces(model.run([stage], progress=False)[0]).values())) for stage in stages
+    )
+    np.testing.assert_array_equal(np.sort(in_part.tractions.status), [0, 1, 1])
+    np.testing.assert_array_equal(np.sort(whole.tractions.status), [1, 1, 2])
+    for facet, closed in ((in_part.on_facets(), 13 / 18), (whole.on_facets(), 1.0)):
+        assert facet["closed"] == pytest.approx(closed)
+        assert facet["status"] == Status.STICK
 
 
 @pytest.mark.parametrize("shift", [0.1, -0.1])
