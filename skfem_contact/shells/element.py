@@ -135,22 +135,28 @@ class Triangles:
         return np.stack((first, cross(normal, first), normal), axis=1)
 
     @cached_property
+    def _local(self) -> ndarray:
+        """Coordinates of the corners along the axes 1 and 2 from the first one, (m, 3, 2)."""
+        from_first = self.points - self.points[:, :1]
+        return np.asarray(np.einsum("mac,mic->mia", self.axes[:, :2], from_first))
+
+    @cached_property
+    def gradients(self) -> ndarray:
+        """Derivatives of the linear functions of the corners along the axes 1 and 2, (m, 2, 3)."""
+        inverse = np.linalg.inv(self._local[:, 1:])  # columns: gradients of corners 1 and 2
+        return np.concatenate((-inverse.sum(axis=2, keepdims=True), inverse), axis=2)
+
+    @cached_property
     def strains(self) -> ndarray:
         """Strains by the dofs of the nodes in space, (m, 15, 18); see the names of the module.
 
         The dofs are the displacements of the three nodes, then their rotations.
         """
-        # Derivatives of the linear functions along the axes, (m, 2, 3)
-        local = np.einsum("mac,mic->mia", self.axes[:, :2], self.points - self.points[:, :1])
-        sides = local[:, 1:]
-        inverse = np.linalg.inv(sides)  # columns: gradients of the functions of nodes 1 and 2
-        gradients = np.concatenate((-inverse.sum(axis=2, keepdims=True), inverse), axis=2)
-
         # Strains by the dofs in the axes of the triangle, then by those in space
         m = len(self.points)
         found = np.zeros((m, 15, 2, 3, 3))  # strains, displacements or rotations, nodes, axes
-        _membrane(found, gradients)
-        _bending(found, gradients, local)
+        _membrane(found, self.gradients)
+        _bending(found, self.gradients, self._local)
         in_space = np.einsum("msknb,mbc->msknc", found, self.axes)
         return np.asarray(in_space.reshape(m, 15, 18))
 
@@ -220,3 +226,18 @@ def elasticity(E: float, nu: float, thickness: float) -> ndarray:
     found[BENDING, BENDING] = np.kron(np.eye(3), membrane * thickness**2 / 36.0)
     found[DRILLING, DRILLING] = _DRILLING * E / (2.0 + 2.0 * nu) * thickness / 3.0 * np.eye(3)
     return found
+
+
+def lost_stiffness(triangles: Triangles, n: ndarray) -> ndarray:
+    """Return the stiffness that forces n_1, n_2, n_12, (m, 3), take away, (m, 18, 18).
+
+    It is the integral of -n_ab u,a u,b of linear displacements u over the triangles, with forces
+    per length positive in tension (R. D. Cook et al., Concepts and Applications of Finite Element
+    Analysis, 2002, section 18.2).
+    """
+    forces = n[:, [[0, 2], [2, 1]]]  # (m, 2, 2)
+    g = triangles.gradients
+    slopes = -triangles.areas[:, None, None] * (g.transpose(0, 2, 1) @ forces @ g)
+    lost = np.zeros((len(n), 18, 18))
+    lost[:, :9, :9] = np.einsum("mij,cd->micjd", slopes, np.eye(3)).reshape(-1, 9, 9)
+    return lost

@@ -19,7 +19,7 @@ from ..beams.joints import joined, taken_by
 from ..beams.nodes import Nodes
 from ..checks import facets_of, finite, is_number, positive, vector
 from ..forms.base import Form, Outputs, Response
-from ..forms.roles import with_force_kept
+from ..forms.roles import Slender, with_force_kept
 from ..layout import Field
 from ..sparse import Gathering, constant
 from ..surfaces.topology import facets_and_dofs
@@ -31,6 +31,7 @@ from .element import (
     Triangles,
     divided,
     elasticity,
+    lost_stiffness,
     n_corners,
     normals,
 )
@@ -61,7 +62,7 @@ class ShellState:
     free: ndarray
 
 
-class Shell(Nodes):
+class Shell(Nodes, Slender):
     r"""Thin elastic plate or shell in space: a raft, a slab, a tank, a wall.
 
     Flat triangles of constant membrane strains and discrete Kirchhoff bending, of small
@@ -280,6 +281,18 @@ class Shell(Nodes):
     @override
     def rebased(self, x: ndarray, state: ShellState) -> ShellState:
         return ShellState(state.force, state.free - self._strains(x))
+
+    @override
+    def lost_by_thrust(self, state: ShellState, share: float) -> tuple[ndarray, csr_matrix] | None:
+        n = state.force[:, MEMBRANE]
+        # smallest principal force, beside the load of a strip as long as the shell, with a free end
+        least = 0.5 * (n[:, 0] + n[:, 1]) - np.hypot(0.5 * (n[:, 0] - n[:, 1]), n[:, 2])
+        extent = float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        EI = self.parameters["E"] * self.parameters["thickness"] ** 3 / 12.0
+        if not -least.min() > share * np.pi**2 * EI / (2.0 * extent) ** 2:
+            return None
+        lost = lost_stiffness(self._triangles, n)
+        return self._of_model(), self._gathering.matrix(self._rows, lost)
 
     @override
     def own_weight(self, acceleration: ndarray) -> ndarray | None:

@@ -105,7 +105,7 @@ def buckling(setup: Setup, n: int, *, start: Result | StageResult) -> results.Bu
     # Stiffness of the start, and what its thrusts take away
     lost = _lost(system, last, 0.0)
     if not lost:
-        raise ValueError("no beam has a thrust at the start: nothing buckles")
+        raise ValueError("no member has a thrust at the start: nothing buckles")
     K = system.tangent(system.evaluate(last.x, last.states, last.load))
     if not is_symmetric(K, system.free):
         raise ValueError("the tangent is not symmetric: contact slides or soil flows at the start")

@@ -369,7 +369,7 @@ def test_bad_input_is_refused():
     beam = straight(4)
     model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0)))
     rest = model.run([sc.Stage("pull", model.forms["beam"].load((1.0, 0.0), (L, 0.0)))])
-    with pytest.raises(ValueError, match="no beam has a thrust"):
+    with pytest.raises(ValueError, match="no member has a thrust"):
         model.buckling(1, start=rest)
     with pytest.raises(ValueError, match="number of modes must be at least 1"):
         model.buckling(0, start=rest)

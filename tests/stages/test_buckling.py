@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from skfem import MeshQuad
 
 import skfem_contact as sc
 from tests.tools.helpers import grid, vector_basis
@@ -95,3 +96,54 @@ def test_pile_that_the_ground_holds():
     model = sc.Model(forms, sc.box_supports(basis))
     load = model.forms["pile"].load((0.0, -2.5 * EULER), at=(2.0, 4.0))
     assert share(model, load) == 0.0
+
+
+@pytest.mark.parametrize(("sides", "k"), [("x", 4.0), ("xy", 2.0)])
+def test_square_plate_under_thrust(sides, k):
+    """[X] A plate on simple supports buckles at k pi^2 D / b^2 per length of its loaded sides."""
+    n = 8
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, 1.0, n + 1), np.linspace(0.0, 1.0, n + 1))
+    points = np.column_stack((*mesh.p, 0 * mesh.p[0]))
+    E, nu, t = 12e3, 0.3, 0.01
+    plate = sc.Shell(None, points, cells=mesh.t.T, E=E, nu=nu, thickness=t)
+    rim = points[(points[:, :2] % 1.0 == 0.0).any(axis=1)]
+    fixed = [dof for point in rim for dof in plate.dofs(point, ["u^3"])]
+    fixed += [*plate.dofs((0, 0, 0), ["u^1", "u^2"]), *plate.dofs((0, 1, 0), ["u^1"])]
+    model = sc.Model({"plate": plate}, fixed)
+    least = k * np.pi**2 * E * t**3 / 12 / (1 - nu**2)
+
+    # forces of half of the load on both ends of each side, that of corners halved
+    load = np.zeros(model.layout.size)
+    for axis in ("xyz".index(side) for side in sides):
+        for end in points[points[:, axis] % 1.0 == 0.0]:
+            share_of_side = 0.5 if end[1 - axis] % 1.0 == 0.0 else 1.0
+            force = np.zeros(3)
+            force[axis] = (0.5 - end[axis]) * least * share_of_side / n
+            load += model.forms["plate"].load(force, at=end)
+    result = model.run([sc.Stage("half", load)], progress=False)
+    found = model.buckling(1, start=result).factors[0]
+    assert found == pytest.approx(2.0, rel=0.005)  # elements of an eighth: .33 % in both cases
+    assert share(model, load) == pytest.approx(0.5, abs=0.006)
+    assert share(model, -load) == 0.0
+
+
+def test_ring_of_a_shell():
+    """[X] A quarter of a ring under radial forces that keep their direction: q = 4 EI / R^3."""
+    E, t, R, n = 1e7, 0.02, 1.0, 16
+    mesh = MeshQuad.init_tensor(np.linspace(0.0, 0.2, 2), np.linspace(0.0, np.pi / 2, n + 1))
+    y, z = R * np.sin(mesh.p[1]), R * np.cos(mesh.p[1])
+    points = np.column_stack((mesh.p[0], y, z))
+    ring = sc.Shell(None, points, cells=mesh.t.T, E=E, thickness=t)
+    fixed = []
+    for point in points:
+        held = ["u^1"]
+        if point[1] < 1e-9:
+            held += ["u^2", "theta^1", "theta^3"]
+        elif point[2] < 1e-9:
+            held += ["u^3", "theta^1", "theta^2"]
+        fixed += [*ring.dofs(point, held)]
+    model = sc.Model({"ring": ring}, fixed)
+    inwards = model.forms["ring"].area_load(lambda x: -np.stack((0 * x[0], x[1], x[2])) / R)
+    found = model.buckling(1, start=model.run([sc.Stage("q", inwards)], progress=False))
+    # chords of sixteen elements in a quarter: .4 %
+    assert found.factors[0] == pytest.approx(4.0 * E * t**3 / 12 / R**3, rel=0.006)
