@@ -106,9 +106,11 @@ class Planner:
         self._last_load: ndarray | None = None  # of the last stage that was planned
         self._unreleased = False
         self._moves = False  # without supports, as inertia allows
+        self._held_away = False  # supports away from where they began
         self._time = 0.0  # since the last change of the load
         if start is not None:
             self._unreleased = start.unreleased is not None
+            self._held_away = bool(start.x[self._known_supports()].any())
 
     @property
     def _first(self) -> bool:
@@ -157,6 +159,7 @@ class Planner:
             *self._of_water(stage),
             *self._of_regions(stage),
             *self._of_pressures(stage, load, prescribed),
+            *self._of_free_dofs(prescribed),
             *_of_jump(stage, load, jump),
             *_of_removal(stage, on_top_before, load),
             *remarks_on_base(self._setup, stage),
@@ -469,6 +472,23 @@ class Planner:
                     f"the {one.name} is prescribed at {n} dofs that are not held, which does "
                     "nothing: name them in `fixed`",
                 )
+
+    def _of_free_dofs(
+        self, prescribed: ndarray | Callable[[float], ndarray] | None
+    ) -> Iterator[Remark]:
+        """Yield a remark on displacements that are prescribed at free dofs alone."""
+        if prescribed is None or callable(prescribed):
+            return
+        given = np.setdiff1d(np.flatnonzero(prescribed), self._setup.layout.pressures)
+        self._held_away |= bool(np.isin(given, self._supports).any())
+        # Values of all dofs, as a copy of earlier displacements, go with supports that are moved.
+        if len(given) and not self._held_away:
+            yield Remark(
+                "free",
+                len(given),
+                f"displacements are prescribed at {len(given)} dofs, none of which is held, which "
+                "does nothing: name them in `fixed`",
+            )
 
     def _of_weights(
         self,

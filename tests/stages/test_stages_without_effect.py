@@ -37,6 +37,31 @@ def test_stages_that_change_nothing():
         sc.Model(forms, fixed).run([sc.Stage("a", load), sc.Stage("b", 2.0 * load)], progress=False)
 
 
+def test_displacements_of_free_dofs():
+    """[X] Values at dofs that nothing holds move nothing, which is told unless supports move."""
+    basis, forms, load, fixed = ground()
+    model = sc.Model(forms, fixed)
+    top = basis.get_dofs("top").all("u^2")
+    down = basis.zeros()
+    down[top] = -0.1
+    weight = sc.Stage("weight", load)
+    with pytest.warns(sc.AnalysisWarning, match="at 9 dofs, none of which is held"):
+        idle = model.run([weight, sc.Stage("push", load, prescribed=down)], progress=False)
+    assert np.allclose(idle["push"].x, idle["weight"].x, rtol=0.0, atol=1e-12)
+
+    # values of all dofs, of which the supports are moved, also back to where they began
+    both = np.append(fixed, top)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        push = sc.Stage("push", load, prescribed=down, fixed=both)
+        pushed = model.run([weight, push], progress=False)
+        back = pushed["push"].x.copy()
+        back[top] = 0.0
+        model.run([sc.Stage("back", load, prescribed=back)], start=pushed, progress=False)
+        stages = [weight, push, sc.Stage("back", load, prescribed=back)]
+        assert np.allclose(model.run(stages, progress=False)["back"].x[top], 0.0, atol=1e-15)
+
+
 def test_water_that_presses_on_nothing():
     basis, *_ = ground()
     basis.mesh.boundaries["nowhere"] = np.zeros(0, int)
