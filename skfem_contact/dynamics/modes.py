@@ -78,7 +78,8 @@ def modes_of(
         values = values - shift
     else:
         # Lanczos on K^-1 M: the largest values of 1 / (w^2 + shift)
-        inverse = LinearOperator(K.shape, matvec=lambda b: solve(np.asarray(b).ravel()))
+        # with its type, which scipy would find by a vector of whole numbers
+        inverse = LinearOperator(K.shape, lambda b: solve(np.ravel(b)), dtype=K.dtype)
         begin = solve(M @ np.random.default_rng(0).standard_normal(K.shape[0]))
         values, shapes = eigsh(
             K,

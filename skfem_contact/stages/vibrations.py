@@ -21,8 +21,12 @@ from ..sparse import Total, within
 from .in_time import check_materials
 from .setup import Setup
 
-#: Skew part of a tangent, over its largest entry, that is round-off.
-_SKEW = 1e-9
+#: Skew part of a tangent, over the largest entries of its rows, that modes leave out. Joints that
+#: stick have about the strains of their pressure, .03 at 5 %, and frequencies change by its square,
+#: 5e-6; multipliers of joints that slide have up to 1.
+_SKEW = 0.1
+#: Rows below this share of the largest entry are round-off.
+_ROUND_OFF = 1e-8
 #: Kinds of masses.
 Masses = Literal["lumped", "consistent"]
 
@@ -97,11 +101,7 @@ def modes(
     x = setup.vector(last.x, "start")
     responses = responses_of(system.forms, x, last.states)
     K = Total().of([response.stiffness for response in responses.values()])
-    if not is_symmetric(K, system.free):
-        raise ValueError(
-            "the tangent is not symmetric: contact slides or soil flows at the start, about which "
-            "there are no modes of vibration"
-        )
+    K = symmetric_part(K, system.free)
     # K shape = w^2 M shape
     squares, shapes = modes_of(K, M, system.fixed, system.factor, int(n))
 
@@ -119,9 +119,18 @@ def check_number(n: int) -> None:
         raise ValueError(f"the number of modes must be at least 1 and whole, not {n!r}")
 
 
-def is_symmetric(K: csr_matrix, free: ndarray) -> bool:
-    """Return True if the tangent of the start is symmetric among the free dofs."""
-    return bool(abs(within(K - K.T, free)).max() <= _SKEW * abs(K).max())
+def symmetric_part(K: csr_matrix, free: ndarray) -> csr_matrix:
+    """Return the symmetric part of the tangent of a start; refuse a skew part that counts."""
+    skew = 0.5 * (K - K.T)
+    rows = abs(within(K, free)).max(axis=1).toarray()
+    among = abs(within(skew, free)).max(axis=1).toarray()
+    least = _ROUND_OFF * rows.max()
+    if (among > 0.5 * _SKEW * np.maximum(rows, least)).any():
+        raise ValueError(
+            "the tangent is not symmetric: contact slides or soil flows at the start, about which "
+            "there are no modes"
+        )
+    return csr_matrix(K - skew)
 
 
 def frequencies(

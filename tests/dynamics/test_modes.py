@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 from skfem import (
     Basis,
     ElementQuad1,
@@ -127,6 +128,63 @@ def test_modes_about_a_state_with_contact():
     found = model.frequencies(3, start=start)
     # the masses of the lowest nodes do not move either
     np.testing.assert_allclose(found, held.frequencies(3), rtol=1e-6)
+
+
+def two_blocks(n, law, **given):
+    """One block on another one, the upper one with n elements along each side."""
+    lower, upper = (
+        MeshQuad.init_tensor(np.linspace(0, 1, k + 1), np.linspace(0, 1, k + 1)).with_defaults()
+        for k in (4, n)
+    )
+    mesh = sc.join_bodies({"lower": lower, "upper": upper.translated((0.0, 1.0))})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2), unit_weight=10.0)
+    pair = sc.ContactPair(basis, "upper:bottom", "lower:top", law, **given)
+    fixed = basis.get_dofs("lower:bottom").all()
+    return sc.Model({"solid": solid, "pair": pair}, fixed, gravity_acceleration=10.0)
+
+
+STICKING = pytest.mark.parametrize("law", [sc.Tied(), sc.Coulomb(0.5)])
+ENFORCED = pytest.mark.parametrize(
+    "given", [{"penalty": 1e8}, {"enforcement": sc.DualMultipliers()}]
+)
+
+
+@STICKING
+@ENFORCED
+def test_two_blocks_vibrate_like_one(law, given):
+    """[X] Blocks in contact, of meshes that fit, have the frequencies of one body."""
+    line = np.linspace(0.0, 1.0, 5)
+    whole = MeshQuad.init_tensor(line, np.linspace(0.0, 2.0, 9)).with_defaults()
+    basis = Basis(whole, ElementVector(ElementQuad1()), intorder=2)
+    body = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2), unit_weight=10.0)
+    fixed = basis.get_dofs("bottom").all()
+    one = sc.Model({"body": body}, fixed, gravity_acceleration=10.0)
+    # the penalty is a layer of E / 1e8 = 1e-4 in a height of 2
+    found = two_blocks(4, law, **given).frequencies(4)
+    np.testing.assert_allclose(found, one.frequencies(4), rtol=1e-4)
+
+
+@STICKING
+@ENFORCED
+def test_modes_about_the_weight_of_blocks(law, given):
+    """[X] The skew tangent of a pressed joint that sticks changes no frequency by its pressure."""
+    model = two_blocks(3, law, **given)
+    start = model.run([sc.Stage("weight")], **QUIET)
+    # the pressure is .1 % of E
+    found = model.frequencies(4, start=start)
+    np.testing.assert_allclose(found, model.frequencies(4), rtol=2e-3)
+
+
+def test_skew_stiffness_is_refused():
+    """Forces that turn the column on and on have no modes of vibration."""
+    model, basis = layer()
+    i, j = basis.get_dofs("top").all()[:2]
+    skew = csr_matrix(([1e5, -1e5], ([i, j], [j, i])), shape=(basis.N, basis.N))
+    forms = {**model.forms, "turning": sc.MatrixForm(skew)}
+    turned = sc.Model(forms, basis.get_dofs("bottom").all(), gravity_acceleration=9.81)
+    with pytest.raises(ValueError, match="the tangent is not symmetric"):
+        turned.frequencies(1)
 
 
 def test_modes_need_masses():
