@@ -221,8 +221,16 @@ class Interface:
     def meshed_gap(self, state: ContactState) -> ndarray:
         """Return gaps of the mesh, (n,), from which present ones differ by displacements alone."""
         points = self.points(state.cuts)
-        found = self.closest(None, state.cuts)
+        if self.rule == "segments":
+            found = self.closest(None, state.cuts)
+        else:
+            found = self._in_mesh
         return np.asarray(found.gap - self.faceting(points, found.closest) + state.rounded)
+
+    @cached_property
+    def _in_mesh(self) -> Projection:
+        """Closest points in the undeformed mesh, for points that do not depend on cuts."""
+        return self.closest(None, np.zeros(0))
 
     @cached_property
     def neighbours(self) -> NeighbourList:
