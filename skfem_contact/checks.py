@@ -294,6 +294,7 @@ _KINDS = {
     float: Kind("a finite number", is_number),
     str: Kind("a string", _instance_of(str)),
     ndarray: Kind("an array of real numbers", _is_array),
+    ArrayLike: Kind("finite numbers", _are_numbers),
     Callable: Kind("a function", lambda value: callable(value) and not isinstance(value, type)),
 }
 #: Kind of numbers whose default is infinite.
@@ -309,6 +310,8 @@ def kind_of(hint: Any) -> Kind:
     known = _KINDS.get(hint) or _KINDS.get(origin)
     if known:
         return known
+    if hasattr(origin or hint, "__value__"):  # an alias, as ``NDArray`` from numpy 2.5 on
+        return kind_of((origin or hint).__value__)
     if origin is Annotated:
         return kind_of(inner[1])  # types of the argument, where the attribute has others
     if origin is Literal:
@@ -334,13 +337,13 @@ def _literal(words: tuple[Any, ...]) -> Kind:
 
 
 def _union(hints: tuple[Any, ...]) -> Kind:
-    """Return the kind of a union; all types of numpy's ``ArrayLike`` are finite numbers."""
-    array_like = get_args(ArrayLike)
-    kinds = []
+    """Return the kind of a union; numbers among ``ArrayLike`` need no mention."""
+    # Before numpy 2.5 ``ArrayLike`` is a union, whose types are among the others.
+    array_like = get_args(ArrayLike) or (ArrayLike,)
     if all(hint in hints for hint in array_like):
-        kinds.append(Kind("finite numbers", _are_numbers))
-        hints = tuple(hint for hint in hints if hint not in (float, *array_like))
-    kinds += map(kind_of, hints)
+        others = [hint for hint in hints if hint not in (float, *array_like)]
+        hints = (ArrayLike, *others)
+    kinds = list(map(kind_of, hints))
     tests = [kind.holds for kind in kinds]
 
     def holds(value: Any) -> bool:

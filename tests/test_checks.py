@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
+from typing_extensions import TypeAliasType
 
 import skfem_contact as sc
 from skfem_contact import checks
@@ -100,3 +104,27 @@ def test_calls_of_a_form_are_checked_in_the_first_increment():
     assert run(basis).x[0] == pytest.approx(1.0)
     with pytest.raises(ValueError, match="basis must be a CellBasis, not MeshQuad"):
         run(basis.mesh)
+
+
+def test_kinds_of_aliases():
+    """`NDArray` and `ArrayLike` are aliases from numpy 2.5 on, which Python 3.12 and later have."""
+    scalar = TypeVar("scalar", bound=np.generic)
+    values = TypeAliasType("values", NDArray[scalar], type_params=(scalar,))
+    for hint in (NDArray[np.float64], values[np.float64], TypeAliasType("array", np.ndarray)):
+        assert checks.kind_of(hint).name == "an array of real numbers"
+    for hint in (ArrayLike, TypeAliasType("numbers", ArrayLike)):
+        assert checks.kind_of(hint).name == "finite numbers"
+
+
+@pytest.mark.parametrize(
+    ("hint", "name", "held", "refused"),
+    [
+        (ArrayLike | None, "finite numbers or None", [1.0, None, [1.0, 2.0]], ["a", [np.nan]]),
+        (float | ArrayLike, "finite numbers", [1.0, (1, 2)], [None, True]),
+        (str | None, "a string or None", ["a", None], [1.0, [1.0]]),
+    ],
+)
+def test_kinds_of_unions(hint, name, held, refused):
+    kind = checks.kind_of(hint)
+    assert kind.name == name
+    assert all(map(kind.holds, held)) and not any(map(kind.holds, refused))

@@ -247,7 +247,7 @@ class Coulomb(InterfaceLaw):
         >>> sc.Coulomb.from_soil(sand, 2 / 3)
         Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0, heals=False)
         """
-        c = getattr(soil, "c", None)
+        c: Any = getattr(soil, "c", None)
         phi = getattr(soil, "phi", 0.0)
         uniform = is_number(c) and is_number(phi)
         if not (0.0 < ratio <= 1.0 and uniform):
