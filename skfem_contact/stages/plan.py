@@ -110,7 +110,9 @@ class Planner:
         self._time = 0.0  # since the last change of the load
         if start is not None:
             self._unreleased = start.unreleased is not None
-            self._held_away = bool(start.x[self._known_supports()].any())
+            supports = self._known_supports()
+            of_start = supports < len(start.x)  # another model may have had fewer dofs
+            self._held_away = bool(start.x[supports[of_start]].any())
 
     @property
     def _first(self) -> bool:

@@ -62,6 +62,19 @@ def test_displacements_of_free_dofs():
         assert np.allclose(model.run(stages, progress=False)["back"].x[top], 0.0, atol=1e-15)
 
 
+def test_displacements_after_a_model_with_fewer_dofs():
+    """A start without the pressures of a model, some of which are held, has no moved supports."""
+    basis, forms, load, fixed = ground()
+    start = sc.Model(forms, fixed).run([sc.Stage("weight", load)], progress=False)
+    water = sc.PoreWater(basis, 1e-3, unit_weight=10.0)
+    model = sc.Model({**forms, "water": water}, [fixed, water.dofs("top")])
+    down = np.zeros(model.layout.size)
+    down[basis.get_dofs("top").all("u^2")] = -0.1
+    stage = sc.Stage("push", load, duration=1.0, prescribed=down, activate="water")
+    with pytest.warns(sc.AnalysisWarning, match="at 9 dofs, none of which is held"):
+        model.run([stage], start=start, progress=False)
+
+
 def test_water_that_presses_on_nothing():
     basis, *_ = ground()
     basis.mesh.boundaries["nowhere"] = np.zeros(0, int)
