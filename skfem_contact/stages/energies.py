@@ -14,6 +14,7 @@ from ..dynamics.mass import lumped
 from ..dynamics.scheme import Motion
 from ..forms.roles import Dissipating, Touching, Wet, having
 from ..nonlinear.system import System
+from .slides import Slides
 
 #: Name of the form of inertia in the system of a stage; results have its forces as `inertial`.
 INERTIA = "inertia"
@@ -49,6 +50,7 @@ class Log:
     def __init__(self, system: System, in_time: Any, states: Mapping[str, Any]) -> None:
         self._pairs = set(having(system.forms, Touching))
         self._wet = set(having(system.forms, Wet))
+        self.slides = Slides()
         # Forms that never change do not dissipate.
         self._dissipating: dict[str, Any] = {}
         for name, form in having(system.forms, Dissipating).items():
@@ -123,6 +125,8 @@ class Log:
                 lost = form.dissipated(self._states[name], states[name], work)
             self._elastic += work - lost
             if name in self._pairs:
+                if states is not self._states:
+                    self.slides.add(name, self._states[name], states[name])
                 self._friction += lost
             elif name in self._wet:
                 self._flow += lost

@@ -333,6 +333,8 @@ class _Follower:
             raise
         # Energy that is missing shows steps that are too long.
         _warn_of_energy(stage.name, log)
+        for name, text in log.slides.remarks():
+            warn(f"stage '{stage.name}', {name}: {text}")
         text = remark_on_motion(log.frequency, in_time.lag)
         if text:
             warn(f"stage '{stage.name}': {text}")

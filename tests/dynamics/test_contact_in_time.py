@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import warnings
 
 import numpy as np
 import pytest
@@ -128,24 +129,16 @@ def slid(acceleration, step, slope, mu):
     return moved
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "enforcement",
-    [METHODS[0], METHODS[2]],
-    ids=["penalty", "multipliers"],
-)
-def test_block_on_a_plane_that_shakes(enforcement):
-    """[N] Newmark's block: the displacement is that of a rigid block within 0.5 %."""
-    slope, mu, step = np.radians(10.0), 0.4, 0.004
-    time = np.arange(0.0, 0.42 + step / 2, step)
-    shaking = 5.0 * np.sin(4.0 * np.pi * time)
-    exact = slid(shaking, step, slope, mu)
+def shaken_block(shaking, step, settings, E=2e6, enforcement=None):
+    """A block on a plane of 10 degrees that shakes: its mean displacement down, and the stage."""
+    slope = np.radians(10.0)
+    time = step * np.arange(len(shaking))
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 0.5, 2)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    soil = sc.LinearElastic(E=2e6, nu=0.2)
+    soil = sc.LinearElastic(E=E, nu=0.2)
     solid = sc.SolidForm(basis, soil, unit_weight=2.0 * 9.81)
     plane = sc.rigid.line((-5.0, 0.0), (5.0, 0.0))
-    pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(mu=mu), enforcement=enforcement)
+    pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(mu=0.4), enforcement=enforcement)
     model = sc.Model(
         {"block": solid, "pair": pair},
         gravity=(-np.sin(slope), -np.cos(slope)),
@@ -157,16 +150,62 @@ def test_block_on_a_plane_that_shakes(enforcement):
     def load(t):
         return per_acceleration * np.interp(t, time, shaking)
 
-    # damping of the stiffness alone: that of masses would brake the sliding block
-    settings = sc.Dynamic(step, rho_inf=0.8, damping=sc.Rayleigh(0.02, f=(1e-3, 32.0)))
     stage = sc.Stage("shake", load, duration=time[-1], dynamic=settings)
     result = model.run([sc.Stage("weight"), stage], **QUIET)
     moved = (result["weight"].x - result["shake"].x)[basis.nodal_dofs[0]].mean()
+    return moved, result["shake"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "enforcement",
+    [METHODS[0], METHODS[2]],
+    ids=["penalty", "multipliers"],
+)
+def test_block_on_a_plane_that_shakes(enforcement):
+    """[N] Newmark's block: the displacement is that of a rigid block within 0.5 %."""
+    step = 0.004
+    time = np.arange(0.0, 0.42 + step / 2, step)
+    shaking = 5.0 * np.sin(4.0 * np.pi * time)
+    exact = slid(shaking, step, np.radians(10.0), 0.4)
+    # damping of the stiffness alone: that of masses would brake the sliding block
+    settings = sc.Dynamic(step, rho_inf=0.8, damping=sc.Rayleigh(0.02, f=(1e-3, 32.0)))
+    moved, shake = shaken_block(shaking, step, settings, enforcement=enforcement)
     assert moved == pytest.approx(exact, rel=0.005)
-    energy = result["shake"].energy
     # friction takes mu N times the way
-    force = mu * 0.5 * 2.0 * 9.81 * np.cos(slope)
-    assert energy["friction"][-1] == pytest.approx(force * moved, rel=0.005)
+    force = 0.4 * 0.5 * 2.0 * 9.81 * np.cos(np.radians(10.0))
+    assert shake.energy["friction"][-1] == pytest.approx(force * moved, rel=0.005)
+
+
+#: A pulse of 40 ms, which a rigid block follows for 74 ms.
+PULSE = np.array([0.0, 4.0, 4.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def test_slides_of_few_steps_are_told():
+    """[N] A rigid block after a pulse errs by 16 % in eight steps: the warning has its figure,
+    within a factor of two.
+    """
+    step = 0.01
+    exact = slid(PULSE, step, np.radians(10.0), 0.4)
+    with pytest.warns(sc.AnalysisWarning, match="pair: bodies slide for") as caught:
+        moved, _ = shaken_block(PULSE, step, sc.Dynamic(step), E=2e7)
+    error = abs(moved / exact - 1.0)
+    (text,) = [str(each.message) for each in caught if "slide for" in str(each.message)]
+    told = float(text.split("about ")[1].split("%")[0]) / 100.0
+    assert error > 0.1
+    assert 0.5 < told / error < 2.0
+
+
+@pytest.mark.slow
+def test_a_tolerance_follows_short_slides():
+    """[N] A rigid block after a pulse: within 1 %, of which 0.4 % are its elasticity."""
+    step = 0.01
+    exact = slid(PULSE, step, np.radians(10.0), 0.4)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        moved, _ = shaken_block(PULSE, step, sc.Dynamic(step, tolerance=1e-3), E=2e7)
+    assert moved == pytest.approx(exact, rel=0.01)
+    assert not [each for each in caught if "slide for" in str(each.message)]
 
 
 @pytest.mark.slow
