@@ -106,13 +106,10 @@ class Planner:
         self._last_load: ndarray | None = None  # of the last stage that was planned
         self._unreleased = False
         self._moves = False  # without supports, as inertia allows
-        self._held_away = False  # supports away from where they began
+        self._pushes = False  # a stage has moved supports
         self._time = 0.0  # since the last change of the load
         if start is not None:
             self._unreleased = start.unreleased is not None
-            supports = self._known_supports()
-            of_start = supports < len(start.x)  # another model may have had fewer dofs
-            self._held_away = bool(start.x[supports[of_start]].any())
 
     @property
     def _first(self) -> bool:
@@ -481,10 +478,16 @@ class Planner:
         """Yield a remark on displacements that are prescribed at free dofs alone."""
         if prescribed is None or callable(prescribed):
             return
-        given = np.setdiff1d(np.flatnonzero(prescribed), self._setup.layout.pressures)
-        self._held_away |= bool(np.isin(given, self._supports).any())
-        # Values of all dofs, as a copy of earlier displacements, go with supports that are moved.
-        if len(given) and not self._held_away:
+        # Values of all dofs may be given: zeros and those of the start are no change.
+        before = np.zeros(len(prescribed))
+        if self._start is not None:
+            n = min(len(before), len(self._start.x))  # another model may have had fewer dofs
+            before[:n] = self._start.x[:n]
+        changed = prescribed != before
+        self._pushes |= bool(changed[self._supports].any())
+        given = np.flatnonzero(changed & (prescribed != 0.0))
+        given = np.setdiff1d(given, self._setup.layout.pressures)
+        if len(given) and not self._pushes:
             yield Remark(
                 "free",
                 len(given),
