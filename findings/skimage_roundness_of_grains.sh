@@ -4,7 +4,7 @@
 # Expected: the circularity 4 pi A / P^2 of a disc, with area and perimeter of `regionprops`, approaches 1 as the pixels
 #     become small.
 # Seen: discs of 20, 40, 80, 160 and 640 pixels across have 0.979, 0.941, 0.916, 0.908 and 0.901; the perimeter is 5 %
-#     too large.  With `perimeter_crofton` they have 0.999 to 1.000.  A square along the axes has 0.793 in place of 0.785.
+#     too large.  With `perimeter_crofton` they have 0.998 to 1.002.  A square along the axes has 0.793 in place of 0.785.
 #     No message.
 # Meaning: `perimeter` counts steps along and across the grid, and its error for a circle grows to 5.5 % and stays.  The
 #     same sand is rounder under the coarser lens, large grains of one photograph are less round than small ones, and
