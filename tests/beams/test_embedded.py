@@ -631,8 +631,9 @@ def test_piles_stand_free_where_their_ground_is_dug_away(pit: Basis) -> None:
             atol=1e-4,  # of up to 10
         )
         table = whole[name].table("skin")
-        assert not table["resistance"][table["y"] > 5.0].any()
-        assert np.abs(table["resistance"][table["y"] < 5.0]).max() > 1.0
+        size = np.abs(table["resistance"])
+        assert size[table["y"] > 5.0].max() < 1e-9  # round-off of projections
+        assert size[table["y"] < 5.0].max() > 1.0
 
 
 def test_piles_beside_a_pit_stay_in_the_ground(pit: Basis) -> None:
