@@ -31,7 +31,7 @@ NODES = "".join(f"{4 * z + i},{x},{y},{z}\n" for z in (0, 1) for i, (x, y) in en
 
 
 def block(beds=False, turned=False, output=""):
-    """Stresses sxx, szz, sxz and sum of the reactions in x and z of the .dat file, its total, and szz of the .frd file."""
+    """Stresses sxx, szz, sxz, sums of the reactions in x and z and total of the .dat file, szz of the .frd file."""
     orientation = f"*ORIENTATION,NAME=BEDS\n{AXES}\n" if beds else ""
     transform = f"*TRANSFORM,NSET=BASE,TYPE=R\n{AXES}\n" if turned else ""
     text = (

@@ -3,14 +3,14 @@
 #
 # Expected: a `MultiPointConstraint` holds its points to the centre as a rigid plate does, or its penalty follows the
 #     stiffness of the body; a model has the same settlement in N, kN and MN.
-# Seen: a column of soil of 1 m3, E = 50 MPa, no Poisson's ratio, under 100 kN on the centre of a plate: 2.0 mm is right.
-#     With 2 x 2 x 2 elements the plate settles by 11.1 m in N, 13.4 mm in kN and 2.01 mm in MN, and the soil below it by
-#     2.3, 2.3 and 2.0 mm.  In kN the plate settles by 27.0, 13.4 and 6.2 mm with 1, 2 and 4 elements a side.  With
-#     `multiplier` 1e9 in kN it is right to 1e-5.  No message.
+# Seen: a column of soil of 1 m3, E = 50 MPa, no Poisson's ratio, under 100 kN on the centre of a plate: 2.0 mm is
+#     right.  With 2 x 2 x 2 elements the plate settles by 11.1 m in N, 13.4 mm in kN and 2.01 mm in MN, and the soil
+#     below it by 2.3, 2.3 and 2.0 mm.  In kN the plate settles by 27.0, 13.4 and 6.2 mm with 1, 2 and 4 elements a
+#     side.  With `multiplier` 1e9 in kN it is right to 1e-5.  No message.
 # Meaning: the default penalty is the number 1e3 for each point, whatever the units are.  Plates, pile caps and rigid
 #     platens of a test are a layer of weak springs, whose stiffness grows with the number of nodes: a
-#     convergence study blames the mesh.  Choose the multiplier by the stiffness of the body, and compare the centre with
-#     the points.
+#     convergence study blames the mesh.  Choose the multiplier by the stiffness of the body, and compare the centre
+#     with the points.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -54,7 +54,7 @@ right = 1e3 * FORCE / YOUNG
 SEEN = {(2, 1.0): 11113.41, (2, 1e3): 13.372, (2, 1e6): 2.0140, (1, 1e3): 27.0, (4, 1e3): 6.155}
 for (count, unit), seen in SEEN.items():
     plate, soil = settlements(count, unit)
-    print(f"{count} elements a side, forces in {unit:g} N: plate {plate:.3f} mm, soil {soil:.3f} mm, right {right:.3f} mm")
+    print(f"{count} elements a side, forces in {unit:g} N: plate {plate:.3f}, soil {soil:.3f}, right {right:.3f} mm")
     assert math.isclose(plate, seen, rel_tol=1e-3)
 plate, soil = settlements(2, 1e3, multiplier=1e9)
 print(f"multiplier 1e9: plate {plate:.5f} mm, soil {soil:.5f} mm")

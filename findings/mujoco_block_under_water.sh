@@ -64,7 +64,7 @@ def velocity(density, compensation, shape="none"):
 
 in_air, in_water, compensated = weight(0.0, 0.0), weight(WATER, 0.0), weight(WATER, WATER / BLOCK)
 right = (BLOCK - WATER) * GRAVITY / 1e3
-print(f"block: {in_air:.3f} kN in air, {in_water:.3f} kN in water, {compensated:.3f} kN with gravcomp, right {right:.3f} kN")
+print(f"block: {in_air:.3f} kN in air, {in_water:.3f} in water, {compensated:.3f} with gravcomp, right {right:.3f}")
 assert math.isclose(in_air, BLOCK * GRAVITY / 1e3, rel_tol=1e-4) and math.isclose(in_water, in_air, rel_tol=1e-4)
 assert math.isclose(compensated, right, rel_tol=1e-4)
 
