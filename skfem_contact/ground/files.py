@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import io
 import re
 import warnings
@@ -153,12 +154,19 @@ def read_cpt(file: str | Path) -> Sounding:
     ValueError
         If the file is of another kind, or has no cone resistance or level.
     ImportError
-        If pygef is missing: install the extra ``ground``.
+        If pygef 0.14 is missing: install the extra ``ground``, on Python 3.11 or newer.
     """
     try:
         import pygef
     except ImportError as error:
-        raise ImportError("pygef reads GEF and BRO files: install the extra `ground`") from error
+        raise ImportError(
+            "pygef reads GEF and BRO files: install the extra `ground`, on Python 3.11 or newer"
+        ) from error
+    if "remove_pre_excavated_rows" not in inspect.signature(pygef.read_cpt).parameters:
+        raise ImportError(
+            "pygef is older than 0.14 and would leave readings out: update it, on Python 3.11 or "
+            "newer"
+        )
     path = Path(file)
     if not path.is_file():
         raise FileNotFoundError(f"there is no file {path}")

@@ -31,8 +31,8 @@ class _PressureField(Protocol):
 #: Given pore pressure: seepage, or a function of coordinates (dim, n).
 Water = _PressureField | Callable[[ndarray], ndarray]
 #: Pressure that a picture or a field adds: a given one, a level, a line of points (n, 2) or water
-#: by region as of a stage; True, the stage's own water; False, none.
-Shown = Water | ArrayLike | Mapping[str, Any] | bool
+#: by region as of a stage; True, the stage's own water; False, none. ``ArrayLike`` may hold `bool`.
+Shown = Water | ArrayLike | Mapping[str, Any] | Literal[True, False]
 
 
 class Quantity(NamedTuple):

@@ -267,6 +267,13 @@ def test_gef_with_an_inclination_tells_the_correction(tmp_path):
     assert any("corrected for the inclination, by up to 0.152 m" in text for text in test.remarks)
 
 
+def test_readings_that_an_old_pygef_leaves_out(tmp_path, monkeypatch):
+    """[N] pygef before 0.14 drops rows above the excavation: it is refused, whatever the file."""
+    monkeypatch.setattr(pygef, "read_cpt", lambda file, replace_column_voids=True: None)
+    with pytest.raises(ImportError, match=r"older than 0\.14 .* Python 3\.11"):
+        sc.ground.read_cpt(tmp_path / "one.gef")
+
+
 def test_wrong_gef_files(tmp_path):
     """[X] One sentence with the name of the file."""
     with pytest.raises(ValueError, match=r"one.gef: 'cone resistance' has the unit 'psi'"):
