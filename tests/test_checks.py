@@ -12,6 +12,7 @@ from typing_extensions import TypeAliasType
 
 import skfem_contact as sc
 from skfem_contact import checks
+from skfem_contact.results.fields import Shown
 from tests.tools.helpers import grid, vector_basis
 
 
@@ -128,3 +129,10 @@ def test_kinds_of_unions(hint, name, held, refused):
     kind = checks.kind_of(hint)
     assert kind.name == name
     assert all(map(kind.holds, held)) and not any(map(kind.holds, refused))
+
+
+def test_kind_of_shown_water():
+    """True and False are held although `ArrayLike` has `bool` of its own before numpy 2.3."""
+    kind = checks.kind_of(Shown)
+    assert all(map(kind.holds, [True, False, 2.0, [1.0, 2.0], np.zeros(3), lambda x: x]))
+    assert not kind.holds("a")
