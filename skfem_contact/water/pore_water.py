@@ -312,7 +312,11 @@ class PoreWater(Form, Couples, Dissipating, Staged, Timed, Wet):
         return pressure
 
     def inflow(self, state: PoreState, boundary: str | None = None) -> float:
-        """Return the water that has entered since the ground became active, also on a boundary."""
+        """Return the water that has entered since the ground became active, also on a boundary.
+
+        Water that an :class:`Inflow` brings to the nodes of the boundary counts as well: a part of
+        the sources in the elements beside it.
+        """
         if boundary is None:
             return float(state.entered.sum())
         return float(state.entered[nodes_on(self.pressures, boundary)].sum())
