@@ -342,8 +342,15 @@ class Setup:
         return np.pad(values, (0, n - len(values)))
 
     def _ends(self) -> set[int]:
-        """Return the numbers of dofs up to the end of each field."""
-        return {part.stop for part in self.layout.parts}
+        """Return the numbers of dofs up to the end of each field, and up to the last of a form.
+
+        A form that takes dofs of a later one has its last dof inside of a field.
+        """
+        ends = {part.stop for part in self.layout.parts}
+        for form in having(self.forms, Couples).values():
+            if form.acts_on is not None and len(form.acts_on):
+                ends.add(int(form.acts_on.max()) + 1)
+        return ends
 
     def load(self, given: Any, what: str = "the load") -> ndarray:
         """Return a load vector, or the sum of several, (N,); zero for None."""

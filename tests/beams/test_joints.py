@@ -133,6 +133,24 @@ def test_corner_in_space(hinged):
         assert abs(stage.section_forces("first").T) == pytest.approx(1.0, rel=1e-7)
 
 
+@pytest.mark.parametrize("several", [False, True])
+def test_load_of_a_beam_that_takes_nodes_of_a_later_one(several):
+    """[N] A wall that is joined to a later slab moves as the wall that this slab is joined to."""
+    found = []
+    for later in (False, True):
+        wall = sc.Beam(None, way((0, 0), (0, 2), (0, 4)), **STIFF)
+        slab = sc.Beam(None, way((0, 2), (5, 2)), **STIFF, joined_to=() if later else wall)
+        if later:
+            wall = sc.Beam(None, way((0, 0), (0, 2), (0, 4)), **STIFF, joined_to=slab)
+        fixed = [*wall.dofs((0, 0)), *slab.dofs((5, 2))]
+        model = sc.Model({"wall": wall, "slab": slab}, fixed)
+        load = model.forms["wall"].load((1.0, 0.0), (0.0, 4.0))
+        assert len(load) < model.layout.size
+        stage = model.run([sc.Stage("push", [load] if several else load)], **QUIET)["push"]
+        found.append(stage.x[model.forms["wall"].numbers((0, 4))])
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9)
+
+
 def test_a_slab_is_joined_to_a_wall_that_has_moved(tmp_path):
     """[X] A strut of a later stage is born without force; then both share the load; saved and
     resumed in between.
