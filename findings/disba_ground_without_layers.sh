@@ -4,13 +4,13 @@
 # Expected: two layers with the same properties are one half-space, in which Rayleigh waves run at one speed at all
 #     periods, 186.5 m/s for shear waves of 200 m/s and pressure waves of 400 m/s; the algorithms `dunkin` and
 #     `fast-delta` differ by round-off, as the second is only a faster form of the same determinant.
-# Seen: `dunkin` is right to seven digits.  `fast-delta` begins at 186.5 m/s for short periods, falls to 179.7 m/s where
-#     the wave is 7.5 times as long as the layer is thick, and rises again.  A crust of 10 km with 3.5 km/s has
+# Seen: `dunkin` is right to seven digits.  `fast-delta` begins at 186.5 m/s for short periods, falls to 179.7 m/s
+#     where the wave is 7.5 times as long as the layer is thick, and rises again.  A crust of 10 km with 3.5 km/s has
 #     3.145 in place of 3.264 km/s.  A step of the search of a tenth does not change it.  Both are the same at short
 #     periods.  No message.
-# Meaning: shear moduli go with the square of the speed, so that a back-analysis of surface waves finds a soft layer of
-#     8 % less stiffness in ground that has none, with an option whose name only promises speed.  Leave `dunkin`, the
-#     default, and try a half-space of two equal layers first.
+# Meaning: shear moduli go with the square of the speed, so that a back-analysis of surface waves finds a soft layer
+#     of 8 % less stiffness in ground that has none, with an option whose name only promises speed.  Leave `dunkin`,
+#     the default, and try a half-space of two equal layers first.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

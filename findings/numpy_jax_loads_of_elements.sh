@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # numpy 2.4.6, jax 0.10.2: a line load of 100 kN is 55 kN after assembly by numpy, and 100 kN by jax.
 #
-# Expected: `loads[nodes] += shares` adds the shares of all elements to their nodes, as the same line does in a loop over
-#     elements, so that the loads have the sum 100 kN.
-# Seen: 10 m of beam under 10 kN/m in 10 elements.  The sum is 55 kN: each inner node has the share of one element,
-#     5 kN in place of 10.  With 100 elements it is 50.5 kN.  A simply supported beam has 62.5 in place of 125 kNm in the
-#     middle.  A loop, `numpy.add.at`, `numpy.bincount` and jax' `loads.at[nodes].add(shares)` give 100 kN.  No message.
-# Meaning: an index that occurs twice is served once.  Code that was a loop, or that was written for jax, loses half of
-#     every distributed load when it is written for whole arrays; self-weight, and stiffness that is added to an array in
-#     this way, as well.  Half a load looks like a load.  Compare the sum of the loads with the one by hand.
+# Expected: `loads[nodes] += shares` adds the shares of all elements to their nodes, as the same line does in a loop
+#     over elements, so that the loads have the sum 100 kN.
+# Seen: 10 m of beam under 10 kN/m in 10 elements.  The sum is 55 kN: each inner node has the share of one element, 5
+#     kN in place of 10.  With 100 elements it is 50.5 kN.  A simply supported beam has 62.5 in place of 125 kNm in
+#     the middle.  A loop, `numpy.add.at`, `numpy.bincount` and jax' `loads.at[nodes].add(shares)` give 100 kN.  No
+#     message.
+# Meaning: an index that occurs twice is served once.  Code that was a loop, or that was written for jax, loses half
+#     of every distributed load when it is written for whole arrays; self-weight, and stiffness that is added to an
+#     array in this way, as well.  Half a load looks like a load.  Compare the sum of the loads with the one by hand.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

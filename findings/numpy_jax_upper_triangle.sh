@@ -4,11 +4,11 @@
 # Expected: `eigvalsh` is for symmetric matrices; a stress of which only the upper triangle was filled from six
 #     components gives the right principal stresses, or an error, and the same in all libraries.
 # Seen: 100, 50 and 20 kPa and a shear stress of 60 kPa in the upper triangle.  By hand 10, 20 and 140 kPa.  numpy and
-#     scipy return 20, 50 and 100 kPa, jax 20, 36.0 and 114.1 kPa.  The same for `eigh`.  With the lower triangle numpy
-#     and scipy are right, and jax is as before.  No message.
-# Meaning: two libraries read the lower triangle alone, and one takes the mean of the matrix and its transpose, so that
-#     it has half the shear stress.  The greatest shear stress is 40 or 47 in place of 65 kPa, and soil that fails is
-#     safe.  Fill both triangles; a test with shear stress tells the cases apart, a triaxial one does not.
+#     scipy return 20, 50 and 100 kPa, jax 20, 36.0 and 114.1 kPa.  The same for `eigh`.  With the lower triangle
+#     numpy and scipy are right, and jax is as before.  No message.
+# Meaning: two libraries read the lower triangle alone, and one takes the mean of the matrix and its transpose, so
+#     that it has half the shear stress.  The greatest shear stress is 40 or 47 in place of 65 kPa, and soil that
+#     fails is safe.  Fill both triangles; a test with shear stress tells the cases apart, a triaxial one does not.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -4,10 +4,11 @@
 # Expected: a record with 48,000 readings a second is written and read with the same time step, or is refused; the two
 #     formats store the step as a whole number of microseconds, so that at least the same one is stored.
 # Seen: receivers 3 m apart, an arrival 12.5 ms later: 240.0 m/s.  Read from SEG-Y it is 250.0 m/s, since the step of
-#     20.83 us has become 20 us, and from Seismic Unix 238.1 m/s with 21 us.  With 44,100 a second 247.4 and 236.6 m/s.
-#     With 2 million a second, for bender elements, SEG-Y has a step of 1 s.  MiniSEED returns all of them.  No message.
-# Meaning: one format cuts the step off, the other one rounds it.  Small-strain shear moduli of the same test are 8.5 %
-#     too high or 1.6 % too low, after nothing but a change of format; sound cards have 48,000 and 44,100.  Choose a
+#     20.83 us has become 20 us, and from Seismic Unix 238.1 m/s with 21 us.  With 44,100 a second 247.4 and 236.6
+#     m/s.  With 2 million a second, for bender elements, SEG-Y has a step of 1 s.  MiniSEED returns all of them.  No
+#     message.
+# Meaning: one format cuts the step off, the other one rounds it.  Small-strain shear moduli of the same test are 8.5
+#     % too high or 1.6 % too low, after nothing but a change of format; sound cards have 48,000 and 44,100.  Choose a
 #     rate that divides 10^6, or exchange such records as MiniSEED.
 set -euo pipefail
 folder=$(mktemp -d)

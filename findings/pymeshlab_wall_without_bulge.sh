@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # pymeshlab 2025.7.post1: a wall that bulges by 50 mm is 50 mm off its plan, or 0 mm if the plan was loaded last.
 #
-# Expected: the Hausdorff distance between the surveyed wall and the planned one is the largest distance of the one from
-#     the other, 50 mm where the wall bulges by 50 mm, whichever is sampled and whichever was loaded first.
-# Seen: the plan has two triangles, the survey 10,201 vertices.  With the survey as `sampledmesh` and loaded last 50.0 mm
-#     at 10,201 points; with the plan loaded last 0.0 mm at 4 points.  With the plan as `sampledmesh` 0.0 mm at 4 points.
-#     With `samplenum=10201` the survey has 50.0 mm in both orders.
-# Meaning: the distance is taken in one direction, at vertices, and the default number of points is the one of the mesh
-#     that was loaded last, not of the sampled one.  A coarse plan makes deformed walls and settled floors perfect; mean
-#     and root mean square come from the same points.  The only hint is `n_samples` in the result.  Give `samplenum`,
-#     sample the survey, and the faces of a coarse mesh.
+# Expected: the Hausdorff distance between the surveyed wall and the planned one is the largest distance of the one
+#     from the other, 50 mm where the wall bulges by 50 mm, whichever is sampled and whichever was loaded first.
+# Seen: the plan has two triangles, the survey 10,201 vertices.  With the survey as `sampledmesh` and loaded last 50.0
+#     mm at 10,201 points; with the plan loaded last 0.0 mm at 4 points.  With the plan as `sampledmesh` 0.0 mm at 4
+#     points.  With `samplenum=10201` the survey has 50.0 mm in both orders.
+# Meaning: the distance is taken in one direction, at vertices, and the default number of points is the one of the
+#     mesh that was loaded last, not of the sampled one.  A coarse plan makes deformed walls and settled floors
+#     perfect; mean and root mean square come from the same points.  The only hint is `n_samples` in the result.  Give
+#     `samplenum`, sample the survey, and the faces of a coarse mesh.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -56,7 +56,7 @@ for last in ("survey", "plan"):
     survey = distance(loaded, "survey", "plan")
     plan = distance(loaded, "plan", "survey")
     given = distance(loaded, "survey", "plan", samplenum=vertices)
-    print(f"{last} loaded last: from the survey {1e3 * survey[0]:.1f} mm at {survey[1]} points, with their number given "
+    print(f"{last} loaded last: from the survey {1e3 * survey[0]:.1f} mm at {survey[1]} points, number given "
           f"{1e3 * given[0]:.1f} mm, from the plan {1e3 * plan[0]:.1f} mm at {plan[1]} points; right {1e3 * BULGE} mm")
     assert plan[0] < 1e-6 and plan[1] == 4
     assert abs(given[0] - BULGE) < 1e-6 and given[1] == vertices

@@ -3,10 +3,10 @@
 #
 # Expected: four libraries that turn bodies by quaternions have one order of the four numbers, w x y z or x y z w, so
 #     that the quaternion of a rock block in one of them is the one of the next.
-# Seen: a turn by 30 degrees about y.  mujoco and trimesh write it as (0.966, 0, 0.259, 0), scipy and pybullet as
-#     (0, 0.259, 0, 0.966).  Given to scipy or pybullet, the first is a turn by 180 degrees about (0.966, 0, 0.259), and
-#     the upward axis of the block, 30 degrees from the vertical, is 150 degrees from it.  No turn at all, (1, 0, 0, 0),
-#     becomes a half turn.  Given to mujoco or trimesh, the second is a half turn, too.  No message: both are unit
+# Seen: a turn by 30 degrees about y.  mujoco and trimesh write it as (0.966, 0, 0.259, 0), scipy and pybullet as (0,
+#     0.259, 0, 0.966).  Given to scipy or pybullet, the first is a turn by 180 degrees about (0.966, 0, 0.259), and
+#     the upward axis of the block, 30 degrees from the vertical, is 150 degrees from it.  No turn at all, (1, 0, 0,
+#     0), becomes a half turn.  Given to mujoco or trimesh, the second is a half turn, too.  No message: both are unit
 #     quaternions.
 # Meaning: falls of rock that are simulated in one library and evaluated or drawn by another end in other positions,
 #     which look as plausible as the right ones.  Pass matrices of rotation between libraries, or give scipy

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # scipy 1.17.1: after the tide is filtered out, a groundwater level of 10.0 m is 9.4 m, or 10^12 m.
 #
-# Expected: a low-pass filter by Butterworth leaves the mean; `butter` and `filtfilt` return a constant level as it is.
-# Seen: a constant level of 10 m, a limit of half a cycle a day.  With a reading a minute orders 3 and 4 give 10.000 m,
-#     order 5 9.35 m, order 6 some 10^12 m.  With a reading every ten minutes order 6 gives 10.001 m and order 8 10.29 m.
-#     With `output="sos"` and `sosfiltfilt` all are 10.000 m.  No message.
-# Meaning: where the limit is far below the rate of readings, the coefficients of the filter are round-off, and its gain
-#     is not one; a finer record makes it worse.  With order 6 one sees it.  With 5 the level is plausible, and a
+# Expected: a low-pass filter by Butterworth leaves the mean; `butter` and `filtfilt` return a constant level as it
+#     is.
+# Seen: a constant level of 10 m, a limit of half a cycle a day.  With a reading a minute orders 3 and 4 give 10.000
+#     m, order 5 9.35 m, order 6 some 10^12 m.  With a reading every ten minutes order 6 gives 10.001 m and order 8
+#     10.29 m.  With `output="sos"` and `sosfiltfilt` all are 10.000 m.  No message.
+# Meaning: where the limit is far below the rate of readings, the coefficients of the filter are round-off, and its
+#     gain is not one; a finer record makes it worse.  With order 6 one sees it.  With 5 the level is plausible, and a
 #     drawdown or an uplift is wrong by 0.6 m.  Use second-order sections, and filter a constant first.
 set -euo pipefail
 folder=$(mktemp -d)

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # scikit-image 0.26.0: the finer the photograph, the less round a round grain of sand, 0.98 to 0.91.
 #
-# Expected: the circularity 4 pi A / P^2 of a disc, with area and perimeter of `regionprops`, approaches 1 as the pixels
-#     become small.
+# Expected: the circularity 4 pi A / P^2 of a disc, with area and perimeter of `regionprops`, approaches 1 as the
+#     pixels become small.
 # Seen: discs of 20, 40, 80, 160 and 640 pixels across have 0.979, 0.941, 0.916, 0.908 and 0.901; the perimeter is 5 %
-#     too large.  With `perimeter_crofton` they have 0.998 to 1.002.  A square along the axes has 0.793 in place of 0.785.
-#     No message.
-# Meaning: `perimeter` counts steps along and across the grid, and its error for a circle grows to 5.5 % and stays.  The
-#     same sand is rounder under the coarser lens, large grains of one photograph are less round than small ones, and
-#     grain shape that is correlated with friction is a matter of pixels.  Use `perimeter_crofton`, and try a disc of the
-#     size of the grains.
+#     too large.  With `perimeter_crofton` they have 0.998 to 1.002.  A square along the axes has 0.793 in place of
+#     0.785.  No message.
+# Meaning: `perimeter` counts steps along and across the grid, and its error for a circle grows to 5.5 % and stays.
+#     The same sand is rounder under the coarser lens, large grains of one photograph are less round than small ones,
+#     and grain shape that is correlated with friction is a matter of pixels.  Use `perimeter_crofton`, and try a disc
+#     of the size of the grains.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -5,9 +5,10 @@
 #     approaches the one of a sphere as the voxels become small.
 # Seen: a sphere with 10, 20, 40 and 80 voxels across has 1.074, 1.085, 1.087 and 1.088 times its surface.  With the
 #     distance to the surface in place of 0 and 1 it is 0.987, 0.997, 0.9992 and 0.9998.  No message.
-# Meaning: of two values only, the facets lie in a few directions, at any resolution.  The specific surface of sand from
-#     tomography is too large by a fixed ratio, which no finer scan shows, and the permeability by Kozeny and Carman,
-#     with the square of the surface, is 15 % too small.  Use grey values before segmentation, or a filtered volume.
+# Meaning: of two values only, the facets lie in a few directions, at any resolution.  The specific surface of sand
+#     from tomography is too large by a fixed ratio, which no finer scan shows, and the permeability by Kozeny and
+#     Carman, with the square of the surface, is 15 % too small.  Use grey values before segmentation, or a filtered
+#     volume.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # spotpy 1.6.7, hydroeval 0.1.0, HydroErr 2.0.0: a model 10 % too high has a bias of +10 %, -10 % and -1.25 m.
 #
-# Expected: `bias` and `pbias` of one library have one sign, and the three libraries have the same one; their functions
-#     take the observed and the simulated heads in one order.
+# Expected: `bias` and `pbias` of one library have one sign, and the three libraries have the same one; their
+#     functions take the observed and the simulated heads in one order.
 # Seen: observed heads with a mean of 12.5 m, simulated ones 10 % higher.  spotpy: `pbias` +10 %, `bias` -1.25 m.
-#     hydroeval: `pbias` -10 %.  HydroErr: `me` +1.25 m.  spotpy takes the observed heads first, the others the simulated
-#     ones.  The efficiency of Nash and Sutcliffe is 0.296 in all three; with the arguments of the next library it is
-#     0.418.  No message.
-# Meaning: heads that are too high by one line are too low by the next line of the same table, and a correction with the
-#     wrong sign doubles the error.  Exchanged arguments raise the efficiency of models with too much variation.  Write
-#     down the sign, and try a model that is 10 % too high first.
+#     hydroeval: `pbias` -10 %.  HydroErr: `me` +1.25 m.  spotpy takes the observed heads first, the others the
+#     simulated ones.  The efficiency of Nash and Sutcliffe is 0.296 in all three; with the arguments of the next
+#     library it is 0.418.  No message.
+# Meaning: heads that are too high by one line are too low by the next line of the same table, and a correction with
+#     the wrong sign doubles the error.  Exchanged arguments raise the efficiency of models with too much variation.
+#     Write down the sign, and try a model that is 10 % too high first.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -4,8 +4,9 @@
 # Expected: `differentiate` and `integrate` along a time axis have one unit, whatever the resolution in which the same
 #     instants are stored, s, ms, us or ns; if `datetime_unit` is not given it is the second or the nanosecond.
 # Seen: readings that settle by 172.8 mm a day, 2e-3 mm a second.  `differentiate("time")` gives 2e-3, 2e-6, 2e-9 and
-#     2e-12, and `integrate` of a flow of 1 l/s over ten days 8.64e5 l, and 10^3, 10^6 and 10^9 times as much.  `polyfit`
-#     gives the slope by the nanosecond for all four.  With `datetime_unit="D"` all derivatives are 172.8 mm a day.
+#     2e-12, and `integrate` of a flow of 1 l/s over ten days 8.64e5 l, and 10^3, 10^6 and 10^9 times as much.
+#     `polyfit` gives the slope by the nanosecond for all four.  With `datetime_unit="D"` all derivatives are 172.8 mm
+#     a day.
 # Meaning: the default unit is the resolution of the axis, which depends on how the file was read: texts in pandas 3
 #     become microseconds, dates of numpy days to seconds, netCDF files often nanoseconds.  Rates of settlement and
 #     discharged volumes change by 10^3 from one reader to the next.  Give `datetime_unit` always; for `polyfit` make
