@@ -320,11 +320,7 @@ def kind_of(hint: Any) -> Kind:
         return _union(inner)
     if not inner:
         return _class(hint)
-    if issubclass(origin, Mapping):
-        return _mapping(kind_of(inner[1]))
-    if issubclass(origin, Iterable):
-        return _sequence(origin, inner)
-    return _class(origin)
+    return _container(origin, inner)
 
 
 def _literal(words: tuple[Any, ...]) -> Kind:
@@ -353,6 +349,15 @@ def _union(hints: tuple[Any, ...]) -> Kind:
         return False
 
     return Kind(" or ".join(_distinct(kinds)), holds)
+
+
+def _container(origin: type, inner: tuple[Any, ...]) -> Kind:
+    """Return the kind of a dictionary, of several values, or of another class with parameters."""
+    if issubclass(origin, Mapping):
+        return _mapping(kind_of(inner[1]))
+    if issubclass(origin, Iterable):
+        return _sequence(origin, inner)
+    return _class(origin)
 
 
 def _mapping(item: Kind) -> Kind:
