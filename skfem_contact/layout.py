@@ -472,7 +472,7 @@ def rigid_modes(locations: ndarray, dofs: ndarray) -> ndarray:
     x = locations[:, dofs]
     dim = len(x)
     component = np.eye(dim)[dofs % dim]
-    centre = 0.0
+    centre: ndarray | float = 0.0
     if len(dofs):
         centre = x.mean(axis=1, keepdims=True)
     size = max(float(np.ptp(locations)), 1e-300)

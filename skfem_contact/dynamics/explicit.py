@@ -53,7 +53,7 @@ def critical_step(K: csr_matrix, C: csr_matrix, m: ndarray, free: ndarray) -> fl
         return np.inf
     if len(free) < 10:
         square = float(np.linalg.eigvalsh(A.toarray()).max())
-        shape = np.ones(len(free))
+        shape: ndarray = np.ones(len(free))
     else:
         begin = np.random.default_rng(0).standard_normal(len(free))
         values, vectors = eigsh(A, 1, which="LA", tol=_ACCURATE, v0=begin)

@@ -298,7 +298,7 @@ def _by_stages(table: Table) -> str:
         head = "".join(f"<th>{escape(text['stage'][k])}</th>" for k in stages)
         body = ""
         for name in names:
-            cells = "".join(cell(name, k) for k in stages)
+            cells = "".join(cell(name, int(k)) for k in stages)
             body += f"<tr><th>{escape(in_words(name))}</th>{cells}</tr>"
         tables.append(
             f'<table class="stages"><thead><tr><th></th>{head}</tr></thead>'

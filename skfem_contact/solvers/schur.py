@@ -96,7 +96,7 @@ class SchurSolver:
         # collect the entries that differ
         if same_pattern(K, old):
             entries = np.flatnonzero(K.data != old.data)
-            row = np.searchsorted(K.indptr, entries, side="right") - 1
+            row: ndarray = np.searchsorted(K.indptr, entries, side="right") - 1
             col = K.indices[entries]
             data = K.data[entries] - old.data[entries]
         else:

@@ -89,7 +89,8 @@ class SuperLU:
         if not careful:
             self._fill = lu.nnz
             self._first_fill = self._first_fill or lu.nnz
-        return lambda b: lu.solve(b, trans="T")  # type: ignore[call-overload]  # missing in the stubs
+        # stubs of scipy before 1.18 lack the argument
+        return lambda b: lu.solve(b, trans="T")  # type: ignore[call-overload,unused-ignore]
 
     def enlarged(self, A: csr_matrix) -> None:
         """Return None: pivots are chosen among all rows."""
