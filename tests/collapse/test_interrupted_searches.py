@@ -67,7 +67,9 @@ def test_accepted_equilibria_are_kept(column, name, error):
     assert part.stop.kind == "interrupted" and type(error).__name__ in str(part)
     assert not part.stop.shows_limit
     n = len(part.steps)
-    assert n >= 3 and part.steps == whole.steps[:n]
+    assert n >= 3
+    # all digits; NaN, for nothing that yields, equals nothing from Python 3.13 on
+    assert repr(part.steps) == repr(whole.steps[:n])
     equilibria = [step.parameter for step in part.steps if step.outcome == "equilibrium"]
     assert [value for value, _ in part.path] == equilibria
     assert part.value == max(value for value, _ in part.path)
