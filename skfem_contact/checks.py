@@ -310,8 +310,9 @@ def kind_of(hint: Any) -> Kind:
     known = _KINDS.get(hint) or _KINDS.get(origin)
     if known:
         return known
-    if hasattr(origin or hint, "__value__"):  # an alias, as ``NDArray`` from numpy 2.5 on
-        return kind_of((origin or hint).__value__)
+    alias = origin or hint
+    if hasattr(alias, "__value__"):  # such as ``NDArray`` from numpy 2.5 on
+        return kind_of(alias.__value__)
     if origin is Annotated:
         return kind_of(inner[1])  # types of the argument, where the attribute has others
     if origin is Literal:

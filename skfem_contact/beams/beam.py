@@ -512,7 +512,8 @@ class Beam(BeamNodes, Slender):
         if self.coordinates == "axisymmetric" or self._finite:
             return None
         N = self._lines(state)[3].reshape(-1, 2)
-        if not counts(self._elements, N, self.parameters["EI"] / self.spacing, share):
+        ends = self._elements.points.reshape(-1, self.dim)
+        if not counts(ends, N, self.parameters["EI"] / self.spacing, share):
             return None
         lost = lost_stiffness(self._elements, N)
         assert self._dofs is not None  # a beam of a model

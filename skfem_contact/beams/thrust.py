@@ -8,12 +8,12 @@ from numpy import ndarray
 from .element import GAUSS, BeamElements, shapes
 
 
-def counts(elements: BeamElements, N: ndarray, EI: float, share: float) -> bool:
+def counts(points: ndarray, N: ndarray, EI: float, share: float) -> bool:
     """Return True if the largest thrust of N, tension positive, may be a share of a buckling load.
 
-    The buckling load is at least that of a cantilever of the whole extent L, pi^2 EI / (2 L)^2.
+    The buckling load is at least that of a cantilever of the whole extent L of points (n, dim),
+    pi^2 EI / (2 L)^2, in shells of a strip: N and EI are per width.
     """
-    points = elements.points.reshape(-1, elements.points.shape[2])
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     least = np.pi**2 * EI / (2.0 * extent) ** 2
     return bool(-N.min() > share * least)

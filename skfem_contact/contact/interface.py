@@ -221,15 +221,18 @@ class Interface:
     def meshed_gap(self, state: ContactState) -> ndarray:
         """Return gaps of the mesh, (n,), from which present ones differ by displacements alone."""
         points = self.points(state.cuts)
-        if self.rule == "segments":
-            found = self.closest(None, state.cuts)
-        else:
-            found = self._in_mesh
+        found = self.in_mesh(state.cuts)
         return np.asarray(found.gap - self.faceting(points, found.closest) + state.rounded)
 
+    def in_mesh(self, cuts: ndarray) -> Projection:
+        """Project all points between cuts in the undeformed mesh."""
+        if self.rule == "segments":
+            return self.closest(None, cuts)
+        return self._everywhere_in_mesh
+
     @cached_property
-    def _in_mesh(self) -> Projection:
-        """Closest points in the undeformed mesh, for points that do not depend on cuts."""
+    def _everywhere_in_mesh(self) -> Projection:
+        """Closest points in the undeformed mesh, for a rule that knows no cuts."""
         return self.closest(None, np.zeros(0))
 
     @cached_property

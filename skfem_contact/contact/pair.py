@@ -165,11 +165,8 @@ class ContactPair(ContactBase):
         """
         cuts = self.interface.cuts(x)
         points = self.interface.points(cuts)
-        found = self.interface.closest(x, cuts)
-        if x is None:
-            meshed = found
-        else:
-            meshed = self.interface.closest(None, cuts)
+        meshed = self.interface.in_mesh(cuts)
+        found = meshed if x is None else self.interface.closest(x, cuts)
         closest = found.closest
         rounded, gap = self._between_curves(points, found)
         if x is None:

@@ -17,6 +17,7 @@ from typing_extensions import override
 
 from ..beams.joints import joined, taken_by
 from ..beams.nodes import Nodes
+from ..beams.thrust import counts
 from ..checks import facets_of, finite, is_number, positive, vector
 from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Slender, with_force_kept
@@ -285,11 +286,10 @@ class Shell(Nodes, Slender):
     @override
     def lost_by_thrust(self, state: ShellState, share: float) -> tuple[ndarray, csr_matrix] | None:
         n = state.force[:, MEMBRANE]
-        # smallest principal force, beside the load of a strip as long as the shell, with a free end
+        # smallest principal force
         least = 0.5 * (n[:, 0] + n[:, 1]) - np.hypot(0.5 * (n[:, 0] - n[:, 1]), n[:, 2])
-        extent = float(np.linalg.norm(np.ptp(self.points, axis=0)))
         EI = self.parameters["E"] * self.parameters["thickness"] ** 3 / 12.0
-        if not -least.min() > share * np.pi**2 * EI / (2.0 * extent) ** 2:
+        if not counts(self.points, least, EI, share):
             return None
         lost = lost_stiffness(self._triangles, n)
         return self._of_model(), self._gathering.matrix(self._rows, lost)

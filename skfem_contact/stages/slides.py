@@ -20,7 +20,7 @@ _TOLD = 0.05
 
 @dataclass(frozen=True)
 class _Slide:
-    """A slide that continues.
+    """A slide so far, or one that has ended.
 
     Attributes
     ----------
@@ -40,8 +40,7 @@ class Slides:
 
     def __init__(self) -> None:
         self._now: dict[str, _Slide] = {}
-        self._slips: dict[str, list[float]] = {}
-        self._steps: dict[str, list[int]] = {}
+        self._ended: dict[str, list[_Slide]] = {}
 
     def add(self, name: str, before: ContactState, after: ContactState) -> None:
         """Add a step of a pair with its states at both ends."""
@@ -68,17 +67,16 @@ class Slides:
 
     def _end(self, name: str, slide: _Slide) -> None:
         """Keep a slide that has ended."""
-        if not slide.steps:
-            return
-        self._slips.setdefault(name, []).append(slide.slip)
-        self._steps.setdefault(name, []).append(slide.steps)
+        if slide.steps:
+            self._ended.setdefault(name, []).append(slide)
 
     def remarks(self) -> Iterator[tuple[str, str]]:
         """Yield names of pairs and texts on slides of few steps."""
-        for name, slips in self._slips.items():
+        for name, slides in self._ended.items():
+            slips = [slide.slip for slide in slides]
             if not sum(slips):
                 continue
-            steps = float(np.average(self._steps[name], weights=slips))
+            steps = float(np.average([slide.steps for slide in slides], weights=slips))
             error = min(_ERROR / steps**2, 1.0)
             if error > _TOLD:
                 yield (
