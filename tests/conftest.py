@@ -22,15 +22,20 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark as slow all but one in n cells of a family that says so.
+    """Mark further cells of families as exhaustive.
 
-    Cells stay whose sum of indices is a multiple of n: as in a Latin square, values of several
-    parameters take turns.
+    Of a family with the marker `one_in(n)` one in n cells stays, the others are slow as well. Of
+    slow cells one in two stays. These are cells whose sum of indices is a multiple of n: as in a
+    Latin square, values of several parameters take turns.
     """
     for item in items:
+        place = sum(_indices(item))
         chosen = item.get_closest_marker("one_in")
-        if chosen and sum(_indices(item)) % chosen.args[0]:
+        if chosen and place % chosen.args[0]:
             item.add_marker("slow")
+            item.add_marker("exhaustive")
+        elif item.get_closest_marker("slow") and place % 2:
+            item.add_marker("exhaustive")
 
 
 def _indices(item: pytest.Item) -> Iterator[int]:

@@ -248,6 +248,7 @@ def test_uniform_stress_in_every_pair_of_settings(cell: Cell) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 @pytest.mark.parametrize("cell", list(cells(slow=True)), ids=str)
 def test_uniform_stress_in_every_three_settings(cell: Cell) -> None:
