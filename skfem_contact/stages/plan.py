@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,10 @@ from ..arrays import max_abs
 from ..checks import look_up, names_of, trusted_calls
 from ..errors import Remark
 from ..forms.base import Form, Forms, solids_of
-from ..forms.roles import Couples, Slender, Staged, Wet, having, joined_by
+from ..forms.roles import Couples, Wet, having, joined_by
 from ..layout import elements_in, nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
-from ..shells.hinges import hinged
 from .in_time import InTime, inertia_of, remarks_on_base
 from .setup import Setup, let_go
 from .stage import Stage
@@ -154,7 +153,6 @@ class Planner:
         remarks = (
             *_of_idle_input(stage, same_load, same_supports, self._unreleased or moved),
             *self._of_forms(stage),
-            *hinged(self._active, self._supports),
             *self._of_water(stage),
             *self._of_regions(stage),
             *self._of_pressures(stage, load, prescribed),
@@ -363,17 +361,11 @@ class Planner:
         duration = 0.0
         if stage.duration:
             duration = self._time
-        found = []
+        moving = stage.dynamic is not None
         try:
-            for name, form in having(self._active, Staged).items():
-                held = self._inactive
-                if stage.dynamic is not None and isinstance(form, Slender):
-                    held = np.arange(self._setup.layout.size)  # inertia holds a mechanism
-                for remark in form.check_stage(self._supports, held, duration):
-                    found.append(replace(remark, text=f"{name}: {remark.text}"))
+            return [*self._setup.remarks_on(self._active, self._supports, duration, moving)]
         except ValueError as error:
             raise ValueError(f"stage '{stage.name}': {error}") from None
-        return found
 
     def _of_water(self, stage: Stage) -> Iterator[Remark]:
         """Refuse water that counts twice; report ground that drains at once, and lost suction."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -15,11 +16,12 @@ from typing_extensions import Self
 from .. import loads
 from ..arrays import max_abs
 from ..checks import is_number, positive, unit_vector
-from ..errors import warn
+from ..errors import Remark, warn
 from ..forms.base import Form, Forms, as_forms, solids_of
 from ..forms.roles import (
     Couples,
     Loaded,
+    Slender,
     Staged,
     Wet,
     borrowed_by,
@@ -33,6 +35,7 @@ from ..mesh.check import check_connections, check_elements
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..results.files import StageData
+from ..shells.hinges import hinged
 from ..solvers.choice import linear_solver
 from ..solvers.petsc import Petsc
 from .supports import check_supports
@@ -373,6 +376,29 @@ class Setup:
         for name, form in having(forms, Staged).items():
             known[name] = form.supported(fixed)[0]
         return known
+
+    def remarks_on(
+        self, active: Forms, fixed: ndarray, duration: float = 0.0, moving: bool = False
+    ) -> Iterator[Remark]:
+        """Yield remarks of active forms on their supports, and refuse mechanisms.
+
+        Parameters
+        ----------
+        active, fixed
+            Active forms and supported dofs.
+        duration
+            Time from the last change to the end of a stage.
+        moving
+            True where inertia holds mechanisms of beams.
+        """
+        inactive = self.inactive(active)
+        for name, form in having(active, Staged).items():
+            held = inactive
+            if moving and isinstance(form, Slender):
+                held = np.arange(self.layout.size)
+            for remark in form.check_stage(fixed, held, duration):
+                yield replace(remark, text=f"{name}: {remark.text}")
+        yield from hinged(active, fixed)
 
     def system(self, forms: Forms, fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""

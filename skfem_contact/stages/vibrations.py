@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 from ..dynamics.mass import mass_and_damping, translation
 from ..dynamics.modes import modes_of
 from ..dynamics.settings import Dynamic
+from ..errors import warn
 from ..forms.base import responses_of
 from ..forms.roles import Wet, having
 from ..results import modes as results
@@ -96,8 +97,10 @@ def modes(
         raise ValueError("no form has a mass: give the solids their unit_weight")
 
     # Assemble the tangent of the start
-    fixed = np.union1d(setup.fixed, setup.inactive(forms))
-    system = setup.system(forms, fixed)
+    if start is None:  # otherwise the stages have reported their forms
+        for remark in setup.remarks_on(forms, setup.fixed, moving=True):
+            warn(remark.text)
+    system = setup.system(forms, np.union1d(setup.fixed, setup.inactive(forms)))
     x = setup.vector(last.x, "start")
     responses = responses_of(system.forms, x, last.states)
     K = Total().of([response.stiffness for response in responses.values()])

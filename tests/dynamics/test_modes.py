@@ -222,6 +222,27 @@ def test_mast_of_beams():
     assert tip == pytest.approx(-2.0 * 0.8 * 0.5 * 10.0**4 / (8.0 * 2e4), rel=0.03)
 
 
+def test_nodes_on_the_axis_that_are_not_held_are_told(recwarn):
+    """[X] Modes of the undeformed body tell them, a start has been told by its run."""
+    mesh = MeshQuad.init_tensor([0.0, 1.0, 2.0], [0.0, 1.0, 3.0]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    soil = sc.LinearElastic(E=1e4, nu=0.3)
+    disc = sc.SolidForm(basis, soil, coordinates="axisymmetric", unit_weight=20.0)
+    base = basis.get_dofs("bottom").all()
+    axis = basis.get_dofs("left").all("u^1")
+    free = sc.Model({"disc": disc}, base, gravity_acceleration=9.81)
+    held = sc.Model({"disc": disc}, [base, axis], gravity_acceleration=9.81)
+    held.modes(1)
+    assert not recwarn.list
+    with pytest.warns(sc.AnalysisWarning, match="disc: 4 nodes on the axis of symmetry are free"):
+        free.modes(1)
+    with pytest.warns(sc.AnalysisWarning, match="disc: 4 nodes on the axis"):
+        start = free.run([sc.Stage("weight")], **QUIET)
+    recwarn.clear()
+    free.modes(1, start=start)
+    assert not recwarn.list
+
+
 def test_no_modes_of_water():
     """[X] Water that flows has no modes: it is refused by name."""
     basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()))
