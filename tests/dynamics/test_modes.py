@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
@@ -174,6 +176,21 @@ def test_modes_about_the_weight_of_blocks(law, given):
     # the pressure is .1 % of E
     found = model.frequencies(4, start=start)
     np.testing.assert_allclose(found, model.frequencies(4), rtol=2e-3)
+
+
+@pytest.mark.parametrize("law", [sc.Tied(), sc.Coulomb(0.5)])
+@pytest.mark.parametrize("weight", [False, True])
+@pytest.mark.parametrize("given", [{}, {"enforcement": sc.AugmentedLagrangian()}])
+def test_frequencies_that_penalties_lower_are_told(law, weight, given):
+    """[X] The share by which penalties lower the frequencies of two blocks that vibrate as one."""
+    exact = two_blocks(4, law, enforcement=sc.DualMultipliers()).frequencies(3)
+    model = two_blocks(4, law, **given)
+    start = model.run([sc.Stage("weight")], **QUIET) if weight else None
+    with pytest.warns(sc.AnalysisWarning, match="pair: penalties of contact yield") as caught:
+        found = model.frequencies(3, start=start)
+    told = re.search(r"lowers frequencies by up to ([\d.]+)%", str(caught[-1].message))
+    # Digits that are written; the next order is the square of 2.5 %
+    assert float(told[1]) == pytest.approx(100.0 * (1.0 - found / exact).max(), abs=0.11)
 
 
 def test_skew_stiffness_is_refused():
