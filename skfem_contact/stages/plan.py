@@ -19,7 +19,7 @@ from ..layout import elements_in, nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
 from .in_time import InTime, inertia_of, remarks_on_base
-from .setup import Setup, let_go
+from .setup import Setup
 from .stage import Stage
 from .supports import check_supports
 
@@ -234,7 +234,7 @@ class Planner:
                 self._known.update(self._replaced(stage))
                 self._active = self._select()
                 self._inactive = self._setup.inactive(self._active)
-                self._active = let_go(self._active, self._inactive)
+                self._active = self._setup.let_go(self._active)
                 self._known.update(self._active)
                 check_contacts(self._active, self._inactive)
                 if stage.dynamic is None:

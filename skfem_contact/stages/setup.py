@@ -226,7 +226,7 @@ class Setup:
             new.fixed = start.supports
         # Active forms have let go of inactive bodies, which files do not hold.
         active = {name: new.forms[name] for name in start.states if name in new.forms}
-        new.forms = {**new.forms, **let_go(active, self.inactive(active))}
+        new.forms = {**new.forms, **self.let_go(active)}
         return new
 
     def adopted(self, new: Mapping[str, Any], now: Forms) -> dict[str, Form]:
@@ -370,6 +370,23 @@ class Setup:
         of_none = others(self.layout.size, dofs_of(self.forms, self.layout), brought)
         return others(self.layout.size, of_none, dofs_of(active, self.layout))
 
+    def gone(self, active: Forms) -> ndarray:
+        """Return the elements that bodies have, but no active one."""
+        known = elements_in(solids_of(self.forms).values())
+        return np.setdiff1d(known, elements_in(solids_of(active).values()))
+
+    def let_go(self, active: Forms) -> dict[str, Form]:
+        """Return active forms without their parts on bodies that are not active."""
+        inactive = self.inactive(active)
+        gone = self.gone(active)
+        found = dict(active)
+        for name, form in having(active, Couples).items():
+            try:
+                found[name] = form.let_go(inactive, gone)
+            except ValueError as error:
+                raise ValueError(f"'{name}': {error}") from None
+        return found
+
     def supported(self, forms: Forms, fixed: ndarray) -> dict[str, Form]:
         """Return forms that know the supported dofs, as their states begin."""
         known = dict(forms)
@@ -416,17 +433,6 @@ class Setup:
         """Return the system of some forms, once their supports are checked."""
         check_supports(forms, fixed)
         return self.system(forms, fixed)
-
-
-def let_go(forms: Forms, inactive: ndarray) -> dict[str, Form]:
-    """Return forms without their parts on inactive dofs."""
-    found = dict(forms)
-    for name, form in having(forms, Couples).items():
-        try:
-            found[name] = form.let_go(inactive)
-        except ValueError as error:
-            raise ValueError(f"'{name}': {error}") from None
-    return found
 
 
 def dofs_of(forms: Forms, layout: Layout) -> ndarray:
