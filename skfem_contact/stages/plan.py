@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from ..arrays import max_abs
 from ..checks import look_up, names_of, trusted_calls
+from ..contact.base import ContactBase
 from ..errors import Remark
 from ..forms.base import Form, Forms, solids_of
 from ..forms.roles import Couples, Wet, having, joined_by
@@ -236,7 +237,7 @@ class Planner:
                 self._inactive = self._setup.inactive(self._active)
                 self._active = self._setup.let_go(self._active)
                 self._known.update(self._active)
-                check_contacts(self._active, self._inactive)
+                check_contacts(self._active, self._inactive, self._setup.gone(self._active))
                 if stage.dynamic is None:
                     check_supports(self._active, np.union1d(self._supports, self._inactive))
             self._moves = stage.dynamic is not None
@@ -576,15 +577,20 @@ def own_arrays(water: Any) -> Any:
     return water
 
 
-def check_contacts(forms: Forms, inactive: ndarray) -> None:
-    """Refuse active forms that act on inactive bodies."""
+def check_contacts(forms: Forms, inactive: ndarray, gone: ndarray) -> None:
+    """Refuse active forms that act on inactive dofs, or on facets of elements that are gone."""
     for name, form in forms.items():
         acted_on = None
+        away = False
         if isinstance(form, Couples):
             acted_on = form.acts_on
+        if isinstance(form, ContactBase):
+            away = bool(np.isin(form.behind, gone).any())
         for dofs in (joined_by(form), acted_on):
-            if dofs is not None and np.isin(dofs, inactive).any():
-                raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
+            if dofs is not None:
+                away |= bool(np.isin(dofs, inactive).any())
+        if away:
+            raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
 
 
 def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Remark]:
