@@ -323,7 +323,7 @@ def elements_of(basis: CellBasis) -> ndarray:
 
 def elements_in(forms: Iterable[Any]) -> ndarray:
     """Return the elements of several bodies, one after the other."""
-    return np.concatenate([form.elements for form in forms])
+    return np.concatenate([np.zeros(0, int), *(form.elements for form in forms)])
 
 
 def centroids(mesh: Mesh, elements: ndarray) -> ndarray:

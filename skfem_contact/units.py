@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+from .checks import nearest
+from .errors import warn
+
+#: Units that are known, by what they measure; others are taken as they are.
+_KNOWN = {
+    "force": ("N", "kN", "MN", "GN", "daN", "dyn", "kp", "kgf", "t", "tf", "lb", "lbf", "kip"),
+    "length": ("m", "mm", "cm", "dm", "km", "µm", "in", "ft", "yd"),
+    "stress": ("Pa", "hPa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "psf", "ksf"),
+}
 _STRESSES = {
     ("kN", "m"): "kPa",
     ("N", "m"): "Pa",
@@ -73,14 +82,15 @@ def set_units(
     ----------
     force, length
         Units of the analysis, such as ``"kN"`` and ``"m"``, both or none; without them no units
-        are shown.
+        are shown. Any text will do; one that resembles a known unit is a warning.
     stress
         Unit of stress; by default kPa for kN and m, MPa for N and mm, and so on.
 
     Raises
     ------
     ValueError
-        A unit that is empty, or a force without a length.
+        A unit that is empty or measures something else, a force without a length, a stress that is
+        not the one of force and length.
 
     Examples
     --------
@@ -93,26 +103,46 @@ def set_units(
     >>> plot.labelled("von Mises stress", "stress")
     'von Mises stress'
     """
-    for unit in (force, length, stress):
-        if unit is not None and not unit.strip():
-            raise ValueError(f"a unit is a text such as 'kN' or 'm', not {unit!r}")
+    for kind, unit in {"force": force, "length": length, "stress": stress}.items():
+        if unit is not None:
+            _check(kind, unit)
     if force is not None and length is None:
         raise ValueError(f"the force has the unit {force!r}: give that of the length as well")
-    _chosen.clear()
+    chosen = {}
+    if length is not None:
+        chosen["length"] = length
     if force is not None and length is not None:
         pressure = _STRESSES.get((force, length), f"{force}/{length}²")
-        _chosen.update(
+        if stress != pressure and {stress, pressure} <= set(_STRESSES.values()):
+            raise ValueError(
+                f"stresses are {pressure} with {force} and {length}, not {stress}: figures are not "
+                "converted"
+            )
+        chosen.update(
             force=force,
-            length=length,
-            stress=stress or pressure,
+            stress=pressure,
             weight=f"{force}/{length}³",
             line=f"{force}/{length}",
             moment=f"{force}{length}/{length}",
         )
-    elif length is not None:
-        _chosen.update(length=length)
     if stress is not None:
-        _chosen.update(stress=stress)
+        chosen["stress"] = stress
+    _chosen.clear()
+    _chosen.update(chosen)
+
+
+def _check(kind: str, unit: str) -> None:
+    """Refuse an empty unit and one of another kind, and warn of one that resembles another."""
+    if not unit.strip():
+        raise ValueError(f"a unit is a text such as 'kN' or 'm', not {unit!r}")
+    if unit in _KNOWN[kind]:
+        return
+    for other, units in _KNOWN.items():
+        if unit in units:
+            raise ValueError(f"{unit!r} is a unit of {other}, not of {kind}")
+    alike = nearest(unit, _KNOWN[kind])
+    if alike:
+        warn(f"there is no unit of {kind} {unit!r} that is known, and it is taken as it is{alike}")
 
 
 def unit_of(kind: str) -> str:

@@ -10,6 +10,7 @@ import pytest
 from skfem import MeshTri
 
 import skfem_contact as sc
+import skfem_contact.plot as plot
 from tests.tools.helpers import grid, vector_basis
 
 
@@ -188,3 +189,52 @@ def test_remarks_do_not_depend_on_the_unit_of_force(scene, told):
         texts.append([re.sub(r"\d\S*", "#", str(warning.message)) for warning in found])
     assert texts[0] == texts[1]
     assert any(told in text for text in texts[0])
+
+
+@pytest.fixture
+def without_units():
+    yield
+    sc.set_units()
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        (("kNN", "m"), "no unit of force 'kNN' that is known.*did you mean 'kN'"),
+        (("KN", "m"), "no unit of force 'KN' that is known.*did you mean 'kN'"),
+        (("kN", "M"), "no unit of length 'M' that is known.*did you mean 'm'"),
+        (("kN", "m", "KPa"), "no unit of stress 'KPa' that is known.*did you mean 'kPa'"),
+    ],
+)
+def test_units_that_resemble_known_ones_are_told(units, message, without_units):
+    with pytest.warns(sc.AnalysisWarning, match=message):
+        sc.set_units(*units)
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        (("m", "kN"), "'m' is a unit of length, not of force"),
+        (("kPa", "m"), "'kPa' is a unit of stress, not of force"),
+        (("kN", "m", "N"), "'N' is a unit of force, not of stress"),
+        (("kN", "m", "MPa"), "stresses are kPa with kN and m, not MPa"),
+        (("N", "mm", "kPa"), "stresses are MPa with N and mm, not kPa"),
+    ],
+)
+def test_units_of_something_else_are_refused(units, message, without_units):
+    sc.set_units("kN", "m")
+    with pytest.raises(ValueError, match=message):
+        sc.set_units(*units)
+    assert plot.labelled("stress", "stress") == "stress [kPa]"  # the units before stay
+
+
+@pytest.mark.parametrize(
+    "units",
+    [("lb", "ft", "psf"), ("stone", "cubit"), ("kN", "m", "kN/m²"), ("N", "mm", "N/mm2")],
+)
+def test_units_are_yours(units, without_units, recwarn):
+    sc.set_units(*units)
+    force, length, *stress = units
+    (written,) = stress or [f"{force}/{length}²"]
+    assert plot.labelled("stress", "stress") == f"stress [{written}]"
+    assert not recwarn.list

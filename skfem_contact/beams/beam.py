@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..arrays import row_norms
+from ..arrays import max_abs, row_norms
 from ..checks import finite, format_point, vector
 from ..errors import Remark
 from ..forms.base import Form, Forms, Kinematics, Outputs, Response, counted
@@ -31,6 +31,7 @@ from .joints import (
     loose_dof,
     of_a_line,
     rotations_of,
+    swinging,
     taken_by,
     taken_elsewhere,
     turning_ends,
@@ -495,11 +496,18 @@ class Beam(BeamNodes, Slender):
             yielding=lambda before: counted((before.free != state.free).any(axis=1)),
         )
 
-    def _remarks(self, x: ndarray, state: BeamState) -> Iterable[Remark]:
-        if self._ground is None:
-            return ()
-        moved = self._own(x)[self._rows[:, :9]]
-        return of_a_line(self._elements.length, self.cells, state.force[:, :9], moved, self._ground)
+    def _remarks(self, x: ndarray, state: BeamState) -> Iterator[Remark]:
+        if self.shared is None:
+            return
+        moved = self._own(x)[self._rows[:, : 3 * self.dim]]
+        length = self._elements.length
+        N, V = self._lines(state)[3:5]
+        V = row_norms(V.reshape(len(N), -1))
+        strain = _ROUND_OFF * max_abs(moved) / length.min()
+        round_off = strain * self.parameters["EA"] / self.spacing
+        yield from swinging(self.cells, N.reshape(-1, 2), V.reshape(-1, 2), round_off)
+        if self._ground is not None:
+            yield from of_a_line(length, self.cells, state.force[:, :9], moved, self._ground)
 
     def _summary(self, state: BeamState) -> str:
         N, _, M = self._lines(state)[3:6]

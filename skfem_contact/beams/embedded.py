@@ -218,10 +218,11 @@ class Embedded(Form, Couples, Staged, Regularised):
 
         # Displacements of the ground less displacements of the beam at the points and the foot
         if radius is None:
-            of_ground = _values_at(basis, points)
+            of_ground, elements = _values_at(basis, points)
+            self._within = _Within(np.arange(len(points)), elements)
         else:
             self._wide = np.maximum(radius, 0.5 * _sizes(basis, points, self._along))
-            of_ground, self._part = _around(basis, points, self._along, self._wide)
+            of_ground, self._part, self._within = _around(basis, points, self._along, self._wide)
         self._ground = np.unique(of_ground.indices)
         self._jump = csr_matrix(hstack((of_ground[:, self._ground], -of_beam)))
         self._away = np.zeros(len(points), bool)
@@ -277,12 +278,12 @@ class Embedded(Form, Couples, Staged, Regularised):
         return new
 
     @override
-    def let_go(self, inactive: ndarray) -> Embedded:
-        # Find the points, and the foot, that move with inactive nodes.
-        gone = np.isin(self._ground, inactive)
-        share = np.asarray(abs(self._jump[:, : len(gone)]) @ gone)
-        share = share.reshape(self._along.shape)
-        away = np.any(share > _ON_SIDE, axis=1)
+    def let_go(self, inactive: ndarray, gone: ndarray) -> Embedded:
+        # Find the points, and the foot, with a probe all of whose elements are gone.
+        point, elements = self._within
+        remains = np.ones(elements.shape[1])
+        remains[gone] = 0.0
+        away = np.bincount(point, elements @ remains == 0.0, len(self._along)) > 0.0
         back = self._away & ~away
         if back.any():
             raise ValueError(
@@ -290,7 +291,8 @@ class Embedded(Form, Couples, Staged, Regularised):
                 "this form, and activate another Embedded of the same beam, which begins without "
                 "force"
             )
-        if not gone.any():
+        without = np.intersect1d(self._ground, inactive)
+        if not away.any() and not len(without):
             return self
 
         # Points without ground have no force.
@@ -301,7 +303,7 @@ class Embedded(Form, Couples, Staged, Regularised):
         new.p_max = np.where(away[:-1], 0.0, self.p_max)
         new._weight = np.where(away[:-1], 0.0, self._weight)
         new.F_max = 0.0 if away[-1] else self.F_max
-        new.acts_on = np.setdiff1d(self._dofs, self._ground[gone])
+        new.acts_on = np.setdiff1d(self._dofs, without)
         return new
 
     def __repr__(self) -> str:
@@ -575,16 +577,33 @@ def _by_component(matrix: coo_matrix, dim: int) -> csr_matrix:
     return csr_matrix(kron(matrix, np.eye(dim)))
 
 
-def _values_at(basis: CellBasis, points: ndarray) -> csr_matrix:
-    """Return the displacements of the ground at points, (dim n, N)."""
+class _Within(NamedTuple):
+    """Points of the beam of probes, (n,), and True for the elements at them, (n, n_elements)."""
+
+    point: ndarray
+    elements: csr_matrix
+
+
+def _values_at(basis: CellBasis, probes: ndarray) -> tuple[csr_matrix, csr_matrix]:
+    """Return displacements of the ground at probes, (dim n, N), and elements, (n, n_elements)."""
+    scalar = basis.with_element(basis.elem.elem)
     try:
-        values = _probes(basis.with_element(basis.elem.elem), points)
+        values = _probes(scalar, probes)
     except ValueError:
-        outside = _elements_at(basis.mesh, points) < 0
+        outside = _elements_at(basis.mesh, probes) < 0
         if outside.any():
-            raise _leaving(points[outside]) from None
+            raise _leaving(probes[outside]) from None
         raise
-    return _by_component(values, basis.mesh.dim())
+    # Elements have all nodes that move a probe: on their sides those of the side alone.
+    moving = csr_matrix(abs(values.tocsr()) > _ON_SIDE, dtype=float)
+    nodes = scalar.dofs.element_dofs
+    number = np.tile(np.arange(nodes.shape[1]), len(nodes))
+    shape = (scalar.N, nodes.shape[1])
+    of_elements = csr_matrix((np.ones(nodes.size), (nodes.ravel(), number)), shape)
+    common = (moving @ of_elements).tocoo()
+    whole = common.data == np.diff(moving.indptr)[common.row]
+    there = csr_matrix((whole, common.coords), common.shape)
+    return _by_component(values, basis.mesh.dim()), there
 
 
 def _leaving(points: ndarray) -> ValueError:
@@ -646,8 +665,8 @@ def _around(
     points: ndarray,
     along: ndarray,
     radius: ndarray,
-) -> tuple[csr_matrix, ndarray]:
-    """Return mean displacements over circles about points, (3 n, N), and their parts in the mesh.
+) -> tuple[csr_matrix, ndarray, _Within]:
+    """Return mean displacements over circles about points, (3 n, N), their parts, and elements.
 
     Points of a circle that lie outside of the mesh are left out: it is then cut along a plane of
     symmetry.
@@ -670,5 +689,6 @@ def _around(
     row = np.nonzero(inside)[0]
     column = np.arange(len(share))
     mean = coo_matrix((share, (row, column)), shape=(len(points), len(share)))
-    means = _by_component(mean, 3) @ _values_at(basis, rim[inside])
-    return csr_matrix(means), inside.mean(axis=1)
+    values, there = _values_at(basis, rim[inside])
+    means = csr_matrix(_by_component(mean, 3) @ values)
+    return means, inside.mean(axis=1), _Within(row, there)

@@ -25,7 +25,7 @@ from numpy import ndarray
 from ..checks import look_up, trusted_calls
 from ..errors import NotConverged, warn
 from ..forms.base import Form, Forms, States
-from ..forms.roles import Reducible, Staged, changed, having
+from ..forms.roles import Reducible, changed
 from ..materials.base import Flow
 from ..nonlinear.newton import FAR, Evaluation, Newton, Problem, Search, iterate
 from ..nonlinear.system import System
@@ -186,7 +186,8 @@ def loaded_start(
         active, fixed = without_drainage(active, fixed, flow)
     system = setup.checked_system(active, fixed)
     if last is None:  # otherwise the stages have reported their forms
-        _report_forms(setup, active)
+        for remark in setup.remarks_on(active, setup.fixed):
+            warn(remark.text)
     system, origin = _fixed_geometry(system, last)
 
     # put the load on top of the weights
@@ -216,13 +217,6 @@ def loaded_start(
         at_rest=partial(setup.at_rest, active, water),
         begins=last or undeformed("start", active, system.size),
     )
-
-
-def _report_forms(setup: Setup, active: Forms) -> None:
-    """Raise warnings of active forms that do not fit to their supports."""
-    for name, form in having(active, Staged).items():
-        for remark in form.check_stage(setup.fixed, setup.inactive(active), 0.0):
-            warn(f"{name}: {remark.text}")
 
 
 def _warn_of_unreleased(last: StageResult | None) -> None:

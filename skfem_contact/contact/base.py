@@ -315,6 +315,11 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
         return np.union1d(self.slave.all_dofs, self.facets.all_dofs)
 
     @property
+    def behind(self) -> ndarray:
+        """Elements of the mesh behind the facets of both surfaces."""
+        return np.concatenate((self.slave.elements, self.facets.elements))
+
+    @property
     @override
     def changing(self) -> ndarray:  # type: ignore[override]
         return np.concatenate((self.acts_on, self.multipliers.ravel()))

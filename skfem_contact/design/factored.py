@@ -13,7 +13,8 @@ from typing_extensions import TypeVar
 from ..checks import names, names_of
 from ..errors import warn
 from ..forms.base import Form
-from ..forms.roles import Body, Reducible, Touching, having
+from ..forms.roles import Body, Reducible, Touching, having, materials_of
+from ..forms.solid import SolidForm
 from ..materials.base import as_given, parameters_of
 from ..materials.elastic import angle_over
 from ..model import Model
@@ -80,8 +81,10 @@ class _Factoring:
         """Return a form with design values of its strengths."""
         if name in self.exclude:
             return form
-        if isinstance(form, Body):
-            return self._body(name, form)
+        if isinstance(form, SolidForm):
+            return self._solid(name, form)
+        if materials_of(form):
+            warn(f"{name}: the materials of {type(form).__name__} keep their strength")
         if not isinstance(form, Reducible) or "" not in form.strengths:
             return form
         if isinstance(form, Touching):
@@ -89,12 +92,11 @@ class _Factoring:
             return form if law is form.law else form.with_law(law)  # type: ignore[attr-defined]
         return self._once(form, lambda one: one.reduced(self.factors.phi, "given", ("",)))
 
-    def _body(self, name: str, form: Any) -> Any:
-        """Return a body with design values of its materials."""
+    def _solid(self, name: str, form: SolidForm) -> SolidForm:
+        """Return a solid with design values of its materials."""
         changed = {}
         # the materials of a model have the values of functions, which cannot be given again
-        materials = getattr(form, "given_materials", form.materials)
-        for region, material in materials.items():
+        for region, material in form.given_materials.items():
             if region not in self.exclude:
                 new = self._once(material, lambda law: divided(law, self.factors))
                 if new is not material:

@@ -194,8 +194,8 @@ class Couples:
         """
         return self
 
-    def let_go(self: Self, inactive: ndarray) -> Self:
-        """Return the form without its parts on inactive dofs, if it can do without them."""
+    def let_go(self: Self, inactive: ndarray, gone: ndarray) -> Self:
+        """Return the form without its parts on inactive dofs and on elements that are gone."""
         return self
 
 

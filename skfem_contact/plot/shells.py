@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from ..arrays import row_norms
 from ..checks import look_up, names_of
+from ..results.on_shells import FIELDS
 from ..results.stage import StageResult
 from ..shells.element import normals
 from ..units import labelled
@@ -21,19 +22,6 @@ from .scene import EDGE, SpaceScene, banded, grid_of, surface_of
 from .sheet import Scale, capitalised, make_scale
 from .structures import Lines, structures
 
-#: Titles of the quantities, and the kinds of their units.
-_QUANTITIES = {
-    "ux": ("displacement along x", "length"),
-    "uy": ("displacement along y", "length"),
-    "uz": ("displacement along z", "length"),
-    "u": ("displacement", "length"),
-    "n_1": ("force n_1", "line"),
-    "n_2": ("force n_2", "line"),
-    "n_12": ("shear force n_12", "line"),
-    "m_1": ("moment m_1", "moment"),
-    "m_2": ("moment m_2", "moment"),
-    "m_12": ("twisting moment m_12", "moment"),
-}
 #: Least share of the area that is seen from above, for a view from there; other views.
 _LEVEL = 0.9
 _ABOVE = (0.0, 0.0, -1.0)
@@ -97,7 +85,7 @@ def shells(
     >>> result = model.run([sc.Stage("load", load)], progress=False)
     >>> picture = plot.shells(result["load"], "m_1")
     """
-    title = labelled(*look_up(quantity, _QUANTITIES, "quantity of shells"))
+    title = labelled(*look_up(quantity, FIELDS, "quantity of shells"))
     parts = _parts(stage, names)
     lines = list(structures(stage))
     scene = _ShellScene(list(parts.values()), lines, quantity, towards, deformed)

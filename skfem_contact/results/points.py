@@ -18,6 +18,7 @@ from ..layout import elements_in
 from ..mesh.locate import locate, outside
 from .fields import Shown, basis_of, quantities, region_field, solids
 from .files import StageData
+from .on_shells import FIELDS, is_shell, on_shell
 from .patch_recovery import element_regions, region_mesh
 
 #: Points of a line by default.
@@ -130,7 +131,8 @@ def at_points(
         Earlier stage from which changes are returned, and further pore pressure, as of
         :meth:`field`.
     of
-        Solid, region or subdomain to which the values belong; by default any.
+        Solid, region or subdomain to which the values belong; by default any. Or a shell, with the
+        fields of :func:`~skfem_contact.plot.shells`.
 
     Raises
     ------
@@ -155,8 +157,8 @@ def at_points(
         ...
     ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
     """
-    titles = _titles(stage, quantity, water)
-    labels, coordinates = _points(stage, points)
+    titles = _titles(stage, quantity, water, of)
+    labels, coordinates = _points(stage, points, of)
     columns: dict[str, ndarray] = {}
     if labels:
         columns["point"] = np.array(labels)
@@ -189,8 +191,8 @@ def along_line(
     --------
     See :class:`PointValues`.
     """
-    titles = _titles(stage, quantity, water)
-    position, coordinates = _line(stage, line, n)
+    titles = _titles(stage, quantity, water, of)
+    position, coordinates = _line(stage, line, n, of)
     columns = {"position": position} | dict(zip("xyz", coordinates.T))
     columns |= _values(stage, coordinates, quantity, since, water, of)
     return PointValues(columns, titles, stage.name)
@@ -228,22 +230,25 @@ def through_stages(
 
 
 def _titles(
-    stage: StageData, quantity: Sequence[str], water: Shown | None
+    stage: StageData, quantity: Sequence[str], water: Shown | None, of: str | None
 ) -> dict[str, tuple[str, str]]:
     """Return titles and kinds of units of fields by their names, which must exist."""
     if not quantity:
         raise ValueError("name at least one field, such as 'uy'")
+    if is_shell(stage, of):
+        names(quantity, FIELDS, "field of shells")
+        return {name: FIELDS[name] for name in quantity}
     existing = quantities(stage, water)
     names(quantity, existing, "field")
     return {name: (existing[name].title, existing[name].unit) for name in quantity}
 
 
 def _points(
-    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike
+    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike, of: str | None
 ) -> tuple[list[str], ndarray]:
     """Return labels or None, and coordinates, (n, dim), of points."""
     # Take labels from the keys.
-    dim = basis_of(stage).mesh.dim()
+    dim = 3 if is_shell(stage, of) else basis_of(stage).mesh.dim()
     labels: list[str] = []
     given: Any = points
     if isinstance(points, Mapping):
@@ -261,9 +266,9 @@ def _points(
     return labels, coordinates
 
 
-def _line(stage: StageData, line: ArrayLike, n: int) -> tuple[ndarray, ndarray]:
+def _line(stage: StageData, line: ArrayLike, n: int, of: str | None) -> tuple[ndarray, ndarray]:
     """Return distances along a line, (m,), and coordinates, (m, dim), its corners among them."""
-    _, corners = _points(stage, line)
+    _, corners = _points(stage, line, of)
     length = row_norms(np.diff(corners, axis=0))
     if len(corners) < 2 or not (length > 0.0).all():
         raise ValueError("a line has two or more corners, each different from the one before")
@@ -289,6 +294,8 @@ def _values(
     of: str | None,
 ) -> dict[str, ndarray]:
     """Return fields at points by their names, (n,) each."""
+    if of is not None and is_shell(stage, of):
+        return on_shell(stage, of, points, quantity, since)
     # Collect the elements of all solids, or of one solid or region.
     bodies = solids(stage)
     forms = list(bodies.values())

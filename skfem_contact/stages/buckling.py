@@ -20,7 +20,7 @@ from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem, Solve
 from ..sparse import scattered, within
 from .setup import Setup
-from .vibrations import check_number, symmetric_part
+from .vibrations import check_number, symmetric_part, warn_of_penalties
 
 #: Vectors of the Krylov space: the first mode of a column needs 4, of a frame of ten members 8.
 _VECTORS = 12
@@ -106,14 +106,16 @@ def buckling(setup: Setup, n: int, *, start: Result | StageResult) -> results.Bu
     lost = _lost(system, last, 0.0)
     if not lost:
         raise ValueError("no member has a thrust at the start: nothing buckles")
-    K = system.tangent(system.evaluate(last.x, last.states, last.load))
-    K = symmetric_part(K, system.free)
+    now = system.evaluate(last.x, last.states, last.load)
+    K = symmetric_part(system.tangent(now), system.free)
     shares, modes = _modes(system, K, reduce(add, lost.values()), int(n))
     thrust = shares > _NO_THRUST * shares[0]
     if not thrust.all():
         raise ValueError(f"there are {int(thrust.sum())} modes with a thrust, not {n}")
     shapes = np.zeros((system.size, n))
     shapes[system.free] = modes
+    energies = np.einsum("ik,ik->k", shapes, K @ shapes)
+    warn_of_penalties(forms, now.responses, shapes, energies, ("buckling loads", 1.0))
     largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(n)]
     return results.Buckling(1.0 / shares, shapes / largest, last)
 

@@ -383,7 +383,9 @@ def _check_inactive(setup: Setup, load: ndarray) -> ndarray:
     """Return the dofs of inactive bodies, on which neither load nor contact may act."""
     solids = setup.solids
     away = others(setup.layout.size, dofs_of(setup.forms, setup.layout))
-    check_contacts(setup.forms, away)
+    known = elements_in(solids.values())
+    mesh = next(iter(solids.values())).basis.mesh
+    check_contacts(setup.forms, away, np.setdiff1d(np.arange(mesh.nelements), known))
     if acts_on(load, away):
         raise ValueError(
             f"a part of the load acts on inactive bodies; the solids are {list(solids)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,15 +12,15 @@ from numpy import ndarray
 
 from ..arrays import max_abs
 from ..checks import look_up, names_of, trusted_calls
+from ..contact.base import ContactBase
 from ..errors import Remark
 from ..forms.base import Form, Forms, solids_of
-from ..forms.roles import Couples, Slender, Staged, Wet, having, joined_by
+from ..forms.roles import Couples, Wet, having, joined_by
 from ..layout import elements_in, nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
-from ..shells.hinges import hinged
 from .in_time import InTime, inertia_of, remarks_on_base
-from .setup import Setup, let_go
+from .setup import Setup
 from .stage import Stage
 from .supports import check_supports
 
@@ -154,7 +154,6 @@ class Planner:
         remarks = (
             *_of_idle_input(stage, same_load, same_supports, self._unreleased or moved),
             *self._of_forms(stage),
-            *hinged(self._active, self._supports),
             *self._of_water(stage),
             *self._of_regions(stage),
             *self._of_pressures(stage, load, prescribed),
@@ -236,9 +235,9 @@ class Planner:
                 self._known.update(self._replaced(stage))
                 self._active = self._select()
                 self._inactive = self._setup.inactive(self._active)
-                self._active = let_go(self._active, self._inactive)
+                self._active = self._setup.let_go(self._active)
                 self._known.update(self._active)
-                check_contacts(self._active, self._inactive)
+                check_contacts(self._active, self._inactive, self._setup.gone(self._active))
                 if stage.dynamic is None:
                     check_supports(self._active, np.union1d(self._supports, self._inactive))
             self._moves = stage.dynamic is not None
@@ -363,17 +362,11 @@ class Planner:
         duration = 0.0
         if stage.duration:
             duration = self._time
-        found = []
+        moving = stage.dynamic is not None
         try:
-            for name, form in having(self._active, Staged).items():
-                held = self._inactive
-                if stage.dynamic is not None and isinstance(form, Slender):
-                    held = np.arange(self._setup.layout.size)  # inertia holds a mechanism
-                for remark in form.check_stage(self._supports, held, duration):
-                    found.append(replace(remark, text=f"{name}: {remark.text}"))
+            return [*self._setup.remarks_on(self._active, self._supports, duration, moving)]
         except ValueError as error:
             raise ValueError(f"stage '{stage.name}': {error}") from None
-        return found
 
     def _of_water(self, stage: Stage) -> Iterator[Remark]:
         """Refuse water that counts twice; report ground that drains at once, and lost suction."""
@@ -584,15 +577,20 @@ def own_arrays(water: Any) -> Any:
     return water
 
 
-def check_contacts(forms: Forms, inactive: ndarray) -> None:
-    """Refuse active forms that act on inactive bodies."""
+def check_contacts(forms: Forms, inactive: ndarray, gone: ndarray) -> None:
+    """Refuse active forms that act on inactive dofs, or on facets of elements that are gone."""
     for name, form in forms.items():
         acted_on = None
+        away = False
         if isinstance(form, Couples):
             acted_on = form.acts_on
+        if isinstance(form, ContactBase):
+            away = bool(np.isin(form.behind, gone).any())
         for dofs in (joined_by(form), acted_on):
-            if dofs is not None and np.isin(dofs, inactive).any():
-                raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
+            if dofs is not None:
+                away |= bool(np.isin(dofs, inactive).any())
+        if away:
+            raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
 
 
 def _of_jump(stage: Stage, load: ndarray, jump: ndarray | None) -> Iterator[Remark]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -15,11 +16,12 @@ from typing_extensions import Self
 from .. import loads
 from ..arrays import max_abs
 from ..checks import is_number, positive, unit_vector
-from ..errors import warn
+from ..errors import Remark, warn
 from ..forms.base import Form, Forms, as_forms, solids_of
 from ..forms.roles import (
     Couples,
     Loaded,
+    Slender,
     Staged,
     Wet,
     borrowed_by,
@@ -33,6 +35,7 @@ from ..mesh.check import check_connections, check_elements
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..results.files import StageData
+from ..shells.hinges import hinged
 from ..solvers.choice import linear_solver
 from ..solvers.petsc import Petsc
 from .supports import check_supports
@@ -223,7 +226,7 @@ class Setup:
             new.fixed = start.supports
         # Active forms have let go of inactive bodies, which files do not hold.
         active = {name: new.forms[name] for name in start.states if name in new.forms}
-        new.forms = {**new.forms, **let_go(active, self.inactive(active))}
+        new.forms = {**new.forms, **self.let_go(active)}
         return new
 
     def adopted(self, new: Mapping[str, Any], now: Forms) -> dict[str, Form]:
@@ -367,12 +370,52 @@ class Setup:
         of_none = others(self.layout.size, dofs_of(self.forms, self.layout), brought)
         return others(self.layout.size, of_none, dofs_of(active, self.layout))
 
+    def gone(self, active: Forms) -> ndarray:
+        """Return the elements that bodies have, but no active one."""
+        known = elements_in(solids_of(self.forms).values())
+        return np.setdiff1d(known, elements_in(solids_of(active).values()))
+
+    def let_go(self, active: Forms) -> dict[str, Form]:
+        """Return active forms without their parts on bodies that are not active."""
+        inactive = self.inactive(active)
+        gone = self.gone(active)
+        found = dict(active)
+        for name, form in having(active, Couples).items():
+            try:
+                found[name] = form.let_go(inactive, gone)
+            except ValueError as error:
+                raise ValueError(f"'{name}': {error}") from None
+        return found
+
     def supported(self, forms: Forms, fixed: ndarray) -> dict[str, Form]:
         """Return forms that know the supported dofs, as their states begin."""
         known = dict(forms)
         for name, form in having(forms, Staged).items():
             known[name] = form.supported(fixed)[0]
         return known
+
+    def remarks_on(
+        self, active: Forms, fixed: ndarray, duration: float = 0.0, moving: bool = False
+    ) -> Iterator[Remark]:
+        """Yield remarks of active forms on their supports, and refuse mechanisms.
+
+        Parameters
+        ----------
+        active, fixed
+            Active forms and supported dofs.
+        duration
+            Time from the last change to the end of a stage.
+        moving
+            True where inertia holds mechanisms of beams.
+        """
+        inactive = self.inactive(active)
+        for name, form in having(active, Staged).items():
+            held = inactive
+            if moving and isinstance(form, Slender):
+                held = np.arange(self.layout.size)
+            for remark in form.check_stage(fixed, held, duration):
+                yield replace(remark, text=f"{name}: {remark.text}")
+        yield from hinged(active, fixed)
 
     def system(self, forms: Forms, fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
@@ -390,17 +433,6 @@ class Setup:
         """Return the system of some forms, once their supports are checked."""
         check_supports(forms, fixed)
         return self.system(forms, fixed)
-
-
-def let_go(forms: Forms, inactive: ndarray) -> dict[str, Form]:
-    """Return forms without their parts on inactive dofs."""
-    found = dict(forms)
-    for name, form in having(forms, Couples).items():
-        try:
-            found[name] = form.let_go(inactive)
-        except ValueError as error:
-            raise ValueError(f"'{name}': {error}") from None
-    return found
 
 
 def dofs_of(forms: Forms, layout: Layout) -> ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal
 
@@ -9,11 +10,13 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..arrays import max_abs, quotient
 from ..dynamics.mass import mass_and_damping, translation
 from ..dynamics.modes import modes_of
 from ..dynamics.settings import Dynamic
-from ..forms.base import responses_of
-from ..forms.roles import Wet, having
+from ..errors import warn
+from ..forms.base import Forms, Response, responses_of
+from ..forms.roles import Touching, Wet, having
 from ..results import modes as results
 from ..results.result import Result
 from ..results.stage import StageResult, undeformed
@@ -27,6 +30,8 @@ from .setup import Setup
 _SKEW = 0.1
 #: Rows below this share of the largest entry are round-off.
 _ROUND_OFF = 1e-8
+#: Share by which the penalty of contact may lower a figure without a warning.
+_LOWER = 0.01
 #: Kinds of masses.
 Masses = Literal["lumped", "consistent"]
 
@@ -96,14 +101,17 @@ def modes(
         raise ValueError("no form has a mass: give the solids their unit_weight")
 
     # Assemble the tangent of the start
-    fixed = np.union1d(setup.fixed, setup.inactive(forms))
-    system = setup.system(forms, fixed)
+    if start is None:  # otherwise the stages have reported their forms
+        for remark in setup.remarks_on(forms, setup.fixed, moving=True):
+            warn(remark.text)
+    system = setup.system(forms, np.union1d(setup.fixed, setup.inactive(forms)))
     x = setup.vector(last.x, "start")
     responses = responses_of(system.forms, x, last.states)
     K = Total().of([response.stiffness for response in responses.values()])
     K = symmetric_part(K, system.free)
     # K shape = w^2 M shape
     squares, shapes = modes_of(K, M, system.fixed, system.factor, int(n))
+    warn_of_penalties(forms, responses, shapes, squares, ("frequencies", 0.5))
 
     # Find the mass that is free, and the rigid translations
     moves: dict[int, ndarray] = {}
@@ -131,6 +139,38 @@ def symmetric_part(K: csr_matrix, free: ndarray) -> csr_matrix:
             "there are no modes"
         )
     return csr_matrix(K - skew)
+
+
+def warn_of_penalties(
+    forms: Forms,
+    responses: Mapping[str, Response],
+    shapes: ndarray,
+    energies: ndarray,
+    lowered: tuple[str, float],
+) -> None:
+    """Warn of contact whose penalty lowers the frequencies of modes, or loads of buckling.
+
+    To the first order a rigid joint raises shape' K shape by the share of its penalty in it.
+
+    Parameters
+    ----------
+    shapes, energies
+        Modes, (N, n), and shape' K shape, (n,).
+    lowered
+        Name of the figures, and their power of the energies.
+    """
+    what, power = lowered
+    shares = {}
+    for name in having(forms, Touching):
+        stored = np.einsum("ik,ik->k", shapes, responses[name].stiffness @ shapes)
+        shares[name] = power * quotient(stored, energies)
+    lower = max_abs(sum(shares.values()))
+    if lower > _LOWER:
+        most = max(shares, key=lambda name: max_abs(shares[name]))
+        warn(
+            f"{most}: penalties of contact yield, which lowers {what} by up to {lower:.1%}: take "
+            "DualMultipliers(), or the penalty method with ten times the penalty"
+        )
 
 
 def frequencies(

@@ -7,7 +7,7 @@ A facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` of dim - 1 l
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis
 
 from ..arrays import row_norms
+from ..checks import facets_of
 from .shape import Shape, rule
 from .topology import Numbers, arms_of, boundary, joined_cells, numbers_of
 from .vectors import across, unit
@@ -71,6 +72,8 @@ class Surface:
         Traction per displacement of a surface without elements.
     rotations, arms : ndarray, shapes (n_nodes, q) and (n_nodes, dim, q), optional
         Dofs of rotations, -1 where they are held, and displacements of the nodes by unit rotations.
+    elements : ndarray, optional
+        Elements of the mesh behind the facets, in any order; none of a surface without elements.
     unnumbered : tuple
         Pairs of ``"dofs"`` or ``"rotations"`` and the field in which these are numbers so far.
 
@@ -97,13 +100,17 @@ class Surface:
     stiffness: float | None = None
     rotations: ndarray | None = None
     arms: ndarray | None = None
+    elements: Sequence[int] | ndarray = ()
     unnumbered: tuple[tuple[str, Hashable], ...] = ()
 
     @classmethod
     def from_boundary(cls, basis: CellBasis, name: str) -> Surface:
         """Return the facets of a named boundary of the basis' mesh, in the plane a single chain."""
         dofs, nodes, facets, neighbours = boundary(basis, name)
-        return cls.of(name, dofs, nodes, facets, Shape.of_facets(basis.elem.elem), neighbours)
+        shape = Shape.of_facets(basis.elem.elem)
+        surface = cls.of(name, dofs, nodes, facets, shape, neighbours)
+        behind = basis.mesh.f2t[0, facets_of(basis.mesh, name)]
+        return replace(surface, elements=np.unique(behind))
 
     @classmethod
     def from_cells(

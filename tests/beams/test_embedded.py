@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from skfem import (
     Basis,
+    ElementHex1,
     ElementHexS2,
     ElementTriP2,
     ElementVector,
@@ -19,7 +20,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from tests.tools.helpers import vector_basis
+from tests.tools.helpers import grid, vector_basis
 
 QUIET = {"progress": False}
 ELASTIC = sc.LinearElastic(E=3e4, nu=0.3)
@@ -602,22 +603,33 @@ def dug(pit: Basis, at: float, split: bool) -> tuple[sc.Model, list[sc.Stage]]:
     return sc.Model(forms, fixed), stages
 
 
+def ground_with_pit(begin: float, element: str) -> Basis:
+    """Ground of elements of length 1, whose part beyond x = `begin` and below 6 is a pit."""
+    mesh = grid(element, np.linspace(0, 12, 13), np.linspace(0, 8, 9))
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    gone = np.flatnonzero((begin < x) & (x < 6) & (y > 5))
+    rest = np.setdiff1d(np.arange(mesh.nelements), gone)
+    named = mesh.with_subdomains({"pit": gone, "soil": rest})
+    return vector_basis(named, element, intorder=2)
+
+
 @pytest.fixture
 def pit() -> Basis:
-    mesh = MeshQuad.init_tensor(np.linspace(0, 12, 13), np.linspace(0, 8, 9)).with_defaults()
-    x, y = mesh.p[:, mesh.t].mean(axis=1)
-    gone = np.flatnonzero((x < 6) & (y > 5))
-    rest = np.setdiff1d(np.arange(mesh.nelements), gone)
-    return vector_basis(mesh.with_subdomains({"pit": gone, "soil": rest}), "Q1")
+    return ground_with_pit(0.0, "Q1")
 
 
-def test_piles_stand_free_where_their_ground_is_dug_away(pit: Basis) -> None:
+@pytest.mark.parametrize("element", ["Q1", "P1", "P2", "QuadS2"])
+@pytest.mark.parametrize(("begin", "at"), [(0.0, 4.3), (5.0, 5.3)])
+def test_piles_stand_free_where_their_ground_is_dug_away(
+    begin: float, at: float, element: str
+) -> None:
     """[X] As if split at the bottom of the pit, with a skin above that is deactivated; the table
-    has no forces there.
+    has no forces there. In a slot one element wide all nodes stay in the ground.
     """
-    model, stages = dug(pit, 4.3, split=False)
+    pit = ground_with_pit(begin, element)
+    model, stages = dug(pit, at, split=False)
     whole = model.run(stages, **QUIET)
-    model, stages = dug(pit, 4.3, split=True)
+    model, stages = dug(pit, at, split=True)
     parts = model.run(stages, **QUIET)
     for name in ("dig", "press"):
         # Both end where forces balance to 1e-8 of the load
@@ -634,6 +646,31 @@ def test_piles_stand_free_where_their_ground_is_dug_away(pit: Basis) -> None:
         size = np.abs(table["resistance"])
         assert size[table["y"] > 5.0].max() < 1e-9  # round-off of projections
         assert size[table["y"] < 5.0].max() > 1.0
+
+
+def test_piles_in_space_stand_free_in_a_shaft_one_element_wide():
+    """[X] No skin acts on the ground around, all of whose nodes stay."""
+    line = np.linspace(0, 3, 4)
+    mesh = MeshHex.init_tensor(line, line, np.linspace(-4, 0, 5)).with_defaults()
+    x, y, z = mesh.p[:, mesh.t].mean(axis=1)
+    shaft = (abs(x - 1.5) < 0.1) & (abs(y - 1.5) < 0.1) & (z > -2.0)
+    mesh = mesh.with_subdomains({"shaft": np.flatnonzero(shaft), "soil": np.flatnonzero(~shaft)})
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    pile = sc.Beam(None, np.linspace((1.5, 1.5, 0.0), (1.5, 1.5, -3.5), 8), EI=1e4, EA=1e6)
+    forms = {
+        "shaft": sc.SolidForm(basis.with_elements("shaft"), ELASTIC),
+        "soil": sc.SolidForm(basis.with_elements("soil"), ELASTIC),
+        "pile": pile,
+        "skin": sc.Embedded(basis, pile, T_max=50.0, radius=0.2),
+    }
+    twist = pile.dofs((1.5, 1.5, 0.0), ["theta^3"])
+    model = sc.Model(forms, [basis.get_dofs("bottom").all(), *twist])
+    head = model.forms["pile"].load((1.0, 0.0, -5.0), at=(1.5, 1.5, 0.0))
+    stages = [sc.Stage("dug", deactivate="shaft"), sc.Stage("press", head)]
+    table = model.run(stages, **QUIET)["press"].table("skin")
+    size = np.abs(table["resistance"])
+    assert size[table["z"] > -2.0].max() < 1e-9  # round-off of projections
+    assert size[table["z"] < -2.0].max() > 1.0
 
 
 def test_piles_beside_a_pit_stay_in_the_ground(pit: Basis) -> None:

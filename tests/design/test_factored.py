@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -142,3 +143,19 @@ def test_laws_that_keep_their_strength(model):
     clay = sc.SolidForm(basis, {"plate": cam, "block": sc.LinearElastic(E=1.0, nu=0.0)})
     with pytest.warns(sc.AnalysisWarning, match=r"clay\.plate: CamClay keeps its strength"):
         factored(sc.Model({"clay": clay}), OWN)
+
+
+def test_bodies_of_your_own_keep_their_strength(model):
+    """A body of another class than SolidForm is named: its materials may come from anywhere."""
+
+    class Own(sc.Form, sc.roles.Body):
+        basis = model.forms["solid"].basis
+        materials = MappingProxyType({"all": sc.Tresca(E=1e3, nu=0.3, c=10.0)})
+        size = basis.N
+
+        def assemble(self, x, state):
+            raise NotImplementedError
+
+    own = Own()
+    with pytest.warns(sc.AnalysisWarning, match="own: the materials of Own keep their strength"):
+        assert factored(sc.Model({"own": own}), OWN).forms["own"] is own

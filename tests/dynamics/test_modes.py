@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
@@ -176,6 +178,21 @@ def test_modes_about_the_weight_of_blocks(law, given):
     np.testing.assert_allclose(found, model.frequencies(4), rtol=2e-3)
 
 
+@pytest.mark.parametrize("law", [sc.Tied(), sc.Coulomb(0.5)])
+@pytest.mark.parametrize("weight", [False, True])
+@pytest.mark.parametrize("given", [{}, {"enforcement": sc.AugmentedLagrangian()}])
+def test_frequencies_that_penalties_lower_are_told(law, weight, given):
+    """[X] The share by which penalties lower the frequencies of two blocks that vibrate as one."""
+    exact = two_blocks(4, law, enforcement=sc.DualMultipliers()).frequencies(3)
+    model = two_blocks(4, law, **given)
+    start = model.run([sc.Stage("weight")], **QUIET) if weight else None
+    with pytest.warns(sc.AnalysisWarning, match="pair: penalties of contact yield") as caught:
+        found = model.frequencies(3, start=start)
+    told = re.search(r"lowers frequencies by up to ([\d.]+)%", str(caught[-1].message))
+    # Digits that are written; the next order is the square of 2.5 %
+    assert float(told[1]) == pytest.approx(100.0 * (1.0 - found / exact).max(), abs=0.11)
+
+
 def test_skew_stiffness_is_refused():
     """Forces that turn the column on and on have no modes of vibration."""
     model, basis = layer()
@@ -220,6 +237,27 @@ def test_mast_of_beams():
         found.history((0.0, 10.0))
     tip = found.x[: 2 * len(nodes) * 2 : 2].min()
     assert tip == pytest.approx(-2.0 * 0.8 * 0.5 * 10.0**4 / (8.0 * 2e4), rel=0.03)
+
+
+def test_nodes_on_the_axis_that_are_not_held_are_told(recwarn):
+    """[X] Modes of the undeformed body tell them, a start has been told by its run."""
+    mesh = MeshQuad.init_tensor([0.0, 1.0, 2.0], [0.0, 1.0, 3.0]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    soil = sc.LinearElastic(E=1e4, nu=0.3)
+    disc = sc.SolidForm(basis, soil, coordinates="axisymmetric", unit_weight=20.0)
+    base = basis.get_dofs("bottom").all()
+    axis = basis.get_dofs("left").all("u^1")
+    free = sc.Model({"disc": disc}, base, gravity_acceleration=9.81)
+    held = sc.Model({"disc": disc}, [base, axis], gravity_acceleration=9.81)
+    held.modes(1)
+    assert not recwarn.list
+    with pytest.warns(sc.AnalysisWarning, match="disc: 4 nodes on the axis of symmetry are free"):
+        free.modes(1)
+    with pytest.warns(sc.AnalysisWarning, match="disc: 4 nodes on the axis"):
+        start = free.run([sc.Stage("weight")], **QUIET)
+    recwarn.clear()
+    free.modes(1, start=start)
+    assert not recwarn.list
 
 
 def test_no_modes_of_water():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 
 import numpy as np
@@ -96,6 +97,38 @@ def test_pile_that_the_ground_holds():
     model = sc.Model(forms, sc.box_supports(basis))
     load = model.forms["pile"].load((0.0, -2.5 * EULER), at=(2.0, 4.0))
     assert share(model, load) == 0.0
+
+
+def test_loads_that_penalties_lower_are_told(recwarn):
+    """[N] The share by which two soft joints lower the load, beside joints a hundred times as
+    hard.
+    """
+
+    def factor(penalty):
+        y = np.linspace(0, 4, 13)
+        blocks = {
+            "low": grid("Q2", np.linspace(-1.1, -0.1, 4), y),
+            "high": grid("Q2", np.linspace(0.1, 1.1, 4), y),
+        }
+        basis = vector_basis(sc.join_bodies(blocks), "Q2", intorder=4)
+        axis = np.column_stack((0.0 * y, y))
+        wall = sc.Beam(None, axis, EI=EI, EA=1e6, GA=1e6, thickness=0.2)
+        soil = sc.SolidForm(basis, sc.LinearElastic(E=300.0, nu=0.0))
+        forms = {"soil": soil, "wall": wall, **wall.contact(basis, sc.Tied(), penalty=penalty)}
+        held = basis.get_dofs({"low:left", "high:right"}).all()
+        model = sc.Model(forms, [held, *wall.dofs((0.0, 0.0), ["u^2"])])
+        load = model.forms["wall"].load((0.0, -100.0), (0.0, 4.0))
+        start = model.run([sc.Stage("push", load)], progress=False)
+        recwarn.clear()
+        return model.buckling(1, start=start).factors[0]
+
+    hard = factor(1e6)
+    assert not recwarn.list
+    lower = 1.0 - factor(1e4) / hard
+    (warning,) = recwarn
+    told = re.search(r"lowers buckling loads by up to ([\d.]+)%", str(warning.message))
+    # Digits that are written; the next order is the square of 3 %
+    assert float(told[1]) == pytest.approx(100.0 * lower, abs=0.14)
 
 
 @pytest.mark.parametrize(("sides", "k"), [("x", 4.0), ("xy", 2.0)])

@@ -357,6 +357,45 @@ def test_contact_with_what_is_not_there():
         )
 
 
+@pytest.mark.parametrize("element", ["Q1", "P1", "P2"])
+def test_contact_beside_a_slot_one_element_high(element):
+    """[X] A pair over a slot whose nodes all stay is refused, pairs of the facets that remain have
+    the whole load.
+    """
+    y = np.linspace(0, 6, 7)
+    plate = grid(element, np.linspace(0, 2, 3), y)
+    soil = grid(element, np.linspace(2, 6, 5), y)
+    height = soil.p[1, soil.t].mean(axis=0)
+    parts = {"slot": np.flatnonzero((height > 3) & (height < 4))}
+    parts["rest"] = np.setdiff1d(np.arange(soil.nelements), parts["slot"])
+    below = {"below": lambda x: (x[0] < 2 + 1e-9) & (x[1] < 3)}
+    above = {"above": lambda x: (x[0] < 2 + 1e-9) & (x[1] > 4)}
+    soil = soil.with_subdomains(parts).with_boundaries(below | above)
+    basis = vector_basis(sc.join_bodies({"plate": plate, "soil": soil}), element, intorder=2)
+    law = sc.LinearElastic(E=E, nu=NU)
+    forms = {
+        name: sc.SolidForm(basis.with_elements(elements), law)
+        for name, elements in {"plate": "plate", "slot": "soil:slot", "rest": "soil:rest"}.items()
+    }
+    fixed = [basis.get_dofs("soil:right").all(), basis.get_dofs("plate:bottom").all("u^2")]
+
+    def dug(*masters):
+        pairs = {
+            side: sc.ContactPair(basis, "plate:right", side, sc.Coulomb(mu=0.0), penalty=1e6)
+            for side in masters
+        }
+        model = sc.Model({**forms, **pairs}, fixed)
+        push = model.traction("plate:left", (10.0, 0.0))
+        stages = [sc.Stage("dug", push, deactivate="slot")]
+        return model.run(stages, **QUIET)["dug"]
+
+    with pytest.raises(ValueError, match="'soil:left' is active, but acts on an inactive body"):
+        dug("soil:left")
+    stage = dug("soil:below", "soil:above")
+    forces = [stage.contact(name).force[0] for name in ("soil:below", "soil:above")]
+    assert -sum(forces) == pytest.approx(60.0, rel=1e-6)  # on the plate
+
+
 @pytest.mark.parametrize(
     "link",
     [

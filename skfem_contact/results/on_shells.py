@@ -1,0 +1,102 @@
+"""Forces, moments and displacements at points of shells in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy import ndarray
+
+from ..arrays import row_norms
+from ..checks import format_point
+from ..surfaces.vectors import dot
+from .files import StageData
+
+#: Titles of the fields of shells, and the kinds of their units.
+FIELDS = {
+    "ux": ("displacement along x", "length"),
+    "uy": ("displacement along y", "length"),
+    "uz": ("displacement along z", "length"),
+    "u": ("displacement", "length"),
+    "n_1": ("force n_1", "line"),
+    "n_2": ("force n_2", "line"),
+    "n_12": ("shear force n_12", "line"),
+    "m_1": ("moment m_1", "moment"),
+    "m_2": ("moment m_2", "moment"),
+    "m_12": ("twisting moment m_12", "moment"),
+}
+#: Distance of a point from flat triangles, as a share of their size, up to which it lies on the
+#: shell: a cylinder of square facets, 8 around it, is .14 of it away.
+_NEAR = 0.15
+
+
+def is_shell(stage: StageData, name: str | None) -> bool:
+    """Return True for the name of an active shell."""
+    return name in stage.states and stage.outputs(str(name)).triangles is not None
+
+
+def on_shell(
+    stage: StageData,
+    name: str,
+    points: ndarray,
+    quantity: Sequence[str],
+    since: StageData | None,
+) -> dict[str, ndarray]:
+    """Return fields at points of a shell, (n, 3), interpolated between corners of triangles."""
+    corners, fields = _at_corners(stage, name)
+    triangles = corners.reshape(-1, 3, 3)
+    cells = np.zeros(len(points), int)
+    shares = np.zeros((len(points), 3))
+    away = np.zeros(len(points), bool)
+    for k, point in enumerate(points):
+        cells[k], shares[k], distance = _nearest(triangles, point)
+        away[k] = distance > _NEAR
+    if away.any():
+        raise ValueError(
+            f"{away.sum()} of {len(points)} points lie outside of the shell '{name}': the first is "
+            f"{format_point(points[away][0])}"
+        )
+
+    # Interpolate, without the values of the earlier stage
+    if since is not None:
+        earlier = _at_corners(since, name)[1]
+        fields = {key: values - earlier[key] for key, values in fields.items()}
+    return {key: (shares * fields[key].reshape(-1, 3)[cells]).sum(axis=1) for key in quantity}
+
+
+def _at_corners(stage: StageData, name: str) -> tuple[ndarray, dict[str, ndarray]]:
+    """Return the corners of the triangles of a shell, (3 m, 3), and fields there, (3 m,) each."""
+    triangles = None
+    if name in stage.states:
+        triangles = stage.outputs(name).triangles
+    if triangles is None:
+        raise ValueError(f"the shell '{name}' is not active in stage '{stage.name}'")
+    points, values = triangles
+    u = values["displacement"]
+    moved = dict(zip(("ux", "uy", "uz"), u.T, strict=True))
+    return points, {**values, **moved, "u": row_norms(u)}
+
+
+def _nearest(triangles: ndarray, point: ndarray) -> tuple[int, ndarray, float]:
+    """Return the triangle nearest to a point, the shares of its corners, (3,), and the distance.
+
+    The distance is a share of the size of the triangle.
+    """
+    # Barycentric coordinates of the projections onto the planes
+    a = triangles[:, 0]
+    along = triangles[:, 1] - a
+    across = triangles[:, 2] - a
+    normal = np.cross(along, across)
+    double = dot(normal, normal)
+    off = point - a
+    second = dot(np.cross(off, across), normal) / double
+    third = dot(np.cross(along, off), normal) / double
+    shares = np.column_stack((1.0 - second - third, second, third))
+
+    # Points beyond a side are moved onto the triangle.
+    shares = np.maximum(shares, 0.0)
+    shares /= shares.sum(axis=1, keepdims=True)
+    distance = row_norms(np.einsum("mk,mkc->mc", shares, triangles) - point)
+    distance /= double**0.25
+    k = int(distance.argmin())
+    return k, shares[k], float(distance[k])
