@@ -380,3 +380,27 @@ def test_outline_that_crosses_itself():
     with pytest.raises(ValueError, match="crosses itself near"):
         sc.remeshed(stage, 0.2)
     assert (stage.x == x).all()
+
+
+def test_pressure_that_follows_goes_on():
+    """[X] A clay block that a pressure has pressed flat rests on its new mesh under this pressure:
+    its reaction is the pressure times the present width.
+    """
+
+    def pressed(mesh):
+        basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+        body = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.49), kinematics="finite")
+        lower = basis.get_dofs("bottom").all("u^2")
+        fixed = np.append(lower, basis.get_dofs("left").all("u^1"))
+        return lower, sc.Model({"body": body, "press": sc.Pressure(body, "top")}, fixed)
+
+    _, model = pressed(block(4).to_meshtri())
+    load = model.forms["press"].load(30.0)
+    stage = model.run([sc.Stage("press", load, increments=3)], progress=False)["press"]
+    new = sc.remeshed(stage, size=0.25)
+    lower, again = pressed(new.mesh)
+    load = again.forms["press"].load(30.0)
+    rest = again.run([sc.Stage("rest", load)], start=new.start(again, load), progress=False)["rest"]
+    width = np.ptp(new.mesh.p[0])
+    assert np.isclose(rest.reactions()[lower].sum(), 30.0 * width, rtol=1e-3)  # elements of .25
+    assert abs(rest.x[: again.forms["body"].size]).max() < 1e-3
