@@ -254,13 +254,22 @@ def test_files_keep_supports_that_a_stage_has_given(tmp_path, by_forms):
 
 
 def test_supports_of_the_model_are_those_of_the_model_that_continues(tmp_path):
-    """[X] Where no stage gives supports, a run from a file has those of the model it is read for."""
+    """[X] Where no stage gives supports, a run from a file has those of its model."""
     model, stages = wall_on_the_right()
     model.run(stages[:1], progress=False).save(tmp_path / "part.npz")
     other = sc.Model(model.forms, stages[1].fixed)
     read = sc.load_result(tmp_path / "part.npz", other)
     end = other.run(stages[2:], start=read, progress=False)["load"]
     assert np.array_equal(end.supports, other.fixed) and not end.supports_given
+
+
+def test_another_model_continues_with_its_own_supports():
+    """[X] Supports that a stage of one model has given are not those of another one."""
+    model, stages = wall_on_the_right()
+    part = model.run(stages[:2], progress=False)
+    again, stages = wall_on_the_right()
+    end = again.run(stages[2:], start=part, progress=False)["load"]
+    assert np.array_equal(end.supports, again.fixed) and not end.supports_given
 
 
 def test_damaged_supports_are_refused(tmp_path):
