@@ -81,6 +81,11 @@ _VARIED = 3.5
 _DOUBT = (0.5, 2.6)
 #: Largest variation of strains in an element over the largest strain that is round-off.
 _UNIFORM = 1e-9
+#: Variation of strains, as a share of the largest, below which a body strains evenly: 1e-9 in
+#: samples.
+_EVEN = 1e-6
+#: Share of the slip below which a region does not matter.
+_COUNTS = 0.01
 #: Share of the way from the lower to the upper bound on a mesh at which the exact value lies: .24
 #: to .33 on these slopes, if the bounds are closer than the second number, as a share of the upper
 #: one.
@@ -203,6 +208,39 @@ def warn_of_locking(
                 "the result may be higher than its estimated error says: take ElementTriP2 or "
                 "ElementQuadS2 with intorder=2"
             )
+
+
+def slips_on_planes(
+    forms: Forms,
+    bands: Mapping[str, ndarray],
+    motion: ndarray,
+) -> bool:
+    """Return True if materials slip along their planes, and strains vary in the mechanism."""
+    whole = sum(float((form.weight * bands[name]).sum()) for name, form in _banded(forms, bands))
+    for name, form in _banded(forms, bands):
+        strain = form.strains(motion[: form.size])
+        slip = form.weight * bands[name]
+        for region in form.regions:
+            own = strain[:, region.elements]
+            varies = np.ptp(own, axis=(1, 2)).max() > _EVEN * max_abs(own)
+            counts = slip[region.elements].sum() > _COUNTS * whole
+            if region.material.slips_on_planes and varies and counts:
+                return True
+    return False
+
+
+def warn_of_planes(what: str) -> None:
+    """Raise a warning of a value whose error is not known, as rock slips along its joints."""
+    warn(
+        f"by how much the mesh adds to the {what} is not known where rock slips along its joints, "
+        "which few elements can: it may be far too high. Put a row of elements of one thickness "
+        "along the joint that slips, or a ContactPair, and compare"
+    )
+
+
+def _banded(forms: Forms, bands: Mapping[str, ndarray]) -> list[tuple[str, Any]]:
+    """Return the solids that have bands."""
+    return [(name, form) for name, form in solids_of(forms).items() if name in bands]
 
 
 def warn_of_motion(

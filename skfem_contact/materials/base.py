@@ -192,6 +192,11 @@ class Material:
         return False
 
     @property
+    def slips_on_planes(self) -> bool:
+        """True if plastic strains lie along planes of given directions alone."""
+        return False
+
+    @property
     def tensile_strength(self) -> Parameter | None:
         """Largest principal stress that the material admits, None if it is unknown or unlimited."""
         return None

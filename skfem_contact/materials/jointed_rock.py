@@ -120,6 +120,14 @@ class JointedRock(Material):
     ValueError
         Parameters out of range, no joint, or more than three.
 
+    Notes
+    -----
+    The rock does not stretch along its joints, so that few elements can slip as a whole: collapse
+    loads and factors of safety converge slowly, and the error of their mesh is not known. Of a
+    plane failure whose factor is 1.24 by hand 608 triangles found 1.58, 578 with sides along the
+    plane 1.39, and 368 with a row of one thickness along it 1.23. A
+    :class:`~skfem_contact.ContactPair` along a joint has no such error.
+
     Examples
     --------
     Rock whose joints dip by 60 degrees is crushed by 2 c / sin(120) along these:
@@ -163,6 +171,11 @@ class JointedRock(Material):
     @override
     def symmetric(self) -> bool:
         return all(joint.psi == joint.phi for joint in self.joints)
+
+    @property
+    @override
+    def slips_on_planes(self) -> bool:
+        return True
 
     @property
     @override
