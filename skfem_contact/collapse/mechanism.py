@@ -347,10 +347,23 @@ def lost_power(
     return Lost(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def added_by_mesh(lost: Lost, power: float | None) -> float:
+def power_of_contact(system: System, states: States, motion: ndarray, load: ndarray) -> float:
+    """Return the power that contact takes of the load in a mechanism, 0 without contact."""
+    if not system.unilateral:
+        return 0.0
+    # power of the load, less that of the stresses
+    left = float(load @ motion)
+    for name, form in solids_of(system.forms).items():
+        density = (states[name].stress * form.strains(motion[: form.size])).sum(axis=0)
+        left -= float((form.weight * density).sum())
+    return max(left, 0.0)
+
+
+def added_by_mesh(lost: Lost, power: float | None, contact: float = 0.0) -> float:
     r"""Estimate the share that the size of elements adds to a factor or a limit load.
 
-    The whole power P is the given one of a limit load, or the power S of the strength. The power
+    The whole power P is the given one of a limit load, or the power S of the strength and that of
+    contact. The power
     that the mesh adds has two estimates, which err in opposite directions: the loss of the stresses
     by their projection, over P, is too little under the edges of rigid parts, and their variation
     in elements, over :math:`\sqrt{P S}`, is too much under the edges of even loads. Their mean is a
@@ -358,7 +371,10 @@ def added_by_mesh(lost: Lost, power: float | None) -> float:
     """
     # limit the part of every element
     strength = float(lost.strength.sum())
-    whole = strength if power is None else power
+    if power is None:
+        whole = strength + contact
+    else:
+        whole = power
     if not min(whole, strength) > 0.0:
         return 0.0
     most = np.maximum(_OF_ELEMENT * lost.strength, _OF_WHOLE * whole)

@@ -23,6 +23,7 @@ from .mechanism import (
     added_by_mesh,
     describe_mesh,
     lost_power,
+    power_of_contact,
     slips_on_planes,
     warn_of_errors,
     warn_of_locking,
@@ -506,7 +507,8 @@ def conclude(
     if multiplied is not None:
         power = last.parameter * float(multiplied @ mechanism)
     lost = lost_power(system.forms, bands, last.states, mechanism)
-    added = added_by_mesh(lost, power)
+    contact = power_of_contact(system, last.states, mechanism, load)
+    added = added_by_mesh(lost, power, contact)
     if slips_on_planes(system.forms, bands, mechanism):
         warn_of_planes(what)
         added = np.nan
