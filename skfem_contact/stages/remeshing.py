@@ -210,6 +210,11 @@ def mesh_of(solids: dict[str, Any], where: str) -> Mesh:
     # Tensors in the memory would have to turn.
     for name, form in solids.items():
         for region, material in form.materials.items():
+            if material.slips_on_planes:
+                raise ValueError(
+                    f"'{name}.{region}' slips along planes, which turn with the body and cannot be "
+                    "taken over to new meshes"
+                )
             tensors = [v.name for v in material.internal if v.name.endswith((" xx", "_xx"))]
             if tensors:
                 raise ValueError(

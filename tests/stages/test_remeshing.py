@@ -341,6 +341,9 @@ def test_refusals():
     model = sc.Model(cube, space.get_dofs("bottom").all())
     with pytest.raises(ValueError, match="new meshes are for bodies in the plane"):
         sc.remeshed(model.run([sc.Stage("rest")], progress=False)["rest"], 0.1)
+    joints = sc.JointedRock(1e4, 0.2, sc.Joint(30.0, c=5.0, phi=20.0))
+    with pytest.raises(ValueError, match="slips along planes, which turn with the body"):
+        sc.remeshed(deformed(stretched, material=sc.Undrained(joints, nu_undrained=0.495)), 0.25)
     ngi = sc.NgiAdp(
         100.0, 0.49, s_uA=1.0, s_uDSS=0.7, s_uP=0.5, gamma_A=0.02, gamma_DSS=0.03, gamma_P=0.05
     )
