@@ -197,6 +197,11 @@ class Material:
         return False
 
     @property
+    def axisymmetric(self) -> bool:
+        """True if the material is the same all round an axis of symmetry."""
+        return True
+
+    @property
     def tensile_strength(self) -> Parameter | None:
         """Largest principal stress that the material admits, None if it is unknown or unlimited."""
         return None

@@ -106,7 +106,7 @@ class JointedRock(Material):
     """Elastic rock with up to three sets of joints, in the plane.
 
     The rock between the joints does not yield. The joints are planes across the plane of the
-    model: their traces are lines.
+    model: their traces are lines. In axial symmetry they are level.
 
     Parameters
     ----------
@@ -176,6 +176,11 @@ class JointedRock(Material):
     @override
     def slips_on_planes(self) -> bool:
         return True
+
+    @property
+    @override
+    def axisymmetric(self) -> bool:
+        return all(joint.dip % 180.0 == 0.0 for joint in self.joints)
 
     @property
     @override

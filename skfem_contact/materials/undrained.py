@@ -177,6 +177,11 @@ class Undrained(Material):
 
     @property
     @override
+    def axisymmetric(self) -> bool:
+        return self.soil.axisymmetric
+
+    @property
+    @override
     def tensile_strength(self) -> Parameter | None:
         return self.soil.tensile_strength
 

@@ -198,6 +198,19 @@ def test_tension_at_the_apex(phi):
         sc.Joint(0.0, 7.0, phi, tension=1.000001 * most)
 
 
+def test_joints_that_dip_are_refused_in_axial_symmetry():
+    """[X] They would be cones; level ones are planes there, too."""
+    basis = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+    level = sc.JointedRock(E, NU, [sc.Joint(0.0, 5.0, 20.0), sc.Joint(180.0, 5.0, 20.0)])
+    steep = sc.JointedRock(E, NU, [sc.Joint(0.0, 5.0, 20.0), sc.Joint(60.0, 5.0, 20.0)])
+    body = sc.SolidForm(basis, level, coordinates="axisymmetric")
+    for wrong in (steep, sc.Undrained(steep, nu_undrained=0.495)):
+        with pytest.raises(ValueError, match="would be cones about the axis of symmetry"):
+            sc.SolidForm(basis, wrong, coordinates="axisymmetric")
+        with pytest.raises(ValueError, match="would be cones about the axis of symmetry"):
+            body.with_materials({"all": wrong})
+
+
 def test_space_is_refused():
     """Joints are lines: bodies in space have none."""
     rock = sc.JointedRock(E, NU, sc.Joint(0.0, 1.0, 0.0))
