@@ -174,10 +174,21 @@ def check_size(x: ndarray, size: int) -> None:
 
 
 def facets_of(mesh: Mesh, boundary: str) -> ndarray:
-    """Return the facets of a named boundary, which must not be empty."""
-    facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
+    """Return the facets of a named boundary: at least one, and each of them once."""
+    given = look_up(boundary, mesh.boundaries or {}, "boundary")
+    facets = np.asarray(given)
     if len(facets) == 0:
         raise ValueError(f"boundary '{boundary}' is empty")
+    if facets.dtype == bool:
+        raise ValueError(f"boundary '{boundary}' is a mask: name its facets, np.flatnonzero(mask)")
+    # The two sides of an inner facet are different.
+    sides = np.stack((facets, getattr(given, "ori", np.zeros_like(facets))))
+    twice = len(facets) - np.unique(sides, axis=1).shape[1]
+    if twice:
+        raise ValueError(
+            f"boundary '{boundary}' names {twice} facets more than once, where loads and contact "
+            "would count double: name them once, np.unique(facets)"
+        )
     return facets
 
 

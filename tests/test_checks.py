@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
+from skfem.generic_utils import OrientedBoundary
 from typing_extensions import TypeAliasType
 
 import skfem_contact as sc
@@ -136,3 +138,18 @@ def test_kind_of_shown_water():
     kind = checks.kind_of(Shown)
     assert all(map(kind.holds, [True, False, 2.0, [1.0, 2.0], np.zeros(3), lambda x: x]))
     assert not kind.holds("a")
+
+
+def test_facets_are_named_once():
+    """[X] A facet that is named twice would be loaded twice; an inner one has two sides."""
+    mesh = grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 1, 2))
+    inner = np.setdiff1d(np.arange(mesh.nfacets), mesh.boundary_facets())
+    both = OrientedBoundary(np.append(inner, inner), np.repeat([0, 1], len(inner)))
+    top = mesh.facets_satisfying(lambda x: x[1] == 1.0)
+    mask = np.isin(np.arange(mesh.nfacets), top)
+    named = replace(mesh, _boundaries={"both": both, "twice": np.append(top, top), "mask": mask})
+    assert len(checks.facets_of(named, "both")) == 2 * len(inner)
+    with pytest.raises(ValueError, match="'twice' names 2 facets more than once"):
+        checks.facets_of(named, "twice")
+    with pytest.raises(ValueError, match="'mask' is a mask: name its facets"):
+        sc.traction(vector_basis(named, "Q1"), "mask", (0.0, -1.0))

@@ -333,6 +333,7 @@ class Beam(BeamNodes, Slender):
             wanted[:, 2] = -curvature
         new = copy(self)
         new._warm = np.linalg.pinv(self._elements.strains) @ wanted.ravel()
+        new.parameters = {**self.parameters, "free_strain": strain, "free_curvature": curvature}
         return new
 
     def __repr__(self) -> str:

@@ -71,7 +71,15 @@ _CHORD = 0.7
 _BEYOND = (512.0, 128.0, 32.0, 8.0, 2.0)
 _STRAIGHT = 0.5
 #: Attributes of a stage that a search does not change.
-_KEPT = ("time", "water", "unreleased", "placed", "changed", "supports")
+_KEPT = (
+    "time",
+    "water",
+    "unreleased",
+    "placed",
+    "changed",
+    "supports",
+    "supports_given",
+)
 
 
 class Branch(ABC):

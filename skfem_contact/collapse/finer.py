@@ -110,6 +110,11 @@ def check(
                     f"refine=True begins finer meshes unstrained, but '{name}.{region.name}' is "
                     "Undrained: its strength follows from its stresses"
                 )
+            if region.material.slips_on_planes:
+                raise ValueError(
+                    f"refine=True does not know the error of a mesh in '{name}.{region.name}', "
+                    "which slips along its joints alone: compare meshes by hand"
+                )
             if _by_element(region.given or region.material):
                 raise ValueError(
                     f"refine=True needs parameters as numbers or functions of the coordinates, but "

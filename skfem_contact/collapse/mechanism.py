@@ -81,6 +81,11 @@ _VARIED = 3.5
 _DOUBT = (0.5, 2.6)
 #: Largest variation of strains in an element over the largest strain that is round-off.
 _UNIFORM = 1e-9
+#: Variation of strains, as a share of the largest, below which a body strains evenly: 1e-9 in
+#: samples.
+_EVEN = 1e-6
+#: Share of the slip below which a region does not matter.
+_COUNTS = 0.01
 #: Share of the way from the lower to the upper bound on a mesh at which the exact value lies: .24
 #: to .33 on these slopes, if the bounds are closer than the second number, as a share of the upper
 #: one.
@@ -205,6 +210,39 @@ def warn_of_locking(
             )
 
 
+def slips_on_planes(
+    forms: Forms,
+    bands: Mapping[str, ndarray],
+    motion: ndarray,
+) -> bool:
+    """Return True if materials slip along their planes, and strains vary in the mechanism."""
+    whole = sum(float((form.weight * bands[name]).sum()) for name, form in _banded(forms, bands))
+    for name, form in _banded(forms, bands):
+        strain = form.strains(motion[: form.size])
+        slip = form.weight * bands[name]
+        for region in form.regions:
+            own = strain[:, region.elements]
+            varies = np.ptp(own, axis=(1, 2)).max() > _EVEN * max_abs(own)
+            counts = slip[region.elements].sum() > _COUNTS * whole
+            if region.material.slips_on_planes and varies and counts:
+                return True
+    return False
+
+
+def warn_of_planes(what: str) -> None:
+    """Raise a warning of a value whose error is not known, as rock slips along its joints."""
+    warn(
+        f"by how much the mesh adds to the {what} is not known where rock slips along its joints, "
+        "which few elements can: it may be far too high. Put a row of elements of one thickness "
+        "along the joint that slips, or a ContactPair, and compare"
+    )
+
+
+def _banded(forms: Forms, bands: Mapping[str, ndarray]) -> list[tuple[str, Any]]:
+    """Return the solids that have bands."""
+    return [(name, form) for name, form in solids_of(forms).items() if name in bands]
+
+
 def warn_of_motion(
     what: str,
     value: float,
@@ -309,10 +347,23 @@ def lost_power(
     return Lost(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def added_by_mesh(lost: Lost, power: float | None) -> float:
+def power_of_contact(system: System, states: States, motion: ndarray, load: ndarray) -> float:
+    """Return the power that contact takes of the load in a mechanism, 0 without contact."""
+    if not system.unilateral:
+        return 0.0
+    # power of the load, less that of the stresses
+    left = float(load @ motion)
+    for name, form in solids_of(system.forms).items():
+        density = (states[name].stress * form.strains(motion[: form.size])).sum(axis=0)
+        left -= float((form.weight * density).sum())
+    return max(left, 0.0)
+
+
+def added_by_mesh(lost: Lost, power: float | None, contact: float = 0.0) -> float:
     r"""Estimate the share that the size of elements adds to a factor or a limit load.
 
-    The whole power P is the given one of a limit load, or the power S of the strength. The power
+    The whole power P is the given one of a limit load, or the power S of the strength and that of
+    contact. The power
     that the mesh adds has two estimates, which err in opposite directions: the loss of the stresses
     by their projection, over P, is too little under the edges of rigid parts, and their variation
     in elements, over :math:`\sqrt{P S}`, is too much under the edges of even loads. Their mean is a
@@ -320,7 +371,10 @@ def added_by_mesh(lost: Lost, power: float | None) -> float:
     """
     # limit the part of every element
     strength = float(lost.strength.sum())
-    whole = strength if power is None else power
+    if power is None:
+        whole = strength + contact
+    else:
+        whole = power
     if not min(whole, strength) > 0.0:
         return 0.0
     most = np.maximum(_OF_ELEMENT * lost.strength, _OF_WHOLE * whole)

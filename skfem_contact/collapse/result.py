@@ -23,10 +23,13 @@ from .mechanism import (
     added_by_mesh,
     describe_mesh,
     lost_power,
+    power_of_contact,
+    slips_on_planes,
     warn_of_errors,
     warn_of_locking,
     warn_of_mesh,
     warn_of_motion,
+    warn_of_planes,
     within_bounds,
 )
 
@@ -275,7 +278,7 @@ class CollapseResult:
         true one is .5 to 2 times this share on slopes, vertical cuts with and without tensile
         strength, and under even loads and rigid strips; up to 2.6 times on meshes of few elements
         that are not straight triangles or quadrilaterals of solids with tensile strength: these are
-        cut once more to see it.
+        cut once more to see it. NaN where rock slips along its joints.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
@@ -504,7 +507,11 @@ def conclude(
     if multiplied is not None:
         power = last.parameter * float(multiplied @ mechanism)
     lost = lost_power(system.forms, bands, last.states, mechanism)
-    added = added_by_mesh(lost, power)
+    contact = power_of_contact(system, last.states, mechanism, load)
+    added = added_by_mesh(lost, power, contact)
+    if slips_on_planes(system.forms, bands, mechanism):
+        warn_of_planes(what)
+        added = np.nan
 
     # make a stage of the last equilibrium, with geometry that follows the displacements again
     forms, states = released(system.forms, last)

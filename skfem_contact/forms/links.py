@@ -264,7 +264,7 @@ class Bar(Form, Couples, Staged, Regularised):
         self._spacing = positive(spacing, "spacing")
         self._stiffness = EA / length
         self._jack: float | None = None
-        self._parameters = {
+        self.parameters = {
             "EA": EA,
             "yield_force": yield_force,
             "spacing": spacing,
@@ -365,7 +365,7 @@ class Bar(Form, Couples, Staged, Regularised):
             )
         new = copy(self)
         new._jack = float(force)
-        new._parameters = {**self._parameters, "jack": new._jack}
+        new.parameters = {**self.parameters, "jack": new._jack}
         return new
 
     def _stretched(self, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
@@ -459,7 +459,7 @@ class Bar(Form, Couples, Staged, Regularised):
         axes = "xyz"[: self._where.shape[1] // 2]
         names = [*axes, *(f"end {axis}" for axis in axes)]
         members = dict(zip(names, self._where.T))
-        parameters = dict(self._parameters)
+        parameters = dict(self.parameters)
         if self._by_angle:
             parameters["angle of spacing"] = parameters.pop("spacing")
         return Outputs(

@@ -65,7 +65,9 @@ class Region(NamedTuple):
         return np.asarray(basis.global_coordinates())[:, self.elements]
 
 
-def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int) -> None:
+def check_materials(
+    regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int, axial: bool
+) -> None:
     """Try every material on unstrained points, (n_elements, n_points).
 
     Its parameters and its memory must fit.
@@ -74,6 +76,11 @@ def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: 
         n = len(range(shape[0])[elements]), shape[1]
         zero = np.zeros((ncomp, *n))
         try:
+            if axial and not material.axisymmetric:
+                raise ValueError(
+                    "planes that dip would be cones about the axis of symmetry: take level ones, "
+                    "or a body in the plane"
+                )
             # The memory has one shape, at the start and after a step.
             internal = material.initial_internal(zero)
             _check_memory(material, "initial_internal", internal, n)

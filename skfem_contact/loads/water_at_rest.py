@@ -12,7 +12,7 @@ from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..arrays import max_abs, row_norms
-from ..checks import finite, format_point, look_up, names_of, tags_with
+from ..checks import facets_of, finite, format_point, look_up, names_of, tags_with
 from ..errors import warn
 from ..layout import elements_of, facet_counts, linear_element
 from .sides import Sides, facing
@@ -97,15 +97,14 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
     basis, axisymmetric = basis_of(body)
     mesh = basis.mesh
     names = names_of(boundaries)
-    facets = [np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in names]
-    empty = [name for name, part in zip(names, facets) if len(part) == 0]
-    if empty:
-        raise ValueError(f"water cannot press on the boundaries {empty}: they are empty")
-    # Add the load of the pores, and of the water that presses from outside.
-    _warn_of_flooding(basis, pressure, np.concatenate([np.zeros(0, int), *facets]))
+    parts = [facets_of(mesh, name) for name in names]
+    facets = np.unique(np.concatenate([np.zeros(0, int), *parts]))
+    # Add the load of the pores, and of the water that presses from outside, once where names
+    # overlap.
+    _warn_of_flooding(basis, pressure, facets)
     load = pore_load(basis, at_points(basis, pressure), axisymmetric)
-    for part in facets:
-        outside = FacetBasis(mesh, basis.elem, facets=part)
+    if len(facets):
+        outside = FacetBasis(mesh, basis.elem, facets=facets)
         pressing = np.maximum(at_points(outside, pressure), 0.0)
         load = load + face_load(outside, pressing, axisymmetric)
     if not load.any():

@@ -192,6 +192,16 @@ class Material:
         return False
 
     @property
+    def slips_on_planes(self) -> bool:
+        """True if plastic strains lie along planes of given directions alone."""
+        return False
+
+    @property
+    def axisymmetric(self) -> bool:
+        """True if the material is the same all round an axis of symmetry."""
+        return True
+
+    @property
     def tensile_strength(self) -> Parameter | None:
         """Largest principal stress that the material admits, None if it is unknown or unlimited."""
         return None

@@ -106,7 +106,7 @@ class JointedRock(Material):
     """Elastic rock with up to three sets of joints, in the plane.
 
     The rock between the joints does not yield. The joints are planes across the plane of the
-    model: their traces are lines.
+    model: their traces are lines. In axial symmetry they are level.
 
     Parameters
     ----------
@@ -119,6 +119,14 @@ class JointedRock(Material):
     ------
     ValueError
         Parameters out of range, no joint, or more than three.
+
+    Notes
+    -----
+    The rock does not stretch along its joints, so that few elements can slip as a whole: collapse
+    loads and factors of safety converge slowly, and the error of their mesh is not known. Of a
+    plane failure whose factor is 1.24 by hand 608 triangles found 1.58, 578 with sides along the
+    plane 1.39, and 368 with a row of one thickness along it 1.23. A
+    :class:`~skfem_contact.ContactPair` along a joint has no such error.
 
     Examples
     --------
@@ -163,6 +171,16 @@ class JointedRock(Material):
     @override
     def symmetric(self) -> bool:
         return all(joint.psi == joint.phi for joint in self.joints)
+
+    @property
+    @override
+    def slips_on_planes(self) -> bool:
+        return True
+
+    @property
+    @override
+    def axisymmetric(self) -> bool:
+        return all(joint.dip % 180.0 == 0.0 for joint in self.joints)
 
     @property
     @override

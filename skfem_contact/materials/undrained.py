@@ -172,6 +172,16 @@ class Undrained(Material):
 
     @property
     @override
+    def slips_on_planes(self) -> bool:
+        return self.soil.slips_on_planes
+
+    @property
+    @override
+    def axisymmetric(self) -> bool:
+        return self.soil.axisymmetric
+
+    @property
+    @override
     def tensile_strength(self) -> Parameter | None:
         return self.soil.tensile_strength
 

@@ -94,6 +94,7 @@ class StageData:
     seconds: float = 0.0
     changed: Forms = field(default_factory=dict)
     supports: ndarray | None = None
+    supports_given: bool = False
     before: tuple[ndarray, ndarray, float] | None = None
     velocity: ndarray | None = None
     acceleration: ndarray | None = None
@@ -241,8 +242,8 @@ def read(
             warn(_damage(path, records))
         increments: list[_Stage] = []
         # Each record is an archive of increments.
-        for record in records:
-            increments += _read_arrays(io.BytesIO(record), given, make)
+        for number, record in enumerate(records, 1):
+            increments += _read_arrays(io.BytesIO(record), given, make, number == len(records))
         return _grouped(increments)
     except FileNotFoundError:
         raise
@@ -342,10 +343,12 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     head["forms"] = list(stage.states)
     head["meshes"] = {}
     head["settings"] = {}
+    head["parameters"] = {}
     head["penalties"] = {}
     for name, form in stage.forms.items():
         head["meshes"][name] = _fingerprint(form)
         head["settings"][name] = _settings(form)
+        head["parameters"][name] = _parameters_of(form)
         if isinstance(form, ContactBase) and form.penalty is not None:
             head["penalties"][name] = [*form.penalty, form.stiffness]
     for name, values in stage.series.items():
@@ -353,6 +356,9 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     head["series"] = list(stage.series)
     if stage.new_mesh is not None:
         head["new mesh"] = _described_mesh(stage.new_mesh, f"{key}/new mesh", arrays)
+    if stage.supports is not None:
+        arrays[f"{key}/supports"] = np.asarray(stage.supports)
+        head["supports given"] = stage.supports_given
     head["placed"] = list(stage.placed)
     head["time before"] = 0.0 if stage.before is None else stage.before[2]
     head["increments"] = []
@@ -391,8 +397,10 @@ def _vectors_of(stage: StageData, with_before: bool) -> dict[str, ndarray]:
     return {name: vector for name, vector in vectors.items() if vector is not None}
 
 
-def _read_arrays(source: Any, given: _Models, make: Callable[..., _Stage]) -> list[_Stage]:
-    """Read the stages of an archive."""
+def _read_arrays(
+    source: Any, given: _Models, make: Callable[..., _Stage], ends: bool = True
+) -> list[_Stage]:
+    """Read the stages of an archive, the last one of a file if it `ends` there."""
     with np.load(source, allow_pickle=False) as data:
         head = json.loads(str(data["head"]))
         # The head of version 0.1.0 is a list of stages.
@@ -418,6 +426,8 @@ def _read_arrays(source: Any, given: _Models, make: Callable[..., _Stage]) -> li
         forms, layout = given.of(part)
         stage = _stage(arrays, str(i), part, forms, partial(make, layout=layout))
         stages.append(replace(stage, new_mesh=mesh))
+    if stages and ends:
+        _warn_of_other_members(head["stages"][-1], stages[-1].forms)
     return stages
 
 
@@ -444,6 +454,8 @@ def _stage(
         before = (*(vectors.pop(name) for name in _BEFORE), head["time before"])
 
     series = {name: arrays[f"{key}/series of {name}"] for name in head.get("series", ())}
+    supports = arrays.get(f"{key}/supports")  # older files have none
+    _check_supports(head["name"], supports, len(vectors["x"]))
 
     # Read the texts and the increments.
     texts = _texts_of(head)
@@ -456,6 +468,8 @@ def _stage(
         placed=placed,
         before=before,
         series=series,
+        supports=supports,
+        supports_given=head.get("supports given", False),
         increments=tuple(increments),
         **vectors,
         **texts,
@@ -558,6 +572,21 @@ def _warn_of_other_settings(head: Mapping[str, Any], forms: Forms) -> None:
         )
 
 
+def _warn_of_other_members(head: Mapping[str, Any], forms: Forms) -> None:
+    """Report given structures that have other parameters than those with which a file ends."""
+    saved = head.get("parameters", {})
+    others = []
+    for name, form in forms.items():
+        if not _alike(saved.get(name), _parameters_of(form)):
+            others.append(name)
+    if others:
+        warn(
+            f"the file ends with other parameters of {', '.join(map(repr, others))} than those "
+            "given, with which runs continue: files hold states alone, so give a jack, a "
+            "temperature or a stiffness of a stage again by Stage(change=...)"
+        )
+
+
 def _check_vectors(stage: str, vectors: Mapping[str, ndarray], forms: Forms) -> None:
     """Raise a ``ValueError`` where vectors of a stage differ in shape or are too short."""
     _check_numbers("the stage", vectors)
@@ -566,6 +595,14 @@ def _check_vectors(stage: str, vectors: Mapping[str, ndarray], forms: Forms) -> 
     least = max([0, *(form.size or 0 for form in forms.values())])
     if len(shapes) > 1 or x.ndim != 1 or len(x) < least:
         raise ValueError(f"stage '{stage}' has displacements and loads of shapes {sorted(shapes)}")
+
+
+def _check_supports(stage: str, supports: ndarray | None, size: int) -> None:
+    """Raise a ``ValueError`` where supports are no dofs."""
+    if supports is None:
+        return
+    if supports.ndim != 1 or supports.dtype.kind != "i" or not np.isin(supports, range(size)).all():
+        raise ValueError(f"stage '{stage}' has supports that are no dofs of its {size}")
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
@@ -624,13 +661,23 @@ def _settings(form: Form) -> list[float]:
     return numbers
 
 
+def _parameters_of(form: Form) -> list[float]:
+    """Return the numbers among the parameters of a structure."""
+    return _numbers_in(getattr(form, "parameters", {}).values())
+
+
 def _parameters(thing: Any) -> list[float]:
     """Return a number of the kind of a material or law and its parameters; functions have none."""
     result = [float(crc32(type(thing).__name__.encode()))]
     if not is_dataclass(thing):
         return result
-    for part in fields(thing):
-        value = getattr(thing, part.name)
+    return result + _numbers_in(getattr(thing, part.name) for part in fields(thing))
+
+
+def _numbers_in(values: Iterable[Any]) -> list[float]:
+    """Return the numbers of values: arrays have their means, functions none."""
+    result = []
+    for value in values:
         if is_dataclass(value):
             result += _parameters(value)
         elif isinstance(value, (int, float, ndarray)):

@@ -60,6 +60,8 @@ class StageResult(files.StageData):
     changed, supports
         Forms that stages have changed, and supported dofs, with which a further run of the same
         model continues.
+    supports_given
+        True if a stage has given the supports in place of the model.
     before
         Displacements, load and time of the increment before: a run that continues from here
         extrapolates from both.

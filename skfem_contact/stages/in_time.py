@@ -53,6 +53,9 @@ _DRIFT = 0.2
 _STABLE = 0.9
 _SEEN = 200
 _GAINED = 0.2
+#: Steps before energies are compared: where a load begins at zero and rises as t or t², that of
+#: velocities is ahead of the work by 25 and 44 % in the second step, 1 and 2 % in the tenth.
+_BEGINNING = 10
 
 #: Share of the load that the digits of displacements may hide in short steps.
 _LOST = 1e-3
@@ -493,7 +496,8 @@ class _ExplicitSteps(_Iterated):
 
     @override
     def check(self, taken: int, log: Log) -> None:
-        if taken % self._every == 0 and log.gained() > _GAINED:
+        is_seen = taken > _BEGINNING and taken % self._every == 0
+        if is_seen and log.gained() > _GAINED:
             raise NotConverged(
                 f"it gains energy: steps of {self._model.length:.4g} are too long for the "
                 "stiffness of its contacts or materials; give a shorter Dynamic(step=...)"

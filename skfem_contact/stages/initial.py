@@ -374,6 +374,7 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
                 before=None,
                 changed={},
                 supports=None,
+                supports_given=False,
             ),
         )
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, Field, dataclass, fields, replace
 from typing import Any, Literal
@@ -18,7 +19,7 @@ from ..forms.solid import sharpened
 from ..results.result import Result
 from ..results.stage import StageResult
 from . import run as one_mesh
-from .remeshing import mesh_of, remeshed, size_field
+from .remeshing import check_memory, mesh_of, remeshed, size_field
 from .run import Observer
 from .setup import Setup
 from .stage import Stage, checked
@@ -281,7 +282,10 @@ def _check(model: Setup, stages: Sequence[Stage]) -> None:
             )
         if stage.prescribed is not None:
             model.vector(stage.prescribed, f"stage '{stage.name}': the prescribed displacement")
+        if re.fullmatch(r"mesh \d+", stage.name):
+            raise ValueError(f"stage '{stage.name}' has the name of a new mesh: take another one")
     _check_fields(model)
+    check_memory(model.forms, {key: form.initial_state() for key, form in model.forms.items()})
     mesh_of(solids_of(model.forms), "the model")
     _Supports.of(model, np.zeros(model.layout.size)).check()
 

@@ -60,6 +60,8 @@ class Phase:
         Water at rest of the stage or of an earlier one.
     replaced, supports
         Forms that stages have changed so far, and the supported dofs.
+    supports_given
+        True if a stage has given the supports in place of the model.
     opened
         Pressures that are held from the stage on, and not prescribed.
     in_time
@@ -79,6 +81,7 @@ class Phase:
     water: Any = None
     replaced: Forms = field(default_factory=dict)
     supports: ndarray | None = None
+    supports_given: bool = False
     opened: ndarray = field(default_factory=lambda: np.zeros(0, int))
     in_time: InTime | None = None
 
@@ -99,6 +102,7 @@ class Planner:
         self._names = _active_at_first(self._known, stages, start)
         self._active = self._select()
         self._supports = setup.fixed
+        self._supports_given = start is not None and setup.fixed is start.supports
         self._inactive = np.zeros(0, int)
         self._water = None if start is None else start.water
         self._rest = np.zeros(setup.layout.size)  # weights and water load
@@ -179,6 +183,7 @@ class Planner:
             water=self._water,
             replaced=self._all_replaced(),
             supports=self._supports,
+            supports_given=self._supports_given,
             opened=self._opened(stage, known_supports),
             in_time=in_time,
         )
@@ -230,6 +235,7 @@ class Planner:
             if stage.fixed is not None:
                 # Supports first: forms are checked against them.
                 self._supports = self._setup.layout.dofs(stage.fixed)
+                self._supports_given = True
             if changes or self._first or self._moves:
                 self._names = _active_after(stage, self._known, self._names)
                 self._known.update(self._replaced(stage))
@@ -259,7 +265,7 @@ class Planner:
         return found
 
     def _known_supports(self) -> ndarray:
-        """Return the supported dofs before a stage; files know none before their last stage."""
+        """Return the supported dofs before a stage; older files have none."""
         known: ndarray | None = self._supports
         if self._first and self._start is not None:
             known = self._start.supports

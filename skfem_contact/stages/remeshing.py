@@ -17,7 +17,7 @@ from ..arrays import max_abs
 from ..checks import is_number, look_up
 from ..display import Table
 from ..errors import NotConverged, warn
-from ..forms.base import solids_of
+from ..forms.base import Forms, States, solids_of
 from ..forms.regions import Region, by_elasticity
 from ..forms.roles import Touching, having
 from ..layout import elements_in
@@ -210,6 +210,11 @@ def mesh_of(solids: dict[str, Any], where: str) -> Mesh:
     # Tensors in the memory would have to turn.
     for name, form in solids.items():
         for region, material in form.materials.items():
+            if material.slips_on_planes:
+                raise ValueError(
+                    f"'{name}.{region}' slips along planes, which turn with the body and cannot be "
+                    "taken over to new meshes"
+                )
             tensors = [v.name for v in material.internal if v.name.endswith((" xx", "_xx"))]
             if tensors:
                 raise ValueError(
@@ -217,6 +222,16 @@ def mesh_of(solids: dict[str, Any], where: str) -> Mesh:
                     "and cannot be taken over to new meshes"
                 )
     return mesh
+
+
+def check_memory(forms: Forms, states: States) -> None:
+    """Refuse forms whose state is not that of a solid or of contact."""
+    known = {*solids_of(forms), *having(forms, Touching)}
+    others = [key for key, state in states.items() if state is not None and key not in known]
+    if others:
+        raise ValueError(
+            f"{others} are no solids or contact: new meshes do not take over their state"
+        )
 
 
 def _displaced(basis: Any, x: ndarray) -> tuple[ndarray, ndarray | None]:
@@ -244,7 +259,8 @@ def _area_of(mesh: Mesh) -> float:
 
 def _positions(form: Any, x: ndarray) -> ndarray:
     """Return displaced integration points, (2, n_elements, n_points)."""
-    return np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(x))
+    own = x[: form.basis.N]  # without the dofs of other forms
+    return np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(own))
 
 
 class _Carrier:
@@ -283,17 +299,12 @@ def _started(new: Remeshed, model: Setup, load: Force, name: str) -> Result:
         returned = max(returned, change)
 
     # Close contact where it was closed
+    check_memory(system.forms, states)
     touching = having(system.forms, Touching)
     for key, pair in touching.items():
         if key in stage.states:
             bodies = solids, states
             states[key] = _touching_again(pair, states[key], x[: pair.size], bodies, stage, key)
-    remembers = [key for key, state in states.items() if state is not None]
-    others = [key for key in remembers if key not in {*solids, *touching}]
-    if others:
-        raise ValueError(
-            f"{others} are no solids or contact: new meshes do not take over their state"
-        )
 
     # Measure what was lost
     now = system.evaluate(x, states, whole)

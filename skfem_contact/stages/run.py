@@ -268,6 +268,7 @@ class _Follower:
             gravity=tuple(float(part) for part in self._setup.gravity),
             changed=phase.replaced,
             supports=phase.supports,
+            supports_given=phase.supports_given,
             velocity=None,
             acceleration=None,
             inertial=None,

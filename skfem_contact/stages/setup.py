@@ -218,11 +218,14 @@ class Setup:
             return self
         new = copy(self)
         vars(new).pop("solids", None)
-        if start.layout is self.layout and start.supports is not None:
+        if start.layout is self.layout:
             changed = dict(start.changed)
             if self._change is not None:
                 changed = {name: self._change(name, form) for name, form in changed.items()}
             new.forms = {**self.forms, **changed}
+        # What was read for the forms alone has no layout.
+        is_own = start.layout is None or start.layout is self.layout
+        if start.supports is not None and start.supports_given and is_own:
             new.fixed = start.supports
         # Active forms have let go of inactive bodies, which files do not hold.
         active = {name: new.forms[name] for name in start.states if name in new.forms}

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from skfem import Basis, CellBasis, FacetBasis, LinearForm, Mesh
 
 from ..arrays import max_abs, row_norms
-from ..checks import finite, format_point, look_up, names_of, positive
+from ..checks import facets_of, finite, format_point, look_up, names_of, positive
 from ..layout import elements_of, facet_corners
 from .darcy import radius
 
@@ -72,7 +72,7 @@ class NodalConditions:
 
 def nodes_on(basis: CellBasis, boundary: str) -> ndarray:
     """Return the nodes of the porous ground of a basis of heads or pressures on a boundary."""
-    facets = look_up(boundary, basis.mesh.boundaries or {}, "boundary")
+    facets = facets_of(basis.mesh, boundary)
     nodes = np.intersect1d(basis.mesh.facets[:, facets], basis.element_dofs)
     if len(nodes) == 0:
         raise ValueError(f"boundary '{boundary}' has no node of the porous ground")

@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from skfem import FacetBasis
 from typing_extensions import Self, override
 
-from ..checks import format_point, look_up, names_of
+from ..checks import facets_of, format_point, names_of
 from ..errors import Remark
 from ..forms.base import Form, Forms, Outputs, Response
 from ..forms.roles import Couples, Draining, Regularised, Staged, Timed
@@ -126,7 +126,7 @@ class Inflow(AtNodes):
         basis = self.water.pressures
         rates = sourced(basis, self._sources, axisymmetric)
         for name, rate in self._flux.items():
-            facets = look_up(name, basis.mesh.boundaries or {}, "boundary")
+            facets = facets_of(basis.mesh, name)
             rates = rates + through(basis, facets, rate, axisymmetric)
         return rates
 
@@ -192,7 +192,7 @@ class Inflow(AtNodes):
         mesh = pressures.mesh
         nodes = [np.zeros(0, int)]
         for name in self._flux:
-            facets = look_up(name, mesh.boundaries, "boundary")
+            facets = facets_of(mesh, name)
             sides = FacetBasis(mesh, pressures.elem, facets=facets)
             up = np.asarray(sides.normals)[-1].min(axis=1) > _UPWARDS
             nodes.append(np.unique(mesh.facets[:, np.asarray(sides.find)[up]]))

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from skfem import (
     Basis,
+    ElementHex1,
     ElementQuad1,
     ElementVector,
+    MeshHex,
     MeshQuad,
 )
 
@@ -116,6 +119,38 @@ def test_mechanism_of_a_block_that_slides(recwarn):
         np.sort(moved), np.repeat((0.0, 1.0), len(moved) // 2), atol=1e-4
     )  # of the penalty: 1e-7
     assert found.added == 0.0 and not recwarn.list
+
+
+def test_mesh_adds_nothing_to_a_block_that_slides_in_space(recwarn):
+    """[X] F = (c A + W cos b tan phi) / (W sin b): the joint takes the power of the weight, of
+    which elastic strains of the block are a small share.
+    """
+    slope, phi = np.radians((25.0, 35.0))
+    c = 2.0
+    unit = np.linspace(0, 1, 4)
+    base = MeshHex.init_tensor(4 * unit, 3 * unit, [0.0, 1.0]).with_boundaries(
+        {"bottom": lambda x: x[2] == 0.0, "top": lambda x: x[2] == 1.0}
+    )
+    block = MeshHex.init_tensor(1 + 2 * unit, 0.5 + 2 * unit, [1.0, 1.5, 2.0]).with_boundaries(
+        {"bottom": lambda x: x[2] == 1.0}
+    )
+    mesh = sc.join_bodies({"base": base, "block": block})
+    turn = [[np.cos(slope), 0, -np.sin(slope)], [0, 1, 0], [np.sin(slope), 0, np.cos(slope)]]
+    mesh = replace(mesh, doflocs=np.array(turn) @ mesh.doflocs)
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    rock = sc.LinearElastic(E=1e6, nu=0.2)
+    law = sc.Coulomb(mu=np.tan(phi), adhesion=c)
+    forms = {
+        "rock": sc.SolidForm(basis, rock, unit_weight={"base": 0.0, "block": 25.0}),
+        "joint": sc.ContactPair(basis, "block:bottom", "base:top", law),
+    }
+    model = sc.Model(forms, basis.get_dofs("base:bottom").all())
+    found = model.strength_reduction(tolerance=0.005, **QUIET)
+    weight = 25.0 * 4.0
+    exact = (c * 4.0 + weight * np.cos(slope) * np.tan(phi)) / (weight * np.sin(slope))
+    assert abs(found.factor - exact) < 0.005
+    assert 0.0 <= found.added < 0.005
+    assert not [str(one.message) for one in recwarn if "too high" in str(one.message)]
 
 
 def test_block_that_sticks_is_not_at_its_limit():

@@ -46,6 +46,31 @@ def test_oscillator_is_of_second_order():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
 
 
+@pytest.mark.parametrize("power", [1, 2])
+def test_load_that_rises_from_zero(power):
+    """[X] A load t/T gives u/u_s = t/T - sin(w t) / w T, and (t/T)² gives
+    (t/T)² - 2 (1 - cos(w t)) / (w T)²: the first steps gain no energy from nowhere.
+    """
+    period = 2.0 * np.pi / 100.0
+    model, basis, _ = oscillator()
+    load = pushed(basis, 3.0)
+    settings = sc.Dynamic(period / 40, explicit=True, points=[(0.0, 1.0)])
+
+    def rising(t):
+        return load * (t / period) ** power
+
+    stage = sc.Stage("rise", rising, duration=period, dynamic=settings)
+    found = model.run([sc.Stage("weight"), stage], **QUIET)["rise"]
+    moved = found.history((0.0, 1.0)).values[:, 1]
+    share = np.arange(41) / 40
+    angle = 2.0 * np.pi * share
+    exact = share - np.sin(angle) / (2.0 * np.pi)
+    if power == 2:
+        exact = share**2 - 2.0 * (1.0 - np.cos(angle)) / (2.0 * np.pi) ** 2
+    # (w h)² / 24 is .1 %
+    assert np.abs((moved - moved[0]) / 3e-4 - exact).max() < 2e-3
+
+
 def test_damped_oscillator_is_of_second_order():
     """[X] A sudden load on 20 % of critical damping, by the mass alone."""
     w, z = 100.0, 0.2

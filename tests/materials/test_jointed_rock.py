@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.materials.jointed_rock import _resolved
@@ -58,6 +58,32 @@ def test_strength_reduction():
     model = sample(sc.Joint(45.0, 10.0, 0.0))
     found = model.strength_reduction(model.traction("top", (0.0, -10.0)), certify=False)
     assert abs(found.factor - 2.0) < 0.01
+    assert found.added == 0.0
+
+
+def test_the_error_of_a_mesh_is_not_known_where_joints_slip():
+    """[X] A wedge slides on a joint through the toe of a slope, F = c L / (W sin dip): triangles
+    that do not follow the joint find more than twice as much, and say that it is not known.
+    """
+    height, dip, c = 10.0, np.radians(35.0), 40.0
+    behind = height / np.tan(dip)
+    face = height / np.tan(np.radians(60.0))
+    weight = 0.5 * 25.0 * height * (behind - face)
+    by_hand = c * height / np.sin(dip) / (weight * np.sin(dip))
+    x = np.array([-10.0, -5.0, 0.0, 0.5 * face, face, 10.0, 15.0, 20.0])
+    flat = MeshTri.init_tensor(x, np.linspace(0, 1, 5))
+    top = np.interp(flat.p[0], [0.0, face], [0.0, height])
+    mesh = MeshTri(np.stack((flat.p[0], (top + 5.0) * flat.p[1] - 5.0)), flat.t)
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    joint = sc.Joint(35.0, c, 0.0, tension=c)
+    rock = sc.SolidForm(basis, sc.JointedRock(E, NU, joint), unit_weight=25.0)
+    model = sc.Model({"rock": rock}, sc.box_supports(basis))
+    with pytest.warns(sc.AnalysisWarning, match="not known where rock slips along its joints"):
+        found = model.strength_reduction(max_value=3.0, certify=False, progress=False)
+    assert np.isnan(found.added) and found.error == ""
+    assert found.factor > 2.0 * by_hand
+    with pytest.raises(ValueError, match=r"refine=True does not know the error .* in 'rock\.all'"):
+        model.strength_reduction(refine=True, progress=False)
 
 
 @pytest.mark.parametrize("dip", [0.0, 37.0, 90.0, -20.0])
@@ -170,6 +196,19 @@ def test_tension_at_the_apex(phi):
     assert sc.Joint(0.0, 7.0, phi, tension=most).tension == most
     with pytest.raises(ValueError, match=r"be at most c / tan\(phi\)"):
         sc.Joint(0.0, 7.0, phi, tension=1.000001 * most)
+
+
+def test_joints_that_dip_are_refused_in_axial_symmetry():
+    """[X] They would be cones; level ones are planes there, too."""
+    basis = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+    level = sc.JointedRock(E, NU, [sc.Joint(0.0, 5.0, 20.0), sc.Joint(180.0, 5.0, 20.0)])
+    steep = sc.JointedRock(E, NU, [sc.Joint(0.0, 5.0, 20.0), sc.Joint(60.0, 5.0, 20.0)])
+    body = sc.SolidForm(basis, level, coordinates="axisymmetric")
+    for wrong in (steep, sc.Undrained(steep, nu_undrained=0.495)):
+        with pytest.raises(ValueError, match="would be cones about the axis of symmetry"):
+            sc.SolidForm(basis, wrong, coordinates="axisymmetric")
+        with pytest.raises(ValueError, match="would be cones about the axis of symmetry"):
+            body.with_materials({"all": wrong})
 
 
 def test_space_is_refused():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from zlib import crc32
 
 import numpy as np
@@ -218,6 +219,86 @@ def test_other_materials_than_in_the_file_are_told(tmp_path, recwarn):
             str(warning.message).startswith(text)
             for warning, text in zip(recwarn, texts, strict=True)
         ] == [True] * len(texts)
+
+
+def wall_on_the_right():
+    """A block whose stages take away a wall on its right, jack a prop, then load the top."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 2, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    forms = {
+        "block": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0),
+        "prop": sc.Bar(basis, (4.0, 2.0), (8.0, 2.0), EA=1e4, fixed_end=True),
+    }
+    model = sc.Model(forms, sc.box_supports(basis))
+    free = basis.get_dofs("bottom").all()
+    stages = [
+        sc.Stage("weight", deactivate="prop"),
+        sc.Stage("free", fixed=free),
+        sc.Stage("load", model.traction("top", (0.0, -50.0))),
+    ]
+    return model, stages
+
+
+@pytest.mark.parametrize("by_forms", [False, True])
+def test_files_keep_supports_that_a_stage_has_given(tmp_path, by_forms):
+    """[X] A run that continues from a file has the supports of the stages before, as one run."""
+    model, stages = wall_on_the_right()
+    whole = model.run(stages, progress=False)
+    model.run(stages[:2], progress=False).save(tmp_path / "part.npz")
+    again, stages = wall_on_the_right()
+    read = sc.load_result(tmp_path / "part.npz", again.forms if by_forms else again)
+    assert np.array_equal(read["free"].supports, whole["free"].supports)
+    rest = again.run(stages[2:], start=read, progress=False)
+    assert np.array_equal(rest["load"].x, whole["load"].x)
+    assert rest["load"].supports_given and len(rest["load"].supports) == len(stages[1].fixed)
+
+
+def test_supports_of_the_model_are_those_of_the_model_that_continues(tmp_path):
+    """[X] Where no stage gives supports, a run from a file has those of its model."""
+    model, stages = wall_on_the_right()
+    model.run(stages[:1], progress=False).save(tmp_path / "part.npz")
+    other = sc.Model(model.forms, stages[1].fixed)
+    read = sc.load_result(tmp_path / "part.npz", other)
+    end = other.run(stages[2:], start=read, progress=False)["load"]
+    assert np.array_equal(end.supports, other.fixed) and not end.supports_given
+
+
+def test_another_model_continues_with_its_own_supports():
+    """[X] Supports that a stage of one model has given are not those of another one."""
+    model, stages = wall_on_the_right()
+    part = model.run(stages[:2], progress=False)
+    again, stages = wall_on_the_right()
+    end = again.run(stages[2:], start=part, progress=False)["load"]
+    assert np.array_equal(end.supports, again.fixed) and not end.supports_given
+
+
+def test_damaged_supports_are_refused(tmp_path):
+    """[X] Supports beyond the dofs of a stage are none."""
+    model, stages = wall_on_the_right()
+    end = model.run(stages[:1], progress=False)[0]
+    sc.results.Result((replace(end, supports=np.array([len(end.x)])),)).save(tmp_path / "part.npz")
+    with pytest.raises(ValueError, match="'weight' has supports that are no dofs of its 30"):
+        sc.load_result(tmp_path / "part.npz", model)
+
+
+def test_other_parameters_of_structures_than_at_the_end_of_a_file_are_told(tmp_path, recwarn):
+    """[X] A jack and heat that files do not hold; a jack that was locked off needs no word."""
+    model, stages = wall_on_the_right()
+    prop = model.forms["prop"]
+    jack = sc.Stage("jack", activate="prop", change={"prop": prop.prestressed(-40.0)})
+    lock = sc.Stage("lock", change={"prop": prop})
+    file = tmp_path / "part.npz"
+    for given, told in (([stages[0], jack], ["prop"]), ([stages[0], jack, lock], [])):
+        model.run(given, progress=False).save(file)
+        recwarn.clear()
+        sc.load_result(file, model)
+        assert [str(one.message).split("'")[1] for one in recwarn] == told
+    strut = sc.Beam(None, [(0.0, 0.0), (4.0, 0.0)], EI=100.0, EA=1e4)
+    hot = sc.Model({"strut": strut}, [*strut.dofs((0.0, 0.0)), *strut.dofs((4.0, 0.0))])
+    change = {"strut": strut.heated(1e-3)}
+    hot.run([sc.Stage("hot", change=change)], progress=False).save(file)
+    with pytest.warns(sc.AnalysisWarning, match="ends with other parameters of 'strut'"):
+        sc.load_result(file, hot)
 
 
 @pytest.mark.slow

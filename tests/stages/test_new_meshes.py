@@ -321,6 +321,12 @@ def test_refusals():
         run([still], build=3)
     with pytest.raises(ValueError, match="two stages are named"):
         run([still, still])
+    with pytest.raises(ValueError, match="'mesh 1' has the name of a new mesh"):
+        run([still, stage_of(model, "mesh 1", lambda x: 0.0 * x)])
+    strut = sc.Bar(model.forms["body"].basis, (0.0, 0.0), (0.0, 1.0), EA=1.0, kinematics="finite")
+    braced = sc.Model({**model.forms, "strut": strut}, model.fixed)
+    with pytest.raises(ValueError, match=r"\['strut'\] are no solids or contact"):
+        braced.run([still], remesh=sc.Remeshing(model_of, 0.3), progress=False)
 
     with pytest.raises(ValueError, match="must return a Model, not NoneType") as caught:
         run([still, far], build=lambda mesh: None, every=1)

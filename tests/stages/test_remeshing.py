@@ -341,6 +341,9 @@ def test_refusals():
     model = sc.Model(cube, space.get_dofs("bottom").all())
     with pytest.raises(ValueError, match="new meshes are for bodies in the plane"):
         sc.remeshed(model.run([sc.Stage("rest")], progress=False)["rest"], 0.1)
+    joints = sc.JointedRock(1e4, 0.2, sc.Joint(30.0, c=5.0, phi=20.0))
+    with pytest.raises(ValueError, match="slips along planes, which turn with the body"):
+        sc.remeshed(deformed(stretched, material=sc.Undrained(joints, nu_undrained=0.495)), 0.25)
     ngi = sc.NgiAdp(
         100.0, 0.49, s_uA=1.0, s_uDSS=0.7, s_uP=0.5, gamma_A=0.02, gamma_DSS=0.03, gamma_P=0.05
     )
@@ -380,3 +383,27 @@ def test_outline_that_crosses_itself():
     with pytest.raises(ValueError, match="crosses itself near"):
         sc.remeshed(stage, 0.2)
     assert (stage.x == x).all()
+
+
+def test_pressure_that_follows_goes_on():
+    """[X] A clay block that a pressure has pressed flat rests on its new mesh under this pressure:
+    its reaction is the pressure times the present width.
+    """
+
+    def pressed(mesh):
+        basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+        body = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.49), kinematics="finite")
+        lower = basis.get_dofs("bottom").all("u^2")
+        fixed = np.append(lower, basis.get_dofs("left").all("u^1"))
+        return lower, sc.Model({"body": body, "press": sc.Pressure(body, "top")}, fixed)
+
+    _, model = pressed(block(4).to_meshtri())
+    load = model.forms["press"].load(30.0)
+    stage = model.run([sc.Stage("press", load, increments=3)], progress=False)["press"]
+    new = sc.remeshed(stage, size=0.25)
+    lower, again = pressed(new.mesh)
+    load = again.forms["press"].load(30.0)
+    rest = again.run([sc.Stage("rest", load)], start=new.start(again, load), progress=False)["rest"]
+    width = np.ptp(new.mesh.p[0])
+    assert np.isclose(rest.reactions()[lower].sum(), 30.0 * width, rtol=1e-3)  # elements of .25
+    assert abs(rest.x[: again.forms["body"].size]).max() < 1e-3

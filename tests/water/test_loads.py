@@ -92,6 +92,16 @@ def test_contact_carries_the_effective_stress(open_joint):
     np.testing.assert_allclose(joint.pressure, 40.0 - pressure, rtol=1e-6)
 
 
+def test_water_presses_once_where_names_overlap():
+    """[X] A part of a boundary with a name of its own."""
+    mesh = grid("Q1", np.linspace(0, 3, 4), np.linspace(0, 2, 3))
+    mesh = mesh.with_boundaries({"ditch": lambda x: (x[1] == 2.0) & (x[0] < 1.5)})
+    basis = vector_basis(mesh, "Q1")
+    pressure = sc.hydrostatic(5.0, unit_weight=10.0)
+    load = sc.water_load(basis, pressure, ["top", "ditch"])
+    assert np.array_equal(load, sc.water_load(basis, pressure, "top"))
+
+
 def test_water_above_the_ground_is_warned_of():
     """Nodal pressures of ground under water: without its surface among the boundaries the user is
     warned.
