@@ -78,7 +78,7 @@ def test_displacements_after_a_model_with_fewer_dofs():
 def test_water_that_presses_on_nothing():
     basis, *_ = ground()
     basis.mesh.boundaries["nowhere"] = np.zeros(0, int)
-    with pytest.raises(ValueError, match=r"boundaries \['nowhere'\]: they are empty"):
+    with pytest.raises(ValueError, match="boundary 'nowhere' is empty"):
         sc.water_load(basis, sc.hydrostatic(1.0, unit_weight=10.0), ["nowhere"])
     with pytest.warns(sc.AnalysisWarning, match="there is no water"):
         sc.water_load(basis, sc.hydrostatic(-5.0, unit_weight=10.0), ["top"])
