@@ -362,12 +362,12 @@ def power_of_contact(system: System, states: States, motion: ndarray, load: ndar
 def added_by_mesh(lost: Lost, power: float | None, contact: float = 0.0) -> float:
     r"""Estimate the share that the size of elements adds to a factor or a limit load.
 
-    The whole power P is the given one of a limit load, or the power S of the strength and that of
-    contact. The power
-    that the mesh adds has two estimates, which err in opposite directions: the loss of the stresses
-    by their projection, over P, is too little under the edges of rigid parts, and their variation
-    in elements, over :math:`\sqrt{P S}`, is too much under the edges of even loads. Their mean is a
-    share s of the value that was found, which exceeds the exact one by s / (1 - s).
+    The whole power P is the given one of a limit load, or the power S of the strength and the power
+    of contact. The power that the mesh adds has two estimates, which err in opposite directions:
+    the loss of the stresses by their projection, over P, is too little under the edges of rigid
+    parts, and their variation in elements, over :math:`\sqrt{P S}`, is too much under the edges of
+    even loads. Their mean is a share s of the value that was found, which exceeds the exact one by
+    s / (1 - s).
     """
     # limit the part of every element
     strength = float(lost.strength.sum())

@@ -400,7 +400,7 @@ def _vectors_of(stage: StageData, with_before: bool) -> dict[str, ndarray]:
 def _read_arrays(
     source: Any, given: _Models, make: Callable[..., _Stage], ends: bool = True
 ) -> list[_Stage]:
-    """Read the stages of an archive, the last one of a file if it `ends` there."""
+    """Read the stages of an archive, with the last one of a file where it `ends`."""
     with np.load(source, allow_pickle=False) as data:
         head = json.loads(str(data["head"]))
         # The head of version 0.1.0 is a list of stages.
@@ -573,7 +573,7 @@ def _warn_of_other_settings(head: Mapping[str, Any], forms: Forms) -> None:
 
 
 def _warn_of_other_members(head: Mapping[str, Any], forms: Forms) -> None:
-    """Report given structures that have other parameters than those with which a file ends."""
+    """Report given structures whose parameters differ from the last ones of a file."""
     saved = head.get("parameters", {})
     others = []
     for name, form in forms.items():

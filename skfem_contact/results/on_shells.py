@@ -65,7 +65,7 @@ def on_shell(
 
 
 def _at_corners(stage: StageData, name: str) -> tuple[ndarray, dict[str, ndarray]]:
-    """Return the corners of the triangles of a shell, (3 m, 3), and fields there, (3 m,) each."""
+    """Return the corners of the triangles of a shell, (3 m, 3), and their fields, (3 m,) each."""
     triangles = None
     if name in stage.states:
         triangles = stage.outputs(name).triangles

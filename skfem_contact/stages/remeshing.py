@@ -225,7 +225,7 @@ def mesh_of(solids: dict[str, Any], where: str) -> Mesh:
 
 
 def check_memory(forms: Forms, states: States) -> None:
-    """Refuse forms whose state is not that of a solid or of contact."""
+    """Refuse forms that have a state, but are neither solids nor contact."""
     known = {*solids_of(forms), *having(forms, Touching)}
     others = [key for key, state in states.items() if state is not None and key not in known]
     if others:
