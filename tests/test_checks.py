@@ -153,3 +153,11 @@ def test_facets_are_named_once():
         checks.facets_of(named, "twice")
     with pytest.raises(ValueError, match="'mask' is a mask: name its facets"):
         sc.traction(vector_basis(named, "Q1"), "mask", (0.0, -1.0))
+
+
+def test_mask_of_a_subdomain():
+    """A mask, whose entries were taken for elements 0 and 1, is refused by its name."""
+    mesh = grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 1, 2))
+    named = replace(mesh, _subdomains={"soil": np.ones(mesh.nelements, bool)})
+    with pytest.raises(ValueError, match="'soil' is a mask: name its elements"):
+        sc.SolidForm(vector_basis(named, "Q1"), {"soil": sc.LinearElastic(E=1.0, nu=0.3)})
