@@ -102,7 +102,9 @@ class Planner:
         self._names = _active_at_first(self._known, stages, start)
         self._active = self._select()
         self._supports = setup.fixed
-        self._supports_given = start is not None and setup.fixed is start.supports
+        self._supports_given = False
+        if start is not None:
+            self._supports_given = start.supports_given and setup.fixed is start.supports
         self._inactive = np.zeros(0, int)
         self._water = None if start is None else start.water
         self._rest = np.zeros(setup.layout.size)  # weights and water load
