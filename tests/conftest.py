@@ -25,7 +25,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark further cells of families as exhaustive.
 
     Of a family with the marker `one_in(n)` one in n cells stays, the others are slow as well. Of
-    slow cells one in two stays. These are cells whose sum of indices is a multiple of n: as in a
+    slow cells one in three stays. These are cells whose sum of indices is a multiple of n: as in a
     Latin square, values of several parameters take turns.
     """
     for item in items:
@@ -34,7 +34,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if chosen and place % chosen.args[0]:
             item.add_marker("slow")
             item.add_marker("exhaustive")
-        elif item.get_closest_marker("slow") and place % 2:
+        elif item.get_closest_marker("slow") and place % 3:
             item.add_marker("exhaustive")
 
 

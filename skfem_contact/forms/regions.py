@@ -175,7 +175,9 @@ def by_region(
         # The elements of the subdomain that belong to the basis.
         part = np.asarray(look_up(name, subdomains, "subdomain"))
         if part.dtype == bool:
-            raise ValueError(f"subdomain '{name}' is a mask: name its elements, np.flatnonzero(mask)")
+            raise ValueError(
+                f"subdomain '{name}' is a mask: name its elements, np.flatnonzero(mask)"
+            )
         # each element once, in the order of its parameters
         _, first = np.unique(part, return_index=True)
         elements = part[np.sort(first)]
