@@ -182,8 +182,8 @@ def facets_of(mesh: Mesh, boundary: str) -> ndarray:
     if facets.dtype == bool:
         raise ValueError(f"boundary '{boundary}' is a mask: name its facets, np.flatnonzero(mask)")
     # The two sides of an inner facet are different.
-    sides = np.stack((facets, getattr(given, "ori", np.zeros_like(facets))))
-    twice = len(facets) - np.unique(sides, axis=1).shape[1]
+    sides = 2 * facets + getattr(given, "ori", 0)
+    twice = len(facets) - len(np.unique(sides))
     if twice:
         raise ValueError(
             f"boundary '{boundary}' names {twice} facets more than once, where loads and contact "

@@ -194,7 +194,7 @@ def loaded_start(
         active, fixed = without_drainage(active, fixed, flow)
     system = setup.checked_system(active, fixed)
     if last is None:  # otherwise the stages have reported their forms
-        for remark in setup.remarks_on(active, setup.fixed):
+        for remark in setup.remarks_on(active, setup.fixed, setup.inactive(active)):
             warn(remark.text)
     system, origin = _fixed_geometry(system, last)
 

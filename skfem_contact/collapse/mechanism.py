@@ -192,8 +192,8 @@ def warn_of_locking(
     Where no flow keeps the volume at all points of an element, its mean stresses, less their linear
     part, are many times the shear strength.
     """
-    for name, form in solids_of(forms).items():
-        if name not in bands or has_corners_only(form.basis):
+    for name, form in _banded(forms, bands):
+        if has_corners_only(form.basis):
             continue
         # See whether the volume stays.
         slip = form.weight * bands[name]
@@ -317,9 +317,7 @@ def lost_power(
     solid, (n_elements, n_points).
     """
     parts = [Lost(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0))]
-    for name, form in solids_of(forms).items():
-        if name not in bands:
-            continue
+    for name, form in _banded(forms, bands):
         stress = states[name].stress
         strain = form.strains(motion[: form.size])
         slip = bands[name]

@@ -66,7 +66,7 @@ class Region(NamedTuple):
 
 
 def check_materials(
-    regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int, axial: bool
+    regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int, coordinates: str | None
 ) -> None:
     """Try every material on unstrained points, (n_elements, n_points).
 
@@ -76,7 +76,7 @@ def check_materials(
         n = len(range(shape[0])[elements]), shape[1]
         zero = np.zeros((ncomp, *n))
         try:
-            if axial and not material.axisymmetric:
+            if coordinates == "axisymmetric" and not material.axisymmetric:
                 raise ValueError(
                     "planes that dip would be cones about the axis of symmetry: take level ones, "
                     "or a body in the plane"

@@ -271,8 +271,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         if kinematics == "finite":
             f_bar = self.strain == "f_bar"
             self._finite = FiniteKinematics(self.basis, self.weight, self.coordinates, f_bar)
-        axial = self.coordinates == "axisymmetric"
-        check_materials(self.regions, self.weight.shape, self._ncomp, axial)
+        check_materials(self.regions, self.weight.shape, self._ncomp, self.coordinates)
         self._set(self.regions)
 
         # compute what does not change in Newton's iterations
@@ -316,8 +315,7 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         """
         names(materials, self.materials, "region of this solid")
         new = self._of(materials)
-        axial = self.coordinates == "axisymmetric"
-        check_materials(new.regions, self.weight.shape, self._ncomp, axial)
+        check_materials(new.regions, self.weight.shape, self._ncomp, self.coordinates)
         return new
 
     def _of(self, materials: Mapping[str, Material]) -> SolidForm:

@@ -157,8 +157,9 @@ def at_points(
         ...
     ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
     """
-    titles = _titles(stage, quantity, water, of)
-    labels, coordinates = _points(stage, points, of)
+    shell = is_shell(stage, of)
+    titles = _titles(stage, quantity, water, shell)
+    labels, coordinates = _points(stage, points, shell)
     columns: dict[str, ndarray] = {}
     if labels:
         columns["point"] = np.array(labels)
@@ -191,8 +192,9 @@ def along_line(
     --------
     See :class:`PointValues`.
     """
-    titles = _titles(stage, quantity, water, of)
-    position, coordinates = _line(stage, line, n, of)
+    shell = is_shell(stage, of)
+    titles = _titles(stage, quantity, water, shell)
+    position, coordinates = _line(stage, line, n, shell)
     columns = {"position": position} | dict(zip("xyz", coordinates.T))
     columns |= _values(stage, coordinates, quantity, since, water, of)
     return PointValues(columns, titles, stage.name)
@@ -230,12 +232,12 @@ def through_stages(
 
 
 def _titles(
-    stage: StageData, quantity: Sequence[str], water: Shown | None, of: str | None
+    stage: StageData, quantity: Sequence[str], water: Shown | None, shell: bool
 ) -> dict[str, tuple[str, str]]:
     """Return titles and kinds of units of fields by their names, which must exist."""
     if not quantity:
         raise ValueError("name at least one field, such as 'uy'")
-    if is_shell(stage, of):
+    if shell:
         names(quantity, FIELDS, "field of shells")
         return {name: FIELDS[name] for name in quantity}
     existing = quantities(stage, water)
@@ -244,11 +246,11 @@ def _titles(
 
 
 def _points(
-    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike, of: str | None
+    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike, shell: bool
 ) -> tuple[list[str], ndarray]:
     """Return labels or None, and coordinates, (n, dim), of points."""
     # Take labels from the keys.
-    dim = 3 if is_shell(stage, of) else basis_of(stage).mesh.dim()
+    dim = 3 if shell else basis_of(stage).mesh.dim()
     labels: list[str] = []
     given: Any = points
     if isinstance(points, Mapping):
@@ -266,9 +268,9 @@ def _points(
     return labels, coordinates
 
 
-def _line(stage: StageData, line: ArrayLike, n: int, of: str | None) -> tuple[ndarray, ndarray]:
+def _line(stage: StageData, line: ArrayLike, n: int, shell: bool) -> tuple[ndarray, ndarray]:
     """Return distances along a line, (m,), and coordinates, (m, dim), its corners among them."""
-    _, corners = _points(stage, line, of)
+    _, corners = _points(stage, line, shell)
     length = row_norms(np.diff(corners, axis=0))
     if len(corners) < 2 or not (length > 0.0).all():
         raise ValueError("a line has two or more corners, each different from the one before")

@@ -20,7 +20,7 @@ from ..layout import elements_in, nodes
 from ..results.fields import undrained_elements
 from ..results.stage import StageResult
 from .in_time import InTime, inertia_of, remarks_on_base
-from .setup import Setup
+from .setup import Setup, let_go
 from .stage import Stage
 from .supports import check_supports
 
@@ -243,9 +243,10 @@ class Planner:
                 self._known.update(self._replaced(stage))
                 self._active = self._select()
                 self._inactive = self._setup.inactive(self._active)
-                self._active = self._setup.let_go(self._active)
+                gone = self._setup.gone(self._active)
+                self._active = let_go(self._active, self._inactive, gone)
                 self._known.update(self._active)
-                check_contacts(self._active, self._inactive, self._setup.gone(self._active))
+                check_contacts(self._active, self._inactive, gone)
                 if stage.dynamic is None:
                     check_supports(self._active, np.union1d(self._supports, self._inactive))
             self._moves = stage.dynamic is not None
@@ -372,7 +373,15 @@ class Planner:
             duration = self._time
         moving = stage.dynamic is not None
         try:
-            return [*self._setup.remarks_on(self._active, self._supports, duration, moving)]
+            return [
+                *self._setup.remarks_on(
+                    self._active,
+                    self._supports,
+                    inactive=self._inactive,
+                    duration=duration,
+                    moving=moving,
+                )
+            ]
         except ValueError as error:
             raise ValueError(f"stage '{stage.name}': {error}") from None
 

@@ -229,7 +229,7 @@ class Setup:
             new.fixed = start.supports
         # Active forms have let go of inactive bodies, which files do not hold.
         active = {name: new.forms[name] for name in start.states if name in new.forms}
-        new.forms = {**new.forms, **self.let_go(active)}
+        new.forms = {**new.forms, **let_go(active, self.inactive(active), self.gone(active))}
         return new
 
     def adopted(self, new: Mapping[str, Any], now: Forms) -> dict[str, Form]:
@@ -378,18 +378,6 @@ class Setup:
         known = elements_in(solids_of(self.forms).values())
         return np.setdiff1d(known, elements_in(solids_of(active).values()))
 
-    def let_go(self, active: Forms) -> dict[str, Form]:
-        """Return active forms without their parts on bodies that are not active."""
-        inactive = self.inactive(active)
-        gone = self.gone(active)
-        found = dict(active)
-        for name, form in having(active, Couples).items():
-            try:
-                found[name] = form.let_go(inactive, gone)
-            except ValueError as error:
-                raise ValueError(f"'{name}': {error}") from None
-        return found
-
     def supported(self, forms: Forms, fixed: ndarray) -> dict[str, Form]:
         """Return forms that know the supported dofs, as their states begin."""
         known = dict(forms)
@@ -398,20 +386,24 @@ class Setup:
         return known
 
     def remarks_on(
-        self, active: Forms, fixed: ndarray, duration: float = 0.0, moving: bool = False
+        self,
+        active: Forms,
+        fixed: ndarray,
+        inactive: ndarray,
+        duration: float = 0.0,
+        moving: bool = False,
     ) -> Iterator[Remark]:
         """Yield remarks of active forms on their supports, and refuse mechanisms.
 
         Parameters
         ----------
-        active, fixed
-            Active forms and supported dofs.
+        active, fixed, inactive
+            Active forms, supported dofs, and dofs that no active form has.
         duration
             Time from the last change to the end of a stage.
         moving
             True where inertia holds mechanisms of beams.
         """
-        inactive = self.inactive(active)
         for name, form in having(active, Staged).items():
             held = inactive
             if moving and isinstance(form, Slender):
@@ -436,6 +428,17 @@ class Setup:
         """Return the system of some forms, once their supports are checked."""
         check_supports(forms, fixed)
         return self.system(forms, fixed)
+
+
+def let_go(forms: Forms, inactive: ndarray, gone: ndarray) -> dict[str, Form]:
+    """Return forms without their parts on inactive dofs and on elements that are gone."""
+    found = dict(forms)
+    for name, form in having(forms, Couples).items():
+        try:
+            found[name] = form.let_go(inactive, gone)
+        except ValueError as error:
+            raise ValueError(f"'{name}': {error}") from None
+    return found
 
 
 def dofs_of(forms: Forms, layout: Layout) -> ndarray:

@@ -101,10 +101,11 @@ def modes(
         raise ValueError("no form has a mass: give the solids their unit_weight")
 
     # Assemble the tangent of the start
+    inactive = setup.inactive(forms)
     if start is None:  # otherwise the stages have reported their forms
-        for remark in setup.remarks_on(forms, setup.fixed, moving=True):
+        for remark in setup.remarks_on(forms, setup.fixed, inactive, moving=True):
             warn(remark.text)
-    system = setup.system(forms, np.union1d(setup.fixed, setup.inactive(forms)))
+    system = setup.system(forms, np.union1d(setup.fixed, inactive))
     x = setup.vector(last.x, "start")
     responses = responses_of(system.forms, x, last.states)
     K = Total().of([response.stiffness for response in responses.values()])
