@@ -65,7 +65,7 @@ def bounds(drawn: Stack, pushed: bool, flow: str, rigid: bool) -> Iterator[Check
         "seismic": float(np.tan(drawn.angle)),
         "flow": flow,
         "gap": 0.05,
-        "elements": 150,
+        "elements": 1000,
         "progress": False,
     }
     if pushed:
@@ -83,8 +83,9 @@ def bounds(drawn: Stack, pushed: bool, flow: str, rigid: bool) -> Iterator[Check
     yield Check("lower", found.lower / exact - 1.0, 1e-9)
     if found.safe is not None:
         yield Check("safe", found.safe / exact - 1.0, 1e-9)
-    if np.isfinite(found.gap) and not found.estimate:
-        yield Check("gap", found.gap, 0.1)
+    if not found.estimate:
+        # the widest of 150: two blocks of strong soil that topple, on 870 triangles
+        yield Check("gap", found.gap, 0.2)
 
 
 def _grid(n: int, left: float, right: float, low: float, high: float) -> MeshTri:

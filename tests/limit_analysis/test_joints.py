@@ -197,6 +197,18 @@ def test_earlier_stresses_prove_a_bound_where_the_last_ones_leave_the_strength(
     assert first.value == pytest.approx(first.solver, rel=1e-4)
 
 
+@pytest.mark.filterwarnings("ignore:the bounds:skfem_contact.AnalysisWarning")
+def test_a_stack_that_topples_has_a_lower_bound() -> None:
+    """[X] Pushed blocks that lift off a joint: most of its stress is zero, and little may be moved
+    there to reach equilibrium.
+    """
+    seed = 900007
+    case = joints.joints(seed, np.random.default_rng(seed))
+    checks = {check.oracle: check for check in case.look()}
+    assert "gap" in checks
+    assert all(check.error <= check.tolerance for check in checks.values())
+
+
 def test_joints_without_adhesion_have_no_safe_bound():
     """[X] Two blocks on a slope slide at mu / tan(9.7 degrees) = 2.28: bounds, though smooth joints
     resist nothing.
