@@ -139,7 +139,10 @@ def nodal(surface: Surface) -> SlavePoints:
     """
     # Integrate the shape functions for the tributary areas
     points = _repeated(surface, np.arange(len(surface.facets)), *rule(surface.shape, 3))
-    shares = points.weight[:, None] * points.values
+    values = points.values
+    if _has_six_nodes(surface):
+        values = _of_sides(surface.shape, points.xi)
+    shares = points.weight[:, None] * values
     weight = np.bincount(points.nodes.ravel(), shares.ravel())
     weight[np.abs(weight) < _EQUAL * weight.max()] = 0.0
     if (weight < 0.0).any():
@@ -172,6 +175,23 @@ def nodal(surface: Surface) -> SlavePoints:
         along=along[order],
         facing=np.full(len(order), -1),
     )
+
+
+def _has_six_nodes(surface: Surface) -> bool:
+    """Return True for triangles of second order."""
+    return surface.dim == 3 and len(surface.shape.nodes) == 6
+
+
+def _of_sides(shape: Shape, xi: ndarray) -> ndarray:
+    """Return the functions of Crouzeix and Raviart of the nodes on the sides, shape (n, 6).
+
+    They are linear, one at their node and zero at the two others. On flat triangles they have the
+    integrals of the shape functions, a third for each side. On curved ones those of the corners
+    are small and have either sign.
+    """
+    linear = np.column_stack([np.ones(len(xi)), xi])
+    at_sides = np.column_stack([np.ones(3), shape.nodes[3:]])
+    return np.column_stack([np.zeros((len(xi), 3)), linear @ np.linalg.inv(at_sides)])
 
 
 def _repeated(surface: Surface, facets: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:

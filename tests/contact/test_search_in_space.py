@@ -10,10 +10,12 @@ from skfem import (
     Basis,
     ElementHex1,
     ElementTetP1,
+    ElementTetP2,
     ElementVector,
     ElementWedge1,
     MeshHex,
     MeshTet,
+    MeshTet2,
     MeshWedge1,
 )
 from skfem.quadrature import get_quadrature
@@ -199,6 +201,27 @@ def test_weights_of_the_points(element, rng):
             nodal(surface)
     else:
         assert nodal(surface).weight.sum() == pytest.approx(4.0, rel=1e-14)
+
+
+def test_areas_of_nodes_of_a_round_ball() -> None:
+    """[A] Triangles with nodes on the ball: those on the sides have the whole area, and its
+    first moments are zero.
+    """
+    mesh = MeshTet2.from_mesh(MeshTet.init_ball(2))
+    radius = np.linalg.norm(mesh.doflocs, axis=0)
+    mesh = mesh.with_boundaries({"skin": mesh.boundary_facets()})
+    onto = np.unique(Basis(mesh, ElementTetP2()).get_dofs("skin").all())
+    mesh.doflocs[:, onto] /= radius[onto]
+    surface = Surface.from_boundary(Basis(mesh, ElementVector(ElementTetP2())), "skin")
+    points = nodal(surface)
+    corners = np.unique(surface.facets[:, :3])
+    assert not np.isin(points.nodes, corners).any()
+    area = gauss(surface, surface, 4).weight.sum()
+    assert points.weight.sum() == pytest.approx(area, rel=1e-3)
+    assert area == pytest.approx(4 * np.pi, rel=1e-3)
+    assert points.weight.min() > 0.3 * points.weight.max()
+    first = points.weight @ surface.nodes[points.nodes[:, 0]]
+    assert np.abs(first).max() < 1e-12
 
 
 def pieces(slave: Surface, master: Surface, away=(0, 0, 0)):
