@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from functools import partial
 from typing import Any, Literal
 
@@ -21,8 +21,8 @@ from ..loads import Pressure, by_element
 from ..loads.water_at_rest import pressures
 from ..solvers import single_threaded
 from .certify import dissipation
-from .model import AtRest, Loads, Site, TractionLike, named_loads, vector_loads
-from .reading import Problem, read
+from .model import AtRest, TractionLike, named_loads, vector_loads
+from .reading import Problem, by_kind, read
 from .result import Bounds
 from .search import Bound, Search
 from .triangles import Triangles
@@ -153,19 +153,9 @@ def bounds(
         seismic=seismic,
         live=multiplied,
     )
-    return _bracket(
-        forms,
-        fixed,
-        loads,
-        multiplied=bool(multiplied),
-        reduce=reduce,
-        exclude=exclude,
-        flow=flow,
-        gap=gap,
-        elements=elements,
-        seconds=seconds,
-        progress=progress,
-    )
+    associated = flow == "associated"
+    problem = read(forms, fixed, loads, bool(multiplied), reduce, exclude, associated)
+    return _bracket(problem, progress, gap, elements, seconds)
 
 
 def _mesh_of(forms: Mapping[str, Any]) -> Mesh:
@@ -231,17 +221,8 @@ def beside(
         submerged=names_of(given.pop("submerged", ())),
         at_rest=at_rest,
     )
-    return _bracket(
-        forms,
-        fixed,
-        loads,
-        multiplied=live is not None,
-        reduce=reduce,
-        exclude=exclude,
-        flow=flow,
-        progress=progress,
-        **given,
-    )
+    problem = read(forms, fixed, loads, live is not None, reduce, exclude, flow == "associated")
+    return _bracket(problem, progress, **given)
 
 
 def at_hand(
@@ -261,6 +242,12 @@ def at_hand(
     upper bound is proven, or the bounds cost more than about the search, unless the mesh seems to
     be coarse.
     """
+    # name what has no bounds at any cost
+    try:
+        by_kind(forms)
+    except ValueError as reason:
+        return None, str(reason)
+
     # compare their cost with the cost of the search
     solids = solids_of(forms)
     bases = [form.basis for form in solids.values()]
@@ -270,20 +257,12 @@ def at_hand(
         cost *= 1.5
     if work < cost and not (coarse and triangles <= _FEW):
         return None, "they would take longer than the search (certify=True computes them)"
+    loads = partial(vector_loads, dead=dead, live=None, at_rest=at_rest)
     try:
+        problem = read(forms, fixed, loads, False, reduce, exclude, flow == "associated")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # open ends were not asked for
-            found = _bracket(
-                forms,
-                fixed,
-                partial(vector_loads, dead=dead, live=None, at_rest=at_rest),
-                multiplied=False,
-                reduce=reduce,
-                exclude=exclude,
-                flow=flow,
-                progress=False,
-                elements=1,
-            )
+            found = _bracket(problem, progress=False, elements=1)
     except ValueError as reason:
         return None, str(reason)
     if not np.isfinite(found.upper):
@@ -292,14 +271,7 @@ def at_hand(
 
 
 def _bracket(
-    forms: Mapping[str, Any],
-    fixed: ndarray,
-    loads: Callable[[Site], Loads],
-    multiplied: bool,
-    *,
-    reduce: str | Collection[str] | None,
-    exclude: str | Collection[str],
-    flow: str,
+    problem: Problem,
     progress: bool | None,
     gap: float = 0.01,
     elements: int = 20_000,
@@ -310,15 +282,6 @@ def _bracket(
         raise ValueError(
             f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}"
         )
-    problem = read(
-        forms,
-        fixed,
-        loads,
-        multiplied,
-        reduce,
-        exclude,
-        flow == "associated",
-    )
     with progress_bar(progress, desc="bounds", bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)

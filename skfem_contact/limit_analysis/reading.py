@@ -70,7 +70,7 @@ def read(
     Without a multiplied load the strength is reduced.
     """
     # check the bodies, their supports and their loads
-    solids, pairs = _by_kind(forms)
+    solids, pairs = by_kind(forms)
     basis = next(iter(solids.values())).basis
     if multiplied:
         targets = {}
@@ -99,7 +99,7 @@ def read(
         soil.over(unit),
         rigid=_rigid_bodies(triangles, soil.rigid),
         loads=given.scaled(shape.centre, shape.size, unit),
-        contacts=_contacts(pairs, targets, unit),
+        contacts=tuple(_contact(pair, unit, name in targets) for name, pair in pairs.items()),
         profiles=_profiles(solids, "associated", shape, unit),
         outer=outer,
     )
@@ -165,7 +165,7 @@ def _missing(model: LimitModel) -> str:
     return ""
 
 
-def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
+def by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
     """Return solids and contact pairs; refuse other forms."""
     # Sort the forms by kind.
     forms = as_forms(forms)
@@ -183,6 +183,7 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
     if any(mesh is not meshes[0] and mesh != meshes[0] for mesh in meshes):
         raise ValueError("all solids must be parts of one mesh: join them with join_bodies")
     _check_solids(solids)
+    _check_contacts(pairs)
     return solids, pairs
 
 
@@ -378,12 +379,8 @@ def _check_boundary(name: Tag, triangles: Triangles) -> None:
         raise ValueError(f"boundary '{name}' lies inside the bodies: loads act on their surface")
 
 
-def _contacts(
-    pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float
-) -> tuple[Contact, ...]:
-    """Return contacts in units of the model."""
-    # Refuse rigid obstacles and sides that two pairs share.
-    contacts = []
+def _check_contacts(pairs: Mapping[str, ContactPair]) -> None:
+    """Refuse rigid obstacles, sides that two pairs share, and laws without bounds."""
     seen: set[str] = set()
     for name, pair in pairs.items():
         if pair.master.rigid:
@@ -396,27 +393,26 @@ def _contacts(
         if seen.intersection(sides):
             raise ValueError(f"contact '{name}' has a side that another pair has as well")
         seen.update(sides)
-        contacts.append(_contact(name, pair, stress, name in targets))
-    return tuple(contacts)
+        law = pair.law
+        if isinstance(law, Tied):
+            continue
+        if not isinstance(law, Coulomb):
+            raise ValueError(
+                f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
+                "Coulomb and Tied"
+            )
+        if np.ndim(law.mu) or np.ndim(law.adhesion) or np.ndim(law.tension):
+            raise ValueError(
+                f"contact '{name}' has another strength at every point: bounds know one for a "
+                "contact"
+            )
 
 
-def _contact(name: str, pair: ContactPair, stress: float, reduced: bool) -> Contact:
-    """Return a contact in units of the model."""
-    # A tied contact has no limit.
+def _contact(pair: ContactPair, stress: float, reduced: bool) -> Contact:
+    """Return a contact in units of the model; a tied one has no limit."""
     law = pair.law
     if isinstance(law, Tied):
         return Contact(pair.slave.name, pair.master.name, tied=True)
-    # Refuse other laws, and strengths that vary.
-    if not isinstance(law, Coulomb):
-        raise ValueError(
-            f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
-            "Coulomb and Tied"
-        )
-    if np.ndim(law.mu) or np.ndim(law.adhesion) or np.ndim(law.tension):
-        raise ValueError(
-            f"contact '{name}' has another strength at every point: bounds know one for a contact"
-        )
-    # Scale strengths by the stress of the model.
     return Contact(
         pair.slave.name,
         pair.master.name,

@@ -348,6 +348,27 @@ def test_bounds_at_hand(monkeypatch) -> None:
     assert "no bounds: they would take longer than the search" in str(dear)
 
 
+@pytest.mark.parametrize("kind", ["axisymmetric", "rock"])
+def test_no_bounds_at_any_cost(kind) -> None:
+    """Problems without any bounds get their reason, also where a search takes no time."""
+    basis = square(ElementTriP2())
+    material = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0)
+    coordinates = "plane"
+    reason = "bounds are for plane strain, but 'soil' is axially symmetric"
+    if kind == "axisymmetric":
+        coordinates = kind
+    else:
+        material = sc.JointedRock(E=1e5, nu=0.3, joints=sc.Joint(dip=40.0, c=5.0, phi=30.0))
+        reason = "there are no bounds for JointedRock"
+    soil = sc.SolidForm(basis, material, coordinates=coordinates)
+    load = sc.weight(basis, 20.0)
+    fixed = basis.get_dofs("bottom").all()
+    found, told = limit_analysis.at_hand(
+        {"soil": soil}, fixed, load, None, (), "given", 0.0, False, None
+    )
+    assert found is None and told.startswith(reason)
+
+
 @pytest.mark.slow
 def test_bracket_ends_at_a_proven_bound() -> None:
     """An upper bound above the value ends its bracket; one below it leaves it, with a warning."""
