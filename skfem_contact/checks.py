@@ -173,14 +173,19 @@ def check_size(x: ndarray, size: int) -> None:
         raise ValueError(f"there are {np.size(x)} displacements for {size} dofs")
 
 
+def check_no_mask(numbers: ArrayLike, what: str) -> None:
+    """Refuse a mask where numbers of facets or elements are expected."""
+    if np.asarray(numbers).dtype == bool:
+        raise ValueError(f"{what} is a mask: give numbers, np.flatnonzero(mask)")
+
+
 def facets_of(mesh: Mesh, boundary: str) -> ndarray:
     """Return the facets of a named boundary: at least one, and each of them once."""
     given = look_up(boundary, mesh.boundaries or {}, "boundary")
     facets = np.asarray(given)
     if len(facets) == 0:
         raise ValueError(f"boundary '{boundary}' is empty")
-    if facets.dtype == bool:
-        raise ValueError(f"boundary '{boundary}' is a mask: name its facets, np.flatnonzero(mask)")
+    check_no_mask(facets, f"boundary '{boundary}'")
     # The two sides of an inner facet are different.
     sides = 2 * facets + getattr(given, "ori", 0)
     twice = len(facets) - len(np.unique(sides))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
+from skfem import Basis, ElementQuad1
 from skfem.generic_utils import OrientedBoundary
 from typing_extensions import TypeAliasType
 
@@ -151,7 +152,7 @@ def test_facets_are_named_once():
     assert len(checks.facets_of(named, "both")) == 2 * len(inner)
     with pytest.raises(ValueError, match="'twice' names 2 facets more than once"):
         checks.facets_of(named, "twice")
-    with pytest.raises(ValueError, match="'mask' is a mask: name its facets"):
+    with pytest.raises(ValueError, match="boundary 'mask' is a mask: give numbers"):
         sc.traction(vector_basis(named, "Q1"), "mask", (0.0, -1.0))
 
 
@@ -159,5 +160,44 @@ def test_mask_of_a_subdomain():
     """A mask, whose entries were taken for elements 0 and 1, is refused by its name."""
     mesh = grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 1, 2))
     named = replace(mesh, _subdomains={"soil": np.ones(mesh.nelements, bool)})
-    with pytest.raises(ValueError, match="'soil' is a mask: name its elements"):
+    with pytest.raises(ValueError, match="'soil' is a mask: give numbers"):
         sc.SolidForm(vector_basis(named, "Q1"), {"soil": sc.LinearElastic(E=1.0, nu=0.3)})
+
+
+def with_wrong_facets(kind: str):
+    """A square whose boundary "top" names facets by a mask, or twice."""
+    mesh = grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 1, 2)).with_defaults()
+    top = np.asarray(mesh.boundaries["top"])
+    wrong = np.append(top, top)
+    if kind == "mask":
+        wrong = np.isin(np.arange(mesh.nfacets), top)
+    return mesh, replace(mesh, _boundaries={**mesh.boundaries, "top": wrong})
+
+
+def test_masks_are_refused_by_models_and_flows():
+    """Checks ended in an IndexError, and the discharge through a mask was that of two facets."""
+    mesh, wrong = with_wrong_facets("mask")
+    for part in (wrong, replace(mesh, _subdomains={"all": np.ones(mesh.nelements, bool)})):
+        basis = vector_basis(part, "Q1")
+        soil = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
+        with pytest.raises(ValueError, match="is a mask: give numbers"):
+            sc.Model({"soil": soil}, basis.get_dofs("bottom").all())
+    with pytest.raises(ValueError, match="boundary 'top' is a mask"):
+        sc.water.Flow(Basis(wrong, ElementQuad1()), 1.0, unit_weight=10.0)
+
+
+def test_flows_and_bounds_refuse_facets_that_are_named_twice():
+    """A discharge, an open joint and the loads of bounds have the check of all boundaries."""
+    told = "'top' names 2 facets more than once"
+    _, wrong = with_wrong_facets("twice")
+    flow = sc.water.Flow(Basis(wrong, ElementQuad1()), 1.0, unit_weight=10.0)
+    seepage = flow.steady(sc.water.Conditions(head={"left": 1.0, "right": 1.0}))
+    with pytest.raises(ValueError, match=told):
+        seepage.discharge("top")
+    basis = vector_basis(wrong, "Q1")
+    soil = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=10.0))
+    model = sc.Model({"soil": soil}, basis.get_dofs("bottom").all())
+    with pytest.raises(ValueError, match=told):
+        model.bounds(tractions={"top": (0.0, -10.0)}, elements=1, progress=False)
+    with pytest.raises(ValueError, match=told):
+        sc.PoreWater(basis, 1.0, unit_weight=10.0, connected=[("top", "bottom")])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import format_point, look_up, tags_with
+from ..checks import check_no_mask, format_point, look_up, tags_with
 from ..errors import InadmissibleStress, IncrementTooLarge
 from ..layout import elements_of
 from ..materials import Material, Update
@@ -174,10 +174,7 @@ def by_region(
     for name, material in materials.items():
         # The elements of the subdomain that belong to the basis.
         part = np.asarray(look_up(name, subdomains, "subdomain"))
-        if part.dtype == bool:
-            raise ValueError(
-                f"subdomain '{name}' is a mask: name its elements, np.flatnonzero(mask)"
-            )
+        check_no_mask(part, f"subdomain '{name}'")
         # each element once, in the order of its parameters
         _, first = np.unique(part, return_index=True)
         elements = part[np.sort(first)]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, Mesh
 
 from ..arrays import max_abs
-from ..checks import format_point, is_number, look_up
+from ..checks import facets_of, format_point, is_number
 from ..errors import AnalysisWarning
 from ..layout import facet_corners, facet_counts, linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
@@ -129,7 +129,7 @@ def named_loads(
     mesh = site.basis.mesh
     _check_live(live, {"weight", *tractions})
     for name in (*tractions, *submerged):
-        look_up(name, mesh.boundaries or {}, "boundary")
+        facets_of(mesh, name)
     if not is_number(seismic, -np.inf, np.inf):
         raise ValueError(f"seismic must be a finite number, not {seismic!r}")
     if submerged and water is None:

@@ -11,7 +11,7 @@ from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..arrays import max_abs
-from ..checks import format_point, tags_with
+from ..checks import check_no_mask, format_point, tags_with
 from ..errors import warn
 from .connections import (
     Outside,
@@ -276,9 +276,7 @@ def check_topology(mesh: Mesh) -> None:
             "elements on top of each other (three or more share a side; was a surface saved twice?)"
         )
         raise _error(problem, "element", elements, mesh.p[:, mesh.t].mean(axis=1))
-    # Check the tags.
-    _check_tags(own_tags(mesh.boundaries), "boundary", mesh.nfacets)
-    _check_tags(own_tags(mesh.subdomains), "subdomain", mesh.nelements)
+    check_tags(mesh)
 
 
 def own_tags(tags: Mapping[str, Indices] | None) -> dict[str, Indices]:
@@ -329,8 +327,15 @@ def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:
     return np.unique(mesh.f2t[:, inner[same_way]])
 
 
-def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
+def check_tags(mesh: Mesh) -> None:
+    """Check the facets and elements that have names."""
+    _check_numbers(own_tags(mesh.boundaries), "boundary", mesh.nfacets)
+    _check_numbers(own_tags(mesh.subdomains), "subdomain", mesh.nelements)
+
+
+def _check_numbers(tags: Mapping[str, Indices], kind: str, count: int) -> None:
     for name, part in tags.items():
+        check_no_mask(part, f"{kind} '{name}'")
         if np.min(part, initial=0) < 0 or np.max(part, initial=0) >= count:
             raise ValueError(
                 f"{kind} '{name}' has numbers outside 0..{count - 1}; is it from another mesh?"

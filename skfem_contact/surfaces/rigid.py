@@ -27,7 +27,7 @@ from skfem import (
 )
 
 from ..arrays import row_norms
-from ..checks import is_number, look_up
+from ..checks import is_number
 from .shape import Shape
 from .smoothing import smoothed
 from .surface import Surface
@@ -380,7 +380,6 @@ def mesh(mesh: MeshTet | MeshHex, boundary: str, name: str | None = None) -> Sur
     >>> len(rigid.mesh(MeshHex().refined(1).with_defaults(), "top").facets)
     4
     """
-    look_up(boundary, mesh.boundaries or {}, "boundary")
     if isinstance(mesh, MeshTet):
         element = ElementTetP1()
     else:

@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis
 
 from ..arrays import row_norms
-from ..checks import facets_of
 from .shape import Shape, rule
 from .topology import Numbers, arms_of, boundary, joined_cells, numbers_of
 from .vectors import across, unit
@@ -106,11 +105,10 @@ class Surface:
     @classmethod
     def from_boundary(cls, basis: CellBasis, name: str) -> Surface:
         """Return the facets of a named boundary of the basis' mesh, in the plane a single chain."""
-        dofs, nodes, facets, neighbours = boundary(basis, name)
+        dofs, nodes, facets, neighbours, elements = boundary(basis, name)
         shape = Shape.of_facets(basis.elem.elem)
         surface = cls.of(name, dofs, nodes, facets, shape, neighbours)
-        behind = basis.mesh.f2t[0, facets_of(basis.mesh, name)]
-        return replace(surface, elements=np.unique(behind))
+        return replace(surface, elements=elements)
 
     @classmethod
     def from_cells(

@@ -19,8 +19,8 @@ from .vectors import across, dot
 Numbers = ArrayLike | tuple[Hashable, ArrayLike]
 
 
-def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Return dofs, coordinates, facets and their neighbours of a named boundary."""
+def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, ndarray, ndarray]:
+    """Return dofs, coordinates, facets, their neighbours and elements of a named boundary."""
     check_basis(basis)
     mesh = basis.mesh
     facets = np.unique(facets_of(mesh, name))
@@ -43,7 +43,8 @@ def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, nd
     unique, numbers = np.unique(first_dofs, return_inverse=True)
     dofs = unique[:, None] + np.arange(mesh.dim())
     nodes = basis.doflocs[:, unique].T.copy()
-    return dofs, nodes, numbers.reshape(len(facets), -1), neighbours
+    elements = np.unique(mesh.f2t[0, facets])
+    return dofs, nodes, numbers.reshape(len(facets), -1), neighbours, elements
 
 
 def facets_and_dofs(basis: CellBasis, facets: ndarray) -> tuple[ndarray, ndarray]:

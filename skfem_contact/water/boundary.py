@@ -357,7 +357,7 @@ def tied_heads(basis: CellBasis, connected: Sequence[tuple[str, str]], held: nda
 
 def _ties(mesh: Mesh, pair: tuple[str, str], held: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """Return the nodes of a pair that are tied, (n,), to corners by weights, (n, dim) each."""
-    sides = [np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in pair]
+    sides = [facets_of(mesh, name) for name in pair]
     fine, coarse = sorted(sides, key=lambda facets: _mean_size(mesh, facets))
     # The end of a slit is a node of both sides.
     fixed = np.append(np.flatnonzero(held), mesh.facets[:, coarse])

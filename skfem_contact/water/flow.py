@@ -13,7 +13,7 @@ from ..errors import NotConverged
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..loads import weight_of_water
-from ..mesh.check import check_ends
+from ..mesh.check import check_ends, check_tags
 from .balance import WaterBalance, warn_of_dry_wells
 from .boundary import Given, check_heads, screens_and_ties, sourced, values_at
 from .conditions import Conditions
@@ -115,6 +115,7 @@ class Flow:
         self._unit_weight = weight_of_water(unit_weight)
         self._axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
         self._porous = head_basis(basis)
+        check_tags(basis.mesh)
         check_ends(basis.mesh)
         self._tensors = permeability_tensors(self._porous, permeability)
         self._retention = retention

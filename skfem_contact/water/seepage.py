@@ -81,7 +81,7 @@ class Seepage:
         of the ground there, also from ground on the opposite side of the boundary.
         """
         mesh = self.basis.mesh
-        facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
+        facets = facets_of(mesh, boundary)
         if of is not None:
             elements = look_up(of, mesh.subdomains or {}, "subdomain")
             part = np.isin(elements_of(self.basis), elements)
