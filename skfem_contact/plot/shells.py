@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from ..arrays import row_norms
 from ..checks import look_up, names_of
-from ..results.on_shells import FIELDS
+from ..results.on_shells import FIELDS, shells_of
 from ..results.stage import StageResult
 from ..shells.element import normals
 from ..units import labelled
@@ -110,11 +110,8 @@ class _Part(NamedTuple):
 def _parts(stage: StageResult, names: str | Iterable[str] | None) -> dict[str, _Part]:
     """Return the shells of a stage by their names."""
     found = {}
-    for name in stage.states:
-        triangles = stage.outputs(name).triangles if name in stage.forms else None
-        if triangles is not None:
-            points, values = triangles
-            found[name] = _Part(points, values["displacement"], values)
+    for name, (points, values) in shells_of(stage).items():
+        found[name] = _Part(points, values["displacement"], values)
     if not found:
         raise ValueError(f"stage '{stage.name}' has no active shell to draw")
     if names is None:

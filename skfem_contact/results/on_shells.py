@@ -10,6 +10,7 @@ from numpy import ndarray
 from ..arrays import row_norms
 from ..checks import format_point
 from ..surfaces.vectors import dot
+from .fields import has_solids
 from .files import StageData
 
 #: Titles of the fields of shells, and the kinds of their units.
@@ -30,9 +31,27 @@ FIELDS = {
 _NEAR = 0.15
 
 
-def is_shell(stage: StageData, name: str | None) -> bool:
-    """Return True for the name of an active shell."""
-    return name in stage.states and stage.outputs(str(name)).triangles is not None
+def shells_of(stage: StageData) -> dict[str, tuple[ndarray, dict[str, ndarray]]]:
+    """Return corners of triangles, (3 m, 3), and values there of the active shells by name."""
+    found = {}
+    for name in stage.states:
+        triangles = stage.outputs(name).triangles if name in stage.forms else None
+        if triangles is not None:
+            found[name] = triangles
+    return found
+
+
+def shell_of(stage: StageData, of: str | None) -> str | None:
+    """Return the active shell of a name, or the only one of a stage without solids, or None."""
+    if of is None and has_solids(stage):
+        return None
+    shells = shells_of(stage)
+    if of is None and len(shells) == 1:
+        return next(iter(shells))
+    if of is None and shells:
+        listed = " or ".join(f"'{name}'" for name in shells)
+        raise ValueError(f"stage '{stage.name}' has shells and no solids: name one, of={listed}")
+    return of if of in shells else None
 
 
 def on_shell(
@@ -66,12 +85,10 @@ def on_shell(
 
 def _at_corners(stage: StageData, name: str) -> tuple[ndarray, dict[str, ndarray]]:
     """Return the corners of the triangles of a shell, (3 m, 3), and their fields, (3 m,) each."""
-    triangles = None
-    if name in stage.states:
-        triangles = stage.outputs(name).triangles
-    if triangles is None:
+    shells = shells_of(stage)
+    if name not in shells:
         raise ValueError(f"the shell '{name}' is not active in stage '{stage.name}'")
-    points, values = triangles
+    points, values = shells[name]
     u = values["displacement"]
     moved = dict(zip(("ux", "uy", "uz"), u.T, strict=True))
     return points, {**values, **moved, "u": row_norms(u)}

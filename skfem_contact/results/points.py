@@ -18,7 +18,7 @@ from ..layout import elements_in
 from ..mesh.locate import locate, outside
 from .fields import Shown, basis_of, quantities, region_field, solids
 from .files import StageData
-from .on_shells import FIELDS, is_shell, on_shell
+from .on_shells import FIELDS, on_shell, shell_of
 from .patch_recovery import element_regions, region_mesh
 
 #: Points of a line by default.
@@ -132,7 +132,8 @@ def at_points(
         :meth:`field`.
     of
         Solid, region or subdomain to which the values belong; by default any. Or a shell, with the
-        fields of :func:`~skfem_contact.plot.shells`.
+        fields of :func:`~skfem_contact.plot.shells`; by default the only one of a stage without
+        solids.
 
     Raises
     ------
@@ -157,14 +158,17 @@ def at_points(
         ...
     ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
     """
-    shell = is_shell(stage, of)
+    shell = shell_of(stage, of)
     titles = _titles(stage, quantity, water, shell)
     labels, coordinates = _points(stage, points, shell)
     columns: dict[str, ndarray] = {}
     if labels:
         columns["point"] = np.array(labels)
     columns |= zip("xyz", coordinates.T)
-    columns |= _values(stage, coordinates, quantity, since, water, of)
+    if shell:
+        columns |= on_shell(stage, shell, coordinates, quantity, since)
+    else:
+        columns |= _values(stage, coordinates, quantity, since, water, of)
     return PointValues(columns, titles, stage.name)
 
 
@@ -192,11 +196,14 @@ def along_line(
     --------
     See :class:`PointValues`.
     """
-    shell = is_shell(stage, of)
+    shell = shell_of(stage, of)
     titles = _titles(stage, quantity, water, shell)
     position, coordinates = _line(stage, line, n, shell)
     columns = {"position": position} | dict(zip("xyz", coordinates.T))
-    columns |= _values(stage, coordinates, quantity, since, water, of)
+    if shell:
+        columns |= on_shell(stage, shell, coordinates, quantity, since)
+    else:
+        columns |= _values(stage, coordinates, quantity, since, water, of)
     return PointValues(columns, titles, stage.name)
 
 
@@ -232,7 +239,7 @@ def through_stages(
 
 
 def _titles(
-    stage: StageData, quantity: Sequence[str], water: Shown | None, shell: bool
+    stage: StageData, quantity: Sequence[str], water: Shown | None, shell: str | None
 ) -> dict[str, tuple[str, str]]:
     """Return titles and kinds of units of fields by their names, which must exist."""
     if not quantity:
@@ -246,7 +253,7 @@ def _titles(
 
 
 def _points(
-    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike, shell: bool
+    stage: StageData, points: Mapping[str, ArrayLike] | ArrayLike, shell: str | None
 ) -> tuple[list[str], ndarray]:
     """Return labels or None, and coordinates, (n, dim), of points."""
     # Take labels from the keys.
@@ -268,7 +275,7 @@ def _points(
     return labels, coordinates
 
 
-def _line(stage: StageData, line: ArrayLike, n: int, shell: bool) -> tuple[ndarray, ndarray]:
+def _line(stage: StageData, line: ArrayLike, n: int, shell: str | None) -> tuple[ndarray, ndarray]:
     """Return distances along a line, (m,), and coordinates, (m, dim), its corners among them."""
     _, corners = _points(stage, line, shell)
     length = row_norms(np.diff(corners, axis=0))
@@ -296,8 +303,6 @@ def _values(
     of: str | None,
 ) -> dict[str, ndarray]:
     """Return fields at points by their names, (n,) each."""
-    if of is not None and is_shell(stage, of):
-        return on_shell(stage, of, points, quantity, since)
     # Collect the elements of all solids, or of one solid or region.
     bodies = solids(stage)
     forms = list(bodies.values())

@@ -75,3 +75,26 @@ def test_points_off_the_shell(plate):
             stage.at([(0.5, 0.5, 0.0), point], "m_1", of="plate")
     with pytest.raises(ValueError, match="no field of shells 'syy'"):
         stage.at((0.5, 0.5, 0.0), "syy", of="plate")
+
+
+def test_the_only_shell_needs_no_name(plate):
+    """Without solids the fields are of the only shell; of two shells one must be named."""
+    stage = plate["one"]
+    middle = (0.5, 0.5, 0.0)
+    named = stage.at(middle, "m_1", of="plate")
+    assert stage.at(middle, "m_1")["m_1"] == named["m_1"]
+    line = [(0.1, 0.5, 0.0), (0.9, 0.5, 0.0)]
+    assert np.array_equal(stage.along(line, "uz")["uz"], stage.along(line, "uz", of="plate")["uz"])
+    assert plate.at(middle, "m_1")["m_1"][0] == named["m_1"]
+    mesh = MeshQuad.init_tensor(*2 * [np.linspace(0, 1, 3)])
+    forms = {}
+    held = []
+    for name, height in (("low", 0.0), ("high", 1.0)):
+        points = np.column_stack((*mesh.p, np.full(mesh.nvertices, height)))
+        forms[name] = sc.Shell(None, points, E=12e3, nu=0.3, thickness=0.1, cells=mesh.t.T)
+        for p in points:
+            held += forms[name].dofs(p)
+    two = sc.Model(forms, held).run([sc.Stage("two")], **QUIET)["two"]
+    with pytest.raises(ValueError, match="shells and no solids: name one, of='low' or 'high'"):
+        two.at(middle, "uz")
+    assert two.at(middle, "uz", of="low")["uz"] == 0.0
