@@ -181,18 +181,20 @@ def test_block_on_a_plane_that_shakes(enforcement):
 PULSE = np.array([0.0, 4.0, 4.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
-def test_slides_of_few_steps_are_told():
-    """[N] A rigid block after a pulse errs by 16 % in eight steps: the warning has its figure,
-    within a factor of two.
+@pytest.mark.parametrize("step, least", [(0.01, 0.1), (0.004, 0.03)])
+def test_slides_of_few_steps_are_told(step, least):
+    """[N] A rigid block after a pulse errs by 16 % in eight steps, by 4 % in eighteen: the warning
+    has its figure, within a factor of two.
     """
-    step = 0.01
-    exact = slid(PULSE, step, np.radians(10.0), 0.4)
+    grid = 0.01 * np.arange(len(PULSE))
+    shaking = np.interp(np.arange(0.0, grid[-1], step), grid, PULSE)
+    exact = slid(shaking, step, np.radians(10.0), 0.4)
     with pytest.warns(sc.AnalysisWarning, match="pair: bodies slide for") as caught:
-        moved, _ = shaken_block(PULSE, step, sc.Dynamic(step), E=2e7)
+        moved, _ = shaken_block(shaking, step, sc.Dynamic(step), E=2e7)
     error = abs(moved / exact - 1.0)
     (text,) = [str(each.message) for each in caught if "slide for" in str(each.message)]
     told = float(text.split("about ")[1].split("%")[0]) / 100.0
-    assert error > 0.1
+    assert error > least
     assert 0.5 < told / error < 2.0
 
 
