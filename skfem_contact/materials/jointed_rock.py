@@ -44,6 +44,10 @@ _ROUND_OFF = 1e-11
 _MOST = 3
 #: Condition from which surfaces that act together count as dependent.
 _SINGULAR = 1e10
+#: Share of the elastic stiffness that the tangent keeps where joints act: elements of which two
+#: sets have opened have none. Two of ten searches of a slope with crossed joints without tensile
+#: strength stalled by singular systems, one at 1.17 for 1.37; none do with 1e-8, one with 1e-6.
+_KEPT = 1e-8
 
 
 @dataclass(frozen=True)
@@ -98,7 +102,10 @@ class Joint:
             psi = phi
         else:
             psi = min(self.psi, phi)
-        return Joint(self.dip, self.c / factor, phi, psi, self.tension / factor)
+        tension = self.tension / factor
+        if self.phi > 0.0:  # the apex of the cone stays
+            tension = min(tension, self.c / np.tan(np.radians(self.phi)))
+        return Joint(self.dip, self.c / factor, phi, psi, tension)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,9 +262,9 @@ class JointedRock(Material):
         new_internal.reshape(1, -1)[0, points] += np.sqrt(2.0 / 3.0 * deviator)
 
         def tangent() -> Array:
-            result = np.tile(s.D, (len(points), 1, 1))
+            result = np.tile((1.0 + _KEPT) * s.D, (len(points), 1, 1))
             for mask, where in _groups(active):
-                # D - D b G^-1 a D with the active surfaces
+                # D - D b G^-1 a D with the active surfaces, and a little of D
                 inverse = np.linalg.inv(s.G[np.ix_(mask, mask)])
                 flow = s.D @ s.b[mask].T
                 normals = s.a[mask] @ s.D
