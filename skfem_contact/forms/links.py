@@ -198,7 +198,7 @@ class Bar(Form, Couples, Staged, Regularised):
         Subdomains of the nodes, where nodes of two bodies coincide.
     spacing
         Distance of the members of a row in the plane, or angle between them in axial symmetry,
-        ``2 pi / n``: EA, forces and strength are of one member.
+        ``2 pi / n``: EA, forces and strength are then of one member.
     kinematics
         ``"finite"`` for displacements of any size: a bar turns with its ends, and its strain is the
         change of its length over the length before.
@@ -249,7 +249,7 @@ class Bar(Form, Couples, Staged, Regularised):
         end_part: str | None = None,
         *,
         compression_only: bool = False,
-        spacing: float = 1.0,
+        spacing: float | None = None,
         kinematics: Kinematics = "small",
     ) -> None:
         self.kinematics = kinematics
@@ -261,7 +261,7 @@ class Bar(Form, Couples, Staged, Regularised):
         self.symmetric = True
         self._where = np.hstack((a, b))
         self._length = length
-        self._spacing = positive(spacing, "spacing")
+        self._spacing = 1.0 if spacing is None else positive(spacing, "spacing")
         self._stiffness = EA / length
         self._jack: float | None = None
         self.parameters = {
@@ -338,7 +338,7 @@ class Bar(Form, Couples, Staged, Regularised):
         """Return the bars with a spacing that is an angle, of which whole numbers make a circle."""
         members = 2.0 * np.pi / self._spacing
         whole = abs(members - np.rint(members)) <= _WHOLE * members
-        if self._spacing != 1.0 and not whole:
+        if self.parameters["spacing"] is not None and not whole:
             raise ValueError(
                 f"a spacing of {self._spacing:g} makes {members:.4g} members round the axis: in "
                 "axial symmetry it is the angle between them in radians, 2 * pi over their number"

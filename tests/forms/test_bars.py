@@ -114,7 +114,7 @@ def test_bars_that_turn_keep_their_length(fixed_end: bool) -> None:
     assert at(x).stiffness @ way == pytest.approx(change, abs=1e-6 * np.abs(change).max())
 
 
-def ring(spacing: float, changed: float | None = None) -> Result:
+def ring(spacing: float | None, changed: float | None = None) -> Result:
     """A ring from 1 to 2, 4 high, of the unit weight 20, which hangs on bars at its outside."""
     mesh = MeshQuad.init_tensor(np.linspace(1, 2, 3), np.linspace(0, 4, 5)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
@@ -136,7 +136,7 @@ def test_bars_in_axial_symmetry_count_per_radian_or_by_the_angle_between_them(n:
     """[X] The weight 20 * 4 * (2**2 - 1**2) / 2 = 120 per radian, of which n hangers have 2 pi / n
     each.
     """
-    for stage in ring(1.0):
+    for stage in ring(None):
         np.testing.assert_allclose(stage.states["hanger"].force, 120.0)
     for stage in ring(2 * np.pi / n):
         np.testing.assert_allclose(stage.states["hanger"].force, 120.0 * 2 * np.pi / n)
@@ -151,3 +151,5 @@ def test_a_distance_is_no_spacing_in_axial_symmetry() -> None:
         ring(2.0)
     with pytest.raises(ValueError, match=r"a spacing of 2 makes 3\.142 members round the axis"):
         ring(np.pi / 2, changed=2.0)
+    with pytest.raises(ValueError, match=r"a spacing of 1 makes 6\.283 members round the axis"):
+        ring(1.0)
