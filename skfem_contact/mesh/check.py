@@ -209,7 +209,7 @@ def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = No
     if elements is not None:
         solid = np.isin(mesh.f2t[0, outside.facets], elements)
         outside = outside.part(solid)
-    _check_touching(mesh, outside, np.concatenate((hanging, joined)))
+    _check_touching(mesh, outside, hanging, joined)
     # Report parts that hinge on nodes.
     links = loose_links(mesh)
     if len(links) and not len(hanging):
@@ -222,14 +222,14 @@ def check_connections(mesh: Mesh, joined: Indices, elements: Indices | None = No
         )
 
 
-def _check_touching(mesh: Mesh, outside: Outside, known: Indices) -> None:
-    """Warn of outer sides on each other, none of whose nodes are known."""
+def _check_touching(mesh: Mesh, outside: Outside, hanging: Indices, joined: Indices) -> None:
+    """Warn of outer sides on each other whose nodes do not hang and are not all joined."""
     first, second = touching_sides(outside)
-    # Leave out sides with nodes that contact or hanging nodes explain.
-    is_known = np.zeros(mesh.nvertices, dtype=bool)
-    is_known[known[known < mesh.nvertices]] = True
-    unknown = ~is_known[outside.nodes]
-    free = unknown[first].all(axis=1) & unknown[second].all(axis=1)
+    # Leave out sides that contact or hanging nodes explain.
+    are_joined = np.isin(outside.nodes, joined)
+    hang = np.isin(outside.nodes, hanging)
+    unknown = ~np.any(hang, axis=1) & ~np.all(are_joined, axis=1)
+    free = unknown[first] & unknown[second]
     # Name the subdomains at these sides.
     if free.any():
         sides = np.unique(np.concatenate((first[free], second[free])))

@@ -318,6 +318,23 @@ def test_a_model_tells_sides_without_contact():
         warnings.simplefilter("error")
         sc.Model(forms)
 
+    # A pair that leaves out the last sides, one node of which it joins
+    parts = {f"{side} part": rest_of(mesh, side) for side in ("up:bottom", "low:top")}
+    basis = Basis(mesh.with_boundaries(parts), ElementVector(ElementQuad1()), intorder=2)
+    forms = {
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2)),
+        "joint": sc.ContactPair(basis, "up:bottom part", "low:top part", sc.Coulomb(0.3)),
+    }
+    with pytest.warns(sc.AnalysisWarning, match="without contact, .* 2 in all"):
+        sc.Model(forms)
+
+
+def rest_of(mesh, name):
+    """The facets of a level boundary but the last one."""
+    facets = np.asarray(mesh.boundaries[name])
+    middles = mesh.p[0, mesh.facets[:, facets]].mean(axis=0)
+    return np.delete(facets, middles.argmax())
+
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_element_on_top_of_another_with_nodes_of_its_own(kind):
