@@ -654,10 +654,13 @@ def _sizes(basis: CellBasis, points: ndarray, along: ndarray) -> ndarray:
     elements = _elements_at(mesh, points)
     if (elements < 0).any():
         raise _leaving(points[elements < 0])
+    # The scatter of their corners across the beam: of a box twice that is its longer side.
     corners = mesh.p[:, mesh.t[:, elements]].transpose(2, 1, 0)  # (n, corners, 3)
     axes = np.stack(across(along), axis=1)
-    widths = np.ptp(np.einsum("nkc,nac->nak", corners, axes), axis=2)
-    return np.asarray(widths.max(axis=1))
+    away = corners - corners.mean(axis=1, keepdims=True)
+    away = np.einsum("nkc,nac->nka", away, axes)
+    scatter = np.einsum("nka,nkb->nab", away, away) / corners.shape[1]
+    return 2.0 * np.sqrt(np.linalg.eigvalsh(scatter)[:, -1])
 
 
 def _around(

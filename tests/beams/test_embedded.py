@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from skfem import (
     Basis,
     ElementHex1,
@@ -425,6 +426,32 @@ def test_units_of_length_of_a_pile_in_space():
         found.append((stage.x[pile.numbers(line[0])[2]] / unit, model.forms["skin"]._k[0]))
     assert found[0][0] < -1e-3
     np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
+
+
+def test_turned_by_an_angle_in_space():
+    """[X] Ground and a bent pile that are turned in space give the turned displacements, within
+    1e-3: the points on the circles turn with the beam, whose axes across it have no direction.
+    """
+    turn = Rotation.from_euler("xyz", [0.4, 0.7, -1.1]).as_matrix()
+    line = np.array([(1.2, 1.3, 3.8), (1.4, 1.5, 2.2), (1.5, 1.6, 0.8), (2.6, 2.2, 1.0)])
+    force = np.array([4.0, 2.0, 6.0])
+    found = []
+    for R in (np.eye(3), turn):
+        mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 4.0, 5)]).with_defaults()
+        mesh = MeshHex(R @ mesh.p, mesh.t, _boundaries=mesh.boundaries)
+        basis = vector_basis(mesh, "Q1", intorder=2)
+        points = line @ R.T
+        beam = sc.Beam(None, points, EI=2e4, EA=1e6, GJ=1e4)
+        skin = sc.Embedded(basis, beam, T_max=30.0, radius=0.3)
+        soil = sc.SolidForm(basis, sc.LinearElastic(2e4, 0.3))
+        model = sc.Model(
+            {"soil": soil, "pile": beam, "skin": skin}, basis.get_dofs("bottom").all()
+        )
+        pull = model.forms["pile"].load(R @ force, at=points[0])
+        x = model.run([sc.Stage("pull", pull)], **QUIET)["pull"].x
+        found.append(R.T @ x[basis.nodal_dofs])
+    straight, turned = found
+    assert abs(turned - straight).max() < 1e-3 * abs(straight).max()
 
 
 def winkler(length, m, EI, p_max=None, k=1e4, spacing=1.0):
