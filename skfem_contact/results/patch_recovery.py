@@ -204,6 +204,7 @@ def _fitted(
     m = len(_powers(origin, degree))
     nc = balanced
     if balanced:
+        metric = np.repeat([1.0, 2.0], [3, nc - 3])  # of |sigma|^2: shear stresses count twice
         every = np.arange(basis.nelems)
         forces = form.element_forces(values[:nc], every).T
         B = strain_operator(form.basis, "full", str(form.coordinates)).B
@@ -237,10 +238,11 @@ def _fitted(
         scaled = w * scale
         of_elements = forces[e] * (scaled / form.weight[e])[:, :1]
         H, f = _balance(patch, cells[e], B[e], p, scaled, of_elements)
-        M = np.einsum("cd,pab->pcadb", np.eye(nc), M)
+        M = np.einsum("cd,pab->pcadb", np.diag(metric), M)
         M = M.reshape(n, nc * m, nc * m)
         A = H.transpose(0, 2, 1) @ H + beta * M
-        b = np.einsum("pra,pr->pa", H, f) + beta * r[:, :nc].reshape(n, -1)
+        r = metric[:, None] * r[:, :nc]
+        b = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(n, -1)
         c = np.einsum("pab,pb->pa", _inverse(A), b)
         fits[part, :nc] = c.reshape(-1, nc, m)
     return _evaluated(fits, coordinates, center, size, sources, degree)

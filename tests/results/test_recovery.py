@@ -14,7 +14,7 @@ from skfem_contact.forms.solid import SolidState
 from skfem_contact.results import StageResult
 from skfem_contact.results.patch_recovery import recovered, recovered_together, region_mesh
 from skfem_contact.results.strength import PointStatus, mobilised, point_status
-from tests.tools.helpers import distorted, traction, vector_basis
+from tests.tools.helpers import distorted, rotation, traction, vector_basis
 
 INTORDER = {"P1": 1, "Q1": 2, "P2": 4, "Q2": 4, "QuadS2": 4}
 
@@ -117,6 +117,28 @@ def test_linear_stress_is_met_on_distorted_meshes(element, rng):
 
     found = recovered(form, exact(np.asarray(basis.global_coordinates())), balanced=True)
     np.testing.assert_allclose(found, exact(basis.doflocs[:, ::2]), atol=1e-8)
+
+
+@pytest.mark.parametrize("element", ["P1", "Q1", "P2", "QuadS2"])
+def test_stresses_turn_with_the_mesh(element, rng):
+    """[X] Stresses that vary at random among the points, turned by 33 degrees with their mesh,
+    have the same principal stresses at the nodes.
+    """
+    kind = MeshTri if element.startswith("P") else MeshQuad
+    mesh = distorted(kind.init_tensor(np.linspace(0, 2, 6), np.linspace(0, 1, 4)), rng, 0.03)
+    R = rotation(33.0)
+    principal = []
+    for turn in (np.eye(2), R):
+        basis = vector_basis(kind(turn @ mesh.p, mesh.t), element, intorder=4)
+        form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
+        if turn is not R:
+            xx, yy, zz, xy = rng.standard_normal((4, *form.weight.shape))
+        tensor = np.einsum("ij,jkep,lk->ilep", turn, np.array([[xx, xy], [xy, yy]]), turn)
+        stress = np.stack((tensor[0, 0], tensor[1, 1], zz, tensor[0, 1]))
+        a, b, _, shear = recovered(form, stress, balanced=True)
+        tensors = np.array([[a, shear], [shear, b]]).transpose(2, 0, 1)
+        principal.append(np.linalg.eigvalsh(tensors))
+    np.testing.assert_allclose(principal[1], principal[0], atol=1e-8)
 
 
 def test_linear_stress_in_space():
