@@ -25,13 +25,10 @@ from .triangles import Triangles
 #: Friction below this is none: the change of volume is then prescribed and not bounded (measured in
 #: tan phi).
 FLAT = 1e-3
-#: Change of volume of incompressible flow, as a share of the largest shear: round-off of its
-#: projection.
+#: Change of volume of incompressible flow, as a share of the largest strain: round-off of its
+#: projection. Beside a joint that slips by 1, clay at rest has a shear of 1e-8. Dilation that is
+#: not reduced may lack the same share.
 INCOMPRESSIBLE = 1e-12
-#: Lack of opening, as a share of the opening that the slip demands, up to which a joint yields at
-#: some larger factor: corrections of all yielding joints of a pile in the ground moved it so much
-#: that no upper bound was left.
-_YIELDING = 0.01
 
 
 @dataclass(frozen=True)
@@ -255,9 +252,10 @@ class Strength:
         result = np.where((pull > round_off) & self.cut, torn, result)
         return np.where(self.reduced, result, np.where(result >= 1.0, np.inf, 0.0))
 
-    def flow_factor(self, strain: ndarray, round_off: ndarray) -> ndarray:
+    def flow_factor(self, strain: ndarray, round_off: ndarray, largest: float) -> ndarray:
         """Return the smallest factor at which every strain (n, 3) is a plastic flow, 0 to inf.
 
+        Round-off of changes of volume is a share of the largest strain, of soil and joints.
         The flow of soil has F volume >= t sqrt(shear^2 - volume^2), of a joint F opening >= t slip.
         """
         volume, shear = self._invariants(strain)
@@ -273,7 +271,7 @@ class Strength:
         # with friction, with a tensile strength, and of constant volume
         steep = np.where(volume > 0, _ratio(flattest * root, volume), np.inf)
         opening = np.where(volume >= -round_off, 0.0, np.inf)
-        isochoric = np.abs(volume) <= INCOMPRESSIBLE * shear.max(initial=0.0)
+        isochoric = np.abs(volume) <= INCOMPRESSIBLE * largest
         flat = np.where(isochoric, 0.0, np.inf)
         factor = np.where(self.cut, opening, flat)
         factor = np.where(self.t > 0, steep, factor)
@@ -284,16 +282,16 @@ class Strength:
             size = np.where(self.t > 0, self.t * shear, shear)
         none = (size <= round_off) & (volume >= -round_off)
         factor = np.where(none, 0.0, factor)
-        at_all = np.where(factor <= 1.0, 0.0, np.inf)
+        at_all = np.where(factor <= 1.0 + INCOMPRESSIBLE, 0.0, np.inf)
         return np.where(self.reduced, factor, at_all)
 
-    def overlap(self, strain: ndarray, factor: float) -> ndarray:
-        """Return twice the opening that jumps (n, 3) lack, where they lack much; 0 in soil."""
+    def overlap(self, strain: ndarray, factor: float, lack: float) -> ndarray:
+        """Return twice the opening that jumps (n, 3) lack, beyond a share of it; 0 in soil."""
         if not self.joint:
             return np.zeros(len(strain))
         opening, slip = self._invariants(strain)
         missing = self.t / np.where(self.reduced, factor, 1.0) * slip - opening
-        return np.where(missing > _YIELDING * self.t * slip, 2.0 * missing, 0.0)
+        return np.where(missing > lack * self.t * slip, 2.0 * missing, 0.0)
 
     def dissipation(self, strain: ndarray, factor: float) -> ndarray:
         r"""Return the largest power of admissible stresses on plastic strains (n, 3), at a factor.

@@ -209,4 +209,4 @@ def test_dissipation_is_that_of_the_tangents() -> None:
     r = np.min([(c - t * p) / np.hypot(F, t) for c, t in lines[:, :, 0]], axis=0)
     scanned = [(p * v + r)[r >= 0].max() for v in volume]
     np.testing.assert_allclose(soil.dissipation(strain, F), scanned, rtol=1e-3)  # steps of the scan
-    assert (soil.flow_factor(strain, np.zeros(n)) <= F).all()
+    assert (soil.flow_factor(strain, np.zeros(n), 1.0) <= F).all()

@@ -101,6 +101,35 @@ def test_a_rigid_block_on_soil(c: float) -> None:
     assert sum(one.iterations for one in found.history[:2]) < 40
 
 
+@pytest.mark.parametrize("c", [200.0, 50.0])
+def test_a_rigid_block_slides_on_clay(c: float) -> None:
+    """[X] On clay as well, which rests while the block slides at (.5 * 96 + 2 * 2) / 2 = 26. The
+    least mesh proves it from above, within the accuracy of the solver.
+    """
+    ground = MeshTri.init_tensor(np.linspace(0, 6, 7), np.linspace(-2, 0, 3)).with_defaults()
+    block = MeshTri.init_tensor(np.linspace(2, 4, 3), np.linspace(0, 2, 3)).with_defaults()
+    basis = Basis(
+        sc.join_bodies({"ground": ground, "block": block}),
+        ElementVector(ElementTriP2()),
+        intorder=2,
+    )
+    materials = {"ground": sc.Tresca(1e4, 0.3, c), "block": sc.LinearElastic(1e6, 0.2)}
+    forms = {
+        "bodies": sc.SolidForm(basis, materials),
+        "joint": sc.ContactPair(basis, "block:bottom", "ground:top", sc.Coulomb(0.5, adhesion=2.0)),
+    }
+    found = sc.Model(forms, basis.get_dofs("ground:bottom").all()).bounds(
+        weight={"ground": 20.0, "block": 24.0},
+        tractions={"block:left": (1.0, 0.0)},
+        live="block:left",
+        gap=0.1,
+        elements=90,
+        progress=False,
+    )
+    assert found.lower <= 26.0 * (1 + 1e-12)
+    assert 26.0 * (1 - 1e-12) <= found.upper < 26.0 * (1 + 1e-5)
+
+
 def test_a_foot_beside_a_support() -> None:
     """Velocities without jumps cannot leave a support: where contact ends at one, it is named."""
     ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 5)).with_defaults()
