@@ -238,3 +238,15 @@ def test_units_are_yours(units, without_units, recwarn):
     (written,) = stress or [f"{force}/{length}²"]
     assert plot.labelled("stress", "stress") == f"stress [{written}]"
     assert not recwarn.list
+
+
+def test_both_ends_of_a_bar_have_the_unit_of_length(without_units):
+    """Columns of coordinates, with a word before the axis or without one."""
+    beam = sc.Beam(None, [(0.0, 0.0), (0.0, -2.0)], EI=10.0, EA=1e3)
+    bar = sc.Bar(None, beam.at((0.0, 0.0)), (4.0, 3.0), EA=75.0, fixed_end=True)
+    model = sc.Model({"beam": beam, "bar": bar}, beam.dofs((0.0, -2.0)))
+    push = model.forms["beam"].load((1.0, 0.0), at=(0.0, 0.0))
+    stage = model.run([sc.Stage("push", push)], progress=False)["push"]
+    sc.set_units("kN", "m")
+    titles = stage.table("bar").titles
+    assert titles[:4] == ("x [m]", "y [m]", "end x [m]", "end y [m]")

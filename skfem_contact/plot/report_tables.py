@@ -135,27 +135,30 @@ def _resultants(stage: StageResult) -> list[tuple[str, ndarray, str]]:
         others = "other loads"
     parts.append((others, rest))
     parts.append(("reactions", stage.reactions()))
-    points = _points(stage)
-    return [(name, *_resultant(vector, points)) for name, vector in parts]
+    # Moments, volumes of water and multipliers are no forces.
+    points, dofs = _displacements(stage)
+    dofs = dofs[dofs < len(total)]
+    return [(name, *_resultant(vector[dofs], points[dofs])) for name, vector in parts]
 
 
-def _points(stage: StageResult) -> ndarray:
-    """Return the coordinates of the dofs, (N, dim)."""
+def _displacements(stage: StageResult) -> tuple[ndarray, ndarray]:
+    """Return the coordinates of all dofs, (N, dim), and the dofs that are displacements."""
     if stage.layout is not None:
-        return np.asarray(stage.layout.coordinates).T
-    return np.asarray(basis_of(stage).doflocs).T
+        return np.asarray(stage.layout.coordinates).T, stage.layout.displacements
+    points = np.asarray(basis_of(stage).doflocs).T
+    return points, np.arange(len(points))
 
 
 def _resultant(vector: ndarray, points: ndarray) -> tuple[ndarray, str]:
-    """Return the force of a load vector, and the centre of its vertical components."""
+    """Return the sum of forces at nodes, and the centre of its vertical components."""
     dim = points.shape[1]
-    n = dim * (min(len(vector), len(points)) // dim)
-    forces = vector[:n].reshape(-1, dim)
+    forces = vector.reshape(-1, dim)
     total = forces.sum(axis=0)
     size = float(np.abs(forces[:, -1]).sum())
     if abs(total[-1]) <= 1e-6 * size or size == 0.0:
         return total, ""
-    center = forces[:, -1] @ points[:n:dim, : dim - 1] / total[-1]
+    center = forces[:, -1] @ points[::dim, : dim - 1] / total[-1]
+    center = np.where(np.abs(center) < _ZERO * np.abs(points).max(), 0.0, center)
     return total, ", ".join(
         f"{axis} = {value:.4g}" for axis, value in zip("xy", center, strict=False)
     )

@@ -166,7 +166,9 @@ def _kinds(columns: Iterable[str]) -> dict[str, str]:
     kinds = {}
     for name in columns:
         vector, _, axis = name.rpartition(" ")
-        kinds[name] = kind_of(vector if vector and axis in ("x", "y", "z") else name)
+        kinds[name] = kind_of(name)
+        if axis in ("x", "y", "z") and kind_of(vector):
+            kinds[name] = kind_of(vector)
     return kinds
 
 

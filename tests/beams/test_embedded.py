@@ -444,9 +444,7 @@ def test_turned_by_an_angle_in_space():
         beam = sc.Beam(None, points, EI=2e4, EA=1e6, GJ=1e4)
         skin = sc.Embedded(basis, beam, T_max=30.0, radius=0.3)
         soil = sc.SolidForm(basis, sc.LinearElastic(2e4, 0.3))
-        model = sc.Model(
-            {"soil": soil, "pile": beam, "skin": skin}, basis.get_dofs("bottom").all()
-        )
+        model = sc.Model({"soil": soil, "pile": beam, "skin": skin}, basis.get_dofs("bottom").all())
         pull = model.forms["pile"].load(R @ force, at=points[0])
         x = model.run([sc.Stage("pull", pull)], **QUIET)["pull"].x
         found.append(R.T @ x[basis.nodal_dofs])

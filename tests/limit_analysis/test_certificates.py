@@ -202,7 +202,9 @@ def test_factor_of_a_flow_makes_its_dilation_that_of_the_reduced_strength(joint:
     found = strengths(10.0, t, tension, joint=joint).flow_factor(strain, round_off, 3.0)
     np.testing.assert_allclose(found, wanted, rtol=1e-12)
     assert found[0] > 1.0 > found[1]
-    fixed = strengths(10.0, t, tension, joint=joint, reduced=False).flow_factor(strain, round_off, 3.0)
+    fixed = strengths(10.0, t, tension, joint=joint, reduced=False).flow_factor(
+        strain, round_off, 3.0
+    )
     np.testing.assert_array_equal(fixed, np.where(wanted <= 1.0, 0.0, inf))
 
 

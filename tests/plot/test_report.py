@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import pyvista
-from skfem import Basis, ElementQuad1, ElementQuad2, ElementVector, MeshQuad
+from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -333,6 +333,27 @@ def test_report_has_loads_supports_and_parameters(result, report) -> None:
     assert ("sand, lift", "c", "20", "", "") in rows  # no units outside of the fixture
     held = report_tables.supports(result).rows
     assert ("at rest, wall, dig & pull", "bottom", "x, y") in held
+
+
+def test_resultants_of_loads_count_forces_alone() -> None:
+    """[X] A moment on a beam and water that drains are no forces; round-off is no coordinate."""
+    from skfem_contact.plot import report_tables
+
+    mesh = MeshTri.init_tensor(np.linspace(-4, 4, 9), np.linspace(-4, 0, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    water = sc.PoreWater(basis, 1e-3, unit_weight=10.0)
+    forms = {
+        "soil": sc.SolidForm(basis, sc.LinearElastic(1e4, 0.3), unit_weight=20.0),
+        "raft": sc.Beam(basis, "top", EI=500.0, EA=1e5),
+        "water": water,
+    }
+    model = sc.Model(forms, [sc.box_supports(basis), water.dofs("top")])
+    load = model.forms["raft"].load((30.0, -50.0), at=(1.0, 0.0), moment=200.0)
+    result = model.run([sc.Stage("load", load, duration=5.0)], progress=False)
+    rows = {row[1]: row[2:] for row in report_tables.loads(result).rows}
+    np.testing.assert_allclose(rows["other loads"][:2], (30.0, -50.0))
+    np.testing.assert_allclose(rows["reactions"][:2], (-30.0, 690.0), rtol=1e-9)
+    assert rows["weight"][2] == "x = 0" and rows["other loads"][2] == "x = 1"
 
 
 def test_stresses_at_rest_and_water_in_words() -> None:
