@@ -14,7 +14,7 @@ from ..forms.solid import SolidForm
 from ..layout import elements_in
 from ..mesh import bodies as joined_bodies
 from ..mesh.kinds import BY_NODES, HEXAHEDRON, oriented
-from .fields import basis_of, has_excess, has_solids, nodal_field, quantities, solids
+from .fields import basis_of, has_excess, has_solids, nodal_field, quantities, region_field, solids
 from .files import StageData
 from .patch_recovery import RegionMesh, recovered_together, region_mesh, within_points
 from .strength import plastic_strain, total_stress
@@ -96,7 +96,7 @@ def _structures_alone(stage: StageData) -> meshio.Mesh:
 def _at_nodes(
     stage: StageData, bodies: Mapping[str, SolidForm], mesh: RegionMesh
 ) -> dict[str, ndarray]:
-    """Return displacements, stresses and strains at the nodes of the regions."""
+    """Return displacements, stresses, strains and excess pore pressures at nodes of the regions."""
     basis = basis_of(stage)
     u = stage.x[: basis.N].reshape(-1, basis.mesh.dim())
     stress = []
@@ -112,12 +112,15 @@ def _at_nodes(
         strain.append(_in_space(fitted[1].T, 6))
         plastic.append(within_points(fitted[2], yielded, region_mesh(form))[0])
     # Files hold vectors of three components, tensors of six.
-    return {
+    found = {
         "displacement": _in_space(u[mesh.nodes], 3),
         "stress": np.concatenate(stress),
         "strain": np.concatenate(strain),
         "plastic_strain": np.concatenate(plastic),
     }
+    if has_excess(stage):
+        found["pore_pressure"] = region_field(stage, "pore", None, None)
+    return found
 
 
 def _numbers_of_regions(bodies: Mapping[str, SolidForm], known: Mapping[str, SolidForm]) -> ndarray:

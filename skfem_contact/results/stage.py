@@ -345,8 +345,9 @@ class StageResult(files.StageData):
         """Write the solids, the contact and the beams to a ``.vtu`` file.
 
         Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy,
-        yz, xz; engineering shear) and the equivalent ``plastic_strain``. Regions share no points,
-        so that no value is averaged between regions. Cells have means of ``stress`` and
+        yz, xz; engineering shear) and the equivalent ``plastic_strain``, and the excess
+        ``pore_pressure`` of consolidating or undrained ground. Regions share no points, so that no
+        value is averaged between regions. Cells have means of ``stress`` and
         ``plastic_strain``, the number of the ``body``, in the order of
         :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the
         materials of all solids. The slave's facets of every contact pair are cells with

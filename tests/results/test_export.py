@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import meshio
 import numpy as np
 import pytest
@@ -167,3 +169,25 @@ def test_beams_of_what_meshio_reads(tmp_path):
     np.testing.assert_allclose(mesh.points[cells][:, :, 0], ends_and_middle)
     tip = mesh.point_data["displacement"][cells[1, 1], 1]
     assert tip == pytest.approx(0.01 * 3.0**3 / 3.0, rel=1e-6)
+
+
+def test_pore_pressures_of_what_meshio_reads(tmp_path):
+    """[X] Ground that cannot drain at once carries a load by its water: 100, and it has no key for
+    water where there is none.
+    """
+    mesh = MeshTri.init_tensor(np.linspace(0, 1, 2), np.linspace(0, 1, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2))
+    forms = {"soil": soil, "water": sc.PoreWater(basis, 1e-3, unit_weight=10.0)}
+    load = sc.traction(basis, "top", (0.0, -100.0))
+    supports = sc.box_supports(basis, base="rollers")
+    stages = [sc.Stage("load", load, duration=1.0)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # no water can leave
+        wet = sc.Model(forms, supports).run(stages, progress=False)["load"]
+    wet.to_vtu(tmp_path / "wet.vtu")
+    pressure = meshio.read(tmp_path / "wet.vtu").point_data["pore_pressure"]
+    np.testing.assert_allclose(pressure, 100.0, rtol=1e-6)
+    dry = sc.Model({"soil": soil}, supports).run([sc.Stage("load", load)], progress=False)["load"]
+    dry.to_vtu(tmp_path / "dry.vtu")
+    assert "pore_pressure" not in meshio.read(tmp_path / "dry.vtu").point_data
