@@ -108,8 +108,12 @@ def loads(result: Result) -> Table:
             force = np.where(np.abs(force) < _ZERO * largest, 0.0, force)
             rows.append((stage.name, what, *force.tolist(), where))
     dim = len(rows[0]) - 3
-    head = ("stage", "resultant of", *(f"F{axis}" for axis in "xyz"[:dim]), "vertical one at")
+    what = "resultant of"
     unit = unit_of("force" if dim == 3 else "line")
+    if any(form.coordinates == "axisymmetric" for form in solids_of(result[-1].forms).values()):
+        what = "resultant per radian of"
+        unit = unit_of("force")
+    head = ("stage", what, *(f"F{axis}" for axis in "xyz"[:dim]), "vertical one at")
     return Table(head, tuple(rows), units=("", "", *[unit] * dim, ""))
 
 

@@ -356,6 +356,23 @@ def test_resultants_of_loads_count_forces_alone() -> None:
     assert rows["weight"][2] == "x = 0" and rows["other loads"][2] == "x = 1"
 
 
+def test_resultants_of_axial_symmetry_are_per_radian(request) -> None:
+    """[X] The weight of a disc, 20 * 3 * 2**2 / 2, as a force and not as a force per length."""
+    from skfem_contact.plot import report_tables
+
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 3), np.linspace(0, 3, 4)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    disc = sc.SolidForm(
+        basis, sc.LinearElastic(1e4, 0.3), coordinates="axisymmetric", unit_weight=20.0
+    )
+    result = sc.Model({"disc": disc}, sc.box_supports(basis)).run([sc.Stage("rest")])
+    request.addfinalizer(sc.set_units)
+    sc.set_units("kN", "m")
+    table = report_tables.loads(result)
+    assert table.titles[1:4] == ("resultant per radian of", "Fx [kN]", "Fy [kN]")
+    np.testing.assert_allclose(table["Fy"][0], -120.0)
+
+
 def test_stresses_at_rest_and_water_in_words() -> None:
     """[X] K0 of a level ground is the given one; water is told as it was given."""
     from skfem_contact.plot import report_tables
