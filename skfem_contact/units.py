@@ -40,6 +40,8 @@ _KINDS = {
     "unit weight": "weight",
     "skin": "line",
 }
+#: Kinds of the units of section forces in space, of whole members.
+_IN_SPACE = {"N": "force", "V": "force", "M": "couple", "T": "couple"}
 #: Kinds of the units of parameters of laws and structures by their names.
 _PARAMETERS = {
     **dict.fromkeys(
@@ -124,6 +126,7 @@ def set_units(
             weight=f"{force}/{length}³",
             line=f"{force}/{length}",
             moment=f"{force}{length}/{length}",
+            couple=f"{force}{length}",
         )
     if stress is not None:
         chosen["stress"] = stress
@@ -163,9 +166,13 @@ def in_words(title: str, kind: str = "") -> str:
     return labelled(title, kind or kind_of(title))
 
 
-def kind_of(title: str) -> str:
+def kind_of(title: str, in_space: bool = False) -> str:
     """Return the kind of the unit of a title in a table, by its last word."""
-    return _KINDS.get(title.split(" ")[-1], "")
+    word = title.split(" ")[-1]
+    kind = _KINDS.get(word, "")
+    if in_space:
+        return _IN_SPACE.get(word, kind)
+    return kind
 
 
 def labelled(title: str, kind: str) -> str:

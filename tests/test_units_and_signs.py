@@ -250,3 +250,20 @@ def test_both_ends_of_a_bar_have_the_unit_of_length(without_units):
     sc.set_units("kN", "m")
     titles = stage.table("bar").titles
     assert titles[:4] == ("x [m]", "y [m]", "end x [m]", "end y [m]")
+
+
+def test_section_forces_in_space_are_forces_and_moments(without_units):
+    """Of a whole member; in the plane they are those of a unit of length."""
+    sc.set_units("kN", "m")
+    mast = sc.Beam(None, [(0.0, 0.0, 0.0), (0.0, 0.0, 4.0)], EI=1e3, EA=1e6, GJ=1e3)
+    model = sc.Model({"mast": mast}, mast.dofs((0.0, 0.0, 0.0)))
+    push = model.forms["mast"].load((1.0, 2.0, -3.0), at=(0.0, 0.0, 4.0), moment=(0.0, 0.0, 1.0))
+    result = model.run([sc.Stage("push", push)], progress=False)
+    titles = set(result["push"].table("mast").titles)
+    assert {"N [kN]", "V x [kN]", "M y [kNm]", "T [kNm]", "z [m]"} <= titles
+    assert {"mast N [kN]", "mast M [kNm]", "mast T [kNm]"} <= set(result.table().titles)
+    wall = sc.Beam(None, [(0.0, 0.0), (0.0, -4.0)], EI=1e3, EA=1e6)
+    model = sc.Model({"wall": wall}, wall.dofs((0.0, -4.0)))
+    push = model.forms["wall"].load((1.0, -3.0), at=(0.0, 0.0))
+    result = model.run([sc.Stage("push", push)], progress=False)
+    assert {"wall N [kN/m]", "wall M [kNm/m]"} <= set(result.table().titles)

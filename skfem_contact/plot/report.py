@@ -19,7 +19,6 @@ from ..forms.base import solids_of
 from ..forms.roles import materials_of
 from ..results.cuts import Cuts
 from ..results.result import Result
-from ..units import in_words
 from ..versions import own_version, versions
 from . import document, report_tables
 from .model import Shade, shades
@@ -283,6 +282,7 @@ def _by_stages(table: Table) -> str:
     names = [name for name in table.head if name != "stage" and not name.endswith(" at")]
     columns = zip(*table.texts(), strict=True)
     text = dict(zip(table.head, columns, strict=True))
+    titles = dict(zip(table.head, table.titles, strict=True))
 
     def cell(name: str, k: int) -> str:
         content = escape(text[name][k])
@@ -299,7 +299,7 @@ def _by_stages(table: Table) -> str:
         body = ""
         for name in names:
             cells = "".join(cell(name, int(k)) for k in stages)
-            body += f"<tr><th>{escape(in_words(name))}</th>{cells}</tr>"
+            body += f"<tr><th>{escape(titles[name])}</th>{cells}</tr>"
         tables.append(
             f'<table class="stages"><thead><tr><th></th>{head}</tr></thead>'
             f"<tbody>{body}</tbody></table>"

@@ -136,7 +136,7 @@ def of_form(stage: StageData, name: str, sections: Cuts | None = None) -> Table:
             columns[key] = values
         elif key != "axis":
             columns |= {f"{key} {axis}": part for axis, part in zip("xyz", values.T)}
-    return Table.of(columns, f"{name}, {stage.name}", _kinds(columns))
+    return Table.of(columns, f"{name}, {stage.name}", _kinds(columns, "z" in columns))
 
 
 def of_stages(
@@ -158,17 +158,22 @@ def of_stages(
     chosen = dict.fromkeys((*names, *sections))
     rows = [_row(stage, chosen, sections, searches) for stage in stages]
     columns = _columns(rows)
-    return Table.of(columns, kinds=_kinds(columns))
+    moved = next(filter(None, map(_moved, stages)), None)
+    in_space = moved is not None and moved[1].shape[1] == 3
+    return Table.of(columns, kinds=_kinds(columns, in_space))
 
 
-def _kinds(columns: Iterable[str]) -> dict[str, str]:
-    """Return the kinds of the units of columns; components of vectors have those of the vector."""
+def _kinds(columns: Iterable[str], in_space: bool) -> dict[str, str]:
+    """Return the kinds of the units of columns; components of vectors have those of the vector.
+
+    In space section forces are those of a whole member, in the plane those of a unit of length.
+    """
     kinds = {}
     for name in columns:
         vector, _, axis = name.rpartition(" ")
-        kinds[name] = kind_of(name)
+        kinds[name] = kind_of(name, in_space)
         if axis in ("x", "y", "z") and kind_of(vector):
-            kinds[name] = kind_of(vector)
+            kinds[name] = kind_of(vector, in_space)
     return kinds
 
 
