@@ -161,11 +161,6 @@ def unit_of_parameter(name: str) -> str:
     return unit_of(kind)
 
 
-def in_words(title: str, kind: str = "") -> str:
-    """Return a title of a table with its unit, by its last word if no kind is given."""
-    return labelled(title, kind or kind_of(title))
-
-
 def kind_of(title: str, in_space: bool = False) -> str:
     """Return the kind of the unit of a title in a table, by its last word."""
     word = title.split(" ")[-1]

@@ -16,7 +16,7 @@ from ..results.cuts import Cuts
 from ..results.fields import basis_of, has_solids, solids
 from ..results.result import COLUMNS, Result, rows_of
 from ..results.stage import StageResult
-from ..units import in_words
+from ..units import labelled
 from .contour import Contours, contours, cutaway
 from .diagram import diagram
 from .mechanism import load_curve, mechanism
@@ -43,7 +43,7 @@ def facts_of(result: Result, table: Table, searches: Mapping[str, Any]) -> dict[
         found["elements"] = f"{n_elements}"
     if "displacement" in table.head:
         largest = np.nanmax(table["displacement"])
-        found[in_words("largest displacement", "length")] = f"{largest:.4g}"
+        found[labelled("largest displacement", "length")] = f"{largest:.4g}"
 
     # Collect factors and times.
     for stage, search in searches.items():
