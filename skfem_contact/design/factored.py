@@ -29,8 +29,9 @@ def factored(model: M, factors: PartialFactors, *, exclude: str | Collection[str
     r"""Return the model with design values of its strengths; the model itself stays as it is.
 
     Cohesion and :math:`\tan\varphi` of materials, undrained strengths, and friction and adhesion of
-    contact pairs are divided by their factors. Forms that stages change are factored as well. Runs,
-    searches and bounds of the new model start from results of either one.
+    contact pairs are divided by their factors, tensile strength by the factor of the cohesion.
+    Forms that stages change are factored as well. Runs, searches and bounds of the new model start
+    from results of either one.
 
     Parameters
     ----------
@@ -133,9 +134,10 @@ def divided(material: Any, factors: PartialFactors) -> Any:
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
     by = dict.fromkeys(_UNDRAINED, factors.undrained)
-    by["c"] = by["c_end"] = factors.undrained
+    cohesion = factors.undrained
     if "phi" in existing and _has_friction(existing["phi"]):
-        by["c"] = by["c_end"] = factors.cohesion
+        cohesion = factors.cohesion
+    by |= dict.fromkeys(("c", "c_end", "tension"), cohesion)
     changed: dict[str, Any] = {}
     for name, value in existing.items():
         if name in by:

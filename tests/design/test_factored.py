@@ -122,6 +122,20 @@ def test_every_law():
     assert divided(elastic, OWN) is elastic
 
 
+@pytest.mark.parametrize("phi", [0.0, 30.0])
+def test_tensile_strength_is_divided_like_cohesion(phi):
+    """[X] As strength reduction divides it: a column whose cut-off is 7 is pulled apart at 7 over
+    the factor.
+    """
+    soil = sc.MohrCoulomb(E=1e3, nu=0.3, c=14.0, phi=phi, psi=phi, tension=7.0)
+    weaker = divided(soil, OWN)
+    factor = OWN.cohesion if phi else OWN.undrained
+    assert np.isclose(weaker.c, 14.0 / factor) and np.isclose(weaker.tension, 7.0 / factor)
+    by_depth = divided(replace(soil, tension=lambda x: 7.0 + x[1]), OWN)
+    assert np.isclose(by_depth.tension(np.array([0.0, 7.0])), 14.0 / factor)
+    assert divided(replace(soil, tension=None), OWN).tension is None
+
+
 def test_a_slope_has_the_factor_over_the_partial_factor():
     """[X] With one factor on all strengths the over-design factor is the factor of safety over it.
 
