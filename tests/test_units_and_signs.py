@@ -262,6 +262,9 @@ def test_section_forces_in_space_are_forces_and_moments(without_units):
     titles = set(result["push"].table("mast").titles)
     assert {"N [kN]", "V x [kN]", "M y [kNm]", "T [kNm]", "z [m]"} <= titles
     assert {"mast N [kN]", "mast M [kNm]", "mast T [kNm]"} <= set(result.table().titles)
+    bent = result["push"].section_forces("mast").towards((-1.0, 0.0, 0.0))
+    figure = plot.diagram(bent, "M")
+    assert figure.axes[0].get_ylabel() == "moment M [kNm]"
     wall = sc.Beam(None, [(0.0, 0.0), (0.0, -4.0)], EI=1e3, EA=1e6)
     model = sc.Model({"wall": wall}, wall.dofs((0.0, -4.0)))
     push = model.forms["wall"].load((1.0, -3.0), at=(0.0, 0.0))

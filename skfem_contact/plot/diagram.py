@@ -26,21 +26,21 @@ from ..results.fields import Shown, basis_of, has_excess, nodal_field, quantitie
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.tractions import Tractions
-from ..units import labelled
+from ..units import kind_of, labelled
 from .scene import Scene
 from .sheet import PACKED, Window
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
 _POSITIVE = "#cf4b41"
 _NEGATIVE = "#3b78b4"
-#: Titles of the quantities, and kinds of their units, of tractions and of section forces.
+#: Titles of the quantities of tractions, with kinds of their units, and of section forces.
 _TRACTIONS = {"pressure": ("contact pressure", "stress"), "shear": ("friction", "stress")}
 _FORCES = {
-    "N": ("normal force N", "line"),
-    "V": ("shear force V", "line"),
-    "M": ("moment M", "moment"),
-    "N_hoop": ("hoop force", "line"),
-    "M_hoop": ("hoop moment", "moment"),
+    "N": "normal force N",
+    "V": "shear force V",
+    "M": "moment M",
+    "N_hoop": "hoop force",
+    "M_hoop": "hoop moment",
 }
 #: Extremes below this share of the largest ordinate are not written.
 _LEAST = 0.01
@@ -267,7 +267,8 @@ def _titles(values: Any) -> dict[str, tuple[str, str]]:
     if isinstance(values, Tractions):
         return _TRACTIONS
     if isinstance(values, SectionForces) and values.M.ndim == 1:
-        return {name: _FORCES[name] for name in values.names}
+        in_space = values.T is not None
+        return {name: (_FORCES[name], kind_of(name, in_space)) for name in values.names}
     raise ValueError(
         f"a diagram is drawn of Tractions or of SectionForces in a plane, not of "
         f"{type(values).__name__}; "

@@ -93,6 +93,7 @@ class SectionForces:
             N=self.N,
             V=dot(self.V, side),
             M=-dot(self.M, bending_axis),
+            T=self.T,
         )
 
 
