@@ -106,7 +106,8 @@ def loads(result: Result) -> Table:
         largest = max(max_abs(part) for _, part, _ in found)
         for what, force, where in found:
             force = np.where(np.abs(force) < _ZERO * largest, 0.0, force)
-            rows.append((stage.name, what, *force.tolist(), where))
+            at = where if force[-1] else ""
+            rows.append((stage.name, what, *force.tolist(), at))
     dim = len(rows[0]) - 3
     what = "resultant of"
     unit = unit_of("force" if dim == 3 else "line")

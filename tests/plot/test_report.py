@@ -354,6 +354,10 @@ def test_resultants_of_loads_count_forces_alone() -> None:
     np.testing.assert_allclose(rows["other loads"][:2], (30.0, -50.0))
     np.testing.assert_allclose(rows["reactions"][:2], (-30.0, 690.0), rtol=1e-9)
     assert rows["weight"][2] == "x = 0" and rows["other loads"][2] == "x = 1"
+    dry = sc.Model({"soil": forms["soil"]}, sc.box_supports(basis), water_unit_weight=9.81)
+    result = dry.run([sc.Stage("wet", water=[(-4.0, -0.3), (4.0, 0.7)])], progress=False)
+    nothing = report_tables.loads(result).rows[2]
+    assert nothing[1:] == ("other loads", 0.0, 0.0, "")
 
 
 def test_resultants_of_axial_symmetry_are_per_radian(request) -> None:
