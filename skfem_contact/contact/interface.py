@@ -538,9 +538,10 @@ class Interface:
         slip, closing_slip, traction, clearance, elastic = self.interpolated(
             old, new, (state.slip, state.closing_slip, state.traction, clearance, elastic)
         )
+        at = self.nearest(old, new)
+        clearance = clearance + self.clearance_between(state.cuts, cuts, at)
         # Place the new points on the master.
         slave, master = self.positions(x)
-        at = self.nearest(old, new)
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
         # The clearance of round facets follows from the new coordinates.
@@ -562,6 +563,20 @@ class Interface:
             cuts=cuts,
         )
         return self.with_elastic_slip(state, elastic)
+
+    def clearance_between(self, cuts: ndarray, others: ndarray, at: ndarray) -> ndarray:
+        """Return by how much clearances at points of other cuts differ from those numbered `at`.
+
+        The clearance of an adjusted point is its gap in the mesh. In the plane it is interpolated.
+        """
+        points = self.points(others)
+        if self.slave.dim == 2:
+            return np.zeros(len(points.size))
+        before = self.in_mesh(cuts).gap[at]
+        after = self.in_mesh(others).gap
+        near = self.adjusted * points.size
+        adjusted = (np.abs(before) <= near) & (np.abs(after) <= near)
+        return np.where(adjusted, after, 0.0) - np.where(adjusted, before, 0.0)
 
     def nearest(self, old: SlavePoints, new: SlavePoints) -> ndarray:
         """Return the number of the old point nearest to each new one in the undeformed slave."""

@@ -247,7 +247,8 @@ class ContactPair(ContactBase):
                     changes[name] = values[..., at]
             if self.clearance is not None:
                 without = (self.clearance - accepted.rounded)[..., at]
-                changes["clearance"] = without + cut.rounded
+                further = self.interface.clearance_between(accepted.cuts, cut.cuts, at)
+                changes["clearance"] = without + further + cut.rounded
         elif self._rounds < RECUTS:
             # Let the clearance between round facets follow
             rounded = self._rounded_anew(accepted, found)

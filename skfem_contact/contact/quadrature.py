@@ -331,7 +331,7 @@ def piecewise(
     degree = 2 * order if slave.shape.triangular else 4 + 2 * order
     piece, points, area = _points_on(pieces[kept], corners[kept], degree)
     facet = own[piece]
-    local, slope = _back(slave, slave_nodes, facet, centre[facet], axes[facet], points)
+    local, slope = _back(clip[kept][piece, :, :2], points)
     return _with_the_others(slave, facet, local, area / slope, facets[facing[piece]])
 
 
@@ -508,16 +508,19 @@ def _about_centres(polygons: ndarray, corners: ndarray) -> tuple[ndarray, ndarra
     return many[polygon], triangles
 
 
-def _back(
-    slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes: ndarray, points: ndarray
-) -> tuple[ndarray, ndarray]:
-    """Return xi of points in the planes of facets, and area in the plane per unit of xi."""
-    to_plane = axes.transpose(0, 2, 1)
-    xi = np.tile(slave.shape.centre, (len(facet), 1))
+def _back(corners: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
+    """Return xi of points in polygons (n, corners, 2), and area in the plane per unit of xi.
+
+    Facets of second order have the points at the same xi, whose curved sides would leave strips
+    beside the polygons without points.
+    """
+    shape = Shape.of_cells(3, corners.shape[1])
+    facet = np.zeros(len(points), int)
+    xi = np.tile(shape.centre, (len(points), 1))
     for _ in range(NEWTON_STEPS):
-        x, a = slave.at(facet, xi, nodes).x
-        position = ((x - centre)[:, None] @ to_plane)[:, 0, :2]
-        jacobian = a @ to_plane[:, :, :2]
+        values, slopes = shape.at(facet, xi, 1)
+        position = np.einsum("nk,nkc->nc", values, corners)
+        jacobian = slopes @ corners
         step = solve(jacobian.transpose(0, 2, 1), points - position)
         xi = xi + step
         if max_abs(step) < _LAST_STEP:

@@ -20,6 +20,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from tests.tools import space
 from tests.tools.helpers import moved_rigidly
 
 
@@ -172,6 +173,26 @@ def test_fit_that_turns_as_a_whole_transfers_no_torque(recwarn):
     assert not [str(w.message) for w in recwarn if "torque" in str(w.message)]
 
 
+def test_clearances_of_adjusted_points_follow_the_cuts() -> None:
+    """[X] The clearance of a wavy block that is adjusted to a base is its gap in the mesh, also at
+    the points that it has once it has slid.
+    """
+    base = space.block("Q1", np.linspace(-0.5, 1.5, 6), np.linspace(0, 1, 4), [-1.0, 0.0])
+    block = space.block("Q1", np.linspace(0, 1, 4), np.linspace(0, 1, 4), [0.0, 1.0])
+    wave = np.array([[0.0], [0.0], [0.02]])
+    block = space.moved(block, lambda p: np.cos(np.pi * p[0]) * wave)
+    basis = space.vector_basis(sc.join_bodies({"base": base, "block": block}), "Q1")
+    pair = sc.ContactPair(
+        basis, "block:bottom", "base:top", sc.Coulomb(), initial="adjusted", penalty=1e5
+    )
+    x = basis.zeros()
+    x[basis.get_dofs(elements=basis.mesh.subdomains["block"]).all("u^1")] = 0.13
+    slid = pair.interface.follow(pair.initial_state(), x)
+    assert slid is not None
+    assert np.abs(slid.clearance).max() > 0.01
+    assert slid.clearance == pytest.approx(pair.interface.in_mesh(slid.cuts).gap, abs=1e-12)
+
+
 def octant(radii, n, core=0.0):
     """An eighth of a hollow ball, or of a ball about a core, of curved elements with 27 nodes."""
     blocks = []
@@ -238,6 +259,27 @@ def test_ball_that_is_shrunk_into_a_shell(is_curved, error, recwarn):
     told = any("are flat where the bodies are round" in str(warning.message) for warning in recwarn)
     assert told is not is_curved
     assert mean == pytest.approx(1.0, abs=error) if is_curved else mean > 1.05
+
+
+def test_ball_and_shell_whose_facets_do_not_match() -> None:
+    """[X] Lame's pressure is uniform on pieces of curved facets, which have all of the area."""
+    b, interference, (E1, E2), nu = 2.0, 5e-3, (1.0, 2.0), 0.3
+    bodies = {"ball": octant((0.45, 1.0), 2, 0.45)[0], "shell": octant((1.0, b), 3)[0]}
+    basis = Basis(sc.join_bodies(bodies), ElementVector(ElementHex2()), intorder=5)
+    laws = {"ball": sc.LinearElastic(E=E1, nu=nu), "shell": sc.LinearElastic(E=E2, nu=nu)}
+    pair = sc.ContactPair(
+        basis, "ball:touching", "shell:touching", sc.Coulomb(), initial=interference, penalty=100.0
+    )
+    fixed = [basis.get_dofs(lambda x, i=i: np.abs(x[i]) < 1e-9).all(f"u^{i + 1}") for i in range(3)]
+    model = sc.Model({"bodies": sc.SolidForm(basis, laws), "fit": pair}, fixed)
+    found = model.run([sc.Stage("fit")], **QUIET)["fit"].tractions("fit")
+    gives = (1 - 2 * nu) / E1 + ((1 - 2 * nu) + (1 + nu) * b**3 / 2) / (b**3 - 1) / E2
+    # without the strips, or with clearances of other points, pressures vary by 4 and 100 %
+    mean = found.weight @ found.pressure / found.weight.sum()
+    assert found.pressure == pytest.approx(mean, rel=0.015)
+    # the penalty gives way by 1 % of the interference
+    assert mean * gives / interference == pytest.approx(1.0, abs=0.015)
+    assert found.weight.sum() == pytest.approx(np.pi / 2, rel=1e-3)
 
 
 def test_fit_that_is_sheared_along_its_axis() -> None:
