@@ -290,6 +290,10 @@ class Layout:
         """Return the dofs of chosen fields."""
         return np.flatnonzero(np.repeat(chosen, [f.n for f in self.fields]))
 
+    def place(self, dof: int | None) -> str:
+        """Return the end of a message on a dof, its place; nothing for None."""
+        return "" if dof is None else f", {self.describe(dof)}"
+
     def describe(self, dof: int) -> str:
         """Return coordinates of a dof, and its field if it is no displacement, for a message."""
         k = next(k for k, part in enumerate(self.parts) if dof < part.stop)

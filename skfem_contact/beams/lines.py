@@ -215,7 +215,9 @@ def _one_way(ends: ndarray, name: str) -> ndarray:
             facets.setdefault(node, []).append(k)
     for node, members in facets.items():
         if len(members) > 2:
-            raise ValueError(f"'{name}' is no single chain: it branches at node {node}")
+            raise ValueError(
+                f"'{name}' is no single chain: it branches at node {node}; name its branches apart"
+            )
 
     # Follow the chain from a single end, or from any node
     single = [node for node, members in facets.items() if len(members) == 1]
@@ -229,7 +231,8 @@ def _one_way(ends: ndarray, name: str) -> ndarray:
         node = int(ends[1, k])
     if remaining:
         raise ValueError(
-            f"'{name}' is no single chain: {len(remaining)} of its {ends.shape[1]} facets lie apart"
+            f"'{name}' is no single chain: {len(remaining)} of its {ends.shape[1]} facets lie "
+            "apart; name its pieces apart, also where a slit crosses it"
         )
     return ends
 

@@ -644,6 +644,8 @@ def _first(
         return point
 
     # say whether the structure collapses, or no equilibrium was found
+    assert error is not None
+    where = branch.system.layout.place(error.dof)
     most = f"{1 / _FIRST[-1]:g} times its strength"
     if isinstance(error, NoEquilibrium):
         raise NotConverged(
@@ -651,7 +653,7 @@ def _first(
         ) from error
     raise NotConverged(
         f"no equilibrium to start from was found, with up to {most}, and no collapse either; put "
-        f"the load on in stages and give their result as `start`: {error}"
+        f"the load on in stages and give their result as `start`: {error}{where}"
     ) from error
 
 

@@ -12,8 +12,9 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..arrays import row_norms
-from ..checks import finite, look_up, names
+from ..checks import finite, format_point, look_up, names
 from ..display import Table
+from ..errors import warn
 from ..layout import elements_in
 from ..mesh.locate import locate, outside
 from .fields import Shown, basis_of, quantities, region_field, solids
@@ -158,6 +159,19 @@ def at_points(
         ...
     ValueError: 1 of 1 points lie outside of the bodies of stage 'weight': the first is ...
     """
+    return _at(stage, points, quantity, since, water, of)[0]
+
+
+def _at(
+    stage: StageData,
+    points: Mapping[str, ArrayLike] | ArrayLike,
+    quantity: Sequence[str],
+    since: StageData | None,
+    water: Shown | None,
+    of: str | None,
+    gaps: bool = False,
+) -> tuple[PointValues, ndarray]:
+    """Return values at points, and those outside of the bodies, which have NaN with `gaps`."""
     shell = shell_of(stage, of)
     titles = _titles(stage, quantity, water, shell)
     labels, coordinates = _points(stage, points, shell)
@@ -165,11 +179,13 @@ def at_points(
     if labels:
         columns["point"] = np.array(labels)
     columns |= zip("xyz", coordinates.T)
+    outside = np.zeros(len(coordinates), bool)
     if shell:
         columns |= on_shell(stage, shell, coordinates, quantity, since)
     else:
-        columns |= _values(stage, coordinates, quantity, since, water, of)
-    return PointValues(columns, titles, stage.name)
+        values, outside = _values(stage, coordinates, quantity, since, water, of, gaps)
+        columns |= values
+    return PointValues(columns, titles, stage.name), outside
 
 
 def along_line(
@@ -203,7 +219,7 @@ def along_line(
     if shell:
         columns |= on_shell(stage, shell, coordinates, quantity, since)
     else:
-        columns |= _values(stage, coordinates, quantity, since, water, of)
+        columns |= _values(stage, coordinates, quantity, since, water, of)[0]
     return PointValues(columns, titles, stage.name)
 
 
@@ -219,7 +235,9 @@ def through_stages(
     parts: list[StageData] = []
     for stage in stages:
         parts += (increments and stage.increments) or (stage,)
-    found = [at_points(part, points, *quantity, water=water, of=of) for part in parts]
+    each = [_at(part, points, quantity, None, water, of, gaps=True) for part in parts]
+    found = [values for values, _ in each]
+    _check_gaps(parts, found[0], np.array([outside for _, outside in each]))
 
     # Put the stage and its time before the columns of every part.
     columns: dict[str, list[Any]] = {"stage": [], "time": [], "load": []}
@@ -301,8 +319,12 @@ def _values(
     since: StageData | None,
     water: Shown | None,
     of: str | None,
-) -> dict[str, ndarray]:
-    """Return fields at points by their names, (n,) each."""
+    gaps: bool = False,
+) -> tuple[dict[str, ndarray], ndarray]:
+    """Return fields at points by their names, (n,) each, and a mask of points outside.
+
+    These have NaN with `gaps`, and are refused without.
+    """
     # Collect the elements of all solids, or of one solid or region.
     bodies = solids(stage)
     forms = list(bodies.values())
@@ -316,7 +338,7 @@ def _values(
     basis = basis_of(stage)
     located = locate(basis.mesh, numbers[allowed], points, mesh.region[allowed])
     missing = located.elements < 0
-    if missing.any():
+    if missing.any() and not gaps:
         if of is not None:
             where = f"'{of}'"
         else:
@@ -325,16 +347,36 @@ def _values(
         raise ValueError(
             f"{missing.sum()} of {len(points)} points lie outside of {where}: the first is {far}"
         )
-    cell = allowed[located.elements]
+    found = {name: np.full(len(points), np.nan) for name in quantity}
+    if missing.all():
+        return found, missing
+    cell = allowed[located.elements[~missing]]
 
     # Interpolate the values at the nodes of the elements.
-    shapes = _shape_functions(basis, located.local)
+    shapes = _shape_functions(basis, located.local[..., ~missing])
     of_form = _by_form(bodies, np.unique(cell))
-    found = {}
     for name in quantity:
         nodal = region_field(stage, name, since, water, of_form)
-        found[name] = np.einsum("kn,nk->n", shapes, nodal[mesh.cells[cell]])
-    return found
+        found[name][~missing] = np.einsum("kn,nk->n", shapes, nodal[mesh.cells[cell]])
+    return found, missing
+
+
+def _check_gaps(parts: Sequence[StageData], values: PointValues, outside: ndarray) -> None:
+    """Refuse points outside of the bodies in all parts, (parts, n), and warn of those in some."""
+    n = outside.shape[1]
+    never = np.flatnonzero(outside.all(axis=0))
+    if len(never):
+        first = np.array([values[axis][never[0]] for axis in "xyz" if axis in values.columns])
+        raise ValueError(
+            f"{len(never)} of {n} points lie outside of the bodies of all stages: the first is "
+            f"{format_point(first)}"
+        )
+    if outside.any():
+        k = int(outside.any(axis=1).argmax())
+        warn(
+            f"{outside[k].sum()} of {n} points lie outside of the active bodies in stage "
+            f"'{parts[k].name}': they have NaN where no body holds them"
+        )
 
 
 def _allowed(

@@ -166,7 +166,8 @@ class Result:
         Parameters
         ----------
         points, quantity, water, of
-            As of :meth:`StageResult.at`. The points must lie in active bodies in all stages.
+            As of :meth:`StageResult.at`. Points that are dug away, or filled later, have NaN where
+            no active body holds them, with a warning.
         increments
             With all increments that the stages keep, ``Stage(keep="all")``.
 

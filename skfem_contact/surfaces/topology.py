@@ -91,11 +91,14 @@ def ordered(ends: ndarray, name: str) -> ndarray:
     facet_from = {node: k for k, node in enumerate(starts)}
     reached = set(arrivals)
     if len(facet_from) < n or len(reached) < n:
-        raise ValueError(f"boundary '{name}' is no single chain: it branches")
+        raise ValueError(
+            f"boundary '{name}' is no single chain: it branches; name its branches apart"
+        )
     first = [k for k in range(n) if starts[k] not in reached]
     if len(first) > 1:
         raise ValueError(
-            f"boundary '{name}' is no single chain: it consists of {len(first)} pieces"
+            f"boundary '{name}' is no single chain: it consists of {len(first)} pieces; name them "
+            "apart, and give each a pair of its own"
         )
     # follow the chain to its end, or once round
     order = first or [0]

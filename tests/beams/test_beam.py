@@ -424,7 +424,7 @@ STIFF = {"EI": 1.0, "EA": 1.0}
             lambda: sc.Beam(vector_basis(MeshTri().with_defaults(), "P1"), "top", **STIFF),
         ),
         (
-            "no single chain: 1 of its 2 facets lie apart",
+            "no single chain: 1 of its 2 facets lie apart; name its pieces apart",
             lambda: sc.Beam(
                 vector_basis(
                     MeshTri().with_boundaries({"two": lambda x: abs(x[0] - 0.5) > 0.4}), "P2"
@@ -1307,3 +1307,22 @@ def test_stiffness_that_a_varying_thrust_takes_away(dim, rng):
     work = sum((force * slope**2).integ()(1.0) for slope in slopes)
     assert moves.ravel() @ K @ moves.ravel() == pytest.approx(-length * work, rel=1e-12)
     assert np.abs(K @ along.ravel()).max() < 1e-12 * np.abs(K).max()
+
+
+def test_slits_that_cross_are_cut_piece_by_piece() -> None:
+    """A slit across another one has two pieces, as the message says; with a name each they are
+    cut, and the crossing has a node for each of four corners.
+    """
+    line = np.linspace(0, 1, 9)
+    mesh = MeshTri.init_tensor(line, line)
+    level = {"level": lambda x: (x[1] == 0.5) & (abs(x[0] - 0.5) < 0.3)}
+    upright = {
+        "upright": lambda x: (x[0] == 0.5) & (abs(x[1] - 0.5) < 0.3),
+        "lower": lambda x: (x[0] == 0.5) & (x[1] > 0.2) & (x[1] < 0.5),
+        "upper": lambda x: (x[0] == 0.5) & (x[1] < 0.8) & (x[1] > 0.5),
+    }
+    slit = sc.split_along(mesh.with_boundaries(level | upright, False), "level")
+    with pytest.raises(ValueError, match="name its pieces apart, also where a slit crosses it"):
+        sc.split_along(slit, "upright")
+    both = sc.split_along(sc.split_along(slit, "lower"), "upper")
+    assert (np.abs(both.p - 0.5).max(axis=0) == 0.0).sum() == 4

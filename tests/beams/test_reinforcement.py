@@ -267,3 +267,18 @@ def test_factors_do_not_depend_on_the_stiffness_of_nails():
         nailed_slope(15.0, side=-1.0).factor,
     ]
     assert np.ptp(factors) < 0.005  # half of the search's tolerance
+
+
+def test_reinforcement_that_nothing_holds_is_named_by_searches() -> None:
+    """A line of reinforcement without bond or contact moves freely: messages say where it is."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 2, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    forms = {
+        "soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=50.0, phi=30.0)),
+        "grid": sc.Reinforcement(None, [(0.5, 1.0), (1.0, 1.0), (1.5, 1.0)], EA=500.0),
+    }
+    model = sc.Model(forms, sc.box_supports(basis))
+    load = model.traction("top", (0.0, -1.0))
+    for search in (model.is_stable, model.strength_reduction):
+        with pytest.raises(sc.NotConverged, match=r"displacement of reinforcement at \(0.5, 1\)"):
+            search(load)

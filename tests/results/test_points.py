@@ -119,6 +119,30 @@ def test_histories_with_all_increments(column):
     assert np.allclose(every["load"][top], [1.0, 0.25, 0.5, 0.75, 1.0])
 
 
+def test_histories_of_points_that_are_dug_away() -> None:
+    """[X] A point has its settlement until it is dug away, and NaN from then on, which is told; a
+    point that no stage holds is refused.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 2, 5))
+    mesh = mesh.with_defaults().with_subdomains({"low": lambda x: x[1] < 1})
+    mesh = mesh.with_subdomains({"high": lambda x: x[1] > 1})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    soil = sc.LinearElastic(E=1e3, nu=0.0)
+    forms = {
+        name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0)
+        for name in ("low", "high")
+    }
+    model = sc.Model(forms, basis.get_dofs("bottom").all())
+    result = model.run([sc.Stage("weight"), sc.Stage("dug", deactivate="high")])
+    points = {"top": (0.4, 2.0), "middle": (0.4, 1.0)}
+    with pytest.warns(sc.AnalysisWarning, match="1 of 2 points .* in stage 'dug': they have NaN"):
+        found = result.at(points, "uy")
+    # w L^2 / (2 E) of both halves, then of the lower one
+    assert found["uy"] == pytest.approx([-0.04, -0.03, np.nan, -0.01], nan_ok=True)
+    with pytest.raises(ValueError, match=r"1 of 2 points .* of all stages: the first is \(3, 1\)"):
+        result.at([(0.4, 1.0), (3.0, 1.0)], "uy")
+
+
 def test_pore_pressure_at_points(column):
     """[X] Hydrostatic pressure of a level of 1.5 is linear."""
     stage = column["load"]
