@@ -290,8 +290,8 @@ class Layout:
         """Return the dofs of chosen fields."""
         return np.flatnonzero(np.repeat(chosen, [f.n for f in self.fields]))
 
-    def place(self, dof: int | None) -> str:
-        """Return the end of a message on a dof, its place; nothing for None."""
+    def located(self, dof: int | None) -> str:
+        """Return the end of a message on a dof, with its coordinates; nothing for None."""
         return "" if dof is None else f", {self.describe(dof)}"
 
     def describe(self, dof: int) -> str:

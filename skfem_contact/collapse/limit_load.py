@@ -312,7 +312,7 @@ def is_stable(
         except NotConverged as error:
             failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
             if not isinstance(failure, NoEquilibrium) or failure.x is None:
-                raise NotConverged(f"{error}{system.layout.place(error.dof)}") from error
+                raise NotConverged(f"{error}{system.layout.located(error.dof)}") from error
             states = system.evaluate(failure.x, origin.states, whole).states
             warn_of_errors(system, failure.x, states)
             return False

@@ -645,7 +645,7 @@ def _first(
 
     # say whether the structure collapses, or no equilibrium was found
     assert error is not None
-    where = branch.system.layout.place(error.dof)
+    where = branch.system.layout.located(error.dof)
     most = f"{1 / _FIRST[-1]:g} times its strength"
     if isinstance(error, NoEquilibrium):
         raise NotConverged(

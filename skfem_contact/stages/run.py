@@ -569,7 +569,7 @@ def _along(
             text = "%s: increment to %.4f failed, cut to %.4f: %s"
             logger.info(text, way, fraction, stepping.size, error)
             if stepping.exhausted:
-                where = system.layout.place(error.dof)
+                where = system.layout.located(error.dof)
                 raise NotConverged(
                     f"{way} {stepping}: {error}{where}{_so_far(system, last)}"
                 ) from error
