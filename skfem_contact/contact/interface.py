@@ -570,7 +570,7 @@ class Interface:
         The clearance of an adjusted point is its gap in the mesh. In the plane it is interpolated.
         """
         points = self.points(others)
-        if self.slave.dim == 2:
+        if self.slave.dim == 2 or not self.adjusted:
             return np.zeros(len(points.size))
         before = self.in_mesh(cuts).gap[at]
         after = self.in_mesh(others).gap
